@@ -40,20 +40,20 @@ struct pccd_client *bench_connect(uint32_t spin_us, const char *url)
 double bench_ping_us(struct pccd_client *client)
 {
     uint64_t ns;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bench_must(pccd_ping(client, &ns), "ping", client);
-    return 1e-3 * (double)(bench_now_ns() - begin_ns);
+    return 1e-3 * (double)(common_now_ns() - begin_ns);
 }
 
 /* A step in which nothing moves; its answer must be the same every time. */
 double bench_empty_step_us(struct pccd_client *client, uint32_t scene)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bench_must(pccd_submit_still(client, scene, NULL, &step), "submit", client);
     bench_must(pccd_wait(client, step, -1, &answer), "wait", client);
-    uint64_t end_ns = bench_now_ns();
+    uint64_t end_ns = common_now_ns();
     bench_check(answer.total == 0 && answer.incomplete == PCCD_COMPLETE, "round trip",
                 "a single triangle has contacts");
     pccd_answer_release(client, &answer);

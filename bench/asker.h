@@ -1,8 +1,9 @@
-/* bench/asker.h - a client of a private daemon, and what it asks.
+/* bench/asker.h - the client with which the benchmarks ask a private daemon: ping, an
+ * empty step, a large step.
  *
  * Room:     bench. May include: the public header of the client library.
- * Does:     connect; ping; an empty step; a scene of many vertices that move. What fails
- *           ends the program with 2.
+ * Does:     connect; ping; submit an empty step; move a scene of many vertices. Any
+ *           failure ends the program with 2.
  * Threads:  one.
  */
 #ifndef BENCH_ASKER_H

@@ -20,6 +20,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "clock.h"
+
 #define HEAP_BYTES (16u << 20)
 #define SETTLE_MS  50
 #define PATIENCE_S 20
@@ -52,10 +54,7 @@ struct turn {
 
 static uint64_t now_us(void)
 {
-    struct timespec now;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+    return common_now_ns() / 1000;
 }
 
 static void sleep_ms(long ms)
@@ -77,7 +76,7 @@ static void close_side(struct turn *turn, int side)
 static bool open_listener(struct turn *turn)
 {
     turn->address = (struct sockaddr_un){.sun_family = AF_UNIX};
-    turn->address_bytes = sizeof(turn->address);
+    turn->address_bytes = sizeof turn->address;
     turn->listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0);
     return turn->listener >= 0 && pipe(turn->lifeline) == 0 &&
            bind(turn->listener, (struct sockaddr *)&turn->address, sizeof(sa_family_t)) ==
@@ -139,8 +138,8 @@ static void serve(const struct turn *turn, int poll, int fd)
     struct epoll_event event = {.events = EPOLLIN};
 
     if (fd != turn->listener) {
-        if (recv(fd, message, sizeof(message), 0) > 0) {
-            (void)send(fd, message, sizeof(message), MSG_NOSIGNAL);
+        if (recv(fd, message, sizeof message, 0) > 0) {
+            (void)send(fd, message, sizeof message, MSG_NOSIGNAL);
         }
         return;
     }
@@ -180,7 +179,7 @@ static void ask(const struct turn *turn)
 
     (void)connect(fd, (const struct sockaddr *)&turn->address, turn->address_bytes);
     (void)send(fd, message, QUESTION_BYTES, MSG_NOSIGNAL);
-    (void)recv(fd, message, sizeof(message), 0);
+    (void)recv(fd, message, sizeof message, 0);
 }
 
 static void be_watcher(const struct turn *turn, unsigned number)
@@ -273,7 +272,7 @@ bool bareend_turn(unsigned watchers, bool asks, uint64_t *us)
     if (shared == MAP_FAILED || watchers > BAREEND_WATCHERS_MAX) {
         return false;
     }
-    memset(&turn, 0, sizeof(turn));
+    memset(&turn, 0, sizeof turn);
     turn.shared = shared;
     turn.watchers = watchers;
     turn.asks = asks;
@@ -286,7 +285,7 @@ bool bareend_turn(unsigned watchers, bool asks, uint64_t *us)
         (void)kill(turn.bare, SIGKILL);
         good = await(&turn.shared->seen, watchers);
     }
-    memcpy(us, turn.shared->us, watchers * sizeof(*us));
+    memcpy(us, turn.shared->us, watchers * sizeof *us);
     stop(&turn);
     (void)munmap(shared, sizeof(struct shared));
     return good;

@@ -1,11 +1,12 @@
-/* bareend.h - how long until the end of a bare process is seen, and another answers.
+/* bareend.h - measures how long it takes at least until a client notices that a process
+ * was killed, and another one answers.
  *
  * Room:     bench. May include: the C library.
- * Does:     what killing a daemon costs the machine at least: a process of one thread
- *           that has touched 16 MiB and holds one end of a socketpair for each of those
- *           who watch, a process each, is killed with -9, and they see the end of file.
- *           Or they go on: each connects to a process of one thread that has stood by,
- *           sends it one message, and gets one back: what coming back takes at least.
+ * Does:     measure the cost of a kill without pccd: a process of one thread that has
+ *           touched 16 MiB, and holds one end of a socketpair for each watching process,
+ *           is killed with -9, and the watchers see the end of file. In a second form
+ *           each watcher then connects to a standby process of one thread, sends it one
+ *           message, and gets one back: the least that a reconnection takes.
  * Threads:  one a process; times are handed over in shared memory.
  */
 #ifndef BENCH_BAREEND_H

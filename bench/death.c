@@ -144,12 +144,12 @@ static void report(const struct run *run)
         size_t at;
     } rows[] = {{"p50", count / 2}, {"p99", count - 1 - count / 100}, {"max", count - 1}};
 
-    qsort(samples, count, sizeof(*samples), by_all);
-    qsort(run->floor_us, count, sizeof(*run->floor_us), by_us);
-    qsort(run->bare_us, count, sizeof(*run->bare_us), by_us);
+    qsort(samples, count, sizeof *samples, by_all);
+    qsort(run->floor_us, count, sizeof *run->floor_us, by_us);
+    qsort(run->bare_us, count, sizeof *run->bare_us, by_us);
     printf("kill -9 to the next answer, %u clients, %u kills, %u meshes each\n",
            run->clients, run->kills, 2 * run->scenes);
-    for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const struct sample *at = &samples[rows[i].at];
         uint64_t floor_us = run->floor_us[rows[i].at];
         uint64_t bare_us = run->bare_us[rows[i].at];
@@ -270,13 +270,13 @@ int main(int argc, char **argv)
                 argv[0]);
         return 2;
     }
-    size_t bytes = sizeof(*run.shared) +
-                   (size_t)run.clients * run.kills * sizeof(run.shared->samples[0]);
+    size_t bytes = sizeof *run.shared +
+                   (size_t)run.clients * run.kills * sizeof run.shared->samples[0];
     void *shared =
         mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
 
-    run.floor_us = calloc((size_t)run.clients * run.kills, sizeof(*run.floor_us));
-    run.bare_us = calloc((size_t)run.clients * run.kills, sizeof(*run.bare_us));
+    run.floor_us = calloc((size_t)run.clients * run.kills, sizeof *run.floor_us);
+    run.bare_us = calloc((size_t)run.clients * run.kills, sizeof *run.bare_us);
     if (shared == MAP_FAILED || run.floor_us == NULL || run.bare_us == NULL) {
         return 1;
     }

@@ -21,12 +21,12 @@ double bench_clock_ghz(void)
     double best = 0;
     for (unsigned round = 0; round < ROUNDS; round++) {
         uint64_t x = round + 3;
-        uint64_t begin_ns = bench_now_ns();
+        uint64_t begin_ns = common_now_ns();
         for (uint32_t i = 0; i < CHAIN; i++) {
             x *= x;
             __asm__ volatile("" : "+r"(x));
         }
-        double ghz = 3.0 * CHAIN / (double)(bench_now_ns() - begin_ns);
+        double ghz = 3.0 * CHAIN / (double)(common_now_ns() - begin_ns);
         best = ghz > best ? ghz : best;
     }
     return best;
@@ -37,14 +37,14 @@ static double fastest_gbps(const char *from, char *to, size_t bytes)
 {
     size_t times = ((size_t)8 << 20) / bytes + 1;
     double best = 0;
-    uint64_t end_ns = bench_now_ns() + LEAST_NS;
-    for (unsigned round = 0; round < ROUNDS || bench_now_ns() < end_ns; round++) {
-        uint64_t begin_ns = bench_now_ns();
+    uint64_t end_ns = common_now_ns() + LEAST_NS;
+    for (unsigned round = 0; round < ROUNDS || common_now_ns() < end_ns; round++) {
+        uint64_t begin_ns = common_now_ns();
         for (size_t i = 0; i < times; i++) {
             const void *done = to ? memcpy(to, from, bytes) : memchr(from, 2, bytes);
             __asm__ volatile("" : : "r"(done) : "memory");
         }
-        double gbps = (double)(bytes * times) / (double)(bench_now_ns() - begin_ns);
+        double gbps = (double)(bytes * times) / (double)(common_now_ns() - begin_ns);
         best = gbps > best ? gbps : best;
     }
     return best;

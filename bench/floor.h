@@ -1,8 +1,8 @@
-/* bench/floor.h - what this machine cannot do faster.
+/* bench/floor.h - the speed limits of this machine, for comparison with measured times.
  *
  * Room:     bench. May include: the C library.
- * Does:     measure the clock, copying and reading, and say from bytes and operations
- *           how long a kernel takes at least.
+ * Does:     measure the clock, copying and reading; compute from bytes and operations how
+ *           long a kernel takes at least.
  * Threads:  one.
  */
 #ifndef BENCH_FLOOR_H

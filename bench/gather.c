@@ -11,6 +11,7 @@
 
 #include "report.h"
 #include "step_memory.h"
+#include "trees.h"
 
 static const struct eng_object *object_of_id(const struct bench_world *world, uint32_t id)
 {
@@ -21,12 +22,12 @@ static const struct eng_object *object_of_id(const struct bench_world *world, ui
 static void take(struct bench_candidates *candidates, const struct bench_world *world,
                  const struct eng_step_result *pairs, uint32_t query_max)
 {
-    bool is_vf = candidates->kind == ENG_VF;
-    const struct eng_pair *pair = pairs->records;
-    uint64_t total = is_vf ? pairs->vf : pairs->ee;
+    bool is_vf = candidates->kind == PCCD_VF;
+    const struct pccd_pair *pair = pairs->records;
+    uint64_t total = is_vf ? pairs->counts[PCCD_VF] : pairs->counts[PCCD_EE];
     uint64_t stride = total / query_max + 1;
     if (total > 0 && !is_vf) {
-        pair += pairs->vf; /* sorted by kind */
+        pair += pairs->counts[PCCD_VF]; /* sorted by kind */
     }
     candidates->a = bench_alloc(query_max, sizeof *candidates->a);
     candidates->b = bench_alloc(query_max, sizeof *candidates->b);
@@ -34,10 +35,10 @@ static void take(struct bench_candidates *candidates, const struct bench_world *
         const struct eng_object *a = object_of_id(world, pair[i].object_a);
         const struct eng_object *b = object_of_id(world, pair[i].object_b);
         uint32_t n = candidates->count++;
-        candidates->a[n] =
-            pair[i].feature_a + (is_vf ? a->vertices.first : a->edges.first);
-        candidates->b[n] =
-            pair[i].feature_b + (is_vf ? b->triangles.first : b->edges.first);
+        candidates->a[n] = pair[i].feature_a +
+                           (is_vf ? a->vertices.first : eng_planted_of(a)->edges.first);
+        candidates->b[n] = pair[i].feature_b + (is_vf ? eng_planted_of(b)->triangles.first
+                                                      : eng_planted_of(b)->edges.first);
     }
 }
 
@@ -55,7 +56,7 @@ static uint64_t gcd(uint64_t a, uint64_t b)
  * are found again in an order that is not sorted. */
 static void copy_found(struct bench_work *work, const struct eng_step_result *pairs)
 {
-    const struct eng_pair *sorted = pairs->records;
+    const struct pccd_pair *sorted = pairs->records;
     eng_pool_init(&work->pool);
     eng_found_begin(&work->found, &work->pool, sizeof *sorted, pairs->count);
     /* A stride that has no common factor with the count visits every record once; in the
@@ -75,12 +76,12 @@ static void copy_found(struct bench_work *work, const struct eng_step_result *pa
 void bench_work_init(struct bench_work *work, const struct bench_scene *source,
                      uint32_t query_max, uint32_t trace_max)
 {
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_PAIRS);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_PAIRS);
     struct eng_step_result pairs;
     struct bench_frames frames;
     memset(work, 0, sizeof *work);
-    work->vf.kind = ENG_VF;
-    work->ee.kind = ENG_EE;
+    work->vf.kind = PCCD_VF;
+    work->ee.kind = PCCD_EE;
     bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&work->world, &frames, NULL);
     bench_world_step(&work->world, &frames, &settings, &pairs);
@@ -90,7 +91,7 @@ void bench_work_init(struct bench_work *work, const struct bench_scene *source,
     copy_found(work, &pairs);
     work->trace.capacity = trace_max;
     work->trace.nodes = bench_alloc(trace_max, sizeof *work->trace.nodes);
-    bench_traverse_trace(work->world.scene, &work->trace);
+    bench_traverse(work->world.scene, &work->trace);
 }
 
 void bench_work_deinit(struct bench_work *work)

@@ -1,8 +1,9 @@
-/* bench/gather.h - what the kernels are measured on: the work of a real step.
+/* bench/gather.h - collects the work of a real step, as input for benchmarks of single
+ * kernels.
  *
  * Room:     bench; engine headers.
  * Does:     run one step of a scene and keep its candidates as queries, its tested node
- *           pairs and its records in the order they were found.
+ *           pairs and its records, in the order in which they were found.
  * Threads:  one.
  */
 #ifndef BENCH_GATHER_H
@@ -16,7 +17,7 @@
 /* Candidates of one kind as global indices, evenly taken from all; the queries are loaded
  * when they are measured, as in a step. */
 struct bench_candidates {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     uint32_t count;
     uint32_t *a;
     uint32_t *b;

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "batch.h"
+#include "coordinates.h"
 #include "gather.h"
 #include "ingest.h"
 #include "report.h"
@@ -167,7 +168,7 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
 {
     const struct eng_scene *scene = work->world.scene;
     const char *name = work->world.source->name;
-    bool is_vf = c->kind == ENG_VF;
+    bool is_vf = c->kind == PCCD_VF;
     struct bench_samples both = {0};
     struct bench_samples alone = {0};
     struct bench_samples filter = {0};
@@ -185,15 +186,15 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     for (unsigned r = 0; r < repeats && good; r++) {
         with.survivors = 0;
         with.contacts = 0;
-        uint64_t t0 = bench_now_ns();
+        uint64_t t0 = common_now_ns();
         with_filter(&records, c, exact, &with);
-        uint64_t t1 = bench_now_ns();
+        uint64_t t1 = common_now_ns();
         solver_alone(scene, c, exact, &without);
-        uint64_t t2 = bench_now_ns();
+        uint64_t t2 = common_now_ns();
         with_filter(&records, c, exact, NULL);
-        uint64_t t3 = bench_now_ns();
+        uint64_t t3 = common_now_ns();
         solver_alone(scene, c, exact, &without);
-        uint64_t t4 = bench_now_ns();
+        uint64_t t4 = common_now_ns();
         good = bench_check(same_hits(&with, &without, c->count), name,
                            "the filter changes answers of the solver");
         if (r > 0) {
@@ -248,19 +249,19 @@ static void measure_contacts(const struct bench_work *work,
     }
     for (unsigned r = 0; r < repeats && count > 0; r++) {
         uint64_t found = 0;
-        uint64_t begin_ns = bench_now_ns();
+        uint64_t begin_ns = common_now_ns();
         for (uint32_t i = 0; i < count; i++) {
             struct eng_hit hit;
             found += eng_solve(&queries[i], TOLERANCE, 1, exact, &hit);
         }
-        double each_ns = (double)(bench_now_ns() - begin_ns) / count;
+        double each_ns = (double)(common_now_ns() - begin_ns) / count;
         bench_check(found == count, name, "a contact was there once and not again");
         if (r > 0) {
             bench_add(&ns, each_ns);
         }
     }
     if (ns.count > 0) {
-        print(name, c->kind == ENG_VF ? "VF solver, contacts" : "EE solver, contacts",
+        print(name, c->kind == PCCD_VF ? "VF solver, contacts" : "EE solver, contacts",
               "ns", &ns, NULL, NULL);
     }
     free(queries);
@@ -283,13 +284,13 @@ static void measure_exact(const struct bench_work *work, const struct bench_cand
         if (exact->queries == before) {
             continue;
         }
-        uint64_t begin_ns = bench_now_ns();
+        uint64_t begin_ns = common_now_ns();
         bool meets = eng_exact_meets(exact, &query, 0, 1);
-        bench_add(&us, 1e-3 * (double)(bench_now_ns() - begin_ns));
+        bench_add(&us, 1e-3 * (double)(common_now_ns() - begin_ns));
         good = bench_check(hits == meets, name, "the solver and exact arithmetic differ");
     }
     if (good && us.count > 0) {
-        print(name, c->kind == ENG_VF ? "VF exact, whole step" : "EE exact, whole step",
+        print(name, c->kind == PCCD_VF ? "VF exact, whole step" : "EE exact, whole step",
               "us", &us, NULL, NULL);
     }
     bench_free(&us);
@@ -321,9 +322,9 @@ __attribute__((always_inline)) static inline double box_ns(const struct bench_wo
                                                            bool scalar, size_t count,
                                                            unsigned rounds, bool *out)
 {
-    const struct eng_node *nodes = work->world.scene->nodes;
+    const struct eng_node *nodes = eng_trees_of(work->world.scene)->nodes;
     const uint32_t(*pairs)[2] = (const uint32_t(*)[2])work->trace.nodes;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     for (unsigned round = 0; round < rounds; round++) {
         for (size_t i = 0; i < count; i++) {
             const struct eng_node *a = &nodes[pairs[i][0]];
@@ -331,7 +332,7 @@ __attribute__((always_inline)) static inline double box_ns(const struct bench_wo
             out[i] = scalar ? scalar_overlap(a, b) : vector_overlap(a, b);
         }
     }
-    return (double)(bench_now_ns() - begin_ns) / (double)count / rounds;
+    return (double)(common_now_ns() - begin_ns) / (double)count / rounds;
 }
 
 static void measure_boxes(const struct bench_work *work)
@@ -377,13 +378,13 @@ static void measure_boxes(const struct bench_work *work)
 
 /* ---- ingest ----------------------------------------------------------------------- */
 
-static bool same_positions(const double (*out)[3], enum eng_format format, uint32_t count,
-                           const void *source)
+static bool same_positions(const double (*out)[3], enum pccd_format format,
+                           uint32_t count, const void *source)
 {
     const float *f32 = source;
     const double *f64 = source;
     for (uint32_t i = 0; i < 3 * count; i++) {
-        double x = format == ENG_F64 ? f64[i] : (double)f32[i];
+        double x = format == PCCD_FORMAT_F64 ? f64[i] : (double)f32[i];
         if (memcmp(&out[i / 3][i % 3], &x, sizeof x) != 0) {
             return false;
         }
@@ -391,9 +392,9 @@ static bool same_positions(const double (*out)[3], enum eng_format format, uint3
     return true;
 }
 
-static void measure_ingest(const char *name, enum eng_format format, uint32_t count)
+static void measure_ingest(const char *name, enum pccd_format format, uint32_t count)
 {
-    size_t bytes = (size_t)count * (format == ENG_F64 ? 24 : 12);
+    size_t bytes = (size_t)count * common_vertex_bytes(format);
     unsigned char *source = bench_alloc(bytes, 1);
     unsigned char *plain = bench_alloc(bytes, 1);
     double(*out)[3] = bench_alloc(count, sizeof *out);
@@ -403,18 +404,19 @@ static void measure_ingest(const char *name, enum eng_format format, uint32_t co
     for (uint32_t i = 0; i < 3 * count; i++) {
         double x = (double)i * 0.25 - 1000;
         float f = (float)x;
-        memcpy(source + (size_t)i * (format == ENG_F64 ? 8 : 4),
-               format == ENG_F64 ? (void *)&x : (void *)&f, format == ENG_F64 ? 8 : 4);
+        memcpy(source + (size_t)i * (format == PCCD_FORMAT_F64 ? 8 : 4),
+               format == PCCD_FORMAT_F64 ? (void *)&x : (void *)&f,
+               format == PCCD_FORMAT_F64 ? 8 : 4);
     }
     for (unsigned r = 0; r < 2 * repeats && good; r++) {
-        uint64_t t0 = bench_now_ns();
+        uint64_t t0 = common_now_ns();
         int status = eng_ingest_positions(out, format, count, source, NULL);
-        uint64_t t1 = bench_now_ns();
+        uint64_t t1 = common_now_ns();
         memcpy(plain, source, bytes);
         use(plain[bytes / 2]);
-        uint64_t t2 = bench_now_ns();
-        good = bench_check(status == ENG_OK && same_positions((const double(*)[3])out,
-                                                              format, count, source),
+        uint64_t t2 = common_now_ns();
+        good = bench_check(status == PCCD_OK && same_positions((const double(*)[3])out,
+                                                               format, count, source),
                            name, "ingest changes positions");
         if (r > 0) { /* bytes per nanosecond are gigabytes per second */
             bench_add(&ingest, (double)bytes / (double)(t1 - t0));
@@ -422,8 +424,8 @@ static void measure_ingest(const char *name, enum eng_format format, uint32_t co
         }
     }
     if (good) {
-        print(name, format == ENG_F64 ? "ingest double" : "ingest float", "GB/s", &ingest,
-              "memcpy", &copy);
+        print(name, format == PCCD_FORMAT_F64 ? "ingest double" : "ingest float", "GB/s",
+              &ingest, "memcpy", &copy);
         print(name, "memcpy", "GB/s", &copy, NULL, NULL);
     }
     free(source);
@@ -444,7 +446,9 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
         bench_work_deinit(&work);
         return;
     }
-    eng_exact_init(&exact);
+    if (eng_exact_init(&exact) != PCCD_OK) {
+        abort();
+    }
     measure_tests(&work, &work.vf, &exact);
     measure_tests(&work, &work.ee, &exact);
     measure_contacts(&work, &work.vf, &exact);
@@ -473,8 +477,8 @@ int main(int argc, char **argv)
     bench_heading("ingest");
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         if (bench_is_wanted(&options, sizes[i].name) && !(options.smoke && i > 0)) {
-            measure_ingest(sizes[i].name, ENG_F64, sizes[i].count);
-            measure_ingest(sizes[i].name, ENG_F32, sizes[i].count);
+            measure_ingest(sizes[i].name, PCCD_FORMAT_F64, sizes[i].count);
+            measure_ingest(sizes[i].name, PCCD_FORMAT_F32, sizes[i].count);
         }
     }
     struct bench_scene scene;

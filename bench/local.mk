@@ -2,11 +2,11 @@
 #
 # make bench                               the paper's evaluation (bench/paper/local.mk)
 # make bench-tables                        tables of everything
-# make bench-tables BENCH_ARGS=--json      one JSON line a row
+# make bench-tables BENCH_ARGS=--json      the same as JSON
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
+# bench/tables.sh wide n-body              ways to take the same steps, side by side
 
-bench_names = bench/step bench/parallel bench/small bench/rebuild \
-    bench/exact bench/kernels bench/roofline bench/wide bench/ipc bench/direct
+bench_names = bench/exact bench/kernels bench/roofline bench/ipc bench/connect
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -51,22 +51,6 @@ bench_engine_sources = \
     bench/workload.h
 bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
 
-bench_step_SOURCES = bench/step.c $(bench_engine_sources)
-bench_step_CPPFLAGS = $(bench_engine_cppflags)
-bench_step_LDADD = $(bench_engine_libs)
-
-bench_parallel_SOURCES = bench/parallel.c $(bench_engine_sources)
-bench_parallel_CPPFLAGS = $(bench_engine_cppflags)
-bench_parallel_LDADD = $(bench_engine_libs)
-
-bench_small_SOURCES = bench/small.c $(bench_engine_sources)
-bench_small_CPPFLAGS = $(bench_engine_cppflags)
-bench_small_LDADD = $(bench_engine_libs)
-
-bench_rebuild_SOURCES = bench/rebuild.c $(bench_engine_sources)
-bench_rebuild_CPPFLAGS = $(bench_engine_cppflags)
-bench_rebuild_LDADD = $(bench_engine_libs)
-
 bench_exact_SOURCES = bench/exact.c $(bench_engine_sources)
 bench_exact_CPPFLAGS = $(bench_engine_cppflags)
 bench_exact_LDADD = $(bench_engine_libs)
@@ -92,17 +76,6 @@ bench_roofline_SOURCES = \
 bench_roofline_CPPFLAGS = $(bench_engine_cppflags)
 bench_roofline_LDADD = $(bench_engine_libs)
 
-bench_wide_SOURCES = \
-    bench/floor.c \
-    bench/floor.h \
-    bench/quiet.c \
-    bench/quiet.h \
-    bench/wide.c \
-    $(bench_engine_sources)
-bench_wide_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-bench_wide_CPPFLAGS = $(bench_engine_cppflags)
-bench_wide_LDADD = $(bench_engine_libs)
-
 # The public header alone: what a client can see.
 # Needs a daemon of its own under a supervisor: make death DEATH_CLIENTS=1000 DEATH_KILLS=10
 check_PROGRAMS += bench/death
@@ -117,31 +90,37 @@ death: bench/death$(EXEEXT) pccdd$(EXEEXT)
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS) -e
 	PCCDD=$(abs_builddir)/pccdd bench/death -c $(DEATH_CLIENTS) -k $(DEATH_KILLS)
 
+bench_connect_SOURCES = bench/connect.c bench/report.c bench/report.h
+bench_connect_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
+    -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
+bench_connect_LDADD = libtestdaemon.la libtestraw.la libpccd.la libproto.la \
+    $(CMOCKA_LIBS) $(LIBM)
+
 bench_ipc_SOURCES = bench/asker.c bench/asker.h bench/ipc.c bench/report.c bench/report.h
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
 bench_ipc_LDADD = libpccd.la
 
-bench_direct_SOURCES = bench/direct.c bench/report.c bench/report.h \
-    bench/workload.c bench/workload.h $(bench_scenes_sources)
-bench_direct_CPPFLAGS = $(bench_cppflags) -iquote $(top_srcdir)/client/lib \
-    -iquote $(top_srcdir)/proto -I$(top_srcdir)/tests/support
-bench_direct_LDADD = libpccd.la $(GMP_LIBS) $(LIBM)
-
+dist_check_SCRIPTS += bench/tables.sh
 TESTS += bench/smoke.sh bench/compare_smoke.sh
 dist_check_SCRIPTS += bench/smoke.sh bench/compare_smoke.sh
 EXTRA_DIST += bench/README.md bench/compare bench/python.py bench/counted/README.md \
     bench/growth/README.md bench/model/README.md bench/peers/README.md \
     bench/redis/README.md
 
-# The Python client beside libpccd.
+# Python beside C.
+check_PROGRAMS += bench/turns
+bench_turns_SOURCES = bench/turns.c
+bench_turns_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -iquote $(top_srcdir)/proto/text
+bench_turns_LDADD = libpccd.la libproto.la $(LIBM)
 PYTHON_ROUNDS = 40
 .PHONY: bench-python
-bench-python: pccdd libpccd.la
+bench-python: pccdd bench/turns$(EXEEXT) libpccd-direct.la
 	@$(AM_TESTS_ENVIRONMENT) . $(top_srcdir)/tests/python/find.sh; \
-	[ -n "$$python" ] || { echo "no python3 with msgpack and numpy" >&2; exit 1; }; \
-	PYTHON_ROUNDS=$(PYTHON_ROUNDS) "$$python" $(top_srcdir)/bench/python.py .libs/libpccd.so
+	[ -n "$$python" ] || { echo "$$no_python" >&2; exit 1; }; \
+	PCCD_DIRECT=$(abs_builddir)/.libs/libpccd-direct.so.0 \
+	    PYTHON_ROUNDS=$(PYTHON_ROUNDS) "$$python" $(top_srcdir)/bench/python.py bench/turns
 
 .PHONY: bench-tables
-bench-tables: $(bench_names) pccdd
-	@$(AM_TESTS_ENVIRONMENT) \
+bench-tables: $(bench_names) bench/pccd-bench pccdd pccdctl
+	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/tables.sh $(BENCH_ARGS) && \
 	for program in $(bench_names); do ./$$program $(BENCH_ARGS) || exit 1; done

@@ -1,8 +1,9 @@
-/* bench/parts.h - what `roofline` measures, one by one.
+/* bench/parts.h - the parts of a step that `roofline` compares with the limits of the
+ * machine.
  *
  * Room:     bench; engine headers.
  * Does:     name the kernels and phases of the method `wide`, and the bytes and
- *           operations that each cannot do without.
+ *           operations that each needs at least.
  * Threads:  any.
  */
 #ifndef BENCH_PARTS_H

@@ -58,32 +58,26 @@ void bench_name(const char *program)
     report.program = program;
 }
 
-static bool usage(const char *program, unsigned takes, bool is_wrong)
+static bool usage(const char *program, bool takes_threads, bool is_wrong)
 {
-    fprintf(is_wrong ? stderr : stdout, "usage: %s [--json] [--smoke]%s%s [SCENE]\n",
-            program, takes & BENCH_TAKES_THREADS ? " [--threads N]" : "",
-            takes & BENCH_TAKES_CSV ? " [--csv FILE]" : "");
+    fprintf(is_wrong ? stderr : stdout, "usage: %s [--json] [--smoke]%s [SCENE]\n",
+            program, takes_threads ? " [--threads N]" : "");
     return false;
 }
 
-static bool read_options(unsigned takes, int argc, char **argv,
+static bool read_options(bool takes_threads, int argc, char **argv,
                          struct bench_options *options)
 {
     for (int i = 1; i < argc; i++) {
-        bool has_value = i + 1 < argc;
         if (strcmp(argv[i], "--smoke") == 0) {
             options->smoke = true;
         } else if (strcmp(argv[i], "--json") == 0) {
             options->json = true;
-        } else if (strcmp(argv[i], "--threads") == 0 && takes & BENCH_TAKES_THREADS &&
-                   has_value) {
+        } else if (strcmp(argv[i], "--threads") == 0 && takes_threads && i + 1 < argc) {
             options->threads = (uint32_t)strtoul(argv[++i], NULL, 10);
             if (options->threads < 2 || options->threads > 256) {
                 return false;
             }
-        } else if (strcmp(argv[i], "--csv") == 0 && takes & BENCH_TAKES_CSV &&
-                   has_value) {
-            options->csv = argv[++i];
         } else if (argv[i][0] != '-' && !options->wanted) {
             options->wanted = argv[i];
         } else {
@@ -93,18 +87,18 @@ static bool read_options(unsigned takes, int argc, char **argv,
     return true;
 }
 
-bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv,
-                      struct bench_options *options, int *exit_status)
+static bool begin(const char *program, bool takes_threads, int argc, char **argv,
+                  struct bench_options *options, int *exit_status)
 {
     memset(options, 0, sizeof *options);
     bench_name(program);
     if (argc == 2 && strcmp(argv[1], "--help") == 0) {
         *exit_status = 0;
-        return usage(program, takes, false);
+        return usage(program, takes_threads, false);
     }
-    if (!read_options(takes, argc, argv, options)) {
+    if (!read_options(takes_threads, argc, argv, options)) {
         *exit_status = 2;
-        return usage(program, takes, true);
+        return usage(program, takes_threads, true);
     }
     report.json = options->json;
     if (!report.json) {
@@ -116,7 +110,13 @@ bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv
 bool bench_begin(const char *program, int argc, char **argv,
                  struct bench_options *options, int *exit_status)
 {
-    return bench_begin_with(program, 0, argc, argv, options, exit_status);
+    return begin(program, false, argc, argv, options, exit_status);
+}
+
+bool bench_begin_with_threads(const char *program, int argc, char **argv,
+                              struct bench_options *options, int *exit_status)
+{
+    return begin(program, true, argc, argv, options, exit_status);
 }
 
 int bench_end(void)

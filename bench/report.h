@@ -1,8 +1,8 @@
-/* bench/report.h - samples, their order statistics, and how they are printed.
+/* bench/report.h - collects measured samples and prints them as a table or as JSON.
  *
  * Room:     bench. May include: the C library.
- * Does:     parse the common options; keep samples; print one row a quantity, as a table
- *           or as JSON lines with compiler, flags and processor; remember failed checks.
+ * Does:     parse the common options; keep samples; print one row a quantity, with
+ *           compiler, flags and processor; remember failed checks.
  * Threads:  one.
  */
 #ifndef BENCH_REPORT_H
@@ -13,12 +13,13 @@
 #include <stdint.h>
 #include <time.h>
 
+#include "clock.h"
+
 struct bench_options {
     bool smoke;         /* tiny scenes, a few repeats: does it still run? */
     bool json;          /* one JSON line a row instead of the table */
     const char *wanted; /* only scenes whose name contains this; NULL: all */
     uint32_t threads;   /* --threads, at least 2; 0: not given */
-    const char *csv;    /* --csv: where to write; NULL: nowhere */
 };
 
 /* Values of one quantity in the order they came; memory grows, never shrinks. */
@@ -43,21 +44,12 @@ struct bench_row {
     const uint64_t *hash; /* [2] of the answer; NULL: none */
 };
 
-/* CLOCK_MONOTONIC in nanoseconds; about 25 ns a call. */
-static inline uint64_t bench_now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 /* False: the program is to end with *exit_status. Sets up the report of `program`. */
 bool bench_begin(const char *program, int argc, char **argv,
                  struct bench_options *options, int *exit_status);
-/* The same for a program that takes --threads or --csv as well. */
-enum { BENCH_TAKES_THREADS = 1, BENCH_TAKES_CSV = 2 };
-bool bench_begin_with(const char *program, unsigned takes, int argc, char **argv,
-                      struct bench_options *options, int *exit_status);
+/* The same for a program that takes --threads as well. */
+bool bench_begin_with_threads(const char *program, int argc, char **argv,
+                              struct bench_options *options, int *exit_status);
 /* For a program with options of its own: whose checks they are. */
 void bench_name(const char *program);
 /* The exit status: 1 when a check failed. */

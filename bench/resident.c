@@ -15,7 +15,7 @@
 /* Everything here is valid input, so a refusal ends the program. */
 static void must(int status, const char *what)
 {
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         fprintf(stderr, "engine: %s: status %d\n", what, status);
         exit(2);
     }
@@ -36,7 +36,7 @@ static struct eng_mesh *make_mesh(const struct bench_frames *frames, uint32_t i)
     uint32_t bad;
     must(eng_mesh_new(object->vertex_count, object->triangle_count, &mesh),
          "eng_mesh_new");
-    must(eng_mesh_write_vertices(mesh, ENG_F64, 0, object->vertex_count,
+    must(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, object->vertex_count,
                                  bench_frames_x(frames, 0, i)),
          "eng_mesh_write_vertices");
     must(eng_mesh_write_triangles(mesh, 0, object->triangle_count, object->triangles,
@@ -82,11 +82,11 @@ void bench_world_follow(struct bench_world *world, const struct bench_frames *fr
     world->source = frames->scene;
 }
 
-struct eng_step_settings bench_step_settings(enum eng_mode mode)
+struct eng_step_settings bench_step_settings(enum pccd_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     settings.contact_max = UINT32_MAX;
     return settings;
 }
@@ -98,15 +98,15 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
     const struct bench_scene *source = frames->scene;
     bench_world_follow(world, frames);
     eng_stage_begin(world->scene);
-    eng_stage_share(world->scene, settings->threads, settings->places);
+    eng_stage_share(world->scene, settings->threads, settings->affinity);
     for (uint32_t i = 0; i < source->object_count; i++) {
         const void *x0 = bench_frames_x(frames, 0, i);
         const void *x1 = bench_frames_x(frames, 1, i);
         uint32_t count = source->objects[i].vertex_count;
         uint32_t idx = world->object_idx[i];
         must(world->frame == frames->from
-                 ? eng_stage_x1(world->scene, idx, ENG_F64, 0, count, x1)
-                 : eng_stage_x0x1(world->scene, idx, ENG_F64, 0, count, x0, x1),
+                 ? eng_stage_x1(world->scene, idx, PCCD_FORMAT_F64, 0, count, x1)
+                 : eng_stage_x0x1(world->scene, idx, PCCD_FORMAT_F64, 0, count, x0, x1),
              "eng_stage");
     }
     must(eng_step(world->scene, settings, result), "eng_step");

@@ -1,8 +1,8 @@
-/* bench/resident.h - a measured scene inside the engine.
+/* bench/resident.h - puts a benchmark scene into the engine.
  *
  * Room:     bench; engine headers.
  * Does:     register the meshes, add the objects, stage the positions of a step.
- * Does not: make frames: the caller does, once for all the worlds that it compares.
+ * Does not: make frames: the caller does, once for all the scenes that it compares.
  * Threads:  one.
  */
 #ifndef BENCH_RESIDENT_H
@@ -37,7 +37,7 @@ void bench_world_follow(struct bench_world *world, const struct bench_frames *fr
 
 /* All contacts or what the mode says, of one thread, none left out, by the
  * method paper. */
-struct eng_step_settings bench_step_settings(enum eng_mode mode);
+struct eng_step_settings bench_step_settings(enum pccd_mode mode);
 
 /* Step from the start to the end of `frames`: by end positions alone where the scene
  * stands there, by both ends otherwise. */

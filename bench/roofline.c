@@ -47,7 +47,7 @@ struct bench {
     struct eng_batch batch;
     uint32_t quads[ENG_CHUNK_MAX][4];
     uint32_t pairs[ENG_CHUNK_MAX];
-    struct eng_sieve sieves[ENG_KINDS];
+    struct eng_sieve sieves[PCCD_KIND_COUNT];
     struct eng_wide_chunk sifted;
     const struct eng_kernels *kernels;
     struct outcome *outcome;
@@ -120,17 +120,17 @@ static uint64_t hash_blocks(const struct eng_wide_tree *tree, uint32_t levels)
 static void count_part(struct bench *bench, enum part part, uint64_t begin_ns,
                        uint64_t items)
 {
-    bench->outcome->ns[part] += bench_now_ns() - begin_ns;
+    bench->outcome->ns[part] += common_now_ns() - begin_ns;
     bench->outcome->items[part] += items;
 }
 
 /* The leaves of the trees, kernel by kernel over whole arrays. */
 static void box_all(struct bench *bench)
 {
-    struct eng_wide *wide = &bench->scene->wide;
+    struct eng_wide *wide = eng_wide_of(bench->scene);
     const struct eng_kernels *kernels = bench->kernels;
-    struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
-    uint64_t begin_ns = bench_now_ns();
+    struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
+    uint64_t begin_ns = common_now_ns();
     for (uint32_t slot = 0; slot < tree->slot_count;) {
         uint32_t run = slot;
         while (slot < tree->slot_count && wide->points[slot].word0 != ENG_WIDE_NOBODY) {
@@ -145,46 +145,46 @@ static void box_all(struct bench *bench)
     }
     count_part(bench, PART_POINTS, begin_ns, 0);
     /* The last slot is nobody's, and 0 is on the grid. */
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     bool on_grid = kernels->place_points(wide->points, tree->slot_count, NULL,
                                          &wide->grid, wide->marks);
     count_part(bench, PART_MARKS, begin_ns, tree->slot_count);
     bench->outcome->sum += on_grid;
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     kernels->box_fold(wide->point_boxes, tree->slot_count / ENG_WIDE, false, tree->blocks,
                       tree->boxes);
     count_part(bench, PART_FOLD, begin_ns, tree->slot_count);
-    for (enum eng_wide_kind kind = ENG_WIDE_EDGES; kind <= ENG_WIDE_FACES; kind++) {
+    for (enum pccd_tree kind = PCCD_TREE_EDGES; kind <= PCCD_TREE_FACES; kind++) {
         tree = &wide->trees[kind];
         const uint32_t *const corner[3] = {tree->corner[0], tree->corner[1],
-                                           kind == ENG_WIDE_FACES ? tree->corner[2]
-                                                                  : NULL};
-        begin_ns = bench_now_ns();
+                                           kind == PCCD_TREE_FACES ? tree->corner[2]
+                                                                   : NULL};
+        begin_ns = common_now_ns();
         kernels->box_unite(wide->point_boxes, corner, tree->slot_count / ENG_WIDE, false,
                            tree->blocks, tree->boxes);
-        count_part(bench, kind == ENG_WIDE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
+        count_part(bench, kind == PCCD_TREE_EDGES ? PART_EDGES : PART_FACES, begin_ns,
                    tree->slot_count);
     }
 }
 
-static void make_quads(struct bench *bench, enum eng_kind kind,
+static void make_quads(struct bench *bench, enum pccd_kind kind,
                        const struct eng_wide_chunk *chunk)
 {
-    const struct eng_wide_tree *trees = bench->scene->wide.trees;
+    const struct eng_wide_tree *trees = eng_wide_of(bench->scene)->trees;
     for (uint32_t i = 0; i < chunk->count; i++) {
         uint32_t a = chunk->a[i];
         uint32_t b = chunk->b[i];
         uint32_t *quad = bench->quads[i];
-        if (kind == ENG_VF) {
+        if (kind == PCCD_VF) {
             quad[0] = a;
             for (int k = 0; k < 3; k++) {
-                quad[1 + k] = trees[ENG_WIDE_FACES].corner[k][b];
+                quad[1 + k] = trees[PCCD_TREE_FACES].corner[k][b];
             }
             continue;
         }
         for (int k = 0; k < 2; k++) {
-            quad[k] = trees[ENG_WIDE_EDGES].corner[k][a < b ? a : b];
-            quad[2 + k] = trees[ENG_WIDE_EDGES].corner[k][a < b ? b : a];
+            quad[k] = trees[PCCD_TREE_EDGES].corner[k][a < b ? a : b];
+            quad[2 + k] = trees[PCCD_TREE_EDGES].corner[k][a < b ? b : a];
         }
     }
 }
@@ -202,7 +202,7 @@ static void sum_hits(struct bench *bench, uint32_t hits)
 }
 
 /* What the sieve leaves of the first `count` pairs of bench->sifted. */
-static void sift(struct bench *bench, enum eng_kind kind, bool swept, uint32_t count)
+static void sift(struct bench *bench, enum pccd_kind kind, bool swept, uint32_t count)
 {
     struct eng_wide_chunk *sifted = &bench->sifted;
     struct eng_sieve *sieve = &bench->sieves[kind];
@@ -212,10 +212,10 @@ static void sift(struct bench *bench, enum eng_kind kind, bool swept, uint32_t c
 
 /* Sieve and solver on the pairs of a chunk, which are those of plain swept boxes. (In a
  * step the moving boxes of the join stand for the sieve's axes.) */
-static void test_pairs(struct bench *bench, enum eng_kind kind,
+static void test_pairs(struct bench *bench, enum pccd_kind kind,
                        const struct eng_wide_chunk *chunk)
 {
-    const struct eng_point *points = bench->scene->wide.points;
+    const struct eng_point *points = eng_wide_of(bench->scene)->points;
     const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
     struct eng_batch *batch = &bench->batch;
     struct outcome *outcome = bench->outcome;
@@ -223,13 +223,13 @@ static void test_pairs(struct bench *bench, enum eng_kind kind,
     batch->from = ENG_FROM_BRACKET;
     memcpy(bench->sifted.a, chunk->a, chunk->count * sizeof *chunk->a);
     memcpy(bench->sifted.b, chunk->b, chunk->count * sizeof *chunk->b);
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     sift(bench, kind, true, chunk->count);
     make_quads(bench, kind, &bench->sifted);
     uint32_t hits =
         eng_batch_test(bench->kernels, kind, points, quads, bench->sifted.count,
                        TOLERANCE, 1, &bench->exact, batch);
-    count_part(bench, kind == ENG_VF ? PART_TESTS_VF : PART_TESTS_EE, begin_ns,
+    count_part(bench, kind == PCCD_VF ? PART_TESTS_VF : PART_TESTS_EE, begin_ns,
                chunk->count);
     outcome->hits += hits;
     outcome->unsure += batch->unsure_count;
@@ -239,30 +239,30 @@ static void test_pairs(struct bench *bench, enum eng_kind kind,
 
 /* The tests come first, as in a step: the points are where the join has left them. The
  * kernels by themselves find them in the first caches. */
-static void test_chunk(struct bench *bench, enum eng_kind kind,
+static void test_chunk(struct bench *bench, enum pccd_kind kind,
                        const struct eng_wide_chunk *chunk)
 {
-    const struct eng_point *points = bench->scene->wide.points;
+    const struct eng_point *points = eng_wide_of(bench->scene)->points;
     const uint32_t(*quads)[4] = (const uint32_t(*)[4])bench->quads;
     const struct eng_kernels *kernels = bench->kernels;
     struct outcome *outcome = bench->outcome;
-    bool is_vf = kind == ENG_VF;
+    bool is_vf = kind == PCCD_VF;
     test_pairs(bench, kind, chunk);
     make_quads(bench, kind, chunk);
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     uint32_t kept = kernels->apart(kind, points, quads, chunk->count, bench->pairs);
     count_part(bench, is_vf ? PART_APART_VF : PART_APART_EE, begin_ns, chunk->count);
     for (uint32_t i = 0; i < kept; i++) {
         bench->sifted.a[i] = chunk->a[bench->pairs[i]];
         bench->sifted.b[i] = chunk->b[bench->pairs[i]];
     }
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     uint32_t left =
         kernels->filter(kind, points, quads, bench->pairs, kept, bench->pairs);
     count_part(bench, is_vf ? PART_FILTER_VF : PART_FILTER_EE, begin_ns, kept);
     outcome->filtered += left;
     outcome->sum += mix(left, kept);
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     sift(bench, kind, false, kept);
     count_part(bench, is_vf ? PART_SIFT_VF : PART_SIFT_EE, begin_ns, kept);
     make_quads(bench, kind, &bench->sifted);
@@ -273,13 +273,13 @@ static void test_chunk(struct bench *bench, enum eng_kind kind,
     struct eng_bracketed out = {.index = bench->batch.index,
                                 .hits = bench->batch.hits,
                                 .unsure = bench->batch.unsure};
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     kernels->bracket(kind, points, quads, bench->pairs, left, TOLERANCE, 1, &out);
     count_part(bench, is_vf ? PART_BRACKET_VF : PART_BRACKET_EE, begin_ns, left);
     outcome->sum += mix(out.hit_count, out.unsure_count) + left;
 }
 
-static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+static void on_chunk(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk)
 {
     struct bench *bench = owner;
     uint64_t sum = 0;
@@ -303,7 +303,7 @@ static void on_look(void *owner)
 /* All pairs of plain swept boxes. */
 static void join_all(struct bench *bench, bool is_testing)
 {
-    const struct eng_wide *wide = &bench->scene->wide;
+    const struct eng_wide *wide = eng_wide_of(bench->scene);
     struct eng_wide_join *join = &bench->join;
     uint32_t top = wide->level_count - 1;
     join->owner = bench;
@@ -312,24 +312,24 @@ static void join_all(struct bench *bench, bool is_testing)
     bench->is_testing = is_testing;
     bench->chunks = 0;
     eng_wide_join_begin(join, wide, ENG_JOIN_MOVING);
-    bench->sieves[ENG_VF] = eng_wide_sieve(wide, ENG_VF);
-    bench->sieves[ENG_EE] = eng_wide_sieve(wide, ENG_EE);
-    uint64_t begin_ns = bench_now_ns();
-    eng_wide_join_nodes(join, ENG_VF, top, 0, 0);
-    eng_wide_join_nodes(join, ENG_EE, top, 0, 0);
+    bench->sieves[PCCD_VF] = eng_wide_sieve(wide, PCCD_VF);
+    bench->sieves[PCCD_EE] = eng_wide_sieve(wide, PCCD_EE);
+    uint64_t begin_ns = common_now_ns();
+    eng_wide_join_nodes(join, PCCD_VF, top, 0, 0);
+    eng_wide_join_nodes(join, PCCD_EE, top, 0, 0);
     eng_wide_join_flush(join);
     if (!is_testing) {
         count_part(bench, PART_JOIN, begin_ns, eng_wide_join_tests(join));
-        bench->outcome->pairs_ns = bench_now_ns() - begin_ns;
+        bench->outcome->pairs_ns = common_now_ns() - begin_ns;
     }
 }
 
 static void check_numbers(struct bench *bench)
 {
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bool good = bench->kernels->all_within(bench->numbers, WITHIN_MAX, 1e18);
     count_part(bench, PART_WITHIN, begin_ns, WITHIN_MAX);
-    begin_ns = bench_now_ns();
+    begin_ns = common_now_ns();
     good &= bench->kernels->widen_within(bench->numbers, bench->floats, WITHIN_MAX, 1e18);
     count_part(bench, PART_WIDEN, begin_ns, WITHIN_MAX);
     bench->outcome->sum += good;
@@ -338,16 +338,16 @@ static void check_numbers(struct bench *bench)
 static void run(struct bench *bench, const struct eng_kernels *kernels,
                 struct outcome *outcome)
 {
-    struct eng_wide *wide = &bench->scene->wide;
+    struct eng_wide *wide = eng_wide_of(bench->scene);
     *outcome = (struct outcome){.sum = 0};
     bench->kernels = kernels;
     bench->outcome = outcome;
     wide->kernels = kernels;
     box_all(bench);
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     eng_wide_refit(wide, bench->scene, true);
-    outcome->refit_ns = bench_now_ns() - begin_ns;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    outcome->refit_ns = common_now_ns() - begin_ns;
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         outcome->sum += hash_blocks(&wide->trees[kind], wide->level_count);
     }
     join_all(bench, false);
@@ -437,9 +437,9 @@ static void print_shares(const struct bench *bench, const struct outcome *outcom
 
 static void print(const struct bench *bench, const struct outcome *outcome)
 {
-    const struct eng_wide *wide = &bench->scene->wide;
+    const struct eng_wide *wide = eng_wide_of(bench->scene);
     size_t bytes = 0;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         bytes += (size_t)wide->trees[kind].slot_count * 48;
     }
     const struct speeds speeds = {bench_clock_ghz(), bench_read_gbps(L1_BYTES),
@@ -512,14 +512,14 @@ static void measure(struct bench *bench, unsigned repeats)
 static void measure_scene(const struct bench_scene *source, unsigned repeats)
 {
     static struct bench bench; /* chunks and queues, a few hundred KiB */
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_PAIRS);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_PAIRS);
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
     bench_heading(source->name);
     bench_frames_init(&frames, source, source->hard_frame);
     bench_world_init(&world, &frames, NULL);
-    settings.method = ENG_METHOD_WIDE;
+    settings.method = PCCD_METHOD_WIDE;
     bench_world_step(&world, &frames, &settings, &result);
     bench_frames_deinit(&frames);
     memset(&bench, 0, sizeof bench);
@@ -531,7 +531,9 @@ static void measure_scene(const struct bench_scene *source, unsigned repeats)
         bench.floats[i] = (float)i;
         bench.numbers[i] = i;
     }
-    eng_exact_init(&bench.exact);
+    if (eng_exact_init(&bench.exact) != PCCD_OK) {
+        abort();
+    }
     measure(&bench, repeats);
     eng_exact_deinit(&bench.exact);
     free(bench.numbers);

@@ -13,10 +13,15 @@ trap 'rm -f "$log"' EXIT
 
 # If this failed, a measured program and what it is compared with would differ in their
 # results, or the program would not run at all.
-for program in step parallel small rebuild kernels roofline wide ipc direct; do
+for program in exact kernels roofline ipc connect; do
     "$top_builddir/bench/$program" --smoke >"$log" 2>&1
     tap_result $? "bench_${program}__finds_equal_results" "$log"
 done
+
+# If this failed, a table would compare different answers, or a row would not run.
+"$top_srcdir/bench/tables.sh" --smoke >"$log" 2>&1 &&
+    [ "$(grep -c '^[a-z]*: ' "$log")" -ge 15 ] && [ "$(grep -c '^the first ' "$log")" -ge 15 ]
+tap_result $? bench_tables__have_equal_answers_in_every_row "$log"
 
 # If this failed, what it costs to ask could not be compared with what it costs to ask Redis.
 "$top_builddir/bench/redis/beside_redis" --smoke >"$log" 2>&1
@@ -27,7 +32,7 @@ case $? in
 esac
 
 # If this failed, results could not be kept and compared.
-for program in step parallel small rebuild kernels roofline wide ipc direct; do
+for program in exact kernels roofline ipc connect; do
     "$top_builddir/bench/$program" --smoke --json 2>/dev/null |
         awk '!/^[{]"program":".*"threads":[0-9]+[}]$/ { print; bad = 1 }
             END { exit bad || NR == 0 }' >"$log"

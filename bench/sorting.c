@@ -55,21 +55,21 @@ static int compare_pairs(const void *a, const void *b)
 
 static int compare_contacts(const void *a, const void *b)
 {
-    struct eng_name x = eng_name_of(a, sizeof(struct eng_contact));
-    struct eng_name y = eng_name_of(b, sizeof(struct eng_contact));
+    struct eng_name x = eng_name_of(a, sizeof(struct pccd_contact));
+    struct eng_name y = eng_name_of(b, sizeof(struct pccd_contact));
     return compare_names(&x, &y);
 }
 
 /* A record named as `pair`; the rest of a contact follows from it. */
-static void append(struct eng_found *found, const struct eng_pair *pair)
+static void append(struct eng_found *found, const struct pccd_pair *pair)
 {
     unsigned char *record = eng_found_add(found, pair);
     if (!record) {
         abort();
     }
-    if (found->record_bytes == sizeof(struct eng_contact)) {
-        struct eng_contact *contact = (void *)record;
-        contact->flags = ENG_PROVED;
+    if (found->record_bytes == sizeof(struct pccd_contact)) {
+        struct pccd_contact *contact = (void *)record;
+        contact->flags = PCCD_PROVED;
         contact->toi = 1.0 / (1 + pair->feature_a);
         contact->toi_hi = contact->toi;
         memset(contact->param, 0, sizeof contact->param);
@@ -90,7 +90,7 @@ static void fill(struct lists *lists, const struct eng_found *pairs,
     }
     uint64_t at = 0;
     for (const struct eng_block *block = pairs->first; block; block = block->next) {
-        const struct eng_pair *pair = (const void *)block->data;
+        const struct pccd_pair *pair = (const void *)block->data;
         for (uint32_t i = 0; i < block->count && at < lists->total; i++, at++) {
             append(&lists->all, &pair[i]);
             append(&lists->part[at * TEAM / lists->total], &pair[i]);
@@ -165,7 +165,7 @@ static void sort_whole_names(const struct eng_found *found, struct whole *items,
                              struct whole *spare, unsigned char *to, uint64_t hash[2])
 {
     unsigned char *out = to;
-    for (uint32_t kind = ENG_VF; kind <= ENG_EE; kind++) {
+    for (uint32_t kind = PCCD_VF; kind <= PCCD_EE; kind++) {
         size_t count = 0;
         for (const struct eng_block *block = found->first; block; block = block->next) {
             for (uint32_t i = 0; i < block->count; i++) {
@@ -185,7 +185,8 @@ static void sort_whole_names(const struct eng_found *found, struct whole *items,
             out += found->record_bytes;
         }
     }
-    eng_hash(to, (size_t)(out - to), hash);
+    uint64_t count = (uint64_t)(out - to) / found->record_bytes;
+    eng_hash_end(eng_hash_records(to, count, found->record_bytes), count, hash);
 }
 
 /* ---- merge ------------------------------------------------------------------------ */
@@ -195,8 +196,12 @@ static bool merge_alone(struct eng_merge *merge, struct lists *lists,
 {
     struct eng_found *const all[1] = {&lists->all};
     struct eng_counts counts;
-    return eng_merge_begin(merge, all, 1, out) == ENG_OK &&
-           eng_merge_end(merge, &counts, hash) == ENG_OK;
+    if (eng_merge_begin(merge, all, 1, out) != PCCD_OK ||
+        eng_merge_end(merge, &counts) != PCCD_OK) {
+        return false;
+    }
+    eng_hash_end(counts.hash, out->count, hash);
+    return true;
 }
 
 static bool merge_by_team(struct eng_merge *merge, struct lists *lists,
@@ -207,7 +212,7 @@ static bool merge_by_team(struct eng_merge *merge, struct lists *lists,
     for (uint32_t t = 0; t < TEAM; t++) {
         parts[t] = &lists->part[t];
     }
-    if (eng_merge_begin(merge, parts, TEAM, out) != ENG_OK) {
+    if (eng_merge_begin(merge, parts, TEAM, out) != PCCD_OK) {
         return false;
     }
 #pragma omp parallel num_threads(TEAM)
@@ -221,7 +226,11 @@ static bool merge_by_team(struct eng_merge *merge, struct lists *lists,
             eng_merge_finish(merge, thread);
         }
     }
-    return eng_merge_end(merge, &counts, hash) == ENG_OK;
+    if (eng_merge_end(merge, &counts) != PCCD_OK) {
+        return false;
+    }
+    eng_hash_end(counts.hash, out->count, hash);
+    return true;
 }
 
 static bool is_right(const struct eng_records *out, const unsigned char *expected,
@@ -238,22 +247,22 @@ static bool measure_once(struct lists *lists, struct eng_merge *merge,
     uint64_t whole[2];
     uint64_t hash[2];
     struct whole *spare = items + lists->total;
-    uint64_t t0 = bench_now_ns();
+    uint64_t t0 = common_now_ns();
     sort_whole_names(&lists->all, items, spare, expected, whole);
-    uint64_t t1 = bench_now_ns();
+    uint64_t t1 = common_now_ns();
     bool good = merge_alone(merge, lists, out, hash);
-    uint64_t t2 = bench_now_ns();
+    uint64_t t2 = common_now_ns();
     good = good && is_right(out, expected, lists->total, hash, whole);
-    uint64_t t3 = bench_now_ns();
+    uint64_t t3 = common_now_ns();
     good = good && merge_by_team(merge, lists, out, hash);
-    uint64_t t4 = bench_now_ns();
+    uint64_t t4 = common_now_ns();
     good = good && is_right(out, expected, lists->total, hash, whole);
     copy_all(&lists->all, expected);
-    uint64_t t5 = bench_now_ns();
+    uint64_t t5 = common_now_ns();
     qsort(expected, lists->total, lists->record_bytes,
-          lists->record_bytes == sizeof(struct eng_pair) ? compare_pairs
-                                                         : compare_contacts);
-    uint64_t t6 = bench_now_ns();
+          lists->record_bytes == sizeof(struct pccd_pair) ? compare_pairs
+                                                          : compare_contacts);
+    uint64_t t6 = common_now_ns();
     const uint64_t spans[4] = {t2 - t1, t4 - t3, t1 - t0, t6 - t5};
     for (int i = 0; i < 4; i++) {
         ns[i] = (double)spans[i] / (double)lists->total;
@@ -319,10 +328,10 @@ void bench_sorting_measure(const struct bench_work *work, unsigned repeats)
 {
     const char *scene = work->world.source->name;
     struct lists lists;
-    fill(&lists, &work->found, sizeof(struct eng_pair), UINT32_MAX);
+    fill(&lists, &work->found, sizeof(struct pccd_pair), UINT32_MAX);
     measure(scene, "pair", &lists, repeats);
     eng_pool_deinit(&lists.pool);
-    fill(&lists, &work->found, sizeof(struct eng_contact), CONTACTS_MAX);
+    fill(&lists, &work->found, sizeof(struct pccd_contact), CONTACTS_MAX);
     measure(scene, "contact", &lists, repeats);
     eng_pool_deinit(&lists.pool);
 }

@@ -1,4 +1,4 @@
-/* bench/sorting.h - the merge of records against plainer ways to sort them.
+/* bench/sorting.h - compares the engine's sort of records with plainer ways to sort them.
  *
  * Room:     bench; engine headers.
  * Does:     time the canonical sort of a step's records by one thread and by two, a radix

@@ -16,9 +16,10 @@
 
 static const struct {
     const char *name;
-    void (*make)(struct bench_scene *scene, bool small); /* NULL: recorded */
+    void (*make)(struct bench_scene *scene, bool small); /* NULL: soup or recorded */
     uint32_t hard_frame; /* of what is made, by counted work: README.md, "Hard frames" */
-    bool only_by_name;   /* it takes gigabytes */
+    bool only_by_name;   /* it takes gigabytes, or says little */
+    uint32_t soup;       /* of so many triangles */
     uint32_t steps;      /* of what is recorded; the paper goes in five (section 7), .. */
     const char *frames[2]; /* .. from the first of these to the second */
 } catalogue[] = {
@@ -43,6 +44,11 @@ static const struct {
     {.name = "cloth-funnel", .steps = 1, .frames = {FUNNEL "227.ply", FUNNEL "228.ply"}},
     {.name = "n-body", .steps = 1, .frames = {N_BODY "18.ply", N_BODY "19.ply"}},
     {.name = "n-body-fifth", .steps = 5, .frames = {N_BODY "18.ply", N_BODY "19.ply"}},
+    {.name = "soup-16", .soup = 16, .only_by_name = true},
+    {.name = "soup-64", .soup = 64, .only_by_name = true},
+    {.name = "soup-256", .soup = 256, .only_by_name = true},
+    {.name = "soup-1024", .soup = 1024, .only_by_name = true},
+    {.name = "soup-4096", .soup = 4096, .only_by_name = true},
 };
 
 unsigned bench_scene_total(void)
@@ -59,6 +65,10 @@ bool bench_scene_make(unsigned index, bool small, struct bench_scene *scene)
 {
     memset(scene, 0, sizeof *scene);
     scene->name = catalogue[index].name;
+    if (catalogue[index].soup > 0) {
+        bench_make_soup(scene, catalogue[index].soup);
+        return true;
+    }
     if (catalogue[index].make) {
         catalogue[index].make(scene, small);
         scene->hard_frame = catalogue[index].hard_frame;
@@ -87,7 +97,8 @@ bool bench_next_scene(const struct bench_options *options, const char *const *na
         unsigned i = (*index)++;
         const char *name = bench_scene_name(i);
         if (!bench_is_wanted(options, name) || (names && !is_listed(names, name)) ||
-            (catalogue[i].only_by_name && !options->wanted && !options->smoke)) {
+            (catalogue[i].only_by_name && !options->wanted &&
+             (!options->smoke || catalogue[i].soup > 0))) {
             continue;
         }
         if (bench_scene_make(i, options->smoke, scene)) {

@@ -1,4 +1,4 @@
-/* bench/workload.h - the scenes that are measured.
+/* bench/workload.h - the list of benchmark scenes.
  *
  * Room:     bench. May include: report.h, scenes/bench_scene.h.
  * Does:     list them by name; say what their objects are called.

@@ -37,7 +37,7 @@ static const struct status_entry statuses[] = {
 static const struct status_entry *find_status(int status)
 {
     static const struct status_entry unknown = {0, "E_UNKNOWN", "unknown status"};
-    for (size_t i = 0; i < sizeof(statuses) / sizeof(statuses[0]); i++) {
+    for (size_t i = 0; i < sizeof statuses / sizeof statuses[0]; i++) {
         if (statuses[i].value == status) {
             return &statuses[i];
         }
@@ -61,7 +61,7 @@ int proto_error_set(struct proto_error *error, int code, const char *format, ...
     error->code = code;
     error->fatal = false;
     va_start(arguments, format);
-    vsnprintf(error->text, sizeof(error->text), format, arguments);
+    vsnprintf(error->text, sizeof error->text, format, arguments);
     va_end(arguments);
     return code;
 }
@@ -86,7 +86,7 @@ struct proto_decoder {
 
 struct proto_decoder *proto_decoder_new(void)
 {
-    struct proto_decoder *decoder = malloc(sizeof(*decoder));
+    struct proto_decoder *decoder = malloc(sizeof *decoder);
     if (decoder == NULL) {
         return NULL;
     }
@@ -271,14 +271,14 @@ int proto_decode(struct proto_decoder *decoder, const void *message, size_t byte
                  struct proto_envelope *envelope, struct proto_error *error)
 {
     size_t offset = 0;
-    memset(envelope, 0, sizeof(*envelope));
-    int rc = proto_prescan(message, bytes, error);
-    if (rc != 0) {
-        return rc;
+    memset(envelope, 0, sizeof *envelope);
+    int status = proto_prescan(message, bytes, error);
+    if (status != 0) {
+        return status;
     }
 
     msgpack_zone_clear(decoder->zone);
-    msgpack_object *root = msgpack_zone_malloc(decoder->zone, sizeof(*root));
+    msgpack_object *root = msgpack_zone_malloc(decoder->zone, sizeof *root);
     if (root == NULL) {
         return proto_error_set(error, PCCD_E_NOMEM, "no memory to decode a message");
     }
@@ -389,9 +389,9 @@ int proto_decode_body(const struct proto_envelope *envelope,
     if (body == NULL) { /* a response that failed has none */
         return proto_error_set(error, PCCD_E_BADMSG, "the message has no fields");
     }
-    int rc = read_fields(&body->via.map, fields, out, error);
-    if (rc != 0) {
+    int status = read_fields(&body->via.map, fields, out, error);
+    if (status != 0) {
         memset(out, 0, fields->struct_bytes);
     }
-    return rc;
+    return status;
 }

@@ -1,10 +1,11 @@
-/* codec.h - MessagePack-RPC messages to and from the structs of messages.h.
+/* codec.h - encodes and decodes messages (MessagePack-RPC).
  *
  * Room:     proto. May include: messages.h, msgpack-c (in codec.c and encode.c only).
- * Does:     [0,id,method,params], [1,id,error,result], [2,method,params]; params and
- *           result are maps from field name to scalar; unknown fields are skipped, so
- *           that newer peers can add some; a field given twice, of another type or out of
- *           its C type's range is E_BADMSG with the field's name.
+ * Does:     translate [0,id,method,params], [1,id,error,result] and [2,method,params] to
+ *           and from the structs of messages.h. params and result are maps from field
+ *           name to scalar. Unknown fields are skipped, so that newer peers can add some.
+ *           A field that is given twice, of another type or out of its C type's range is
+ *           E_BADMSG, with the field's name.
  * Does not: read sockets (seqpacket.h).
  * Threads:  [any], one decoder or encoder per thread at a time.
  */

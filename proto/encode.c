@@ -18,7 +18,7 @@
 static int append(void *context, const char *bytes, size_t count)
 {
     struct proto_encoder *encoder = context;
-    if (count > sizeof(encoder->data) - encoder->bytes) {
+    if (count > sizeof encoder->data - encoder->bytes) {
         return -1;
     }
     memcpy(encoder->data + encoder->bytes, bytes, count);
@@ -97,20 +97,20 @@ static int pack_body(msgpack_packer *packer, const struct proto_fields *fields,
                      const void *body)
 {
     size_t count = 0;
-    int rc = 0;
+    int status = 0;
     for (uint32_t i = 0; i < fields->count; i++) {
         count += is_left_out(&fields->items[i], body) ? 0 : 1;
     }
-    rc |= msgpack_pack_map(packer, count);
+    status |= msgpack_pack_map(packer, count);
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
         if (is_left_out(field, body)) {
             continue;
         }
-        rc |= msgpack_pack_str_with_body(packer, field->name, field->name_bytes);
-        rc |= pack_value(packer, field, (const char *)body + field->offset);
+        status |= msgpack_pack_str_with_body(packer, field->name, field->name_bytes);
+        status |= pack_value(packer, field, (const char *)body + field->offset);
     }
-    return rc;
+    return status;
 }
 
 static void begin(struct proto_encoder *encoder, msgpack_packer *packer)
@@ -125,12 +125,12 @@ int proto_encode_request(struct proto_encoder *encoder, uint32_t id, int method,
     msgpack_packer packer;
     assert(method >= 0 && method < PROTO_METHOD_COUNT);
     begin(encoder, &packer);
-    int rc = msgpack_pack_array(&packer, 4);
-    rc |= msgpack_pack_uint8(&packer, PROTO_REQUEST);
-    rc |= msgpack_pack_uint32(&packer, id);
-    rc |= pack_method(&packer, method);
-    rc |= pack_body(&packer, &proto_messages[method].request, request);
-    return rc == 0 ? 0 : PCCD_E_LIMIT;
+    int status = msgpack_pack_array(&packer, 4);
+    status |= msgpack_pack_uint8(&packer, PROTO_REQUEST);
+    status |= msgpack_pack_uint32(&packer, id);
+    status |= pack_method(&packer, method);
+    status |= pack_body(&packer, &proto_messages[method].request, request);
+    return status == 0 ? 0 : PCCD_E_LIMIT;
 }
 
 int proto_encode_result(struct proto_encoder *encoder, uint32_t id, int method,
@@ -139,12 +139,12 @@ int proto_encode_result(struct proto_encoder *encoder, uint32_t id, int method,
     msgpack_packer packer;
     assert(method >= 0 && method < PROTO_METHOD_COUNT);
     begin(encoder, &packer);
-    int rc = msgpack_pack_array(&packer, 4);
-    rc |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
-    rc |= msgpack_pack_uint32(&packer, id);
-    rc |= msgpack_pack_nil(&packer);
-    rc |= pack_body(&packer, &proto_messages[method].result, result);
-    return rc == 0 ? 0 : PCCD_E_LIMIT;
+    int status = msgpack_pack_array(&packer, 4);
+    status |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
+    status |= msgpack_pack_uint32(&packer, id);
+    status |= msgpack_pack_nil(&packer);
+    status |= pack_body(&packer, &proto_messages[method].result, result);
+    return status == 0 ? 0 : PCCD_E_LIMIT;
 }
 
 int proto_encode_error(struct proto_encoder *encoder, uint32_t id,
@@ -154,16 +154,16 @@ int proto_encode_error(struct proto_encoder *encoder, uint32_t id,
     const char *name = proto_status_name(error->code);
     assert(error->code < 0);
     begin(encoder, &packer);
-    int rc = msgpack_pack_array(&packer, 4);
-    rc |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
-    rc |= msgpack_pack_uint32(&packer, id);
-    rc |= msgpack_pack_array(&packer, 4);
-    rc |= msgpack_pack_int32(&packer, error->code);
-    rc |= msgpack_pack_str_with_body(&packer, name, strlen(name));
-    rc |= pack_text(&packer, error->text);
-    rc |= error->fatal ? msgpack_pack_true(&packer) : msgpack_pack_false(&packer);
-    rc |= msgpack_pack_nil(&packer);
-    return rc == 0 ? 0 : PCCD_E_LIMIT;
+    int status = msgpack_pack_array(&packer, 4);
+    status |= msgpack_pack_uint8(&packer, PROTO_RESPONSE);
+    status |= msgpack_pack_uint32(&packer, id);
+    status |= msgpack_pack_array(&packer, 4);
+    status |= msgpack_pack_int32(&packer, error->code);
+    status |= msgpack_pack_str_with_body(&packer, name, strlen(name));
+    status |= pack_text(&packer, error->text);
+    status |= error->fatal ? msgpack_pack_true(&packer) : msgpack_pack_false(&packer);
+    status |= msgpack_pack_nil(&packer);
+    return status == 0 ? 0 : PCCD_E_LIMIT;
 }
 
 int proto_encode_notification(struct proto_encoder *encoder, int note, const void *params)
@@ -171,9 +171,9 @@ int proto_encode_notification(struct proto_encoder *encoder, int note, const voi
     msgpack_packer packer;
     assert(note >= PROTO_METHOD_COUNT && note < PROTO_MESSAGE_COUNT);
     begin(encoder, &packer);
-    int rc = msgpack_pack_array(&packer, 3);
-    rc |= msgpack_pack_uint8(&packer, PROTO_NOTIFICATION);
-    rc |= pack_method(&packer, note);
-    rc |= pack_body(&packer, &proto_messages[note].request, params);
-    return rc == 0 ? 0 : PCCD_E_LIMIT;
+    int status = msgpack_pack_array(&packer, 3);
+    status |= msgpack_pack_uint8(&packer, PROTO_NOTIFICATION);
+    status |= pack_method(&packer, note);
+    status |= pack_body(&packer, &proto_messages[note].request, params);
+    return status == 0 ? 0 : PCCD_E_LIMIT;
 }

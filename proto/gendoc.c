@@ -27,27 +27,27 @@ static const char *type_name(enum proto_type type)
 
 /* ---- tables ----------------------------------------------------------------------- */
 
-static void print_message_rows(int first, int end)
-{
-    for (int i = first; i < end; i++) {
-        const struct proto_message_info *message = &proto_messages[i];
-        printf("| `%s` | %u | %s | %s | %s |\n", message->name, message->since,
-               message->flags & PROTO_F_BEFORE_HELLO ? "yes" : "",
-               message->flags & PROTO_F_COMPUTE ? "yes" : "", message->text);
-    }
-}
-
 static void print_methods(void)
 {
-    puts("| Method | Since | Before hello | Computed | Does |\n|---|---|---|---|---|");
-    print_message_rows(0, PROTO_METHOD_COUNT);
+    puts("| Method | Since | Before hello | Computed | Repeatable | Page | Does |\n"
+         "|---|---|---|---|---|---|---|");
+    for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        printf("| `%s` | %u | %s | %s | %s | %s | %s |\n", message->name, message->since,
+               message->flags & PROTO_F_BEFORE_HELLO ? "yes" : "",
+               message->flags & PROTO_F_COMPUTE ? "yes" : "",
+               message->flags & PROTO_F_REPEAT ? "yes" : "",
+               message->flags & PROTO_F_HAS_PAGE ? "yes" : "", message->text);
+    }
 }
 
 static void print_notifications(void)
 {
-    puts("| Notification | Since | Before hello | Computed | Says "
-         "|\n|---|---|---|---|---|");
-    print_message_rows(PROTO_METHOD_COUNT, PROTO_MESSAGE_COUNT);
+    puts("| Notification | Since | Says |\n|---|---|---|");
+    for (int i = PROTO_METHOD_COUNT; i < PROTO_MESSAGE_COUNT; i++) {
+        const struct proto_message_info *message = &proto_messages[i];
+        printf("| `%s` | %u | %s |\n", message->name, message->since, message->text);
+    }
 }
 
 static void print_fields(const char *title, const struct proto_fields *fields)
@@ -181,18 +181,6 @@ static void print_step_enums(void)
     VALUE(PCCD_METHOD_DEFAULT, "wide; paper where its scheduler is asked for");
     VALUE(PCCD_METHOD_PAPER, "binary tree of boxes over triangles");
     VALUE(PCCD_METHOD_WIDE, "trees of 16 children over vertices, edges and faces");
-    print_enum("pccd_scheduler");
-    VALUE(PCCD_SCHEDULER_DEFAULT, "the daemon's default; in an answer: one thread alone");
-    VALUE(PCCD_SCHEDULER_STEAL, "threads steal work from each other");
-    VALUE(PCCD_SCHEDULER_PAPER, "dynamic assignment, then high-level nodes");
-    print_enum("pccd_high_level");
-    VALUE(PCCD_HIGH_LEVEL_DEFAULT, "the daemon's default; in an answer: no such phase");
-    VALUE(PCCD_HIGH_LEVEL_ROUND_ROBIN, "pairs dealt out; a lock where a node is rebuilt");
-    VALUE(PCCD_HIGH_LEVEL_DISJOINT, "pairs without a common node at a time, no lock");
-    print_enum("pccd_refit");
-    VALUE(PCCD_REFIT_DEFAULT, "the daemon's default; in an answer: one thread alone");
-    VALUE(PCCD_REFIT_EVEN, "many small subtrees, taken on demand");
-    VALUE(PCCD_REFIT_PAPER, "two subtrees a thread, the first dealt out");
 }
 
 /* Of the answer to a step, and of its records. */
@@ -210,8 +198,9 @@ static void print_answer_enums(void)
     VALUE(PCCD_VERDICT_YES, "there is a contact");
     VALUE(PCCD_VERDICT_NONE, "not asked (another mode), or ended before it was known");
     print_enum("pccd_kind");
-    VALUE(PCCD_VF, "a vertex of object a, a face of object b");
-    VALUE(PCCD_EE, "an edge of object a, an edge of object b");
+#define KIND(NAME, value, name, points_a, points_b, text) VALUE(PCCD_##NAME, text);
+    PCCD_KIND_LIST(KIND)
+#undef KIND
     print_enum("pccd_contact_flag");
     VALUE(PCCD_PROVED, "the contact exists, and begins in [toi, toi_hi]");
     VALUE(PCCD_INITIAL, "the features touch at t = 0; then toi = toi_hi = 0");
@@ -233,10 +222,11 @@ static void print_other_enums(void)
     VALUE(PCCD_SHARE_ATTACH, "take part; there must be one");
     VALUE(PCCD_SHARE_OTHER, "take part in one of the user `owner`; there must be one");
     print_enum("pccd_object_what");
-    VALUE(PCCD_OBJECT_GROUP, "`group` is set");
-    VALUE(PCCD_OBJECT_MASK, "`mask` is set");
-    VALUE(PCCD_OBJECT_SELF, "`self` is set");
-    VALUE(PCCD_OBJECT_ALL, "all of these");
+#define ATTRIBUTE(F, type, member, name, at_first, meaning)                              \
+    VALUE(PCCD_OBJECT_##name, "`" #member "` is set");
+    COMMON_OBJECT_ATTRIBUTES(ATTRIBUTE, )
+#undef ATTRIBUTE
+    VALUE(PCCD_OBJECT_ALL, "whatever the daemon knows");
     print_enum("pccd_tree");
     VALUE(PCCD_TREE_VERTICES, "of the method wide, over vertices: up to 16 children");
     VALUE(PCCD_TREE_EDGES, "likewise, over edges");
@@ -254,7 +244,8 @@ static void print_other_enums(void)
     VALUE(PCCD_TRACE_HIGH, "a thread's part of a high-level node; a: node, b: pairs");
     VALUE(PCCD_TRACE_TESTS, "elementary tests; a: enum pccd_kind, b: candidates");
     VALUE(PCCD_TRACE_REBUILD, "reconstruction; a: node, b: triangles");
-    VALUE(PCCD_TRACE_ASIDE, "a share of a subtree built aside; a: node, b: triangles");
+    VALUE(PCCD_TRACE_BACKGROUND,
+          "a share of a subtree built in the background; a: node, b: triangles");
     VALUE(PCCD_TRACE_WAIT, "without work");
     VALUE(PCCD_TRACE_MERGE, "sort, gather, hash");
     VALUE(PCCD_TRACE_REQUEST, "a client's request, from its arrival to its answer");
@@ -335,10 +326,10 @@ struct document {
     const char *marker; /* of edge and name */
 };
 
-static const struct document protocol = {regions, sizeof(regions) / sizeof(regions[0]),
+static const struct document protocol = {regions, sizeof regions / sizeof regions[0],
                                          "<!-- %s: %s -->\n"};
 static const struct document manual = {
-    manual_regions, sizeof(manual_regions) / sizeof(manual_regions[0]), "; %s: %s\n"};
+    manual_regions, sizeof manual_regions / sizeof manual_regions[0], "; %s: %s\n"};
 
 /* Number of the region whose marker `line` is ("begin" or "end"), or -1. */
 static int find_region(const struct document *document, const char *line,
@@ -346,7 +337,7 @@ static int find_region(const struct document *document, const char *line,
 {
     char marker[64];
     for (size_t i = 0; i < document->region_count; i++) {
-        snprintf(marker, sizeof(marker), document->marker, edge,
+        snprintf(marker, sizeof marker, document->marker, edge,
                  document->regions[i].name);
         if (strcmp(line, marker) == 0) {
             return (int)i;
@@ -362,7 +353,7 @@ static int rewrite(const struct document *document)
     static char line[LINE_BYTES];
     size_t found = 0;
     int open = -1;
-    while (fgets(line, sizeof(line), stdin) != NULL) {
+    while (fgets(line, sizeof line, stdin) != NULL) {
         if (open < 0) {
             fputs(line, stdout);
             open = find_region(document, line, "begin");
@@ -410,20 +401,20 @@ static void print_manifest(void)
 
 int main(int argc, char **argv)
 {
-    int rc = 0;
+    int status = 0;
     if (argc == 2 && strcmp(argv[1], "manifest") == 0) {
         print_manifest();
     } else if (argc == 2 && strcmp(argv[1], "manual") == 0) {
-        rc = rewrite(&manual);
+        status = rewrite(&manual);
     } else if (argc == 1) {
-        rc = rewrite(&protocol);
+        status = rewrite(&protocol);
     } else {
-        rc = 2;
+        status = 2;
     }
-    if (rc == 2) {
+    if (status == 2) {
         fputs("usage: gendoc <PROTOCOL.md >NEW, gendoc manual <PAGE >NEW, or gendoc "
               "manifest\n",
               stderr);
     }
-    return fflush(stdout) == 0 ? rc : 1;
+    return fflush(stdout) == 0 ? status : 1;
 }

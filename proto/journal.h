@@ -1,8 +1,10 @@
-/* journal.h - what a journal of a shared scene holds, byte by byte.
+/* journal.h - the layout of a journal, byte by byte: everything that was done to a shared
+ * scene.
  *
- * Room:     proto. May include: the C library.
- * Does:     the layout of the entries that scene.journal gives out.
- * Does not: keep or read them (daemon/service/journal.c, client/lib/journal.c).
+ * Room:     proto. May include: pccd_types.h.
+ * Does:     define the entries that scene.journal returns.
+ * Does not: keep or read them (daemon/service/scenes/srv_journal.c,
+ *           client/lib/journal.c).
  * Threads:  [any].
  *
  * A run of entries in the order in which the daemon did what they say. Each begins with
@@ -14,7 +16,7 @@
  * |---|---|
  * | OBJECT | struct proto_journal_object, vertices, triangles (u32[3] each), zeros |
  * | GONE | nothing |
- * | FILTER | struct proto_journal_filter |
+ * | FILTER | u64 each: the attributes, in the order of object_attributes.h |
  * | PAIRS | struct proto_journal_pairs, u32[2] each: handles of two objects |
  * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
  * |      | table (shm.h), all of it x0x1 and double, and positions |
@@ -25,30 +27,25 @@
 #include <assert.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
+
 enum proto_journal_kind {
     PROTO_JOURNAL_OBJECT = 1, /* was added, or got another shape */
     PROTO_JOURNAL_GONE = 2,   /* was removed, or its session has left */
-    PROTO_JOURNAL_FILTER = 3, /* may meet what this says from now on */
+    PROTO_JOURNAL_FILTER = 3, /* has these attributes from now on */
     PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
     PROTO_JOURNAL_STEP = 5    /* the scene was moved on */
 };
 
 struct proto_journal_entry {
-    uint64_t bytes; /* of all of it */
-    uint32_t kind;  /* enum proto_journal_kind */
+    uint64_t bytes;  /* of all of it */
+    uint32_t kind;   /* enum proto_journal_kind */
     uint32_t object; /* handle; PAIRS, STEP: 0 */
 };
 
 struct proto_journal_object {
     uint32_t vertex_count;
     uint32_t triangle_count;
-};
-
-struct proto_journal_filter {
-    uint64_t group;
-    uint64_t mask;
-    uint32_t self;
-    uint32_t reserved;
 };
 
 struct proto_journal_pairs {
@@ -64,17 +61,13 @@ struct proto_journal_step {
     uint32_t mode;
     uint32_t method;
     uint32_t threads;
-    uint32_t scheduler;
-    uint32_t high_level;
-    uint32_t refit;
     uint32_t segments;
-    uint32_t reserved;
+    char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
 };
 
 static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
 static_assert(sizeof(struct proto_journal_object) == 8, "object");
-static_assert(sizeof(struct proto_journal_filter) == 24, "filter");
 static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
-static_assert(sizeof(struct proto_journal_step) == 56, "step");
+static_assert(sizeof(struct proto_journal_step) == 104, "step");
 
 #endif

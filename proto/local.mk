@@ -7,11 +7,7 @@ libproto_la_SOURCES = \
     proto/memfd.h \
     proto/messages.def \
     proto/messages.h \
-    proto/pccd_daemon.h \
-    proto/pccd_trace.h \
-    proto/pccd_types.h \
     proto/proto_direct.h \
-    proto/proto_limits.h \
     proto/records.h \
     proto/seqpacket.h \
     proto/journal.h \
@@ -26,10 +22,10 @@ libproto_la_SOURCES = \
 libproto_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(MSGPACK_CFLAGS)
 libproto_la_LIBADD = $(MSGPACK_LIBS)
 
-include_HEADERS += proto/pccd_daemon.h proto/pccd_trace.h proto/pccd_types.h
 dist_doc_DATA += proto/PROTOCOL.md
 
-# The tables of PROTOCOL.md, from the manifest: make protocol-doc writes them anew.
+# The tables of PROTOCOL.md and pccd-protocol.7, and the list of fields in tests/abi, from the
+# manifest: make protocol-doc writes them anew.
 noinst_PROGRAMS += proto/gendoc
 proto_gendoc_SOURCES = proto/gendoc.c
 proto_gendoc_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto
@@ -39,5 +35,11 @@ protocol-doc: proto/gendoc$(EXEEXT)
 	$(AM_V_GEN)proto/gendoc$(EXEEXT) <$(srcdir)/proto/PROTOCOL.md >PROTOCOL.new && \
 	    cat PROTOCOL.new >$(srcdir)/proto/PROTOCOL.md && \
 	    proto/gendoc$(EXEEXT) manual <$(srcdir)/client/man/pccd-protocol.7.scd >PROTOCOL.new && \
-	    cat PROTOCOL.new >$(srcdir)/client/man/pccd-protocol.7.scd && rm PROTOCOL.new
+	    cat PROTOCOL.new >$(srcdir)/client/man/pccd-protocol.7.scd && \
+	    proto/gendoc$(EXEEXT) manifest >PROTOCOL.new && \
+	    if grep -vxFf PROTOCOL.new $(srcdir)/tests/abi/manifest.txt; then \
+	        echo "these lines of tests/abi/manifest.txt are gone or changed:" \
+	            "what was published stays; take them out by hand if it was not" >&2; \
+	        rm PROTOCOL.new; exit 1; \
+	    fi && cat PROTOCOL.new >$(srcdir)/tests/abi/manifest.txt && rm PROTOCOL.new
 .PHONY: protocol-doc

@@ -5,11 +5,13 @@
  * Does not: write into the memory.
  * Threads:  [any].
  * Source:   seals do not prove the size (fstat does) and do not stop hole punching, so
- *           the daemon copies before it checks.
+ *           the daemon copies before it checks. FUTURE_WRITE does stop it, for the daemon
+ *           too: memory could not be given back.
  */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -63,18 +65,23 @@ static int advise(const struct proto_memory *memory, size_t from, size_t to, int
     return 0;
 }
 
-/* The first `taken` bytes now: a page fault costs more than a copy of the page. It is no
- * loss where the kernel does not know the advice. */
-static int map_pages(struct proto_memory *memory, int protection, size_t taken,
-                     bool by_turns)
+static int map_pages(struct proto_memory *memory, int protection)
 {
     void *base = mmap(NULL, memory->bytes, protection, MAP_SHARED, memory->fd, 0);
     if (base == MAP_FAILED) {
         return status_of_errno(errno);
     }
     memory->base = base;
-    (void)advise(memory, 0, taken, MADV_POPULATE_WRITE, by_turns);
     return 0;
+}
+
+/* Where the kernel does not know the advice (Linux before 5.14), pages come as they are
+ * touched. */
+static int populate(struct proto_memory *memory, size_t from, size_t to, bool by_turns)
+{
+    proto_memory_touch(memory, to);
+    int cause = advise(memory, from, to, MADV_POPULATE_WRITE, by_turns);
+    return cause == 0 || cause == EINVAL ? 0 : PCCD_E_NOMEM;
 }
 
 static int allocate(int fd, size_t bytes)
@@ -99,12 +106,23 @@ static bool can_take(const struct proto_memory *memory)
     return advise(memory, 0, PROTO_SHM_PAGE, MADV_POPULATE_WRITE, false) != EINVAL;
 }
 
+/* Another descriptor of the same memory, which can only be read from. -1: not here. */
+static int open_read_only(int fd)
+{
+    char path[32];
+
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    /* Else anybody who has a descriptor opens another one, to write. */
+    return fchmod(fd, S_IRUSR) == 0 ? open(path, O_RDONLY | O_CLOEXEC) : -1;
+}
+
 int proto_memory_create(struct proto_memory *memory, const char *name, size_t bytes,
                         size_t taken, bool client_read_only)
 {
     struct proto_memory made = PROTO_MEMORY_NONE;
-    int seals = SEALS | (client_read_only ? F_SEAL_FUTURE_WRITE : 0);
-    int rc;
+    int seals = SEALS;
+    int reader = -1;
+    int status;
 
     assert(bytes > 0 && bytes % PROTO_SHM_PAGE == 0);
     assert(taken > 0 && taken <= bytes && taken % PROTO_SHM_PAGE == 0);
@@ -113,62 +131,94 @@ int proto_memory_create(struct proto_memory *memory, const char *name, size_t by
     if (made.fd < 0) {
         return status_of_errno(errno);
     }
-    rc = allocate(made.fd, taken);
-    if (rc != 0) {
+    status = allocate(made.fd, taken);
+    if (status != 0) {
         goto fail;
     }
     if (taken < bytes && ftruncate(made.fd, (off_t)bytes) != 0) {
-        rc = status_of_errno(errno);
+        status = status_of_errno(errno);
         goto fail;
     }
-    rc = map_pages(&made, PROT_READ | PROT_WRITE, taken, true);
-    if (rc == 0 && taken < bytes && !can_take(&made)) {
-        rc = allocate(made.fd, bytes);
+    status = map_pages(&made, PROT_READ | PROT_WRITE);
+    if (status == 0) {
+        (void)populate(&made, 0, taken, true); /* it has memory: only page faults */
     }
-    if (rc != 0) {
+    if (status == 0 && taken < bytes && !can_take(&made)) {
+        status = allocate(made.fd, bytes);
+    }
+    if (status != 0) {
         goto fail;
+    }
+    if (client_read_only) {
+        reader = open_read_only(made.fd);
+        seals |= reader < 0 ? F_SEAL_FUTURE_WRITE : 0;
     }
     if (fcntl(made.fd, F_ADD_SEALS, seals) != 0) {
-        rc = status_of_errno(errno);
+        status = status_of_errno(errno);
         goto fail;
+    }
+    if (reader >= 0) {
+        (void)close(made.fd);
+        made.fd = reader;
     }
     *memory = made;
     return 0;
 
 fail:
+    if (reader >= 0) {
+        (void)close(reader);
+    }
     proto_memory_deinit(&made);
-    return rc;
+    return status;
 }
 
 int proto_memory_take(struct proto_memory *memory, size_t from, size_t to)
 {
     assert(from % PROTO_SHM_PAGE == 0 && from < to && to <= memory->bytes);
-    int cause = advise(memory, from, to, MADV_POPULATE_WRITE, true);
-    /* Linux before 5.14 does not know the advice: all pages are there already. */
-    return cause == 0 || cause == EINVAL ? 0 : PCCD_E_NOMEM;
+    return populate(memory, from, to, true);
+}
+
+int proto_memory_populate(struct proto_memory *memory, size_t from, size_t to)
+{
+    assert(from % PROTO_SHM_PAGE == 0 && from < to && to <= memory->bytes);
+    return populate(memory, from, to, false);
+}
+
+int proto_memory_give_back(struct proto_memory *memory, size_t from, size_t to)
+{
+    assert(from % PROTO_SHM_PAGE == 0 && from < to && to <= memory->bytes);
+    if (!can_take(memory)) {
+        return PCCD_E_SYSTEM; /* it could not be taken again */
+    }
+    return advise(memory, from, to, MADV_REMOVE, false) == 0 ? 0 : PCCD_E_SYSTEM;
+}
+
+/* Whether a descriptor is of the memory that only the daemon writes, or of the other. */
+static bool is_of_kind(int fd, int seals, bool read_only)
+{
+    int mode = fcntl(fd, F_GETFL);
+    bool is_sealed = (seals & F_SEAL_FUTURE_WRITE) != 0;
+
+    return mode >= 0 && ((mode & O_ACCMODE) == O_RDONLY || is_sealed) == read_only;
 }
 
 int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool read_only)
 {
-    struct proto_memory made = {fd, NULL, bytes};
+    struct proto_memory made = {fd, NULL, bytes, 0, NULL};
     struct stat info;
-    int rc = PCCD_E_BADMSG;
+    int status = PCCD_E_BADMSG;
 
-    /* Without SHRINK an access could end in SIGBUS. FUTURE_WRITE belongs to the memory
-     * that only the daemon writes, and to no other. */
-    int wanted = SEALS | (read_only ? F_SEAL_FUTURE_WRITE : 0);
+    /* Without SHRINK an access could end in SIGBUS. */
     int seals = fcntl(fd, F_GET_SEALS);
-    if (seals < 0 || (seals & (SEALS | F_SEAL_FUTURE_WRITE)) != wanted) {
+    if (seals < 0 || (seals & SEALS) != SEALS || !is_of_kind(fd, seals, read_only)) {
         goto fail;
     }
     if (fstat(fd, &info) != 0 || bytes == 0 || info.st_size != (off_t)bytes) {
         goto fail;
     }
-    /* To read a hole is to fill it, so of memory that only the daemon writes nothing is
-     * touched before there is something to read. */
-    rc = map_pages(&made, read_only ? PROT_READ : PROT_READ | PROT_WRITE,
-                   read_only ? 0 : bytes, false);
-    if (rc != 0) {
+    /* To touch a hole is to fill it, so nothing is populated. */
+    status = map_pages(&made, read_only ? PROT_READ : PROT_READ | PROT_WRITE);
+    if (status != 0) {
         goto fail;
     }
     *memory = made;
@@ -176,14 +226,21 @@ int proto_memory_map(struct proto_memory *memory, int fd, size_t bytes, bool rea
 
 fail:
     proto_memory_deinit(&made);
-    return rc;
+    return status;
+}
+
+void proto_memory_touch(struct proto_memory *memory, size_t end)
+{
+    memory->reach = end > memory->reach ? end : memory->reach;
 }
 
 void proto_memory_deinit(struct proto_memory *memory)
 {
-    if (memory->base != NULL) {
+    if (memory->base != NULL && memory->unmap != NULL) {
+        memory->unmap->call(memory->unmap->context, memory->base, memory->bytes);
+    } else if (memory->base != NULL) {
         /* The pages stay in the file. */
-        (void)advise(memory, 0, memory->bytes, MADV_DONTNEED, false);
+        (void)advise(memory, 0, memory->reach, MADV_DONTNEED, false);
         munmap(memory->base, memory->bytes);
     }
     if (memory->fd >= 0) {

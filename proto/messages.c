@@ -1,11 +1,16 @@
 /* messages.c - the manifest as tables.
  *
  * Room:     proto. May include: messages.h.
- * Does:     one field table per request and result, and the table of all messages.
- * Does not: look anything up or encode (codec.c).
+ * Does:     one field table per request and result, and the table of all messages; find
+ *           the page that a result brings.
+ * Does not: encode (codec.c).
  * Threads:  [any], constant data.
  */
 #include "messages.h"
+
+#include <string.h>
+
+#include "pccd_trace.h"
 
 /* A field list of the manifest calls F(type, name, need, text) and does not say whose
  * list it is. So F is passed as two parts: ENTRY(struct), which stands before each field,
@@ -28,17 +33,52 @@ PROTO_METHODS(REQUEST_TABLE)
 PROTO_METHODS(RESULT_TABLE)
 PROTO_NOTIFICATIONS(REQUEST_TABLE)
 
-#define COUNT(table) ((uint32_t)(sizeof(table) / sizeof((table)[0])))
+#define COUNT(table) ((uint32_t)(sizeof table / sizeof((table)[0])))
 #define FIELDS(ID, part)                                                                 \
     {ID##_##part, COUNT(ID##_##part), sizeof(struct proto_##ID##_##part)}
 
 #define METHOD(ID, name, since, flags, text)                                             \
-    [PROTO_METHOD_##ID] = {#ID, name, sizeof(name) - 1, text, since, flags,              \
+    [PROTO_METHOD_##ID] = {#ID, name, sizeof name - 1, text, since, flags,              \
                            FIELDS(ID, request), FIELDS(ID, result)},
 #define NOTIFICATION(ID, name, since, flags, text)                                       \
-    [PROTO_NOTE_##ID] = {#ID, name, sizeof(name) - 1, text, since, flags,                \
+    [PROTO_NOTE_##ID] = {#ID, name, sizeof name - 1, text, since, flags,                \
                          FIELDS(ID, request), {NULL, 0, 0}},
 
 const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT] = {
     PROTO_METHODS(METHOD) PROTO_NOTIFICATIONS(NOTIFICATION)};
 /* clang-format on */
+
+/* The value of a field of that name; 0: the result has none. */
+static uint64_t number_in(const struct proto_fields *fields, const void *result,
+                          const char *name)
+{
+    for (uint32_t i = 0; i < fields->count; i++) {
+        const struct proto_field *field = &fields->items[i];
+        const unsigned char *at = (const unsigned char *)result + field->offset;
+        uint64_t wide = 0;
+        uint32_t narrow = 0;
+        if (strcmp(field->name, name) != 0) {
+            continue;
+        }
+        if (field->type == PROTO_TYPE_u64) {
+            memcpy(&wide, at, sizeof wide);
+            return wide;
+        }
+        memcpy(&narrow, at, sizeof narrow);
+        return narrow;
+    }
+    return 0;
+}
+
+struct proto_page proto_page_of(int method, const void *result)
+{
+    const struct proto_message_info *info = &proto_messages[method];
+    uint32_t record_bytes = info->flags >> 16;
+    return (struct proto_page){
+        .offset = number_in(&info->result, result, "offset"),
+        .count = number_in(&info->result, result, "count"),
+        .release = number_in(&info->result, result, "release"),
+        .record_bytes = record_bytes != 0
+                            ? record_bytes
+                            : (uint32_t)number_in(&info->result, result, "record_bytes")};
+}

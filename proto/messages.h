@@ -1,7 +1,8 @@
-/* messages.h - the manifest as C types.
+/* messages.h - every message of the protocol as a C struct, generated from messages.def.
  *
- * Room:     proto. May include: messages.def, proto_limits.h, pccd_types.h.
- * Does:     turns messages.def into enums, structs and field tables.
+ * Room:     proto. May include: messages.def, pccd_types.h, proto_limits.h,
+ *           step_numbers.h.
+ * Does:     turn messages.def into enums, structs and field tables.
  * Does not: encode or decode (codec.h).
  */
 #ifndef PROTO_MESSAGES_H
@@ -12,23 +13,28 @@
 #include <stdint.h>
 
 #include "messages.def"
+#include "object_attributes.h"
 #include "pccd_types.h"
 #include "proto_limits.h"
+#include "step_numbers.h"
 
-#define PROTO_F_BEFORE_HELLO 1u
-#define PROTO_F_COMPUTE 2u
+#define PROTO_F_BEFORE_HELLO       1u
+#define PROTO_F_COMPUTE            2u
+#define PROTO_F_REPEAT             4u
+#define PROTO_F_HAS_PAGE           8u
+#define PROTO_F_PAGE(record_bytes) (PROTO_F_HAS_PAGE | (uint32_t)(record_bytes) << 16)
 
 /* PROTO_METHOD_HELLO, ... then PROTO_NOTE_GOAWAY, ...: one numbering for both. */
 enum proto_method {
 #define PROTO_ENUM(ID, name, since, flags, text) PROTO_METHOD_##ID,
     PROTO_METHODS(PROTO_ENUM)
 #undef PROTO_ENUM
-    PROTO_METHOD_COUNT,
+        PROTO_METHOD_COUNT,
 #define PROTO_ENUM(ID, name, since, flags, text) PROTO_NOTE_##ID,
     PROTO_NOTE_FIRST_ = PROTO_METHOD_COUNT - 1,
     PROTO_NOTIFICATIONS(PROTO_ENUM)
 #undef PROTO_ENUM
-    PROTO_MESSAGE_COUNT
+        PROTO_MESSAGE_COUNT
 };
 
 enum proto_type {
@@ -40,11 +46,11 @@ enum proto_type {
 };
 enum proto_need { PROTO_NEED_REQ, PROTO_NEED_OPT };
 
-#define PROTO_CTYPE_u32(name) uint32_t name
-#define PROTO_CTYPE_u64(name) uint64_t name
-#define PROTO_CTYPE_f64(name) double name
-#define PROTO_CTYPE_bool(name) bool name
-#define PROTO_CTYPE_str(name) char name[PROTO_STR_MAX + 1]
+#define PROTO_CTYPE_u32(name)                uint32_t name
+#define PROTO_CTYPE_u64(name)                uint64_t name
+#define PROTO_CTYPE_f64(name)                double name
+#define PROTO_CTYPE_bool(name)               bool name
+#define PROTO_CTYPE_str(name)                char name[PROTO_STR_MAX + 1]
 #define PROTO_MEMBER(type, name, need, text) PROTO_CTYPE_##type(name);
 
 #define PROTO_STRUCTS(ID, name, since, flags, text)                                      \
@@ -92,6 +98,17 @@ struct proto_message_info {
     struct proto_fields request;
     struct proto_fields result; /* count = 0 for notifications */
 };
+
+/* The page of records that an answer brings, in the result region. */
+struct proto_page {
+    uint64_t offset;
+    uint64_t count;
+    uint64_t release; /* value of result_head that releases it */
+    uint32_t record_bytes;
+};
+
+/* That of a result of a method with PROTO_F_PAGE. [any] */
+struct proto_page proto_page_of(int method, const void *result);
 
 /* Indexed by enum proto_method, PROTO_MESSAGE_COUNT entries. [any] */
 extern const struct proto_message_info proto_messages[PROTO_MESSAGE_COUNT];

@@ -1,9 +1,10 @@
-/* proto_direct.h - where the client library meets the service in its own process.
+/* proto_direct.h - the functions of libpccd-direct, by which the client library runs the
+ * service in its own process.
  *
  * Room:     proto. May include: seqpacket.h.
- * Does:     declare what libpccd-direct exports: a way to send messages of the protocol
- *           and to receive them, as over a socket. Both libraries may be of different
- *           releases: hello agrees on a version, as with a daemon.
+ * Does:     declare a way to send messages of the protocol and to receive them, as over a
+ *           socket. The two libraries may be of different releases: hello agrees on a
+ *           version, as with a daemon.
  * Threads:  functions say.
  */
 #ifndef PROTO_DIRECT_H
@@ -23,30 +24,30 @@
 
 #define PROTO_DIRECT_TEXT_BYTES 256u
 
-struct proto_direct_line; /* of one client */
+struct proto_direct_inbox; /* of one client */
 
 struct proto_direct {
     /* Another client of this process. Returns 0, PCCD_E_NOMEM, PCCD_E_QUOTA or
      * PCCD_E_STATE (a forked process), with the reason in text. [any] */
-    int (*open)(struct proto_direct_line **line, char text[PROTO_DIRECT_TEXT_BYTES]);
+    int (*open)(struct proto_direct_inbox **line, char text[PROTO_DIRECT_TEXT_BYTES]);
 
     /* Handle one message. What it asks for is computed before this returns, by the
      * calling thread and its OpenMP team, and its answer can be received. While another
      * client's message is handled by another thread, this waits. Returns 0 or
      * PCCD_E_DISCONNECTED. [owner] */
-    int (*send)(struct proto_direct_line *line, const void *message, size_t bytes);
+    int (*send)(struct proto_direct_inbox *line, const void *message, size_t bytes);
 
     /* As proto_receive: 0, PCCD_E_AGAIN, PCCD_E_BADMSG or PCCD_E_DISCONNECTED. [owner] */
-    int (*receive)(struct proto_direct_line *line, void *buffer, size_t capacity,
+    int (*receive)(struct proto_direct_inbox *line, void *buffer, size_t capacity,
                    size_t *bytes, int fds[PROTO_FDS_MAX], int *fd_count);
 
     /* A descriptor, the line's, that is readable while a message can be received, or
      * something else is due, which `receive` does first; -1: there is none to be had.
      * [owner] */
-    int (*descriptor)(struct proto_direct_line *line);
+    int (*descriptor)(struct proto_direct_inbox *line);
 
     /* All that the client has is freed, with the last client everything. [owner] */
-    void (*close)(struct proto_direct_line *line);
+    void (*close)(struct proto_direct_inbox *line);
 };
 
 /* NULL: this library does not have that version of struct proto_direct. */

@@ -1,7 +1,8 @@
-/* records.h - layout of the records in the result region, frozen.
+/* records.h - checks, when it is compiled, that the layout of the public records has not
+ * changed.
  *
  * Room:     proto. May include: pccd_trace.h, pccd_types.h.
- * Does:     static asserts on size and every offset of the public records.
+ * Does:     assert the size and every offset of the records that go to the result region.
  */
 #ifndef PROTO_RECORDS_H
 #define PROTO_RECORDS_H

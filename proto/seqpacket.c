@@ -107,7 +107,7 @@ static int receive_all(int socket, void *buffer, size_t capacity, size_t *bytes,
         header = (struct msghdr){.msg_iov = &iov,
                                  .msg_iovlen = 1,
                                  .msg_control = control.bytes,
-                                 .msg_controllen = sizeof(control.bytes)};
+                                 .msg_controllen = sizeof control.bytes};
         got = recvmsg(socket, &header, flags | MSG_CMSG_CLOEXEC);
     } while (got < 0 && errno == EINTR && flags == MSG_DONTWAIT);
     if (got < 0) {
@@ -196,7 +196,7 @@ bool proto_refuse_fds(int socket)
 #ifdef SO_PASSRIGHTS
     int passes = 0;
 
-    return setsockopt(socket, SOL_SOCKET, SO_PASSRIGHTS, &passes, sizeof(passes)) == 0;
+    return setsockopt(socket, SOL_SOCKET, SO_PASSRIGHTS, &passes, sizeof passes) == 0;
 #else
     (void)socket;
     return false;

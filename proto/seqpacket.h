@@ -1,4 +1,5 @@
-/* seqpacket.h - one message in, one message out, descriptors beside it.
+/* seqpacket.h - sends and receives one message at a time over a Unix socket, with file
+ * descriptors beside it.
  *
  * Room:     proto. May include: codec.h, the C library.
  * Does:     send and receive whole datagrams of an AF_UNIX SOCK_SEQPACKET socket, with at

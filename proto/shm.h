@@ -1,7 +1,9 @@
-/* shm.h - layout of the upload ring and of the result region.
+/* shm.h - the layout of the memory that a client shares with the daemon: the upload ring
+ * and the result region.
  *
  * Room:     proto. May include: proto_limits.h and the C library.
- * Does:     byte offsets and types of what two processes see; static asserts on each.
+ * Does:     define byte offsets and types of what two processes see, with static asserts
+ *           on each.
  * Does not: create or map memory (memfd.h) or follow the slot protocol (the client
  *           library writes, daemon/server/ringio.c reads).
  * Threads:  every word below names its one writer. All are little-endian and naturally
@@ -33,10 +35,10 @@
 
 #include "proto_limits.h"
 
-#define PROTO_UPLOAD_MAGIC 0x75636370u /* "pccu" */
-#define PROTO_RESULT_MAGIC 0x72636370u /* "pccr" */
+#define PROTO_UPLOAD_MAGIC   0x75636370u /* "pccu" */
+#define PROTO_RESULT_MAGIC   0x72636370u /* "pccr" */
 #define PROTO_LAYOUT_VERSION 1u
-#define PROTO_SHM_PAGE 4096u
+#define PROTO_SHM_PAGE       4096u
 
 /* One word alone in its 128 bytes: two cache lines, because adjacent lines are fetched in
  * pairs. */
@@ -58,12 +60,23 @@ struct proto_shm_header {
     uint8_t pad[80];
 };
 
-/* A slot descriptor. Only `seq` has meaning to the daemon; every length comes with the
- * message. */
+/* Whether a slot has memory. The client goes from NEEDED to FREE by a store, and back by
+ * an exchange that finds FREE; the daemon goes from FREE to EMPTY by an exchange that
+ * finds FREE, then gives the memory back, and from EMPTY to NEEDED when it has taken
+ * memory again (shm.take). */
+enum proto_slot_memory {
+    PROTO_SLOT_NEEDED = 0, /* by the client, or it does not say */
+    PROTO_SLOT_FREE = 1,   /* nobody needs what is in the slot */
+    PROTO_SLOT_EMPTY = 2   /* it has no memory */
+};
+
+/* A slot descriptor. `seq` and `memory` have meaning to the daemon; every length comes
+ * with the message. */
 struct proto_slot {
     _Atomic uint64_t seq;
-    uint64_t user; /* the client's own */
-    uint8_t pad[48];
+    uint64_t user;           /* the client's own */
+    _Atomic uint64_t memory; /* enum proto_slot_memory */
+    uint8_t pad[40];
 };
 
 struct proto_upload {
@@ -92,11 +105,11 @@ enum proto_segment_kind {
  * lead to double[12], the rows of [R | t]: x' = R x + t. A segment with count = 0 is
  * refused. */
 struct proto_segment {
-    uint32_t object; /* handle */
-    uint16_t kind;   /* enum proto_segment_kind */
-    uint16_t format; /* enum pccd_format; 1 for RIGID */
-    uint32_t first;  /* first vertex */
-    uint32_t count;  /* vertices */
+    uint32_t object;  /* handle */
+    uint16_t kind;    /* enum proto_segment_kind */
+    uint16_t format;  /* enum pccd_format; 1 for RIGID */
+    uint32_t first;   /* first vertex */
+    uint32_t count;   /* vertices */
     uint64_t offset0; /* bytes from the start of the payload; X1: must be 0 */
     uint64_t offset1; /* end positions; both offsets are multiples of 8 */
 };
@@ -119,6 +132,7 @@ static_assert(offsetof(struct proto_upload, result_head) == 0x280, "result_head"
 static_assert(offsetof(struct proto_upload, slots) == 0x400, "slots");
 static_assert(sizeof(struct proto_upload) == 0x1000, "slot payloads begin at 0x1000");
 static_assert(sizeof(struct proto_slot) == 64, "a slot descriptor has 64 bytes");
+static_assert(offsetof(struct proto_slot, memory) == 16, "slot.memory");
 static_assert(sizeof(struct proto_segment) == 32, "a segment has 32 bytes");
 static_assert(offsetof(struct proto_segment, kind) == 4, "segment.kind");
 static_assert(offsetof(struct proto_segment, first) == 8, "segment.first");

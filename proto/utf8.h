@@ -1,7 +1,8 @@
-/* utf8.h - well-formed UTF-8, one sequence at a time.
+/* utf8.h - checks that text is well-formed UTF-8.
  *
  * Room:     proto, private. May include: the C library.
- * Does:     measures sequences after RFC 3629: no overlong forms, no surrogates, no NUL.
+ * Does:     measure one sequence after RFC 3629: no overlong forms, no surrogates, no
+ *           NUL.
  * Does not: decode to code points.
  * Threads:  [any].
  */

@@ -48,7 +48,7 @@ methods='wide paper'
 # ---- counting -------------------------------------------------------------------------
 
 # Lines "scene,method,steps,counter,value" from a CSV of pccd-bench: sums over the steps, of
-# what is resident the most. Subtrees that are made aside, as far as time allows, are not
+# what is resident the most. Subtrees that are made in the background, as far as time allows, are not
 # counted, nor what depends on which they were.
 totals() {
     awk -F, -v name="$2,$3,$4" '

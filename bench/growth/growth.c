@@ -15,9 +15,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "affinity.h"
 #include "families.h"
 #include "memory.h"
-#include "place.h"
 #include "resident.h"
 #include "step_memory.h"
 #include "world.h"
@@ -81,32 +81,33 @@ static void keep_least(double *least, uint64_t ns)
 
 static void keep_step(struct growth *growth, const struct eng_step_result *result)
 {
-    const struct eng_step_times *times = &result->times;
-    const struct eng_step_counters *counters = &result->counters;
+    const struct pccd_step_times *times = &result->times;
+    const struct pccd_step_counters *counters = &result->counters;
     keep_least(&growth->step_ms, times->step);
     keep_least(&growth->refit_ms, times->refit);
     keep_least(&growth->traversal_ms, times->traversal);
     keep_least(&growth->tests_ms, times->tests);
     keep_least(&growth->merge_ms, times->merge);
     growth->box_tests = (double)counters->box_tests;
-    growth->candidates = (double)(counters->candidates_vf + counters->candidates_ee);
+    growth->candidates =
+        (double)(counters->candidates[PCCD_VF] + counters->candidates[PCCD_EE]);
     growth->contacts = (double)result->count;
 }
 
-static struct growth measure(const struct bench_scene *scene, enum eng_method method,
+static struct growth measure(const struct bench_scene *scene, enum pccd_method method,
                              const struct options *options)
 {
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
     struct growth growth = {.triangles = (double)bench_scene_triangles(scene)};
-    struct eng_places places;
+    struct eng_affinity affinity;
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
     uint32_t steps = options->smoke ? 2 : STEPS;
     settings.method = method;
     settings.threads = options->threads;
-    settings.places = &places;
-    eng_places_init(&places);
+    settings.affinity = &affinity;
+    eng_affinity_init(&affinity);
     bench_frames_init(&frames, scene, 0);
     double process_before = process_bytes();
     double bytes_before = (double)eng_alloc_bytes();
@@ -114,10 +115,10 @@ static struct growth measure(const struct bench_scene *scene, enum eng_method me
         if (i > 0) {
             bench_world_deinit(&world);
         }
-        uint64_t begin_ns = bench_now_ns();
+        uint64_t begin_ns = common_now_ns();
         double begin_kernel = kernel_ms();
         bench_world_init(&world, &frames, NULL);
-        double ms = 1e-6 * (double)(bench_now_ns() - begin_ns);
+        double ms = 1e-6 * (double)(common_now_ns() - begin_ns);
         if (i == 0 || ms < growth.register_ms) {
             growth.register_ms = ms;
             growth.register_kernel_ms = kernel_ms() - begin_kernel;
@@ -127,12 +128,12 @@ static struct growth measure(const struct bench_scene *scene, enum eng_method me
     for (uint32_t i = 0; i < WARM_UP + steps; i++) {
         bench_frames_seek(&frames, i);
         bench_world_step(&world, &frames, &settings, &result);
-        bench_check(result.incomplete == ENG_COMPLETE, scene->name, "incomplete");
+        bench_check(result.incomplete == PCCD_COMPLETE, scene->name, "incomplete");
         if (i >= WARM_UP) {
             keep_step(&growth, &result);
         }
     }
-    growth.records_bytes = (double)eng_step_memory_bytes(world.scene->memory);
+    growth.records_bytes = (double)eng_step_memory_bytes(world.scene);
     growth.scene_bytes = (double)eng_alloc_bytes() - bytes_before - growth.records_bytes;
     growth.process_bytes = process_bytes() - process_before;
     bench_world_deinit(&world);
@@ -198,10 +199,10 @@ static void grow_size(const struct options *options)
         scene.name = "layers";
         bench_make_layers(&scene, LAYERS,
                           (uint32_t)(sqrt(triangles / (2 * LAYERS)) + 1.5));
-        struct growth growth = measure(&scene, ENG_METHOD_WIDE, options);
+        struct growth growth = measure(&scene, PCCD_METHOD_WIDE, options);
         write_row(csv, "wide", &growth, options);
         if (triangles < PAPER_MOST) {
-            growth = measure(&scene, ENG_METHOD_PAPER, options);
+            growth = measure(&scene, PCCD_METHOD_PAPER, options);
             write_row(csv, "paper", &growth, options);
         }
         bench_scene_free(&scene);
@@ -230,7 +231,7 @@ static void grow_contacts(const struct options *options)
         memset(&scene, 0, sizeof scene);
         scene.name = "crossing";
         bench_make_crossing(&scene, side, crossing);
-        struct growth growth = measure(&scene, ENG_METHOD_WIDE, options);
+        struct growth growth = measure(&scene, PCCD_METHOD_WIDE, options);
         write_row(csv, "wide", &growth, options);
         bench_scene_free(&scene);
     }

@@ -13,9 +13,11 @@
 #include "machine.h"
 #include "memory.h"
 #include "method.h"
+#include "paper_method.h"
+#include "paper_work.h"
 #include "report.h"
 #include "resident.h"
-#include "schedule.h"
+#include "schedule_paper.h"
 #include "step_memory.h"
 
 #define TRIANGLES 8192u
@@ -42,29 +44,29 @@ static double run(struct eng_scene *scene, bool by_paper)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_stop stop;
-    struct eng_step_memory *memory = scene->memory;
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
     struct eng_team team = {.scene = scene,
                             .workers = memory->workers,
                             .count = 1,
-                            .method = &eng_method_paper,
-                            .assignment = &memory->assignment};
-    settings.method = ENG_METHOD_PAPER;
+                            .method = &eng_method_paper};
+    settings.method = PCCD_METHOD_PAPER;
     eng_stop_init(&stop, &settings);
     eng_pool_reset(&memory->pool, 1);
-    if (eng_assignment_reserve(&memory->assignment, 1) != ENG_OK ||
-        eng_worker_reserve_tree(memory->workers[0], scene) != ENG_OK) {
+    if (eng_schedule_paper_reserve(scene, 1) != PCCD_OK ||
+        eng_paper_work_reserve(memory->workers[0], scene) != PCCD_OK) {
         exit(2);
     }
     eng_worker_begin(memory->workers[0], scene, &settings, &stop, &memory->pool);
+    eng_paper_work_begin(memory->workers[0]);
     memory->workers[0]->thread = 0;
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     if (by_paper) {
         eng_schedule_paper_begin(&team, memory->workers[0]);
         eng_schedule_paper(&team, memory->workers[0]);
     } else {
         eng_schedule_serial(memory->workers[0]);
     }
-    return (double)(eng_now_ns() - begin_ns);
+    return (double)(common_now_ns() - begin_ns);
 }
 
 double model_loop_ns(void)
@@ -72,7 +74,7 @@ double model_loop_ns(void)
     struct bench_scene source;
     struct bench_world world;
     struct bench_frames frames;
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
     struct eng_step_result result;
     struct bench_samples more = {0};
     make_row(&source);

@@ -21,7 +21,6 @@
 #include "deque.h"
 #include "relax.h"
 #include "report.h"
-#include "schedule.h"
 #include "task.h"
 
 #define LOOPS    20000
@@ -38,7 +37,7 @@ static double median_of(struct bench_samples *samples)
 
 static double per(uint64_t begin_ns, uint32_t count)
 {
-    return (double)(eng_now_ns() - begin_ns) / count;
+    return (double)(common_now_ns() - begin_ns) / count;
 }
 
 /* ---- alone ----------------------------------------------------------------------- */
@@ -52,27 +51,27 @@ static void measure_alone(struct model_machine *machine)
     eng_deque_init(&deque);
     for (int repeat = 0; repeat < 21; repeat++) {
         uint64_t task;
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         for (uint32_t i = 0; i < LOOPS; i++) {
             atomic_fetch_add_explicit(&counter, 1, memory_order_relaxed);
         }
         bench_add(&samples[0], per(begin_ns, LOOPS));
-        begin_ns = eng_now_ns();
+        begin_ns = common_now_ns();
         for (uint32_t i = 0; i < 1000; i++) {
             eng_deque_push(&deque, i);
         }
         bench_add(&samples[1], per(begin_ns, 1000));
-        begin_ns = eng_now_ns();
+        begin_ns = common_now_ns();
         for (uint32_t i = 0; i < 1000; i++) {
             eng_deque_pop(&deque, &task);
         }
         bench_add(&samples[2], per(begin_ns, 1000));
-        begin_ns = eng_now_ns();
+        begin_ns = common_now_ns();
         for (uint32_t i = 0; i < LOOPS; i++) {
             eng_deque_steal(&deque, &task);
         }
         bench_add(&samples[3], per(begin_ns, LOOPS));
-        begin_ns = eng_now_ns();
+        begin_ns = common_now_ns();
         for (uint32_t i = 0; i < LOOPS; i++) {
             pthread_mutex_lock(&mutex);
             pthread_mutex_unlock(&mutex);
@@ -94,7 +93,7 @@ static void measure_alone(struct model_machine *machine)
 enum turn { TURN_ADD, TURN_STEAL, TURN_LOCK, TURNS_COUNT };
 
 static struct {
-    const struct eng_places *places;
+    const struct eng_affinity *affinity;
     _Alignas(128) atomic_uint ready; /* turns prepared */
     _Alignas(128) atomic_uint done;
     _Alignas(128) atomic_uint line;
@@ -114,12 +113,12 @@ static void until(atomic_uint *flag, uint32_t value)
 static void *second_of_turns(void *arg)
 {
     (void)arg;
-    eng_place_thread(by_turns.places, 1, 2);
+    eng_affinity_bind_thread(by_turns.affinity, 1, 2);
     for (uint32_t i = 1; i <= TURNS; i++) {
         uint64_t task;
         while (atomic_load_explicit(&by_turns.ready, memory_order_acquire) < i) {
         }
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         switch (by_turns.turn) {
         case TURN_ADD:
             atomic_fetch_add_explicit(&by_turns.line, 1, memory_order_seq_cst);
@@ -132,18 +131,18 @@ static void *second_of_turns(void *arg)
             pthread_mutex_unlock(&by_turns.mutex);
             break;
         }
-        bench_add(&by_turns.samples, (double)(eng_now_ns() - begin_ns));
+        bench_add(&by_turns.samples, (double)(common_now_ns() - begin_ns));
         atomic_store_explicit(&by_turns.done, i, memory_order_release);
     }
     return NULL;
 }
 
 /* Median of what the second thread took, less the clock. */
-static double measure_turn(const struct eng_places *places, enum turn turn,
+static double measure_turn(const struct eng_affinity *affinity, enum turn turn,
                            double clock_ns)
 {
     pthread_t second;
-    by_turns.places = places;
+    by_turns.affinity = affinity;
     by_turns.turn = turn;
     atomic_init(&by_turns.ready, 0);
     atomic_init(&by_turns.done, 0);
@@ -170,7 +169,7 @@ static double measure_turn(const struct eng_places *places, enum turn turn,
 /* Two threads taking one lock again and again. */
 static void *fight(void *arg)
 {
-    eng_place_thread(by_turns.places, arg ? 1 : 0, 2);
+    eng_affinity_bind_thread(by_turns.affinity, arg ? 1 : 0, 2);
     for (uint32_t i = 0; i < LOOPS; i++) {
         pthread_mutex_lock(&by_turns.mutex);
         by_turns.turn = TURN_LOCK;
@@ -179,14 +178,14 @@ static void *fight(void *arg)
     return NULL;
 }
 
-static double measure_fight(const struct eng_places *places)
+static double measure_fight(const struct eng_affinity *affinity)
 {
     struct bench_samples samples = {0};
-    by_turns.places = places;
+    by_turns.affinity = affinity;
     pthread_mutex_init(&by_turns.mutex, NULL);
     for (int repeat = 0; repeat < 11; repeat++) {
         pthread_t second;
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         if (pthread_create(&second, NULL, fight, &samples) != 0) {
             exit(2);
         }
@@ -203,7 +202,7 @@ static double measure_fight(const struct eng_places *places)
 /* ---- sleep and wake -------------------------------------------------------------- */
 
 static struct {
-    const struct eng_places *places;
+    const struct eng_affinity *affinity;
     pthread_mutex_t mutex;
     pthread_cond_t cond;
     uint32_t turn;         /* under the lock */
@@ -215,24 +214,25 @@ static struct {
 static void *sleep_by_turns(void *arg)
 {
     (void)arg;
-    eng_place_thread(sleeper.places, 1, 2);
+    eng_affinity_bind_thread(sleeper.affinity, 1, 2);
     pthread_mutex_lock(&sleeper.mutex);
     for (uint32_t i = 1; i <= SLEEPS; i++) {
         atomic_store_explicit(&sleeper.asleep, i, memory_order_release);
         while (sleeper.turn < i) {
             pthread_cond_wait(&sleeper.cond, &sleeper.mutex);
         }
-        bench_add(&sleeper.wake, (double)(eng_now_ns() - sleeper.signalled_ns));
+        bench_add(&sleeper.wake, (double)(common_now_ns() - sleeper.signalled_ns));
     }
     pthread_mutex_unlock(&sleeper.mutex);
     return NULL;
 }
 
-static void measure_wake(struct model_machine *machine, const struct eng_places *places)
+static void measure_wake(struct model_machine *machine,
+                         const struct eng_affinity *affinity)
 {
     struct bench_samples samples = {0};
     pthread_t second;
-    sleeper.places = places;
+    sleeper.affinity = affinity;
     if (pthread_create(&second, NULL, sleep_by_turns, NULL) != 0) {
         exit(2);
     }
@@ -241,12 +241,12 @@ static void measure_wake(struct model_machine *machine, const struct eng_places 
         /* The lengths of a thread's sleep in a step: tens of microseconds and more. */
         nanosleep(&(struct timespec){0, 100000}, NULL);
         pthread_mutex_lock(&sleeper.mutex);
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         sleeper.turn = i;
         sleeper.signalled_ns = begin_ns;
         pthread_cond_signal(&sleeper.cond);
         pthread_mutex_unlock(&sleeper.mutex);
-        bench_add(&samples, (double)(eng_now_ns() - begin_ns));
+        bench_add(&samples, (double)(common_now_ns() - begin_ns));
     }
     pthread_join(second, NULL);
     machine->signal = median_of(&samples) - machine->clock;
@@ -299,9 +299,9 @@ static double measure_futex(void)
             nanosleep(&(struct timespec){0, 100000}, NULL);
             atomic_store(&common.over, turn == SLEEPS);
             atomic_fetch_add(&common.word, 1);
-            uint64_t begin_ns = eng_now_ns();
+            uint64_t begin_ns = common_now_ns();
             futex(FUTEX_WAKE, INT32_MAX);
-            bench_add(&samples[k], (double)(eng_now_ns() - begin_ns));
+            bench_add(&samples[k], (double)(common_now_ns() - begin_ns));
         }
         for (uint32_t i = 0; i < count; i++) {
             pthread_join(threads[i], NULL);
@@ -317,22 +317,23 @@ static double measure_futex(void)
 
 /* ---- the team -------------------------------------------------------------------- */
 
-static void measure_team(struct model_machine *machine, const struct eng_places *places)
+static void measure_team(struct model_machine *machine,
+                         const struct eng_affinity *affinity)
 {
     struct bench_samples barrier = {0};
     struct bench_samples region = {0};
-    eng_places_warm_up(places, 2);
+    eng_affinity_warm_up(affinity, 2);
     for (int repeat = 0; repeat < 101; repeat++) {
         uint64_t second_ns = 0;
         nanosleep(&(struct timespec){0, 1000000}, NULL); /* the team falls asleep */
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
 #pragma omp parallel num_threads(2)
         {
             if (omp_get_thread_num() == 1) {
-                second_ns = eng_now_ns();
+                second_ns = common_now_ns();
             }
 #pragma omp barrier
-            uint64_t barrier_ns = eng_now_ns();
+            uint64_t barrier_ns = common_now_ns();
             for (int i = 0; i < 50; i++) {
 #pragma omp barrier
             }
@@ -355,7 +356,7 @@ static double measure_relax(void)
 {
     struct bench_samples samples = {0};
     for (int repeat = 0; repeat < 21; repeat++) {
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         for (uint32_t i = 0; i < LOOPS; i++) {
             if (atomic_load_explicit(&common.word, memory_order_relaxed) == UINT32_MAX) {
                 break;
@@ -376,18 +377,19 @@ static double spins(void)
     return text ? (double)strtoul(text, NULL, 10) : 0;
 }
 
-void model_machine_measure(struct model_machine *machine, const struct eng_places *places)
+void model_machine_measure(struct model_machine *machine,
+                           const struct eng_affinity *affinity)
 {
-    eng_place_thread(places, 0, 2);
+    eng_affinity_bind_thread(affinity, 0, 2);
     machine->clock = model_clock_ns();
     measure_alone(machine);
-    machine->transfer = measure_turn(places, TURN_ADD, machine->clock);
-    machine->steal = measure_turn(places, TURN_STEAL, machine->clock);
-    machine->lock_transfer = measure_turn(places, TURN_LOCK, machine->clock);
-    machine->lock_fought = measure_fight(places);
-    measure_wake(machine, places);
+    machine->transfer = measure_turn(affinity, TURN_ADD, machine->clock);
+    machine->steal = measure_turn(affinity, TURN_STEAL, machine->clock);
+    machine->lock_transfer = measure_turn(affinity, TURN_LOCK, machine->clock);
+    machine->lock_fought = measure_fight(affinity);
+    measure_wake(machine, affinity);
     machine->futex_each = measure_futex();
-    measure_team(machine, places);
+    measure_team(machine, affinity);
     machine->relax = measure_relax();
     machine->spin = machine->relax * spins();
     machine->unit = model_loop_ns();

@@ -1,9 +1,10 @@
-/* bench/model/machine.h - what it costs here that threads meet.
+/* bench/model/machine.h - measures what it costs on this machine when threads meet:
+ * locks, wake-ups, barriers.
  *
  * Room:     bench/model; engine headers.
  * Does:     measure deque, lock, wake-up, sleep, barrier, start of a region and shared
  *           cache lines with at most two threads at a time, each on a processor of its
- *           own; medians.
+ *           own; give medians.
  * Threads:  starts and ends its own.
  *
  * All in nanoseconds. With one processor the costs between two are those of one.
@@ -13,7 +14,7 @@
 
 #include <stdio.h>
 
-#include "place.h"
+#include "affinity.h"
 
 /* How long a thread sleeps that finds nobody with a node to spare: about as long as a
  * task unit near the front, after which somebody calls it. */
@@ -40,7 +41,7 @@ struct model_machine {
 
 /* Measure all, on the first two of `places`. Takes about a second. */
 void model_machine_measure(struct model_machine *machine,
-                           const struct eng_places *places);
+                           const struct eng_affinity *affinity);
 
 /* A turn of the paper's main loop less one of the serial scheduler's. */
 double model_loop_ns(void);

@@ -13,24 +13,24 @@
 enum { STEP, INGEST, REFIT, DETECTION, MERGE, REST, HAND_OVERS, RATIO, QUANTITIES };
 
 static void step(struct bench_world *world, const struct bench_frames *frames,
-                 const struct eng_places *places, const struct model_way *way,
+                 const struct eng_affinity *affinity, const struct model_way *way,
                  struct eng_step_result *result)
 {
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ALL);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
     settings.method = way->method;
     settings.threads = way->threads;
     settings.team_always = true;
-    settings.scheduler = way->scheduler;
-    settings.high_level = way->high_level;
-    settings.refit = way->refit;
-    settings.places = places;
+    settings.tuning.scheduler = way->scheduler;
+    settings.tuning.high_level = way->high_level;
+    settings.tuning.refit = way->refit;
+    settings.affinity = affinity;
     bench_world_step(world, frames, &settings, result);
 }
 
 static void keep(struct bench_samples *samples, const struct eng_step_result *result,
                  double first_step)
 {
-    const struct eng_step_times *t = &result->times;
+    const struct pccd_step_times *t = &result->times;
     double detection = (double)(t->traversal + t->tests);
     bench_add(&samples[STEP], (double)t->step);
     bench_add(&samples[INGEST], (double)t->ingest);
@@ -48,7 +48,7 @@ static void keep(struct bench_samples *samples, const struct eng_step_result *re
 }
 
 bool model_measure(struct bench_world *world, const struct bench_frames *frames,
-                   const struct eng_places *places, const struct model_way *ways,
+                   const struct eng_affinity *affinity, const struct model_way *ways,
                    uint32_t way_count, uint32_t turns, struct model_measured *measured)
 {
     struct bench_samples samples[MODEL_MEASURED_MAX][QUANTITIES];
@@ -59,12 +59,12 @@ bool model_measure(struct bench_world *world, const struct bench_frames *frames,
         double first_step = 0;
         for (uint32_t i = 0; i < way_count; i++) {
             struct eng_step_result result;
-            step(world, frames, places, &ways[i], &result);
+            step(world, frames, affinity, &ways[i], &result);
             if (turn == 0 && i == 0) {
-                hash[0] = result.hash_hi;
-                hash[1] = result.hash_lo;
+                hash[0] = result.hash[0];
+                hash[1] = result.hash[1];
             }
-            same = same && hash[0] == result.hash_hi && hash[1] == result.hash_lo;
+            same = same && hash[0] == result.hash[0] && hash[1] == result.hash[1];
             first_step = i == 0 ? (double)result.times.step : first_step;
             if (turn > 0) { /* the first one grows memory */
                 keep(samples[i], &result, first_step);

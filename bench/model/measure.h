@@ -1,14 +1,15 @@
-/* bench/model/measure.h - real steps, to take the serial parts from and to compare with.
+/* bench/model/measure.h - measures real steps, to compare the model's predictions with.
  *
  * Room:     bench/model; engine headers.
- * Does:     run the same step by one thread and by each scheduler with more, in turns, so
- *           that other work on the machine hits all of them; medians.
+ * Does:     run the same step by one thread and by each scheduler with more threads, in
+ *           turns, so that other work on the machine hits all of them; give medians. The
+ *           serial parts of a step are taken from here.
  * Threads:  the engine's team.
  */
 #ifndef MODEL_MEASURE_H
 #define MODEL_MEASURE_H
 
-#include "place.h"
+#include "affinity.h"
 #include "resident.h"
 
 #define MODEL_MEASURED_MAX 16
@@ -19,7 +20,7 @@ struct model_way {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
-    enum eng_method method; /* wide: by stealing */
+    enum pccd_method method; /* wide: by stealing */
 };
 
 /* Nanoseconds. The parts are minima: other work on the machine only adds to them. */
@@ -39,7 +40,7 @@ struct model_measured {
 /* `ways[0]` is by one thread. The step of `frames` again and again. The answers'
  * hashes must agree: returns whether they do. */
 bool model_measure(struct bench_world *world, const struct bench_frames *frames,
-                   const struct eng_places *places, const struct model_way *ways,
+                   const struct eng_affinity *affinity, const struct model_way *ways,
                    uint32_t way_count, uint32_t turns, struct model_measured *measured);
 
 #endif

@@ -14,7 +14,7 @@
 
 #include "measure.h"
 #include "report.h"
-#include "schedule.h"
+#include "schedule_paper.h"
 #include "sim.h"
 #include "table.h"
 
@@ -54,26 +54,30 @@ static const struct scheme schemes[] = {
     {"paper",
      "round-robin",
      "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_METHOD_PAPER}},
+     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER,
+      PCCD_METHOD_PAPER}},
     {"paper",
      "disjoint",
      "paper",
-     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_PAPER, ENG_METHOD_PAPER}},
+     {0, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_PAPER,
+      PCCD_METHOD_PAPER}},
     {"steal",
      "none",
      "even",
-     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_METHOD_PAPER}},
+     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+      PCCD_METHOD_PAPER}},
     {"wide",
      "none",
      "even",
-     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_METHOD_WIDE}},
+     {0, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+      PCCD_METHOD_WIDE}},
 };
 #define SCHEMES (sizeof schemes / sizeof schemes[0])
 
 struct run {
     const struct options *options;
     const struct model_machine *machine;
-    const struct eng_places *places;
+    const struct eng_affinity *affinity;
     FILE *model;      /* CSV: predictions */
     FILE *validation; /* CSV: predictions beside measurements */
     char name[64];
@@ -144,7 +148,7 @@ static void print(const struct run *run, const struct scheme *scheme, uint32_t t
 
 static const char *name_of(const struct scheme *scheme, uint32_t threads)
 {
-    bool has_scheduler = threads > 1 || scheme->way.method == ENG_METHOD_WIDE;
+    bool has_scheduler = threads > 1 || scheme->way.method == PCCD_METHOD_WIDE;
     return has_scheduler ? scheme->scheduler : "serial";
 }
 
@@ -199,12 +203,12 @@ static void replay(struct run *run)
 }
 
 static void model_method(struct run *run, const struct bench_frames *frames,
-                         enum eng_method method)
+                         enum pccd_method method)
 {
     struct model_way ways[MODEL_MEASURED_MAX];
     struct bench_world world;
     uint32_t count = 0;
-    ways[count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN,
+    ways[count++] = (struct model_way){1, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN,
                                        ENG_REFIT_EVEN, method};
     for (uint32_t i = 0; i < run->options->validate_count; i++) {
         for (size_t s = 0; s < SCHEMES && count < MODEL_MEASURED_MAX; s++) {
@@ -216,7 +220,7 @@ static void model_method(struct run *run, const struct bench_frames *frames,
     }
     run->measured_count = count;
     bench_world_init(&world, frames, NULL);
-    bench_check(model_measure(&world, frames, run->places, ways, count,
+    bench_check(model_measure(&world, frames, run->affinity, ways, count,
                               run->options->turns, run->measured),
                 run->name, "all ways give the same answer");
     run->record = (struct model_record){.scene = world.scene,
@@ -226,7 +230,7 @@ static void model_method(struct run *run, const struct bench_frames *frames,
                                         .unit_grain = run->options->grain[0],
                                         .pair_grain = run->options->grain[1]};
     model_record_init(&run->record);
-    if (method == ENG_METHOD_WIDE) {
+    if (method == PCCD_METHOD_WIDE) {
         model_wide_calibrate(&run->record.wide, run->measured[0].refit,
                              run->measured[0].detection);
     } else {
@@ -240,9 +244,9 @@ static void model_method(struct run *run, const struct bench_frames *frames,
 
 static void model_scene(struct run *run, const struct bench_frames *frames)
 {
-    model_method(run, frames, ENG_METHOD_WIDE);
+    model_method(run, frames, PCCD_METHOD_WIDE);
     if (!run->options->wide_only) {
-        model_method(run, frames, ENG_METHOD_PAPER);
+        model_method(run, frames, PCCD_METHOD_PAPER);
     }
 }
 
@@ -400,7 +404,7 @@ int main(int argc, char **argv)
     struct options options;
     struct bench_options none;
     struct model_machine machine;
-    struct eng_places places;
+    struct eng_affinity affinity;
     int exit_status;
     bench_team_environment(argv);
     if (!parse(argc, argv, &options)) {
@@ -415,8 +419,8 @@ int main(int argc, char **argv)
     if (!bench_begin("model", 1, argv, &none, &exit_status)) {
         return exit_status;
     }
-    eng_places_init(&places);
-    model_machine_measure(&machine, &places);
+    eng_affinity_init(&affinity);
+    model_machine_measure(&machine, &affinity);
     model_machine_print(&machine, stdout);
     FILE *costs = create(options.folder, "machine.csv");
     model_machine_print(&machine, costs);
@@ -424,7 +428,7 @@ int main(int argc, char **argv)
     static struct run run;
     run = (struct run){.options = &options,
                        .machine = &machine,
-                       .places = &places,
+                       .affinity = &affinity,
                        .model = create(options.folder, "model.csv"),
                        .validation = create(options.folder, "validation.csv")};
     model_table_begin(run.model);

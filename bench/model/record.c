@@ -13,9 +13,12 @@
 #include "clock.h"
 #include "highlevel.h"
 #include "method.h"
+#include "paper.h"
+#include "paper_method.h"
 #include "refit.h"
 #include "report.h"
-#include "schedule.h"
+#include "schedule_paper.h"
+#include "schedule_steal.h"
 #include "taskunit.h"
 #include "walker.h"
 
@@ -25,11 +28,11 @@ static void walk_units(struct model_record *record, struct model_walker *walker,
                        struct model_tasks *tasks)
 {
     static struct model_recorder recorder;
-    const struct eng_node *nodes = record->scene->nodes;
+    const struct eng_node *nodes = eng_trees_of(record->scene)->nodes;
     struct eng_worker *worker = model_walker_begin(walker);
     struct eng_task_queue *units = &worker->units;
     tasks->count = 0;
-    eng_units_push(units, record->scene->root);
+    eng_units_push(units, eng_trees_of(record->scene)->root);
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
     while (eng_units_count(units) > 0) {
         uint32_t node = (uint32_t)eng_units_take_newest(units);
@@ -93,12 +96,12 @@ static void walk_steal(const struct model_record *record, struct model_walker *w
                        struct model_tasks *tasks, struct steal_stack *stack)
 {
     static struct model_recorder recorder;
-    const struct eng_node *nodes = record->scene->nodes;
+    const struct eng_node *nodes = eng_trees_of(record->scene)->nodes;
     struct eng_worker *worker = model_walker_begin(walker);
     tasks->count = 0;
     stack->count = 0;
     uint32_t task = model_tasks_add(tasks, 1);
-    uint32_t n = record->scene->root;
+    uint32_t n = eng_trees_of(record->scene)->root;
     uint32_t m = n;
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
     for (;;) {
@@ -140,7 +143,7 @@ static void walk_round_robin(struct model_division *division,
                              struct model_tasks *tasks)
 {
     static struct model_recorder recorder;
-    struct eng_assignment *assignment = team->assignment;
+    struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
     struct eng_worker *worker = model_walker_begin(division->walker);
     tasks->count = 0;
     model_record_begin(&recorder, worker, tasks, record->clock_ns);
@@ -183,33 +186,32 @@ static void walk_disjoint(struct model_division *division,
 static void record_high(struct model_division *division,
                         const struct model_record *record)
 {
-    struct eng_assignment assignment;
+    struct eng_assignment *assignment = &eng_paper_of(record->scene)->assignment;
     struct model_tasks *round_robin = model_tasks_passes(record->passes);
     struct model_tasks *disjoint = model_tasks_passes(record->passes);
     struct eng_worker *workers[MODEL_THREADS_MAX];
     struct eng_team team = {.scene = record->scene,
                             .workers = workers,
                             .count = division->threads,
-                            .method = &eng_method_paper,
-                            .assignment = &assignment};
-    eng_assignment_init(&assignment);
-    model_must(eng_assignment_reserve(&assignment, division->threads) == ENG_OK, "seats");
+                            .method = &eng_method_paper};
+    model_must(eng_schedule_paper_reserve(record->scene, division->threads) == PCCD_OK,
+               "seats");
     struct eng_worker *worker = model_walker_begin(division->walker);
     for (uint32_t i = 0; i < division->threads; i++) {
         workers[i] = worker; /* what is dealt out comes to one queue, in order */
     }
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     eng_schedule_paper_begin(&team, worker);
-    division->begin_ns = (double)(eng_now_ns() - begin_ns);
+    division->begin_ns = (double)(common_now_ns() - begin_ns);
     for (uint32_t i = 0; i < division->threads; i++) {
         division->first_node[i] = eng_units_count(&worker->units) > 0
                                       ? (uint32_t)eng_units_take_front(&worker->units)
                                       : ENG_NO_NODE;
     }
-    division->high_count = assignment.high_count;
+    division->high_count = assignment->high_count;
     division->levels = eng_highlevel_levels(division->threads);
     for (uint32_t i = 0; i < division->high_count; i++) { /* the deepest first */
-        division->high[i].node = assignment.high[division->high_count - 1 - i];
+        division->high[i].node = assignment->high[division->high_count - 1 - i];
     }
     for (uint32_t pass = 0; pass < record->passes; pass++) {
         walk_round_robin(division, record, &team, &round_robin[pass]);
@@ -218,7 +220,6 @@ static void record_high(struct model_division *division,
     bool same = model_tasks_take_medians(&division->tasks, round_robin, record->passes);
     division->consistent =
         model_tasks_take_medians(&division->disjoint, disjoint, record->passes) && same;
-    eng_assignment_deinit(&assignment);
 }
 
 void model_division_init(struct model_division *division,
@@ -227,7 +228,7 @@ void model_division_init(struct model_division *division,
     struct model_walker walker;
     memset(division, 0, sizeof *division);
     division->threads = threads;
-    if (record->method == ENG_METHOD_WIDE) {
+    if (record->method == PCCD_METHOD_WIDE) {
         division->owner = model_wide_owners(record, threads);
         division->consistent = true;
         model_merge_init(&division->merge, record, threads);
@@ -259,14 +260,16 @@ void model_record_init(struct model_record *record)
     const uint32_t passes = record->passes;
     struct model_walker *walker = &record->walker;
     struct steal_stack stack = {NULL, 0, 0};
-    if (record->method == ENG_METHOD_WIDE) {
+    if (record->method == PCCD_METHOD_WIDE) {
         model_wide_init(record);
         return;
     }
     struct model_tasks *units = model_tasks_passes(passes);
     struct model_tasks *steal = model_tasks_passes(passes);
-    record->unit_of = bench_alloc(scene->node_capacity, sizeof *record->unit_of);
-    memset(record->unit_of, 0xff, scene->node_capacity * sizeof *record->unit_of);
+    record->unit_of =
+        bench_alloc(eng_trees_of(scene)->node_capacity, sizeof *record->unit_of);
+    memset(record->unit_of, 0xff,
+           eng_trees_of(scene)->node_capacity * sizeof *record->unit_of);
     model_walker_init(walker, scene);
     walk_units(record, walker, &units[0]); /* caches and pool */
     for (uint32_t pass = 0; pass < passes; pass++) {

@@ -1,10 +1,11 @@
-/* bench/model/record.h - every task that a step has, for each scheduler and thread count.
+/* bench/model/record.h - lists every task of a step, for each scheduler and number of
+ * threads, as input of the model.
  *
  * Room:     bench/model; engine headers.
- * Does:     walk over the scene as its last step left it, by one worker, in the order in
- *           which one thread would: all task units (the paper's scheduler), all tasks of
- *           work stealing, the high-level nodes for one number of threads, the refit. Of
- *           the method wide: the tasks and the chunks of the refit.
+ * Does:     walk over the scene as its last step left it, with one worker, in the order
+ *           of one thread: all task units (the paper's scheduler), all tasks of work
+ *           stealing, the high-level nodes for one number of threads, the refit. Of the
+ *           method wide: the tasks and the chunks of the refit.
  * Threads:  one.
  *
  * The walk calls the engine's own functions for what takes time; which node belongs to
@@ -23,8 +24,8 @@
 
 /* The method wide: boxes in chunks, and tasks that all come from those dealt out. */
 struct model_wide {
-    double *chunk_ns[ENG_WIDE_KINDS];
-    uint32_t chunk_count[ENG_WIDE_KINDS];
+    double *chunk_ns[ENG_WIDE_TREES];
+    uint32_t chunk_count[ENG_WIDE_TREES];
     double above_ns; /* boxes above the chunks, by one thread */
     double deal_ns;  /* from the roots to the first tasks, by one thread */
     double enter_ns; /* each thread gets ready to search */
@@ -36,7 +37,7 @@ struct model_wide {
 /* What does not depend on the number of threads. */
 struct model_record {
     struct eng_scene *scene;
-    enum eng_method method; /* paper: all but `wide`; wide: that, and what to merge */
+    enum pccd_method method; /* paper: all but `wide`; wide: that, and what to merge */
     struct model_wide wide;
     uint32_t passes; /* medians are over so many */
     double clock_ns;
@@ -93,7 +94,7 @@ struct model_division {
     struct model_tasks tasks;    /* of the high-level nodes, by round robin */
     struct model_tasks disjoint; /* the same work by disjoint pairs */
     double begin_ns;             /* eng_schedule_paper_begin */
-    struct model_refit refit[2]; /* enum eng_refit_scheme */
+    struct model_refit refit[ENG_REFIT_COUNT]; /* of enum eng_refit_scheme */
     struct model_merge merge;
     uint32_t *owner;             /* wide: who is dealt each of the first tasks */
     struct model_walker *walker; /* while it is recorded */

@@ -56,18 +56,17 @@ static void deal_out(const struct model_record *record, struct eng_found *lists,
 
 static void lap(struct bench_samples *samples, uint64_t *begin_ns, double clock_ns)
 {
-    uint64_t end_ns = eng_now_ns();
+    uint64_t end_ns = common_now_ns();
     double ns = (double)(end_ns - *begin_ns) - clock_ns;
     bench_add(samples, ns > 0 ? ns : 0);
-    *begin_ns = eng_now_ns();
+    *begin_ns = common_now_ns();
 }
 
 static void merge_once(struct eng_merge *merge, uint32_t threads, double clock_ns,
                        struct bench_samples *samples)
 {
     struct eng_counts counts;
-    uint64_t hash[2];
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     for (uint32_t t = 0; t + 1 < threads; t++) {
         eng_merge_survey(merge, threads, t);
     }
@@ -82,7 +81,7 @@ static void merge_once(struct eng_merge *merge, uint32_t threads, double clock_n
         eng_merge_finish(merge, 0);
         lap(&samples[FINISH], &begin_ns, clock_ns);
     }
-    eng_merge_end(merge, &counts, hash);
+    eng_merge_end(merge, &counts);
     lap(&samples[END], &begin_ns, clock_ns);
 }
 
@@ -102,7 +101,7 @@ void model_merge_init(struct model_merge *out, const struct model_record *record
         pointers[t] = &lists[t];
     }
     for (uint32_t pass = 0; pass <= record->passes; pass++) {
-        model_must(eng_merge_begin(&merge, pointers, threads, &records) == ENG_OK,
+        model_must(eng_merge_begin(&merge, pointers, threads, &records) == PCCD_OK,
                    "the merge");
         if (pass == 1) { /* memory has grown */
             for (int i = 0; i < PARTS; i++) {

@@ -21,7 +21,7 @@ static double median(struct bench_samples *samples)
 
 static double since(uint64_t begin_ns, double clock_ns)
 {
-    double ns = (double)(eng_now_ns() - begin_ns) - clock_ns;
+    double ns = (double)(common_now_ns() - begin_ns) - clock_ns;
     return ns > 0 ? ns : 0;
 }
 
@@ -38,11 +38,11 @@ void model_refit_features(struct model_record *record)
             if (!object->mesh) {
                 continue;
             }
-            uint64_t begin_ns = eng_now_ns();
+            uint64_t begin_ns = common_now_ns();
             eng_refit_vertices(scene, object->vertices);
             vertex_ns += since(begin_ns, record->clock_ns);
-            begin_ns = eng_now_ns();
-            eng_refit_edges(scene, object->edges);
+            begin_ns = common_now_ns();
+            eng_refit_edges(scene, eng_planted_of(object)->edges);
             edge_ns += since(begin_ns, record->clock_ns);
         }
         if (pass > 0) {
@@ -61,11 +61,11 @@ static void refit_once(struct eng_scene *scene, const struct eng_refit_plan *pla
                        double clock_ns, struct bench_samples *samples)
 {
     for (uint32_t i = 0; i < plan->root_count; i++) {
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         eng_refit_subtree(scene, plan->roots[i]);
         bench_add(&samples[i], since(begin_ns, clock_ns));
     }
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     for (uint32_t i = plan->opened_count; i-- > 0;) {
         eng_refit_nodes(scene, (struct eng_range){plan->opened[i], 1});
     }
@@ -78,8 +78,8 @@ void model_refit_init(struct model_refit *refit, const struct model_record *reco
     struct eng_scene *scene = record->scene;
     memset(refit, 0, sizeof *refit);
     struct eng_refit_plan *plan = &refit->plan;
-    model_must(eng_refit_plan_features(plan, scene) == ENG_OK &&
-                   eng_refit_plan_tree(plan, scene, scheme, threads) == ENG_OK,
+    model_must(eng_refit_plan_features(plan, scene) == PCCD_OK &&
+                   eng_refit_plan_tree(plan, scene, scheme, threads) == PCCD_OK,
                "a plan of the refit");
     uint32_t count = plan->root_count + 1;
     struct bench_samples *samples = bench_alloc(count, sizeof *samples);

@@ -13,6 +13,7 @@
 #include "method.h"
 #include "record.h"
 #include "report.h"
+#include "wide_method.h"
 
 struct waiting_task {
     uint64_t name;
@@ -58,7 +59,7 @@ static void push(struct stack *stack, const uint64_t *names, uint32_t count,
 static struct eng_worker *enter(struct model_walker *walker)
 {
     struct eng_worker *worker = model_walker_begin(walker);
-    model_must(eng_wide_work_reserve(worker) == ENG_OK, "a join");
+    model_must(eng_wide_work_reserve(worker) == PCCD_OK, "a join");
     eng_method_wide.enter(worker);
     return worker;
 }
@@ -70,9 +71,9 @@ static void deal(struct model_record *record, struct eng_worker *worker)
                             .workers = &worker,
                             .count = 1,
                             .method = &eng_method_wide};
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     eng_method_wide.deal(&team, worker);
-    record->wide.deal_ns = (double)(eng_now_ns() - begin_ns);
+    record->wide.deal_ns = (double)(common_now_ns() - begin_ns);
     record->wide.dealt_count = take_all(worker, names);
     memcpy(record->wide.dealt, names, record->wide.dealt_count * sizeof *names);
 }
@@ -98,7 +99,7 @@ static void walk(struct model_record *record, struct model_tasks *tasks,
             tasks->items[now.task].first_child = first;
             tasks->items[now.task].child_count = count;
             push(stack, names, count, first);
-            recorder.begin_ns = eng_now_ns();
+            recorder.begin_ns = common_now_ns();
         }
     }
     model_record_end(&recorder);
@@ -106,25 +107,25 @@ static void walk(struct model_record *record, struct model_tasks *tasks,
 }
 
 /* The median of each chunk over the passes. */
-static void time_chunks(struct model_record *record, enum eng_wide_kind kind,
+static void time_chunks(struct model_record *record, enum pccd_tree kind,
                         struct bench_samples *samples)
 {
-    struct eng_wide *wide = &record->scene->wide;
+    struct eng_wide *wide = eng_wide_of(record->scene);
     for (uint32_t i = 0; i < record->wide.chunk_count[kind]; i++) {
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         eng_wide_refit_chunk(wide, record->scene, kind, i, false);
-        double ns = (double)(eng_now_ns() - begin_ns) - record->clock_ns;
+        double ns = (double)(common_now_ns() - begin_ns) - record->clock_ns;
         bench_add(&samples[i], ns > 0 ? ns : 0);
     }
 }
 
 static void record_refit(struct model_record *record)
 {
-    struct eng_wide *scene_wide = &record->scene->wide;
+    struct eng_wide *scene_wide = eng_wide_of(record->scene);
     struct model_wide *wide = &record->wide;
-    struct bench_samples *samples[ENG_WIDE_KINDS];
+    struct bench_samples *samples[ENG_WIDE_TREES];
     struct bench_samples above = {0};
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(scene_wide, kind);
         wide->chunk_count[kind] = count;
         wide->chunk_ns[kind] = bench_alloc(count, sizeof(double));
@@ -132,16 +133,16 @@ static void record_refit(struct model_record *record)
         memset(samples[kind], 0, count * sizeof **samples);
     }
     for (uint32_t pass = 0; pass < record->passes; pass++) {
-        for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
             time_chunks(record, kind, samples[kind]);
         }
-        uint64_t begin_ns = eng_now_ns();
+        uint64_t begin_ns = common_now_ns();
         eng_wide_refit_above(scene_wide, false);
-        bench_add(&above, (double)(eng_now_ns() - begin_ns));
+        bench_add(&above, (double)(common_now_ns() - begin_ns));
     }
     wide->above_ns = bench_summarise(&above).p50;
     bench_free(&above);
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         for (uint32_t i = 0; i < wide->chunk_count[kind]; i++) {
             wide->chunk_ns[kind][i] = bench_summarise(&samples[kind][i]).p50;
             bench_free(&samples[kind][i]);
@@ -163,9 +164,9 @@ void model_wide_init(struct model_record *record)
     }
     record->consistent =
         model_tasks_take_medians(&record->wide.tasks, passes, record->passes);
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     eng_method_wide.enter(record->walker.worker);
-    record->wide.enter_ns = (double)(eng_now_ns() - begin_ns);
+    record->wide.enter_ns = (double)(common_now_ns() - begin_ns);
     record_refit(record);
     walk(record, &again, &stack);
     model_tasks_deinit(&again);
@@ -212,7 +213,7 @@ uint32_t *model_wide_owners(const struct model_record *record, uint32_t threads)
 double model_wide_refit_ns(const struct model_wide *wide)
 {
     double ns = wide->above_ns;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         for (uint32_t i = 0; i < wide->chunk_count[kind]; i++) {
             ns += wide->chunk_ns[kind][i];
         }
@@ -223,7 +224,7 @@ double model_wide_refit_ns(const struct model_wide *wide)
 void model_wide_calibrate(struct model_wide *wide, double refit_ns, double detection_ns)
 {
     double scale = refit_ns / model_wide_refit_ns(wide);
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         for (uint32_t i = 0; i < wide->chunk_count[kind]; i++) {
             wide->chunk_ns[kind][i] *= scale;
         }
@@ -239,7 +240,7 @@ void model_wide_calibrate(struct model_wide *wide, double refit_ns, double detec
 
 void model_wide_deinit(struct model_wide *wide)
 {
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         free(wide->chunk_ns[kind]);
     }
     free(wide->dealt);

@@ -193,7 +193,7 @@ static double merge_work(const struct model_input *input)
 
 static bool is_wide(const struct model_input *input)
 {
-    return input->method == ENG_METHOD_WIDE;
+    return input->method == PCCD_METHOD_WIDE;
 }
 
 static double refit_work(const struct model_input *input)

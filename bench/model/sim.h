@@ -1,10 +1,12 @@
-/* bench/model/sim.h - a step by p threads, replayed from recorded costs.
+/* bench/model/sim.h - predicts how long a step takes with p threads, from recorded costs
+ * of its tasks.
  *
  * Room:     bench/model.
- * Does:     move p threads through time, event by event, each decision taken as the
- *           engine's scheduler takes it with what a thread can see at that moment.
- * Does not: know of caches and memory that threads share: a task costs on every thread
- *           what it cost on one. No random numbers: the same input, the same output.
+ * Does:     move p threads through time, event by event. Each decision is taken as the
+ *           engine's scheduler takes it, with what a thread can see at that moment.
+ * Does not: model caches and memory that threads share: a task costs on every thread what
+ *           it cost on one. It uses no random numbers: the same input gives the same
+ *           output.
  * Threads:  one.
  *
  * Times are nanoseconds since the step began, in doubles. Ties go to the lower thread.
@@ -21,7 +23,7 @@ struct model_input {
     const struct model_machine *machine;
     double serial;      /* before and after the region: ingest, commit, preparation */
     double merge_alone; /* by a step of one thread */
-    enum eng_method method;
+    enum pccd_method method;
     enum eng_scheduler scheduler; /* wide: stealing */
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
@@ -35,7 +37,7 @@ struct model_output {
     double high;
     double merge;
     double serial;
-    double wait; /* mean over the threads: time in the region without work */
+    double wait;      /* mean over the threads: time in the region without work */
     double detection; /* from its first thread's begin to its last's end */
     /* Work, as the sum over the threads of what tasks cost. */
     double refit_work;

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "assignment.h"
 #include "report.h"
-#include "schedule.h"
 #include "sim.h"
 
 enum doing { FREE, BUSY, CHOOSING, ASKING, ASLEEP, LOUNGING, WOKEN, FINISHED };
@@ -48,7 +48,7 @@ struct assigning {
 
 static const struct eng_node *node_of(const struct assigning *s, uint32_t node)
 {
-    return &s->record->scene->nodes[node];
+    return &eng_trees_of(s->record->scene)->nodes[node];
 }
 
 static uint32_t queued(const struct seat *seat)
@@ -292,8 +292,9 @@ static void begin(struct assigning *s)
     for (uint32_t i = 0; i < s->sim->count; i++) {
         struct seat *seat = &s->seats[i];
         /* Nodes come and go; none comes twice. */
-        seat->nodes =
-            bench_alloc(2 * (size_t)scene->nodes[scene->root].count, sizeof *seat->nodes);
+        seat->nodes = bench_alloc(
+            2 * (size_t)eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].count,
+            sizeof *seat->nodes);
         seat->lock.owner = i;
         seat->doing = CHOOSING;
         if (division->first_node[i] != ENG_NO_NODE) {
@@ -352,7 +353,7 @@ static void perform_disjoint(struct sim *sim, const struct model_high *high)
 static void perform_high(struct sim *sim)
 {
     const struct model_division *division = sim->input->division;
-    bool is_disjoint = sim->input->high_level == ENG_HIGH_DISJOINT;
+    bool is_disjoint = sim->input->high_level == ENG_HIGH_LEVEL_DISJOINT;
     sim_barrier(sim);
     sim->output->low = sim->threads[0].now;
     for (uint32_t i = 0; i < division->high_count; i++) {
@@ -387,7 +388,8 @@ void sim_paper(struct sim *sim)
     }
     sim->output->largest = sim_largest(&sim->input->record->units);
     sim->output->low_work = low_work(sim);
-    sim->output->high_work = model_tasks_ns(sim->input->high_level == ENG_HIGH_DISJOINT
-                                                ? &sim->input->division->disjoint
-                                                : &sim->input->division->tasks);
+    sim->output->high_work =
+        model_tasks_ns(sim->input->high_level == ENG_HIGH_LEVEL_DISJOINT
+                           ? &sim->input->division->disjoint
+                           : &sim->input->division->tasks);
 }

@@ -16,7 +16,7 @@
 
 #include "deque.h"
 #include "report.h"
-#include "schedule.h"
+#include "schedule_steal.h"
 #include "sim.h"
 
 enum doing { FREE, BUSY, SEARCHING, STEALING, FINISHED };
@@ -229,7 +229,7 @@ static double longest_chain(const struct model_tasks *tasks)
  * that were dealt out. */
 static void deal(struct stealing *s, const struct model_input *input)
 {
-    bool is_wide = input->method == ENG_METHOD_WIDE;
+    bool is_wide = input->method == PCCD_METHOD_WIDE;
     s->waiting = is_wide ? input->record->wide.dealt_count : 1;
     for (uint32_t i = 0; i < s->waiting; i++) {
         uint32_t owner = is_wide ? input->division->owner[i] : s->sim->refit_thread;
@@ -242,7 +242,7 @@ void sim_steal(struct sim *sim)
 {
     const struct model_record *record = sim->input->record;
     struct stealing s = {.sim = sim,
-                         .tasks = sim->input->method == ENG_METHOD_WIDE
+                         .tasks = sim->input->method == PCCD_METHOD_WIDE
                                       ? &record->wide.tasks
                                       : &record->steal,
                          .active_line = {0, UINT32_MAX}};

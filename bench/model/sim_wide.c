@@ -19,8 +19,8 @@ struct refitting {
     enum stage stage[MODEL_THREADS_MAX];
     uint32_t looked[MODEL_THREADS_MAX]; /* shares that it found empty in this stage */
     uint32_t made[MODEL_THREADS_MAX];   /* chunks, since it said so last */
-    struct eng_range share[ENG_WIDE_KINDS][MODEL_THREADS_MAX];
-    struct sim_line line[ENG_WIDE_KINDS][MODEL_THREADS_MAX];
+    struct eng_range share[ENG_WIDE_TREES][MODEL_THREADS_MAX];
+    struct sim_line line[ENG_WIDE_TREES][MODEL_THREADS_MAX];
     struct sim_line done_line;
     uint32_t vertices_left; /* chunks that nobody has said to be done */
     uint32_t rest_left;
@@ -28,11 +28,11 @@ struct refitting {
     double end; /* of the refit */
 };
 
-static enum eng_wide_kind kind_of(enum stage stage)
+static enum pccd_tree kind_of(enum stage stage)
 {
-    return stage == VERTICES ? ENG_WIDE_VERTICES
-           : stage == EDGES  ? ENG_WIDE_EDGES
-                             : ENG_WIDE_FACES;
+    return stage == VERTICES ? PCCD_TREE_VERTICES
+           : stage == EDGES  ? PCCD_TREE_EDGES
+                             : PCCD_TREE_FACES;
 }
 
 /* Nothing is left to take in this stage. */
@@ -64,7 +64,7 @@ static void end_stage(struct refitting *r, uint32_t thread)
 static void take_chunk(struct refitting *r, uint32_t thread)
 {
     struct sim_thread *at = &r->sim->threads[thread];
-    enum eng_wide_kind kind = kind_of(r->stage[thread]);
+    enum pccd_tree kind = kind_of(r->stage[thread]);
     uint32_t owner = (thread + r->looked[thread]) % r->sim->count;
     struct eng_range *share = &r->share[kind][owner];
     if (share->count == 0) {
@@ -114,9 +114,9 @@ void sim_refit_wide(struct sim *sim)
     memset(&r, 0, sizeof r);
     r.sim = sim;
     r.wide = wide;
-    r.vertices_left = wide->chunk_count[ENG_WIDE_VERTICES];
-    r.rest_left = wide->chunk_count[ENG_WIDE_EDGES] + wide->chunk_count[ENG_WIDE_FACES];
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    r.vertices_left = wide->chunk_count[PCCD_TREE_VERTICES];
+    r.rest_left = wide->chunk_count[PCCD_TREE_EDGES] + wide->chunk_count[PCCD_TREE_FACES];
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         for (uint32_t i = 0; i < sim->count; i++) {
             uint32_t count = wide->chunk_count[kind];
             uint32_t begin = eng_share_begin(count, i, sim->count);

@@ -1,7 +1,7 @@
-/* bench/model/table.h - predictions as lines of CSV.
+/* bench/model/table.h - writes the model's predictions as CSV.
  *
  * Room:     bench/model.
- * Does:     name the columns once; milliseconds, four digits behind the point.
+ * Does:     name the columns once; write milliseconds with four decimals.
  * Threads:  one.
  */
 #ifndef MODEL_TABLE_H

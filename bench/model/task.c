@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "clock.h"
+#include "paper_work.h"
 #include "report.h"
 #include "taskunit.h"
 
@@ -118,8 +119,8 @@ double model_clock_ns(void)
 {
     static double between[CLOCK_READINGS];
     for (int i = 0; i < CLOCK_READINGS; i++) {
-        uint64_t begin_ns = eng_now_ns();
-        between[i] = (double)(eng_now_ns() - begin_ns);
+        uint64_t begin_ns = common_now_ns();
+        between[i] = (double)(common_now_ns() - begin_ns);
     }
     qsort(between, CLOCK_READINGS, sizeof *between, compare);
     /* The clock counts whole nanoseconds, so the middle half is averaged. */
@@ -142,9 +143,9 @@ static uint32_t waiting_of(const struct model_recorder *recorder, int kind)
 {
     const struct eng_worker *worker = recorder->worker;
     if (recorder->is_wide) {
-        return worker->wide->join.chunks[kind].count;
+        return eng_wide_work_of(worker)->join.chunks[kind].count;
     }
-    return kind == ENG_VF ? worker->vf.count : worker->ee.count;
+    return eng_paper_work_of(worker)->chunks[kind].count;
 }
 
 static uint64_t tested_of(const struct model_recorder *recorder, int kind)
@@ -153,7 +154,7 @@ static uint64_t tested_of(const struct model_recorder *recorder, int kind)
     if (recorder->is_wide) { /* the tally also counts what the join left out in time */
         return recorder->flushed[kind];
     }
-    return kind == ENG_VF ? tally->candidates_vf : tally->candidates_ee;
+    return tally->candidates[kind];
 }
 
 void model_record_begin(struct model_recorder *recorder, struct eng_worker *worker,
@@ -164,16 +165,17 @@ void model_record_begin(struct model_recorder *recorder, struct eng_worker *work
     recorder->tasks = tasks;
     recorder->clock_ns = clock_ns;
     recorder->used_ns = used_ns();
-    recorder->looked_ns = eng_now_ns();
-    recorder->begin_ns = eng_now_ns();
+    recorder->looked_ns = common_now_ns();
+    recorder->begin_ns = common_now_ns();
 }
 
 /* Who counts the chunks of the method wide, and what a chunk goes through. */
 static struct model_recorder *counting;
-static void (*flush_really)(void *owner, enum eng_kind kind,
+static void (*flush_really)(void *owner, enum pccd_kind kind,
                             struct eng_wide_chunk *chunk);
 
-static void count_and_flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+static void count_and_flush(void *owner, enum pccd_kind kind,
+                            struct eng_wide_chunk *chunk)
 {
     counting->flushed[kind] += chunk->count;
     flush_really(owner, kind, chunk);
@@ -185,8 +187,8 @@ void model_record_begin_wide(struct model_recorder *recorder, struct eng_worker 
     model_record_begin(recorder, worker, tasks, clock_ns);
     recorder->is_wide = true;
     counting = recorder;
-    flush_really = worker->wide->join.flush;
-    worker->wide->join.flush = count_and_flush;
+    flush_really = eng_wide_work_of(worker)->join.flush;
+    eng_wide_work_of(worker)->join.flush = count_and_flush;
 }
 
 /* `count` candidates of a kind, the oldest, were tested at `each_ns`. */
@@ -219,8 +221,8 @@ static double charge_tests(struct model_recorder *recorder, double share)
     }
     if (count[0] + count[1] > 0) {
         double each_ns = tests_ns / (double)(count[0] + count[1]);
-        charge(recorder, ENG_VF, count[ENG_VF], each_ns);
-        charge(recorder, ENG_EE, count[ENG_EE], each_ns);
+        charge(recorder, PCCD_VF, count[PCCD_VF], each_ns);
+        charge(recorder, PCCD_EE, count[PCCD_EE], each_ns);
     }
     recorder->tests_ns = worker->record.tests_ns;
     return tests_ns;
@@ -233,7 +235,7 @@ static double share_used(struct model_recorder *recorder, double elapsed_ns)
         return 1;
     }
     uint64_t used = used_ns();
-    uint64_t now = eng_now_ns();
+    uint64_t now = common_now_ns();
     double lost_ns =
         (double)(now - recorder->looked_ns) - (double)(used - recorder->used_ns);
     recorder->used_ns = used;
@@ -244,7 +246,7 @@ static double share_used(struct model_recorder *recorder, double elapsed_ns)
 
 void model_record_close(struct model_recorder *recorder, uint32_t task)
 {
-    double elapsed_ns = (double)(eng_now_ns() - recorder->begin_ns);
+    double elapsed_ns = (double)(common_now_ns() - recorder->begin_ns);
     double share = share_used(recorder, elapsed_ns);
     for (int kind = 0; kind < MODEL_KINDS; kind++) {
         uint64_t emitted = tested_of(recorder, kind) + waiting_of(recorder, kind);
@@ -259,16 +261,16 @@ void model_record_close(struct model_recorder *recorder, uint32_t task)
     double walk_ns =
         share * elapsed_ns - recorder->clock_ns - charge_tests(recorder, share);
     recorder->tasks->items[task].walk_ns = walk_ns > 0 ? walk_ns : 0;
-    recorder->begin_ns = eng_now_ns();
+    recorder->begin_ns = common_now_ns();
 }
 
 void model_record_end(struct model_recorder *recorder)
 {
     if (recorder->is_wide) {
-        eng_wide_join_flush(&recorder->worker->wide->join);
+        eng_wide_join_flush(&eng_wide_work_of(recorder->worker)->join);
     } else {
         eng_taskunit_flush(recorder->worker);
     }
-    double elapsed_ns = (double)(eng_now_ns() - recorder->begin_ns);
+    double elapsed_ns = (double)(common_now_ns() - recorder->begin_ns);
     charge_tests(recorder, share_used(recorder, elapsed_ns));
 }

@@ -1,16 +1,16 @@
-/* bench/model/task.h - what the tasks of a step cost, one by one.
+/* bench/model/task.h - measures what each task of a step costs.
  *
  * Room:     bench/model; engine headers, bench/report.h.
- * Does:     time tasks as one worker performs them, with the clock's own cost taken off;
- *           give each task the share of the elementary tests that its candidates cost;
- *           take the median of several passes over the same tasks.
+ * Does:     time tasks as one worker performs them, without the clock's own cost; add to
+ *           each task its share of the elementary tests of its candidates; take the
+ *           median of several passes over the same tasks.
  * Threads:  one.
  *
- * Candidates are tested when 1024 have come together, so a task emits candidates and
- * another may pay for their tests. What a chunk took is divided among the tasks that
- * filled it, by the number of their candidates.
+ * Candidates are tested in chunks of 1024, so the task that fills a chunk pays for the
+ * tests of candidates that others have found. The time of a chunk is divided among the
+ * tasks that filled it, by the number of their candidates.
  *
- * Time in which other programs had the processor is taken off the tasks that are long
+ * Time in which other programs had the processor is subtracted from tasks that are long
  * enough for it to matter.
  */
 #ifndef MODEL_TASK_H
@@ -19,7 +19,7 @@
 #include "wide_test.h"
 #include "worker.h"
 
-#define MODEL_KINDS 2 /* enum eng_kind */
+#define MODEL_KINDS 2 /* enum pccd_kind */
 
 struct model_task {
     double walk_ns;  /* traversal: boxes, leaves, candidates written */

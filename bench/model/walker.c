@@ -10,6 +10,8 @@
 #include <stdlib.h>
 
 #include "memory.h"
+#include "paper_work.h"
+#include "wide_test.h"
 #include "world.h"
 
 void model_must(bool good, const char *what)
@@ -33,6 +35,8 @@ void model_walker_init(struct model_walker *walker, struct eng_scene *scene)
 
 void model_walker_deinit(struct model_walker *walker)
 {
+    eng_paper_work_free(walker->worker);
+    eng_wide_work_free(walker->worker);
     eng_worker_deinit(walker->worker);
     eng_free(walker->worker);
     eng_pool_deinit(&walker->pool);
@@ -43,10 +47,11 @@ struct eng_worker *model_walker_begin(struct model_walker *walker)
     walker->scene->step++;
     eng_pool_reset(&walker->pool, 1);
     eng_stop_init(&walker->stop, &walker->settings);
-    model_must(eng_worker_reserve_tree(walker->worker, walker->scene) == ENG_OK,
+    model_must(eng_paper_work_reserve(walker->worker, walker->scene) == PCCD_OK,
                "a worker's queues");
     eng_worker_begin(walker->worker, walker->scene, &walker->settings, &walker->stop,
                      &walker->pool);
+    eng_paper_work_begin(walker->worker);
     walker->worker->thread = 0;
     return walker->worker;
 }

@@ -1,4 +1,5 @@
-/* bench/model/walker.h - one worker outside a step.
+/* bench/model/walker.h - one worker that performs tasks outside a step, so that they can
+ * be timed.
  *
  * Room:     bench/model; engine headers.
  * Does:     hold what a worker needs to perform tasks of a scene as its last step left

@@ -35,12 +35,25 @@ setup() {
     keep setup.json bench/pccd-bench --format json --frames 0-0 one-triangle
 }
 
-# Table 1, Figures 1 and 6, what of 7, 8 and 9 can be measured here.
+# Table 1, Figures 1 and 6, what of 7, 8 and 9 can be measured here: the method paper with
+# the paper's scheduler and refit, and the method wide, by 1, 2, 4, .. threads, by turns.
 sequence() {
-    bench/paper/sequence "${smoke[@]}" --threads "$threads" --csv "$into/sequence.csv.new" \
-        >"$into/sequence.txt.new"
+    local scene p sides=() smaller=(${BENCH_SMOKE:+--small --frames=4})
+    for ((p = 1; p <= threads; p *= 2)); do
+        [ "$p" -eq 1 ] || sides+=("--beside=--threads=$p")
+        sides+=("--beside=--method=wide --tuning= --threads=$p")
+    done
+    {
+        echo "scene,triangles,step,method,threads,step_ms,ingest_ms,refit_ms,low_ms,high_ms,"\
+"merge_ms,refit_work_ms,low_work_ms,high_work_ms,merge_work_ms,wait_ms,rebuild_ms,"\
+"box_tests,candidates,contacts,rebuilds,swaps"
+        for scene in cloth breaking bodies; do # in the order of Table 1
+            bench/pccd-bench --method=paper --tuning=scheduler=paper,refit=paper --warm-up=3 \
+                --format=csv "${sides[@]}" "${smaller[@]}" "$scene" |
+                awk -F, -v scene="$scene" -f "$scripts/sequence.awk"
+        done
+    } >"$into/sequence.csv.new"
     mv "$into/sequence.csv.new" "$into/sequence.csv"
-    mv "$into/sequence.txt.new" "$into/sequence.txt"
     keep measured.csv awk -F, -f "$scripts/measured.awk" "$into/sequence.csv"
     keep table1.md awk -F, -f "$scripts/table.awk" "$into/measured.csv"
 }
@@ -65,9 +78,10 @@ kernels() {
     keep kernels.txt bench/roofline "${smoke[@]}" breaking
 }
 
-# The recorded frames against what is asked of them; none without PCCD_DATA.
+# The recorded steps by the method wide in several ways; none without PCCD_DATA.
 steps() {
-    keep steps.txt bench/wide "${smoke[@]}"
+    keep steps.txt env top_builddir=. bash "$top_srcdir/bench/tables.sh" "${smoke[@]}" \
+        --threads "$threads" wide
 }
 
 growth() {

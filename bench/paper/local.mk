@@ -4,14 +4,6 @@
 # make bench BENCH_PARTS="peers figures"   parts of it (evaluate.sh has their names)
 # make bench BENCH_MACHINE=desk            a name for this machine
 
-check_PROGRAMS += bench/paper/sequence
-
-bench_paper_sequence_SOURCES = \
-    bench/paper/sequence.c \
-    $(bench_engine_sources)
-bench_paper_sequence_CPPFLAGS = $(bench_engine_cppflags)
-bench_paper_sequence_LDADD = $(bench_engine_libs)
-
 TESTS += bench/paper/smoke.sh
 dist_check_SCRIPTS += bench/paper/smoke.sh
 EXTRA_DIST += \
@@ -22,6 +14,7 @@ EXTRA_DIST += \
     bench/paper/measured.awk \
     bench/paper/peers.awk \
     bench/paper/rates.gp \
+    bench/paper/sequence.awk \
     bench/paper/shares.gp \
     bench/paper/speedup.gp \
     bench/paper/table.awk \
@@ -39,7 +32,6 @@ bench_paper_peers = bench/peers/peers
 endif
 
 .PHONY: bench
-bench: bench/pccd-bench bench/paper/sequence bench/model/model bench/roofline bench/wide \
-    bench/growth/growth pccdd pccd-load $(bench_paper_peers)
+bench: bench/pccd-bench bench/model/model bench/roofline bench/growth/growth pccdd pccd-load $(bench_paper_peers)
 	@$(AM_TESTS_ENVIRONMENT) \
 	$(srcdir)/bench/paper/evaluate.sh "$(BENCH_INTO)" $(BENCH_PARTS)

@@ -12,6 +12,8 @@
 
 #include "kernel.h"
 #include "report.h"
+#include "trees.h"
+#include "wide.h"
 #include "wide_sweep.h"
 #include "world.h"
 
@@ -31,28 +33,26 @@ void peers_ours_scene(const struct bench_world *world)
 }
 
 /* Keys begin with an object's id; features of the libraries have the scene's indices. */
-static uint32_t index_of(const struct bench_world *world, enum eng_wide_kind kind,
+static uint32_t index_of(const struct bench_world *world, enum pccd_tree kind,
                          uint64_t key)
 {
     uint32_t i = BENCH_OBJECT_OF((uint32_t)(key >> 32));
     const struct eng_object *object = &world->scene->objects[world->object_idx[i]];
-    uint32_t first = kind == ENG_WIDE_VERTICES ? object->vertices.first
-                     : kind == ENG_WIDE_EDGES  ? object->edges.first
-                                               : object->triangles.first;
+    uint32_t first = kind == PCCD_TREE_VERTICES ? object->vertices.first
+                     : kind == PCCD_TREE_EDGES  ? eng_planted_of(object)->edges.first
+                                                : eng_planted_of(object)->triangles.first;
     return first + (uint32_t)key;
 }
 
-static void visit(void *context, enum eng_kind kind, const uint64_t *a, const uint64_t *b,
-                  uint32_t count)
+static void visit(void *context, enum pccd_kind kind, const uint64_t *a,
+                  const uint64_t *b, uint32_t count)
 {
     const struct ours *self = context;
     struct peer_sink *sink = &self->sinks[omp_get_thread_num()];
     for (uint32_t i = 0; i < count; i++) {
         peer_take(sink, (enum peer_kind)kind,
-                  index_of(self->world,
-                           kind == ENG_VF ? ENG_WIDE_VERTICES : ENG_WIDE_EDGES, a[i]),
-                  index_of(self->world, kind == ENG_VF ? ENG_WIDE_FACES : ENG_WIDE_EDGES,
-                           b[i]));
+                  index_of(self->world, eng_wide_tree_of(kind, 0), a[i]),
+                  index_of(self->world, eng_wide_tree_of(kind, 1), b[i]));
     }
 }
 
@@ -93,13 +93,13 @@ static void collide(void *state, struct peer_sink *sinks)
     self->sinks = sinks;
     bool is_visited = self->is_named || sinks[0].is_summed;
     if (eng_wide_sweep(self->world->scene, self->threads, is_visited ? visit : NULL, self,
-                       &sweep) != ENG_OK) {
+                       &sweep) != PCCD_OK) {
         fprintf(stderr, "peers: the engine has no memory\n");
         exit(2);
     }
     if (!is_visited) {
-        sinks[0].count[PEER_VF] += sweep.vf;
-        sinks[0].count[PEER_EE] += sweep.ee;
+        sinks[0].count[PEER_VF] += sweep.counts[PCCD_VF];
+        sinks[0].count[PEER_EE] += sweep.counts[PCCD_EE];
     }
     self->refit_ns = sweep.refit_ns;
 }

@@ -1,4 +1,5 @@
-/* ours.h - the method `wide`, asked as the libraries are.
+/* ours.h - asks the method `wide` for candidate pairs, in the same way as the other
+ * libraries are asked.
  *
  * Room:     bench/peers. May include: peer.h, bench, engine headers.
  * Does:     refit to swept boxes and give all pairs.

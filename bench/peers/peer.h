@@ -1,14 +1,15 @@
-/* peer.h - the pairs of overlapping boxes, as any library can be asked for them.
+/* peer.h - the interface through which every compared library finds pairs of overlapping
+ * boxes.
  *
  * Room:     bench/peers; C and C++. May include: the C library.
- * Does:     say what goes into a library and what is taken from it, the same for all.
+ * Does:     define what goes into a library and what is taken from it, the same for all.
  * Does not: know the engine, or any library.
  * Threads:  a sink belongs to one thread of the library.
  *
- * Asked for are the candidates of a step: a vertex and a face, or two edges, whose boxes
- * overlap (touching counts) and that share no vertex. A box is around a feature at both
- * ends of the step, the same floats for every library. For a whole step the pairs go to
- * elementary tests, ours, in the thread that found them (tests.h).
+ * A library is asked for the candidates of a step: a vertex and a face, or two edges,
+ * whose boxes overlap (touching counts) and that share no vertex. A box encloses a
+ * feature at both ends of the step; every library gets the same floats. For a whole step
+ * the pairs go to our elementary tests, in the thread that found them (tests.h).
  */
 #ifndef PEERS_PEER_H
 #define PEERS_PEER_H

@@ -85,11 +85,11 @@ static uint64_t cpu_ns(void)
 static void take_turn(struct contestant *one, bool counts)
 {
     uint64_t cpu0 = cpu_ns();
-    uint64_t t0 = bench_now_ns();
+    uint64_t t0 = common_now_ns();
     one->peer->update(one->state);
-    uint64_t t1 = bench_now_ns();
+    uint64_t t1 = common_now_ns();
     collide(one, false);
-    uint64_t t2 = bench_now_ns();
+    uint64_t t2 = common_now_ns();
     uint64_t update_ns =
         one->peer->update_ns ? one->peer->update_ns(one->state) : t1 - t0;
     uint64_t cpu1 = cpu_ns();
@@ -185,7 +185,7 @@ static void measure(const char *scene, const struct peer_input *input, uint32_t 
 static void measure_scene(const struct bench_scene *source,
                           const struct bench_options *options)
 {
-    struct eng_step_settings settings = bench_step_settings(ENG_MODE_ANY);
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ANY);
     struct eng_step_result result;
     struct bench_frames frames;
     struct bench_world world;
@@ -212,8 +212,7 @@ int main(int argc, char **argv)
     struct bench_options options;
     int exit_status;
     bench_team_environment(argv);
-    if (!bench_begin_with("peers", BENCH_TAKES_THREADS, argc, argv, &options,
-                          &exit_status)) {
+    if (!bench_begin_with_threads("peers", argc, argv, &options, &exit_status)) {
         return exit_status;
     }
     for (unsigned i = 1; i < INSTALLED; i++) {

@@ -35,21 +35,21 @@ struct run {
 static uint64_t step_engine(struct run *run, struct stepper *stepper)
 {
     struct eng_step_result result;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bench_world_step(run->world, run->frames, &run->settings, &result);
     stepper->contacts = result.count;
-    return bench_now_ns() - begin_ns;
+    return common_now_ns() - begin_ns;
 }
 
 static uint64_t step_library(struct run *run, struct stepper *stepper)
 {
     static struct peer_sink sinks[PEER_SINK_MAX];
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     stepper->peer->update(stepper->state);
     peers_tests_begin(run->tests, sinks);
     stepper->peer->collide(stepper->state, sinks);
     stepper->contacts = peers_tests_end(run->tests, sinks);
-    return bench_now_ns() - begin_ns;
+    return common_now_ns() - begin_ns;
 }
 
 static void take_turn(struct run *run, struct stepper *stepper, bool counts)
@@ -97,8 +97,8 @@ void peers_steps(const struct peer *const *peers, unsigned peer_count,
                  const struct peer_input *input, uint32_t threads, unsigned repeats)
 {
     struct run run = {.world = world, .frames = frames, .count = 1};
-    run.settings = bench_step_settings(ENG_MODE_ALL);
-    run.settings.method = ENG_METHOD_WIDE;
+    run.settings = bench_step_settings(PCCD_MODE_ALL);
+    run.settings.method = PCCD_METHOD_WIDE;
     run.settings.threads = threads;
     run.tests = peers_tests_new(input, world);
     for (unsigned i = 0; i < peer_count && run.count <= PEERS_MAX; i++) {

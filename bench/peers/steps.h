@@ -1,12 +1,13 @@
-/* steps.h - whole steps: a library's pairs, then elementary tests, against the engine.
+/* steps.h - compares whole steps: another library's pairs with our elementary tests,
+ * against the engine.
  *
  * Room:     bench/peers. May include: peer.h, bench, engine headers.
- * Does:     time, by turns, what a library takes for its refit, its pairs and the tests
- *           of these, and what the method `wide` takes for a step of mode `all`; check
- *           that all find as many contacts.
- * Does not: count for a library what it would need besides: boxes around the features and
- *           copies of the positions are made before, contacts are counted, not sorted,
- *           named or given to anybody. The engine's step has all of that.
+ * Does:     time in turn what a library takes for its refit, its pairs and the tests of
+ *           these, and what the method `wide` takes for a step of mode `all`; check that
+ *           all find the same number of contacts.
+ * Does not: charge a library for everything that it would need: boxes around the features
+ *           and copies of the positions are made beforehand; contacts are counted, and
+ *           not sorted, named or delivered. The engine's step does all of that.
  * Threads:  one opens them; they have their own.
  */
 #ifndef PEERS_STEPS_H

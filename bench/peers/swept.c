@@ -11,6 +11,7 @@
 
 #include "aabb.h"
 #include "report.h"
+#include "trees.h"
 #include "world.h"
 
 static void list_init(struct peer_features *features, uint32_t count)
@@ -50,8 +51,8 @@ void peers_swept_init(struct peer_input *input, const struct bench_world *world)
     for (uint32_t i = 0; i < world->source->object_count; i++) {
         const struct eng_object *object = eng_scene_object(scene, world->object_idx[i]);
         counts[0] += object->vertices.count;
-        counts[1] += object->edges.count;
-        counts[2] += object->triangles.count;
+        counts[1] += eng_planted_of(object)->edges.count;
+        counts[2] += eng_planted_of(object)->triangles.count;
     }
     /* Objects that only ever come lie one after the other. */
     list_init(&input->vertices, counts[0]);
@@ -62,12 +63,13 @@ void peers_swept_init(struct peer_input *input, const struct bench_world *world)
         memcpy(input->vertices.corners[i], corners, sizeof corners);
     }
     for (uint32_t i = 0; i < counts[1]; i++) {
-        const struct eng_edge *edge = &scene->edges[i];
+        const struct eng_edge *edge = &eng_trees_of(scene)->edges[i];
         uint32_t corners[3] = {edge->a, edge->b, edge->b};
         memcpy(input->edges.corners[i], corners, sizeof corners);
     }
     for (uint32_t i = 0; i < counts[2]; i++) {
-        memcpy(input->faces.corners[i], scene->triangles[i].v, 3 * sizeof(uint32_t));
+        memcpy(input->faces.corners[i], eng_trees_of(scene)->triangles[i].v,
+               3 * sizeof(uint32_t));
     }
     place(&input->vertices, scene);
     place(&input->edges, scene);

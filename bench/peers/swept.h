@@ -1,4 +1,4 @@
-/* swept.h - the swept boxes of a scene's step.
+/* swept.h - the swept boxes of a step, the input that all compared libraries get.
  *
  * Room:     bench/peers. May include: peer.h, bench, engine headers.
  * Does:     list vertices, edges and faces of a resident scene with one box each around

@@ -48,7 +48,7 @@ static void test(void *context, enum peer_kind kind, const uint32_t (*pairs)[2],
         }
     }
     tester->contacts +=
-        eng_batch_test(eng_kernels(), (enum eng_kind)kind, tester->tests->points,
+        eng_batch_test(eng_kernels(), (enum pccd_kind)kind, tester->tests->points,
                        (const uint32_t(*)[4])tester->quads, count, TOLERANCE, 1,
                        &tester->exact, &tester->batch);
 }
@@ -73,7 +73,9 @@ struct peers_tests *peers_tests_new(const struct peer_input *input,
     }
     for (unsigned i = 0; i < PEER_SINK_MAX; i++) {
         tests->testers[i].tests = tests;
-        eng_exact_init(&tests->testers[i].exact);
+        if (eng_exact_init(&tests->testers[i].exact) != PCCD_OK) {
+            abort();
+        }
     }
     return tests;
 }

@@ -55,7 +55,7 @@ static uint64_t begin_job(struct pccd_client *client, uint32_t scene)
 
 static uint64_t finish_job(struct pccd_client *client, uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     bench_must(pccd_wait(client, step, -1, &answer), "wait", client);
     bench_check(answer.total == 0, "busy", "triangles side by side touch");
     uint64_t step_ns = answer.times.step;
@@ -83,7 +83,7 @@ static struct bench_summary ping_until(struct pccd_client *client, uint64_t end_
                                        long pause_ns)
 {
     struct bench_samples samples = {0};
-    while (bench_now_ns() < end_ns) {
+    while (common_now_ns() < end_ns) {
         if (pause_ns > 0) {
             nanosleep(&(struct timespec){0, pause_ns}, NULL);
         }
@@ -107,10 +107,10 @@ static void measure(const struct rows *rows, const struct load *load, long pause
     for (unsigned turn = 0; turn <= load->turns; turn++) {
         uint64_t most_ns = load->job_ns * 9 / 10;
         struct bench_summary idle =
-            ping_until(rows->blocking, bench_now_ns() + most_ns, pause_ns);
+            ping_until(rows->blocking, common_now_ns() + most_ns, pause_ns);
         uint64_t step = begin_job(load->worker, load->scene);
         struct bench_summary busy =
-            ping_until(rows->blocking, bench_now_ns() + most_ns, pause_ns);
+            ping_until(rows->blocking, common_now_ns() + most_ns, pause_ns);
         finish_job(load->worker, step);
         if (turn > 0) {
             pairs_add(p99, busy.p99, idle.p99);

@@ -106,7 +106,7 @@ static double rate(const struct crowd *crowd, uint32_t count)
 {
     struct epoll_event events[CLIENTS];
     uint32_t asked = CLIENTS;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     for (uint32_t i = 0; i < CLIENTS; i++) {
         ask(crowd, i);
     }
@@ -120,7 +120,7 @@ static double rate(const struct crowd *crowd, uint32_t count)
             }
         }
     }
-    return 1e6 * count / (double)(bench_now_ns() - begin_ns);
+    return 1e6 * count / (double)(common_now_ns() - begin_ns);
 }
 
 void rows_crowd(const struct rows *rows)

@@ -84,7 +84,7 @@ static void serve_one(const struct least *least, int fd, unsigned char *private)
     if (bytes > 0 && bytes <= least->shared_bytes) {
         memcpy(private, least->shared, bytes);
         __asm__ volatile("" : : "r"(private) : "memory");
-        *least->copied_ns = bench_now_ns(); /* the message that follows orders it */
+        *least->copied_ns = common_now_ns(); /* the message that follows orders it */
     }
     if (sendto(fd, buffer, (size_t)got, MSG_NOSIGNAL | MSG_DONTWAIT, NULL, 0) != got) {
         _exit(1);

@@ -1,12 +1,13 @@
-/* least.h - the least that a process can do that sleeps until it is asked.
+/* least.h - a minimal server that sleeps until it is asked: the lower bound for any
+ * daemon's round trip.
  *
  * Room:     bench/redis. May include: the C library.
- * Does:     a server of its own with what is common to all that serve as the daemon does:
- *           it waits in epoll, reads one message of a socket that keeps them apart, with
- *           room for descriptors, and sends one as long, under a filter of system calls;
- *           where it is told to it copies shared memory in between. It decodes nothing,
- *           knows no client and computes nothing: what it takes is the machine's. It says
- *           when it had its copy, by the clock that all processes share.
+ * Does:     do what all such servers have in common with the daemon: wait in epoll, read
+ *           one message from a socket that keeps messages apart, with room for
+ *           descriptors, and send one of the same length, under a filter of system calls.
+ *           On request it copies shared memory in between, and says when it had its copy,
+ *           by the clock that all processes share. It decodes nothing, knows no client
+ *           and computes nothing: the time it takes is the machine's.
  * Threads:  one, and one of the server.
  */
 #ifndef BENCH_LEAST_H

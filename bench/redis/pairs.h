@@ -1,7 +1,7 @@
-/* pairs.h - what is measured by turns, and the table of it.
+/* pairs.h - compares two things that are measured in turn, and prints the table.
  *
  * Room:     bench/redis. May include: report.h.
- * Does:     keep for each turn what ours and what the anchor took; print both medians,
+ * Does:     keep for each turn the time of ours and of the reference; print both medians,
  *           the median of the turns' ratios, the target, and whether it is met.
  * Threads:  one.
  */

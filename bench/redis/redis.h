@@ -1,8 +1,8 @@
-/* redis.h - a Redis of one's own, and the two things asked of it.
+/* redis.h - a Redis server of the benchmark's own, and the two commands that it is asked.
  *
  * Room:     bench/redis. May include: the C library.
  * Does:     start redis-server on a socket in a temporary directory, without persistence;
- *           PING and SET over one connection.
+ *           send PING and SET over one connection.
  * Threads:  one.
  */
 #ifndef BENCH_REDIS_H

@@ -1,8 +1,8 @@
-/* rows.h - the rows of the table, by what they need.
+/* rows.h - the rows of the comparison with Redis.
  *
  * Room:     bench/redis. May include: least.h, redis.h, the public header of the client
  *           library.
- * Does:     measure ours and Redis by turns, and print.
+ * Does:     measure ours and Redis in turn, and print.
  * Threads:  one.
  */
 #ifndef BENCH_REDIS_ROWS_H

@@ -52,14 +52,14 @@ static double trip_us(const struct trips *trips, enum side side)
     switch (side) {
     case REDIS_TWO:
     case REDIS_ONE:
-        begin_ns = bench_now_ns();
+        begin_ns = common_now_ns();
         bench_check(redis_ping(trips->redis_fd), "redis", "PING without PONG");
-        return 1e-3 * (double)(bench_now_ns() - begin_ns);
+        return 1e-3 * (double)(common_now_ns() - begin_ns);
     case LEAST_TWO:
     case LEAST_ONE:
-        begin_ns = bench_now_ns();
+        begin_ns = common_now_ns();
         (void)least_ask(trips->rows->least, 0);
-        return 1e-3 * (double)(bench_now_ns() - begin_ns);
+        return 1e-3 * (double)(common_now_ns() - begin_ns);
     case BLOCKING:
         return bench_empty_step_us(trips->rows->blocking, trips->scenes[0]);
     case SPINNING:

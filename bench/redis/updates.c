@@ -57,11 +57,12 @@ enum quantity {
 static void take(struct bench_soup *soup, uint64_t begin_ns, uint64_t step, double *whole,
                  double *moved)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     bench_must(pccd_wait(soup->client, step, -1, &answer), "wait", soup->client);
-    *whole = 1e-3 * (double)(bench_now_ns() - begin_ns);
+    *whole = 1e-3 * (double)(common_now_ns() - begin_ns);
     *moved = *whole - 1e-3 * (double)(answer.times.step - answer.times.ingest);
-    bench_check(answer.total == BENCH_SOUP_CONTACTS && answer.vf == BENCH_SOUP_CONTACTS,
+    bench_check(answer.total == BENCH_SOUP_CONTACTS &&
+                    answer.counts[PCCD_VF] == BENCH_SOUP_CONTACTS,
                 "update", "the positions did not arrive");
     pccd_answer_release(soup->client, &answer);
 }
@@ -73,14 +74,14 @@ static uint64_t update(struct bench_soup *soup, const void *x, bool in_place,
     struct pccd_frame frame;
     uint64_t step;
     void *slot;
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bench_must(pccd_frame_begin(soup->client, soup->scene, 1, soup->bytes, &frame),
                "begin", soup->client);
     bench_must(
         pccd_frame_x1(&frame, soup->object, soup->format, 0, soup->vertex_count, &slot),
         "x1", soup->client);
     memcpy(slot, x, soup->bytes);
-    begin_ns = in_place ? bench_now_ns() : begin_ns;
+    begin_ns = in_place ? common_now_ns() : begin_ns;
     bench_must(pccd_frame_commit(&frame, NULL, &step), "commit", soup->client);
     take(soup, begin_ns, step, whole, moved);
     return begin_ns;
@@ -167,9 +168,9 @@ struct asked {
 static double copy_us(const struct asked *asked, const struct bench_soup *soup,
                       unsigned i)
 {
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     memcpy(asked->shared + i % BENCH_SLOTS * soup->bytes, soup->x[1], soup->bytes);
-    return 1e-3 * (double)(bench_now_ns() - begin_ns);
+    return 1e-3 * (double)(common_now_ns() - begin_ns);
 }
 
 static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
@@ -178,11 +179,11 @@ static void take_turn(struct asked *asked, unsigned i, double us[QUANTITIES])
     size_t bytes = soup->bytes;
     double whole;
     us[COPY] = copy_us(asked, soup, i);
-    uint64_t set_ns = bench_now_ns();
+    uint64_t set_ns = common_now_ns();
     bench_check(redis_set(asked->redis_fd, soup->x[1], bytes), "redis", "SET is not OK");
-    us[SET] = 1e-3 * (double)(bench_now_ns() - set_ns);
+    us[SET] = 1e-3 * (double)(common_now_ns() - set_ns);
     memcpy(asked->least->shared, soup->x[1], bytes);
-    uint64_t least_ns = bench_now_ns();
+    uint64_t least_ns = common_now_ns();
     us[LEAST] = 1e-3 * (double)(least_ask(asked->least, bytes) - least_ns);
     us[COPY_DOUBLE] = copy_us(asked, &asked->way.soups[1], i);
     way_publish(&asked->way, i);

@@ -14,10 +14,22 @@
 #include "report.h"
 
 const char *const run_time_names[RUN_TIMES] = {
-    [RUN_STEP] = "step",           [RUN_INGEST] = "ingest", [RUN_REFIT] = "refit",
-    [RUN_TRAVERSAL] = "traversal", [RUN_TESTS] = "tests",   [RUN_MERGE] = "merge",
-    [RUN_REST] = "rest",           [RUN_LOW] = "low",       [RUN_HIGH] = "high",
-    [RUN_REBUILD] = "rebuild",     [RUN_WALL] = "wall",
+    [RUN_STEP] = "step",
+    [RUN_INGEST] = "ingest",
+    [RUN_REFIT] = "refit",
+    [RUN_TRAVERSAL] = "traversal",
+    [RUN_TESTS] = "tests",
+    [RUN_MERGE] = "merge",
+    [RUN_REST] = "rest",
+    [RUN_LOW] = "low",
+    [RUN_HIGH] = "high",
+    [RUN_REBUILD] = "rebuild",
+    [RUN_REFIT_WORK] = "refit_work",
+    [RUN_LOW_WORK] = "low_work",
+    [RUN_HIGH_WORK] = "high_work",
+    [RUN_MERGE_WORK] = "merge_work",
+    [RUN_WAIT] = "wait",
+    [RUN_WALL] = "wall",
 };
 
 const char *const run_count_names[RUN_COUNTS] = {
@@ -47,7 +59,8 @@ void run_frame_set_rest(struct run_frame *frame)
     frame->ns[RUN_REST] = frame->ns[RUN_STEP] > phases ? frame->ns[RUN_STEP] - phases : 0;
 }
 
-void run_frames_hash(const struct run_frame *frames, uint32_t count, char text[33])
+void run_frames_hash(const struct run_frame *frames, uint32_t count,
+                     char text[PROTO_HASH_BYTES])
 {
     uint64_t(*words)[3] = bench_alloc(count, sizeof *words);
     for (uint32_t i = 0; i < count; i++) {
@@ -56,7 +69,7 @@ void run_frames_hash(const struct run_frame *frames, uint32_t count, char text[3
         words[i][2] = frames[i].hash[1];
     }
     XXH128_hash_t hash = XXH3_128bits(words, count * sizeof *words);
-    (void)snprintf(text, 33, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64,
-                   (uint64_t)hash.low64);
+    proto_hash_text(PCCD_HASH_VERSION, (const uint64_t[2]){hash.high64, hash.low64},
+                    text);
     free(words);
 }

@@ -1,14 +1,17 @@
-/* bench/run/frame.h - what is kept of one step.
+/* bench/run/frame.h - the times and counts of one measured step.
  *
- * Room:     bench/run. May include: the C library.
- * Does:     name the times and the counts of a step, for every way to ask for one and for
- *           every form of output.
+ * Room:     bench/run. May include: hash_text.h, pccd_types.h.
+ * Does:     define them for every way to have a step computed and for every form of
+ *           output.
  * Threads:  any.
  */
 #ifndef RUN_FRAME_H
 #define RUN_FRAME_H
 
 #include <stdint.h>
+
+#include "hash_text.h"
+#include "pccd_types.h"
 
 #define RUN_UNKNOWN UINT64_MAX /* this way to ask does not tell */
 
@@ -19,11 +22,16 @@ enum run_time {
     RUN_TRAVERSAL,
     RUN_TESTS, /* elementary tests */
     RUN_MERGE,
-    RUN_REST,    /* of the step: what is none of the five */
-    RUN_LOW,     /* traversal and tests once more, by low-level nodes */
-    RUN_HIGH,    /* and by high-level ones (the paper's scheduler, several threads) */
-    RUN_REBUILD, /* within these, the sum over the threads: reconstruction */
-    RUN_WALL,    /* by the clock of who asks: from the first position handed over */
+    RUN_REST,       /* of the step: what is none of the five */
+    RUN_LOW,        /* traversal and tests once more, by low-level nodes */
+    RUN_HIGH,       /* and by high-level ones (the paper's scheduler, several threads) */
+    RUN_REBUILD,    /* within these, the sum over the threads: reconstruction */
+    RUN_REFIT_WORK, /* of all threads, as far as who is asked tells: engine only */
+    RUN_LOW_WORK,
+    RUN_HIGH_WORK,
+    RUN_MERGE_WORK,
+    RUN_WAIT, /* for other threads */
+    RUN_WALL, /* by the clock of who asks: from the first position handed over */
     RUN_TIMES
 };
 
@@ -37,7 +45,7 @@ enum run_count {
     RUN_EXACT,           /* of these, decided by exact arithmetic */
     RUN_RECONSTRUCTIONS, /* of subtrees, while traversing */
     RUN_RECONSTRUCTED_TRIANGLES,
-    RUN_SWAPS, /* made aside, as far as time allows, and put in place: depends on it */
+    RUN_SWAPS, /* made in the background, as far as time allows, and put in place */
     RUN_SWAPPED_TRIANGLES,
     RUN_CONTACTS, /* records: pairs in mode pairs, none in mode any */
     RUN_ALLOCS,
@@ -79,7 +87,7 @@ struct run_frame {
         (frame)->counts[RUN_BOX_TESTS] = (counters)->box_tests;                          \
         (frame)->counts[RUN_LEAF_PAIRS] = (counters)->leaf_pairs;                        \
         (frame)->counts[RUN_CANDIDATES] =                                                \
-            (counters)->candidates_vf + (counters)->candidates_ee;                       \
+            (counters)->candidates[PCCD_VF] + (counters)->candidates[PCCD_EE];           \
         (frame)->counts[RUN_SURVIVORS] = (counters)->survivors;                          \
         (frame)->counts[RUN_EXACT] = (counters)->exact;                                  \
         (frame)->counts[RUN_RECONSTRUCTIONS] = (counters)->rebuilds;                     \
@@ -92,7 +100,8 @@ struct run_frame {
 /* The five phases are known: the rest of the step. */
 void run_frame_set_rest(struct run_frame *frame);
 
-/* XXH3-128 of all numbers and hashes, as 32 digits. */
-void run_frames_hash(const struct run_frame *frames, uint32_t count, char text[33]);
+/* XXH3-128 of all numbers and hashes, and in front the version of these hashes. */
+void run_frames_hash(const struct run_frame *frames, uint32_t count,
+                     char text[PROTO_HASH_BYTES]);
 
 #endif

@@ -26,7 +26,7 @@ bench_pccd_bench_SOURCES = \
     $(bench_engine_sources)
 nodist_bench_pccd_bench_SOURCES = bench/run/commit.c
 bench_pccd_bench_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/run \
-    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
+    -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto $(text_cppflags) \
     -DBENCH_DAEMON='"$(abs_top_builddir)/pccdd"' $(XXHASH_CFLAGS) $(JANSSON_CFLAGS)
 bench_pccd_bench_LDADD = $(bench_engine_libs) libpccd.la $(XXHASH_LIBS) $(JANSSON_LIBS)
 

@@ -1,7 +1,7 @@
-/* bench/run/output.h - what a measurement is written as.
+/* bench/run/output.h - writes the measurements of pccd-bench.
  *
  * Room:     bench/run. May include: play.h.
- * Does:     write it as text, as CSV (a line a step) or as one JSON object.
+ * Does:     write text, CSV (a line for each step and way) or one JSON object.
  * Threads:  one.
  */
 #ifndef RUN_OUTPUT_H
@@ -17,10 +17,11 @@ bool run_write_text(FILE *to, const struct run_play *play);
 bool run_write_csv(FILE *to, const struct run_play *play);
 bool run_write_json(FILE *to, const struct run_play *play);
 
-/* Over the steps; times in milliseconds. */
-struct bench_summary run_summarise_time(const struct run_play *play, enum run_time time);
+/* Over the steps of a side; times in milliseconds. */
+struct bench_summary run_summarise_time(const struct run_play *play, uint32_t side,
+                                        enum run_time time);
 /* The same of a count, with the sum. False: it is not known of every step. */
-bool run_summarise_count(const struct run_play *play, enum run_count count,
+bool run_summarise_count(const struct run_play *play, uint32_t side, enum run_count count,
                          struct bench_summary *summary, uint64_t *total);
 
 #endif

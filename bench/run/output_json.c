@@ -44,9 +44,8 @@ static json_t *number_of(uint64_t value)
 
 static json_t *hash_of(const uint64_t hash[2])
 {
-    char text[33];
-    (void)snprintf(text, sizeof text, "%016" PRIx64 "%016" PRIx64, hash[0], hash[1]);
-    return json_string(text);
+    char text[PROTO_HASH_BYTES];
+    return json_string(proto_hash_text(PCCD_HASH_VERSION, hash, text));
 }
 
 static void set_item(void *context, const char *name, const char *text, uint64_t number)
@@ -65,7 +64,7 @@ static struct object statistics(const struct bench_summary *summary)
     return object;
 }
 
-static struct object summary_of(const struct run_play *play)
+static struct object summary_of(const struct run_play *play, uint32_t side)
 {
     struct object ms = new_object();
     struct object counts = new_object();
@@ -73,12 +72,12 @@ static struct object summary_of(const struct run_play *play)
     struct bench_summary summary;
     uint64_t total;
     for (enum run_time time = 0; time < RUN_TIMES; time++) {
-        summary = run_summarise_time(play, time);
+        summary = run_summarise_time(play, side, time);
         struct object values = statistics(&summary);
         set_object(&ms, run_time_names[time], &values);
     }
     for (enum run_count count = 0; count < RUN_COUNTS; count++) {
-        if (run_summarise_count(play, count, &summary, &total)) {
+        if (run_summarise_count(play, side, count, &summary, &total)) {
             struct object values = statistics(&summary);
             if (count < RUN_SCENE_BYTES) {
                 set(&values, "all", json_integer((json_int_t)total));
@@ -123,17 +122,43 @@ static bool write_line(FILE *to, const char *before, struct object object,
     return is_written;
 }
 
-/* A line for the settings, one for the summary and one a step: such a file is read and
- * compared by lines, too. */
+/* The first side has no speed: it is what the others are compared with. */
+static struct object side_of(const struct run_play *play, uint32_t side)
+{
+    struct object object = new_object();
+    struct object summary = summary_of(play, side);
+    struct object speed = new_object();
+    for (enum run_time time = 0; time < RUN_TIMES && side > 0; time++) {
+        if (play->sides[side].speed[time].count > 0) {
+            struct bench_summary s = bench_summarise(&play->sides[side].speed[time]);
+            struct object values = statistics(&s);
+            set_object(&speed, run_time_names[time], &values);
+        }
+    }
+    set(&object, "beside", json_string(play->settings->sides[side].label));
+    set_object(&object, "summary", &summary);
+    set_object(&object, "times_as_fast", &speed);
+    return object;
+}
+
+/* A line for the settings, one for the summary, one a side and one a step: such a file is
+ * read and compared by lines, too. */
 bool run_write_json(FILE *to, const struct run_play *play)
 {
+    uint32_t sides = play->settings->side_count;
     struct object settings = new_object();
     run_setup_each(play, set_item, &settings);
     bool good = write_line(to, "{\"settings\":", settings, ",\n");
-    good = write_line(to, "\"summary\":", summary_of(play), ",\n\"frames\":[\n") && good;
+    good = write_line(to, "\"summary\":", summary_of(play, 0), ",\n") && good;
+    for (uint32_t i = 0; i < sides && sides > 1; i++) {
+        good = write_line(to, i == 0 ? "\"sides\":[\n" : "", side_of(play, i),
+                          i + 1 < sides ? ",\n" : "\n],\n") &&
+               good;
+    }
+    good = fputs("\"frames\":[\n", to) != EOF && good;
     for (uint32_t i = 0; i < play->count; i++) {
         const char *after = i + 1 < play->count ? ",\n" : "\n]}\n";
-        good = write_line(to, "", frame_of(&play->frames[i]), after) && good;
+        good = write_line(to, "", frame_of(&play->sides[0].frames[i]), after) && good;
     }
     return good;
 }

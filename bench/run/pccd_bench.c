@@ -1,9 +1,8 @@
-/* bench/run/pccd_bench.c - pccd-bench: one scene, one way to compute it, every step.
+/* bench/run/pccd_bench.c - pccd-bench: one scene, one or more ways to compute each step.
  *
  * Room:     bench/run.
  * Does:     read the command line, make the scene, play it, write what was measured.
- * Does not: compare: bench/compare does, with two builds by turns; programs such as
- *           bench/step with two ways to compute the same step.
+ * Does not: compare two builds: bench/compare does, by turns.
  * Threads:  one; steps have as many as asked for.
  */
 #include <stdio.h>
@@ -31,10 +30,16 @@ static int print_list(void)
     return 0;
 }
 
-/* Choose it for whoever computes: this process, or the daemon that it starts. */
-static bool choose_cpu(const char *name)
+/* The first side whose instruction set is none of this processor or build; NULL: all are
+ * there. */
+static const struct run_side *missing_cpu(const struct run_settings *settings)
 {
-    return !name || (eng_kernels_named(name) && setenv("PCCD_CPU", name, 1) == 0);
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        if (settings->sides[i].cpu && !eng_kernels_named(settings->sides[i].cpu)) {
+            return &settings->sides[i];
+        }
+    }
+    return NULL;
 }
 
 static int write_out(FILE *to, const struct run_play *play)
@@ -57,7 +62,7 @@ static int run(struct run_settings *settings, struct bench_scene *scene)
 {
     struct run_play play;
     char steps[64];
-    if (!run_settings_fit(settings, scene->frame_count - 1)) {
+    if (!run_settings_fit(settings, scene->frame_count - 1, scene->hard_frame)) {
         (void)snprintf(steps, sizeof steps, "%u-%u", settings->first, settings->last);
         fprintf(stderr, "pccd-bench: --frames: \"%s\": %s has steps 0-%u\n", steps,
                 scene->name, scene->frame_count - 2);
@@ -78,7 +83,7 @@ static int run(struct run_settings *settings, struct bench_scene *scene)
 
 int main(int argc, char **argv)
 {
-    struct run_settings settings;
+    static struct run_settings settings; /* for as long as the program runs */
     struct bench_scene scene;
     unsigned index = 0;
     bench_team_environment(argv);
@@ -93,8 +98,9 @@ int main(int argc, char **argv)
     if (index == bench_scene_total()) {
         return fail("SCENE", settings.scene, "is not known; see --list");
     }
-    if (!choose_cpu(settings.cpu)) {
-        return fail("--cpu", settings.cpu, "is none of this processor, or of this build");
+    const struct run_side *missing = missing_cpu(&settings);
+    if (missing) {
+        return fail("--cpu", missing->cpu, "is none of this processor, or of this build");
     }
     bench_name("pccd-bench");
     if (!bench_scene_make(index, settings.is_small, &scene)) {

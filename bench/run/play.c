@@ -38,7 +38,7 @@ uint64_t run_resident_bytes(uint32_t pid)
 static void draw(const struct run_play *play, uint32_t pass, uint32_t done)
 {
     static uint64_t drawn_ns;
-    uint64_t now_ns = bench_now_ns();
+    uint64_t now_ns = common_now_ns();
     if (!isatty(STDERR_FILENO) || (drawn_ns > 0 && now_ns - drawn_ns < REDRAW_NS)) {
         return;
     }
@@ -81,6 +81,45 @@ static void digest_triangles(XXH3_state_t *state, const struct bench_scene *scen
 
 /* ---- playing ----------------------------------------------------------------------- */
 
+/* One side while a pass lasts. */
+struct player {
+    const struct run_side *side;
+    const struct run_way *way;
+    struct run_asked *asked; /* NULL between the steps of a side that is fresh */
+};
+
+static void player_open(struct player *player, const struct run_side *side,
+                        const struct bench_frames *frames)
+{
+    player->side = side;
+    player->way = side->via == RUN_VIA_ENGINE ? &run_way_engine : &run_way_client;
+    player->asked = side->is_fresh ? NULL : player->way->open(side, frames);
+}
+
+static void player_close(struct player *player, struct run_sequence *sequence)
+{
+    if (player->asked) {
+        sequence->method = player->way->method(player->asked);
+        sequence->cpu = player->way->cpu(player->asked);
+        player->way->close(player->asked);
+        player->asked = NULL;
+    }
+}
+
+static bool player_step(struct player *player, struct run_sequence *sequence,
+                        const struct bench_frames *frames, struct run_frame *frame)
+{
+    if (!player->side->is_fresh) {
+        return player->way->step(player->asked, frames, frame);
+    }
+    uint64_t begin_ns = common_now_ns();
+    player->asked = player->way->open(player->side, frames);
+    bool good = player->way->step(player->asked, frames, frame);
+    player_close(player, sequence);
+    frame->ns[RUN_WALL] = common_now_ns() - begin_ns;
+    return good;
+}
+
 /* One of a step's passes; the first sets it. False: the answers differ. */
 static bool keep(struct run_frame *kept, const struct run_frame *frame, uint32_t pass)
 {
@@ -94,17 +133,60 @@ static bool keep(struct run_frame *kept, const struct run_frame *frame, uint32_t
     return memcmp(kept->hash, frame->hash, sizeof kept->hash) == 0;
 }
 
+/* The same step by all sides, beginning with another one each time. */
+static bool take_turns(struct run_play *play, struct player *players,
+                       const struct bench_frames *frames, uint32_t turn,
+                       struct run_frame *taken)
+{
+    uint32_t sides = play->settings->side_count;
+    bool good = true;
+    for (uint32_t i = 0; i < sides; i++) {
+        uint32_t which = (i + turn) % sides;
+        memset(&taken[which], 0, sizeof taken[which]);
+        good = player_step(&players[which], &play->sides[which], frames, &taken[which]) &&
+               good;
+    }
+    return good;
+}
+
+/* What all sides took of a step. False: an answer is not that of the first side, or of
+ * the first pass. */
+static bool keep_turns(struct run_play *play, uint32_t step, uint32_t pass,
+                       const struct run_frame *taken)
+{
+    const struct run_settings *settings = play->settings;
+    bool good = true;
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        struct run_sequence *sequence = &play->sides[i];
+        good = bench_check(keep(&sequence->frames[step], &taken[i], pass),
+                           play->source->name, "another pass has another answer") &&
+               bench_check(
+                   settings->sides[i].step.mode != settings->sides[0].step.mode ||
+                       memcmp(taken[i].hash, taken[0].hash, sizeof taken[i].hash) == 0,
+                   settings->sides[i].label, "another side has another answer") &&
+               good;
+        for (enum run_time t = 0; i > 0 && t < RUN_TIMES; t++) {
+            if (taken[i].ns[t] > 0 && taken[0].ns[t] > 0) {
+                bench_add(&sequence->speed[t],
+                          (double)taken[0].ns[t] / (double)taken[i].ns[t]);
+            }
+        }
+    }
+    return good;
+}
+
 /* The steps before the first one that counts. Where a scene has not so many, the first
  * one again and again, each time from its start. */
-static bool warm_up(const struct run_way *way, struct run_asked *asked,
-                    struct bench_frames *frames, const struct run_settings *settings)
+static bool warm_up(struct run_play *play, struct player *players,
+                    struct bench_frames *frames)
 {
-    struct run_frame unused;
+    const struct run_settings *settings = play->settings;
+    struct run_frame unused[RUN_SIDES_MAX];
     bool good = true;
     for (uint32_t left = settings->warm_up; left > 0 && good; left--) {
         bench_frames_seek(frames, settings->first >= left ? settings->first - left
                                                           : settings->first);
-        good = way->step(asked, frames, &unused);
+        good = take_turns(play, players, frames, 0, unused);
     }
     return good;
 }
@@ -117,22 +199,25 @@ static bool is_last_of_its_scene(const struct run_play *play, uint32_t number)
            (source->before && number + 1 == source->break_frame);
 }
 
-static bool play_steps(struct run_play *play, const struct run_way *way,
-                       struct run_asked *asked, struct bench_frames *frames,
-                       uint32_t pass, XXH3_state_t *state)
+static bool play_steps(struct run_play *play, struct player *players,
+                       struct bench_frames *frames, uint32_t pass, XXH3_state_t *state)
 {
     const char *name = play->source->name;
-    bool good = bench_check(warm_up(way, asked, frames, play->settings), name,
-                            "incomplete while warming up");
+    struct run_frame taken[RUN_SIDES_MAX];
+    bool good =
+        bench_check(warm_up(play, players, frames), name, "incomplete while warming up");
     for (uint32_t i = 0; i < play->count && good; i++) {
-        struct run_frame frame = {.number = play->settings->first + i};
+        uint32_t number = play->settings->first + i;
         draw(play, pass, i);
-        bench_frames_seek(frames, frame.number);
+        bench_frames_seek(frames, number);
         digest_frame(state, frames, 0);
-        good = bench_check(way->step(asked, frames, &frame), name, "incomplete") &&
-               bench_check(keep(&play->frames[i], &frame, pass), name,
-                           "another pass has another answer");
-        if (is_last_of_its_scene(play, frame.number)) {
+        good = bench_check(take_turns(play, players, frames, pass + i, taken), name,
+                           "incomplete");
+        for (uint32_t s = 0; s < play->settings->side_count; s++) {
+            taken[s].number = number;
+        }
+        good = good && keep_turns(play, i, pass, taken);
+        if (is_last_of_its_scene(play, number)) {
             digest_frame(state, frames, 1);
             digest_triangles(state, frames->scene);
         }
@@ -140,24 +225,26 @@ static bool play_steps(struct run_play *play, const struct run_way *way,
     return good;
 }
 
-static bool play_pass(struct run_play *play, const struct run_way *way, uint32_t pass,
-                      XXH3_state_t *state)
+static bool play_pass(struct run_play *play, uint32_t pass, XXH3_state_t *state)
 {
     const struct run_settings *settings = play->settings;
     uint32_t before =
         settings->first < settings->warm_up ? settings->first : settings->warm_up;
+    struct player players[RUN_SIDES_MAX];
     struct bench_frames frames;
     char input[sizeof play->input];
     XXH3_128bits_reset(state);
     bench_frames_init(&frames, play->source, settings->first - before);
-    struct run_asked *asked = way->open(settings, &frames);
-    bool good = play_steps(play, way, asked, &frames, pass, state);
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        player_open(&players[i], &settings->sides[i], &frames);
+    }
+    bool good = play_steps(play, players, &frames, pass, state);
     digest_text(state, pass == 0 ? play->input : input);
     good = good && bench_check(pass == 0 || strcmp(play->input, input) == 0,
                                play->source->name, "frames differ when made again");
-    play->method = way->method(asked);
-    play->cpu = way->cpu(asked);
-    way->close(asked);
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        player_close(&players[i], &play->sides[i]);
+    }
     bench_frames_deinit(&frames);
     return good;
 }
@@ -165,19 +252,19 @@ static bool play_pass(struct run_play *play, const struct run_way *way, uint32_t
 bool run_play(struct run_play *play, const struct run_settings *settings,
               const struct bench_scene *source)
 {
-    const struct run_way *way =
-        settings->via == RUN_VIA_ENGINE ? &run_way_engine : &run_way_client;
     XXH3_state_t *state = XXH3_createState();
     bool good = state != NULL;
     *play = (struct run_play){.settings = settings,
                               .source = source,
                               .count = settings->last - settings->first + 1};
-    play->frames = bench_alloc(play->count, sizeof *play->frames);
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        play->sides[i].frames = bench_alloc(play->count, sizeof *play->sides[i].frames);
+    }
     for (uint32_t pass = 0; pass < settings->repeat && good; pass++) {
-        good = play_pass(play, way, pass, state);
+        good = play_pass(play, pass, state);
     }
     if (good) {
-        run_frames_hash(play->frames, play->count, play->hash);
+        run_frames_hash(play->sides[0].frames, play->count, play->hash);
     }
     XXH3_freeState(state);
     wipe();
@@ -186,6 +273,11 @@ bool run_play(struct run_play *play, const struct run_settings *settings,
 
 void run_play_deinit(struct run_play *play)
 {
-    free(play->frames);
-    *play = (struct run_play){.frames = NULL};
+    for (uint32_t i = 0; i < play->settings->side_count; i++) {
+        free(play->sides[i].frames);
+        for (enum run_time t = 0; t < RUN_TIMES; t++) {
+            bench_free(&play->sides[i].speed[t]);
+        }
+    }
+    *play = (struct run_play){.settings = NULL};
 }

@@ -1,9 +1,9 @@
-/* bench/run/play.h - the steps of a scene, pass after pass.
+/* bench/run/play.h - runs and times the steps of a scene, several passes over.
  *
  * Room:     bench/run. May include: bench, bench/scenes.
- * Does:     warm up, time every step, keep the pass that took the least; say which
- *           positions it was.
- * Does not: keep frames: each is made when it is wanted, outside of what is timed.
+ * Does:     warm up, time every step, keep the fastest pass; say by a hash which
+ *           positions they were.
+ * Does not: keep frames: each is made when it is wanted, outside the timed part.
  * Threads:  one.
  */
 #ifndef RUN_PLAY_H
@@ -11,17 +11,25 @@
 
 #include "bench_scene.h"
 #include "frame.h"
+#include "report.h"
 #include "settings.h"
+
+/* What the steps of one side were. */
+struct run_sequence {
+    struct run_frame *frames; /* [count]; times of the least pass, counts of the first */
+    const char *method;       /* that the steps used */
+    const char *cpu;          /* their instruction set */
+    /* Of every step of every pass: how many times as long the first side took. */
+    struct bench_samples speed[RUN_TIMES];
+};
 
 struct run_play {
     const struct run_settings *settings;
     const struct bench_scene *source;
-    uint32_t count;           /* of steps that are kept */
-    struct run_frame *frames; /* [count]; times of the least pass, counts of the first */
-    const char *method;       /* that the steps used */
-    const char *cpu;          /* their instruction set */
-    char input[33];           /* XXH3-128 of the positions of all steps that are kept */
-    char hash[33];            /* of the answers */
+    uint32_t count;                           /* of steps that are kept */
+    struct run_sequence sides[RUN_SIDES_MAX]; /* [settings->side_count] */
+    char input[33]; /* XXH3-128 of the positions of all steps that are kept */
+    char hash[PROTO_HASH_BYTES]; /* of the first side's answers */
 };
 
 /* False: an answer was incomplete, or another one than in the first pass; said on

@@ -12,26 +12,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "names.h"
+#include "tuning.h"
+
 #define THREADS_MAX 1024u
 #define STEPS_MAX   1000000u
 #define REPEATS_MAX 1000000u
+#define WORDS_MAX   32 /* of --beside */
 
 static const char *const vias[RUN_VIAS] = {"engine", "daemon", "direct"};
 static const char *const formats[RUN_FORMATS] = {"text", "csv", "json"};
-static const char *const modes[PCCD_MODE_COUNT] = {"all", "first", "any", "pairs"};
-static const char *const methods[PCCD_METHOD_COUNT] = {"default", "paper", "wide"};
-static const char *const schedulers[PCCD_SCHEDULER_COUNT] = {"default", "steal", "paper"};
-static const char *const high_levels[PCCD_HIGH_LEVEL_COUNT] = {"default", "round-robin",
-                                                               "disjoint"};
-static const char *const refits[PCCD_REFIT_COUNT] = {"default", "even", "paper"};
 static const char *const cpus[] = {"scalar", "sse4", "avx2", "avx512", "neon"};
 
 enum {
     OPTION_THREADS = 256,
     OPTION_METHOD,
-    OPTION_SCHEDULER,
-    OPTION_HIGH_LEVEL,
-    OPTION_REFIT,
+    OPTION_TUNING,
     OPTION_CPU,
     OPTION_MODE,
     OPTION_VIA,
@@ -40,45 +36,67 @@ enum {
     OPTION_REPEAT,
     OPTION_FORMAT,
     OPTION_SMALL,
-    OPTION_LIST
+    OPTION_LIST,
+    OPTION_BESIDE,
+    OPTION_FRESH,
+    OPTION_TEAM,
+    OPTION_REBUILD_RATIO
 };
 
-static const struct argp_option option_list[] = {
-    {"list", OPTION_LIST, NULL, 0, "Print the names of the scenes", 0},
-    {"small", OPTION_SMALL, NULL, 0,
-     "The small scene of that name, of a few thousand triangles", 0},
-    {"frames", OPTION_FRAMES, "FIRST-LAST|N", 0,
-     "Time these steps, from 0, or the first N (default: all); step i goes from frame i "
-     "to the next",
-     0},
-    {"warm-up", OPTION_WARM_UP, "N", 0,
-     "Make N steps before those that are timed, which do not count; where there are not "
-     "so many, the first one again and again (default: 2)",
-     0},
-    {"repeat", OPTION_REPEAT, "N", 0,
-     "Play everything N times, each time a new scene; of each step the pass that took "
-     "the least is kept, with its phases (default: 1)",
-     0},
+/* What a side may differ in. */
+static const struct argp_option side_options[] = {
     {"via", OPTION_VIA, "engine|daemon|direct", 0,
      "Who computes: the engine in this process (the default), a private daemon by "
      "libpccd, or libpccd's url direct:",
-     0},
+     2},
     {"mode", OPTION_MODE, "all|first|any|pairs", 0,
-     "Every contact (the default), the earliest, yes or no, candidate pairs", 0},
-    {"method", OPTION_METHOD, "default|paper|wide", 0, "How candidates are found", 0},
-    {"threads", OPTION_THREADS, "N", 0, "At most N threads a step (default: 1)", 0},
-    {"scheduler", OPTION_SCHEDULER, "default|steal|paper", 0,
-     "How threads share the work", 0},
-    {"high-level", OPTION_HIGH_LEVEL, "default|round-robin|disjoint", 0,
-     "The paper's scheduler on high-level nodes", 0},
-    {"refit", OPTION_REFIT, "default|even|paper", 0, "How threads share the refit", 0},
+     "Every contact (the default), the earliest, yes or no, candidate pairs", 2},
+    {"method", OPTION_METHOD, "default|paper|wide", 0, "How candidates are found", 2},
+    {"threads", OPTION_THREADS, "N", 0, "At most N threads a step (default: 1)", 2},
+    {"team", OPTION_TEAM, NULL, 0,
+     "All of them also where one would be faster (engine only)", 2},
+    {"tuning", OPTION_TUNING, "STRING", 0,
+     "How threads share the work, such as scheduler=paper,refit=paper (pccd.h); empty: "
+     "the default",
+     2},
+    {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
+     "Rebuild a subtree whose box has less than R times the volume of its two halves' "
+     "(method paper; default: 0.9; negative: never)",
+     2},
+    {"fresh", OPTION_FRESH, NULL, 0,
+     "Make a scene for each step, and free it: what a function takes that keeps nothing",
+     2},
     {"cpu", OPTION_CPU, "scalar|sse4|avx2|avx512|neon", 0,
-     "Instruction set (default: $PCCD_CPU, or the best)", 0},
+     "Instruction set (default: $PCCD_CPU, or the best)", 2},
+    {0},
+};
+
+static const struct argp_option option_list[] = {
+    {"list", OPTION_LIST, NULL, 0, "Print the names of the scenes", 1},
+    {"small", OPTION_SMALL, NULL, 0,
+     "The small scene of that name, of a few thousand triangles", 1},
+    {"frames", OPTION_FRAMES, "FIRST-LAST|N|hard|hard+N", 0,
+     "Time these steps, from 0, or the first N (default: all); step i goes from frame i "
+     "to the next. hard: the step that takes longest, and N more, as far as there are",
+     1},
+    {"warm-up", OPTION_WARM_UP, "N", 0,
+     "Make N steps before those that are timed, which do not count; where there are not "
+     "so many, the first one again and again (default: 2)",
+     1},
+    {"repeat", OPTION_REPEAT, "N", 0,
+     "Play everything N times, each time a new scene; of each step the pass that took "
+     "the least is kept, with its phases (default: 1)",
+     1},
+    {"beside", OPTION_BESIDE, "OPTIONS", 0,
+     "Take each step once more with these options besides the others, such as "
+     "\"--threads 2\", by turns; may be given several times. Answers must agree, and "
+     "times are compared",
+     1},
     {"format", OPTION_FORMAT, "text|csv|json", 0,
      "A summary to read (the default), a line for each step, or one object with all of "
      "it",
-     0},
-    {"output", 'o', "FILE", 0, "Write there instead of to the standard output", 0},
+     1},
+    {"output", 'o', "FILE", 0, "Write there instead of to the standard output", 1},
     {0},
 };
 
@@ -111,14 +129,19 @@ static uint32_t number_of(const struct argp_state *state, const char *option,
     return (uint32_t)value;
 }
 
-/* FIRST-LAST, or how many. */
+/* FIRST-LAST, how many, or from the hard one on. */
 static void read_frames(struct run_settings *settings, const struct argp_state *state,
                         char *text)
 {
     char *dash = strchr(text, '-');
     settings->has_frames = true;
+    settings->first = 0;
+    if (strcmp(text, "hard") == 0 || strncmp(text, "hard+", 5) == 0) {
+        settings->is_hard = true;
+        settings->last = text[4] ? number_of(state, "frames", text + 5, 0, STEPS_MAX) : 0;
+        return;
+    }
     if (!dash) {
-        settings->first = 0;
         settings->last = number_of(state, "frames", text, 1, STEPS_MAX) - 1;
         return;
     }
@@ -127,42 +150,67 @@ static void read_frames(struct run_settings *settings, const struct argp_state *
     settings->last = number_of(state, "frames", dash + 1, settings->first, STEPS_MAX);
 }
 
-/* Those that choose one of several ways to compute the same answer, and --mode. */
-static error_t parse_choice(int key, const char *text, const struct argp_state *state)
+static double ratio_of(const struct argp_state *state, const char *text)
 {
-    struct run_settings *settings = state->input;
-    struct pccd_step_settings *step = &settings->step;
+    char *stop;
+    double value = strtod(text, &stop);
+    if (stop == text || *stop != '\0' || !(value <= 1)) {
+        argp_error(state, "--rebuild-ratio: \"%s\" is not a number up to 1", text);
+    }
+    return value;
+}
+
+static void read_tuning(struct pccd_step_settings *step, const struct argp_state *state,
+                        const char *text)
+{
+    struct eng_tuning tuning = {0};
+    char why[ENG_TUNING_WHY_BYTES];
+    if (eng_tuning_read(text, &tuning, why) != PCCD_OK) {
+        argp_error(state, "--tuning: %s", why);
+    }
+    step->tuning = text;
+}
+
+/* Those that choose a way to compute a step. */
+static error_t parse_side(int key, char *text, struct argp_state *state)
+{
+    struct run_side *side = state->input;
+    struct pccd_step_settings *step = &side->step;
     switch (key) {
     case OPTION_MODE:
-        step->mode =
-            (enum pccd_mode)place_of(state, "mode", text, modes, PCCD_MODE_COUNT);
+        step->mode = (enum pccd_mode)place_of(state, "mode", text, common_mode_names,
+                                              PCCD_MODE_COUNT);
         break;
     case OPTION_METHOD:
-        step->method =
-            (enum pccd_method)place_of(state, "method", text, methods, PCCD_METHOD_COUNT);
+        step->method = (enum pccd_method)place_of(state, "method", text,
+                                                  common_method_names, PCCD_METHOD_COUNT);
         break;
-    case OPTION_SCHEDULER:
-        step->scheduler = (enum pccd_scheduler)place_of(state, "scheduler", text,
-                                                        schedulers, PCCD_SCHEDULER_COUNT);
+    case OPTION_THREADS:
+        step->threads = number_of(state, "threads", text, 1, THREADS_MAX);
         break;
-    case OPTION_HIGH_LEVEL:
-        step->high_level = (enum pccd_high_level)place_of(
-            state, "high-level", text, high_levels, PCCD_HIGH_LEVEL_COUNT);
+    case OPTION_TUNING:
+        read_tuning(step, state, text);
         break;
-    case OPTION_REFIT:
-        step->refit =
-            (enum pccd_refit)place_of(state, "refit", text, refits, PCCD_REFIT_COUNT);
+    case OPTION_REBUILD_RATIO:
+        side->rebuild_ratio = ratio_of(state, text);
+        break;
+    case OPTION_TEAM:
+        side->is_team = true;
+        break;
+    case OPTION_FRESH:
+        side->is_fresh = true;
         break;
     case OPTION_CPU:
         (void)place_of(state, "cpu", text, cpus, sizeof cpus / sizeof cpus[0]);
-        settings->cpu = text;
+        side->cpu = text;
         break;
     case OPTION_VIA:
-        settings->via = (enum run_via)place_of(state, "via", text, vias, RUN_VIAS);
+        side->via = (enum run_via)place_of(state, "via", text, vias, RUN_VIAS);
         break;
-    case OPTION_FORMAT:
-        settings->format =
-            (enum run_format)place_of(state, "format", text, formats, RUN_FORMATS);
+    case ARGP_KEY_END:
+        if (side->is_team && side->via != RUN_VIA_ENGINE) {
+            argp_error(state, "--team: only with --via engine");
+        }
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -170,10 +218,41 @@ static error_t parse_choice(int key, const char *text, const struct argp_state *
     return 0;
 }
 
+static const struct argp side_argp = {.options = side_options, .parser = parse_side};
+
+/* The first side with the words of its label as further options. */
+static void read_beside(struct run_settings *settings, struct run_side *side)
+{
+    const char *label = side->label;
+    char *words[WORDS_MAX + 1] = {program_invocation_short_name};
+    int count = 1;
+    char *rest = NULL;
+    *side = settings->sides[0];
+    side->label = label;
+    side->words = strdup(label);
+    for (char *word = side->words ? strtok_r(side->words, " ", &rest) : NULL;
+         word && count <= WORDS_MAX - 1; word = strtok_r(NULL, " ", &rest)) {
+        words[count++] = word;
+    }
+    (void)argp_parse(&side_argp, count, words, 0, NULL, side);
+}
+
+static void add_beside(struct run_settings *settings, const struct argp_state *state,
+                       const char *text)
+{
+    if (settings->side_count == RUN_SIDES_MAX) {
+        argp_error(state, "--beside: at most %u times", RUN_SIDES_MAX - 1);
+    }
+    settings->sides[settings->side_count++].label = text;
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct run_settings *settings = state->input;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &settings->sides[0];
+        break;
     case OPTION_LIST:
         settings->wants_list = true;
         break;
@@ -189,8 +268,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_REPEAT:
         settings->repeat = number_of(state, "repeat", text, 1, REPEATS_MAX);
         break;
-    case OPTION_THREADS:
-        settings->step.threads = number_of(state, "threads", text, 1, THREADS_MAX);
+    case OPTION_BESIDE:
+        add_beside(settings, state, text);
+        break;
+    case OPTION_FORMAT:
+        settings->format =
+            (enum run_format)place_of(state, "format", text, formats, RUN_FORMATS);
         break;
     case 'o':
         settings->path = text;
@@ -208,31 +291,50 @@ static error_t parse(int key, char *text, struct argp_state *state)
         }
         break;
     default:
-        return parse_choice(key, text, state);
+        return ARGP_ERR_UNKNOWN;
     }
     return 0;
 }
 
 void run_settings_read(struct run_settings *settings, int argc, char **argv)
 {
+    static const struct argp_child children[] = {
+        {&side_argp, 0, "How a step is computed:", 2}, {0}};
     static const struct argp argp = {
         .options = option_list,
         .parser = parse,
+        .children = children,
         .args_doc = "SCENE",
         .doc = "Time the steps of one scene, and count their work.\v"
                "Exit status: 0; 1 when an answer was incomplete or differed from pass to "
-               "pass; 2 when it could not be asked for; 77 when the scene's recorded "
+               "pass or from one side to another; 2 when it could not be asked for; 77 "
+               "when the scene's recorded "
                "frames are not in $PCCD_DATA."};
-    *settings = (struct run_settings){.warm_up = 2, .repeat = 1, .step = {.threads = 1}};
+    *settings = (struct run_settings){
+        .warm_up = 2,
+        .repeat = 1,
+        .side_count = 1,
+        .sides[0] = {
+            .label = "",
+            .step = {.struct_bytes = sizeof(struct pccd_step_settings), .threads = 1}}};
     argp_err_exit_status = 2;
     (void)argp_parse(&argp, argc, argv, 0, NULL, settings);
+    for (uint32_t i = 1; i < settings->side_count; i++) {
+        read_beside(settings, &settings->sides[i]);
+    }
 }
 
-bool run_settings_fit(struct run_settings *settings, uint32_t step_count)
+bool run_settings_fit(struct run_settings *settings, uint32_t step_count,
+                      uint32_t hard_step)
 {
     if (!settings->has_frames) {
         settings->first = 0;
         settings->last = step_count - 1;
+    }
+    if (settings->is_hard) {
+        settings->first = hard_step;
+        settings->last += hard_step;
+        settings->last = settings->last < step_count ? settings->last : step_count - 1;
     }
     return settings->last < step_count;
 }
@@ -240,29 +342,4 @@ bool run_settings_fit(struct run_settings *settings, uint32_t step_count)
 const char *run_via_name(enum run_via via)
 {
     return vias[via];
-}
-
-const char *run_mode_name(enum pccd_mode mode)
-{
-    return modes[mode];
-}
-
-const char *run_method_name(enum pccd_method method)
-{
-    return methods[method];
-}
-
-const char *run_scheduler_name(enum pccd_scheduler scheduler)
-{
-    return schedulers[scheduler];
-}
-
-const char *run_high_level_name(enum pccd_high_level high_level)
-{
-    return high_levels[high_level];
-}
-
-const char *run_refit_name(enum pccd_refit refit)
-{
-    return refits[refit];
 }

@@ -1,7 +1,7 @@
-/* bench/run/settings.h - what pccd-bench was asked for.
+/* bench/run/settings.h - the command line of pccd-bench.
  *
  * Room:     bench/run. May include: pccd.h.
- * Does:     read the command line; name the choices.
+ * Does:     read it; name the choices.
  * Threads:  one.
  */
 #ifndef RUN_SETTINGS_H
@@ -15,15 +15,29 @@
 enum run_via { RUN_VIA_ENGINE, RUN_VIA_DAEMON, RUN_VIA_DIRECT, RUN_VIAS };
 enum run_format { RUN_TEXT, RUN_CSV, RUN_JSON, RUN_FORMATS };
 
+#define RUN_SIDES_MAX 16u
+
+/* One way to compute the steps; several take each step by turns. */
+struct run_side {
+    const char *label; /* the options of --beside */
+    char *words;       /* these, apart; what follows points into them */
+    enum run_via via;
+    struct pccd_step_settings step; /* mode, method, threads, tuning, .. */
+    const char *cpu;                /* instruction set; NULL: the best, or $PCCD_CPU */
+    double rebuild_ratio;           /* of the scene (pccd_scene_settings) */
+    bool is_fresh; /* each step in a scene of its own, which is made and freed with it */
+    bool is_team;  /* by all threads also where one would be faster */
+};
+
 struct run_settings {
     const char *scene; /* as in the list */
     bool is_small;     /* the small one of that name */
     bool wants_list;   /* only the names of the scenes are wanted */
-    enum run_via via;
     enum run_format format;
-    struct pccd_step_settings step; /* mode, method, threads, scheduler, .. */
-    const char *cpu;                /* instruction set; NULL: the best, or $PCCD_CPU */
+    struct run_side sides[RUN_SIDES_MAX]; /* the first is asked for without --beside */
+    uint32_t side_count;
     bool has_frames;
+    bool is_hard;   /* the first step is the scene's hard one; `last` counts from it */
     uint32_t first; /* steps first .. last are timed */
     uint32_t last;
     uint32_t warm_up; /* steps before them */
@@ -34,15 +48,11 @@ struct run_settings {
 /* Ends the program where the command line is wrong (2) or asks for help (0). */
 void run_settings_read(struct run_settings *settings, int argc, char **argv);
 
-/* Of `has_frames` or not: the steps that there are among 0 .. step_count - 1. False:
- * some that were asked for are none of them. */
-bool run_settings_fit(struct run_settings *settings, uint32_t step_count);
+/* Choose the steps of a scene that has 0 .. step_count - 1, of which `hard_step` stands
+ * for it. False: some that were asked for are none of them. */
+bool run_settings_fit(struct run_settings *settings, uint32_t step_count,
+                      uint32_t hard_step);
 
 const char *run_via_name(enum run_via via);
-const char *run_mode_name(enum pccd_mode mode);
-const char *run_method_name(enum pccd_method method);
-const char *run_scheduler_name(enum pccd_scheduler scheduler);
-const char *run_high_level_name(enum pccd_high_level high_level);
-const char *run_refit_name(enum pccd_refit refit);
 
 #endif

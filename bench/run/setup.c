@@ -11,6 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "names.h"
 #include "report.h"
 
 /* The first line of a file; "unknown" without one. */
@@ -61,14 +62,13 @@ static void each_of_scene(const struct run_play *play, run_item_fn each, void *c
 static void each_of_settings(const struct run_play *play, run_item_fn each, void *context)
 {
     const struct run_settings *settings = play->settings;
-    const struct pccd_step_settings *step = &settings->step;
-    each(context, "via", run_via_name(settings->via), 0);
-    each(context, "mode", run_mode_name(step->mode), 0);
-    each(context, "method", play->method, 0);
-    each(context, "scheduler", run_scheduler_name(step->scheduler), 0);
-    each(context, "high_level", run_high_level_name(step->high_level), 0);
-    each(context, "refit", run_refit_name(step->refit), 0);
-    each(context, "simd", play->cpu, 0);
+    const struct run_side *side = &settings->sides[0];
+    const struct pccd_step_settings *step = &side->step;
+    each(context, "via", run_via_name(side->via), 0);
+    each(context, "mode", common_mode_name(step->mode), 0);
+    each(context, "method", play->sides[0].method, 0);
+    each(context, "tuning", step->tuning != NULL ? step->tuning : "", 0);
+    each(context, "simd", play->sides[0].cpu, 0);
     each(context, "threads", NULL, step->threads);
     each(context, "first", NULL, settings->first);
     each(context, "last", NULL, settings->last);

@@ -1,7 +1,7 @@
-/* bench/run/setup.h - under what a measurement was made.
+/* bench/run/setup.h - the conditions of a measurement: build, machine, settings.
  *
  * Room:     bench/run. May include: play.h.
- * Does:     list what has to be known to repeat a run: build, machine, settings.
+ * Does:     list what one has to know to repeat a run.
  * Threads:  one.
  */
 #ifndef RUN_SETUP_H

@@ -32,7 +32,7 @@ for via in engine daemon direct; do
     done
 done >"$work/hashes"
 cat "$work/hashes" >>"$log"
-[ "$(wc -l <"$work/hashes")" -eq 6 ] && [ "$(sort -u "$work/hashes" | grep -cE '^[0-9a-f]{32}$')" -eq 1 ] &&
+[ "$(wc -l <"$work/hashes")" -eq 6 ] && [ "$(sort -u "$work/hashes" | grep -cE '^2:[0-9a-f]{32}$')" -eq 1 ] &&
     [ "$(sort -u "$work/hashes" | wc -l)" -eq 1 ]
 tap_result $? pccd_bench__has_one_hash_by_all_ways "$log"
 
@@ -47,7 +47,7 @@ contacts=$(awk -F, '/^#/ { next }
     !at { for (at = 1; $at != "contacts"; at++); next }
     { sum += $at } END { print sum }' "$work/engine.csv")
 echo "$contacts contacts" >>"$log"
-[ "$(wc -l <"$work/hashes")" -eq 3 ] && [ "$(sort -u "$work/hashes" | grep -cE '^[0-9a-f]{32}$')" -eq 1 ] &&
+[ "$(wc -l <"$work/hashes")" -eq 3 ] && [ "$(sort -u "$work/hashes" | grep -cE '^2:[0-9a-f]{32}$')" -eq 1 ] &&
     [ "$(sort -u "$work/hashes" | wc -l)" -eq 1 ] && [ "$contacts" -gt 0 ]
 tap_result $? pccd_bench__replaces_a_mesh_by_all_ways "$log"
 
@@ -64,9 +64,21 @@ tap_result $? pccd_bench__has_the_same_frames_when_repeated "$log"
 run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
     awk -F, '/^#/ { next }
         !columns { columns = NF; heading = $1 "," $NF; next }
-        { rows++; bad += NF != columns || $1 != rows + 2 || $NF !~ /^[0-9a-f]+$/ }
+        { rows++; bad += NF != columns || $1 != rows + 2 || $NF !~ /^2:[0-9a-f]+$/ }
         END { exit heading != "frame,hash" || rows != 5 || bad }' "$work/steps.csv"
 tap_result $? pccd_bench__writes_a_line_for_each_step "$work/steps.csv"
+
+# If this failed, two ways would not be compared over the same steps, or one would be left out.
+run --frames hard+2 --small --format csv --beside '--threads 2 --team' --beside=--fresh \
+    --beside=--mode=first bodies >"$work/sides.csv" 2>"$log" &&
+    awk -F, '/^#/ { next }
+        !columns { columns = NF; heading = $1 "," $2 "," $3; next }
+        { rows[$2]++; threads[$2] = $3; hash[$2 == "--mode=first", $1, $NF]; bad += NF != columns }
+        END { for (side in rows) { sides++; bad += rows[side] != 3 }
+              for (answer in hash) answers++
+              exit heading != "frame,side,threads" || sides != 4 || bad || answers != 6 ||
+                  threads["--threads 2 --team"] != 2 || threads["--fresh"] != 1 }' "$work/sides.csv"
+tap_result $? pccd_bench__takes_each_step_by_all_sides "$work/sides.csv"
 
 # If this failed, a script could not read the result, or warming up and repeating would change
 # which steps it is of.
@@ -102,6 +114,9 @@ while read -r name options; do
     } >>"$log"
 done <<'END'
 --threads --threads 0 cloth-20k
+--threads --beside=--threads=0 cloth-20k
+--team --via=daemon --team cloth-20k
+--rebuild-ratio --rebuild-ratio=2 cloth-20k
 --frames --frames 5-3 cloth-20k
 --frames --frames 0-99 cloth-20k
 --warm-up --warm-up -1 cloth-20k
@@ -110,7 +125,7 @@ done <<'END'
 --via --via network cloth-20k
 --mode --mode none cloth-20k
 --method --method narrow cloth-20k
---scheduler --scheduler serial cloth-20k
+--tuning --tuning=scheduler=serial cloth-20k
 --format --format xml cloth-20k
 --output --output /nowhere/file cloth-20k
 cloth-21k cloth-21k

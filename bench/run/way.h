@@ -1,8 +1,8 @@
-/* bench/run/way.h - who is asked for a step.
+/* bench/run/way.h - the ways to have a step computed that pccd-bench compares: in the
+ * engine, by libpccd without a daemon, by a daemon.
  *
  * Room:     bench/run. May include: bench, bench/scenes.
- * Does:     say what every way to have a step computed must offer: the engine in this
- *           process, or libpccd with a daemon or without one.
+ * Does:     define the functions that each of them provides.
  * Threads:  one.
  */
 #ifndef RUN_WAY_H
@@ -19,7 +19,7 @@ struct run_asked; /* of one way */
 struct run_way {
     /* A new scene with all objects, where `frames` begins. What fails ends the program
      * with 2. */
-    struct run_asked *(*open)(const struct run_settings *settings,
+    struct run_asked *(*open)(const struct run_side *side,
                               const struct bench_frames *frames);
     /* From the start to the end of `frames`; by end positions alone where the scene
      * stands there. Sets everything of *frame but its number. False: incomplete. */

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "asker.h"
+#include "names.h"
 #include "report.h"
 #include "way.h"
 #include "workload.h"
@@ -28,19 +29,31 @@ struct run_asked {
     enum pccd_method method;
 };
 
-static struct pccd_client *connect_via(enum run_via via)
+static struct pccd_client *connect_via(const struct run_side *side)
 {
     struct pccd_options options;
     struct pccd_client *client;
     pccd_options_init(&options);
     options.timeout_ms = TIMEOUT_MS;
-    options.private_daemon = via == RUN_VIA_DAEMON;
-    options.url = via == RUN_VIA_DIRECT ? "direct:" : NULL;
+    options.private_daemon = side->via == RUN_VIA_DAEMON;
+    options.url = side->via == RUN_VIA_DIRECT ? "direct:" : NULL;
     options.daemons_max = 1; /* a second one would be measured cold */
     if (access(BENCH_DAEMON, X_OK) == 0 && !getenv("PCCD_DAEMON")) {
         options.daemon = BENCH_DAEMON;
     }
+    const char *others =
+        getenv("PCCD_CPU"); /* a daemon that is started has our variables */
+    char *before = side->cpu && others ? strdup(others) : NULL;
+    if (side->cpu) {
+        (void)setenv("PCCD_CPU", side->cpu, 1);
+    }
     bench_must(pccd_connect(&options, &client), "connect", NULL);
+    if (before) {
+        (void)setenv("PCCD_CPU", before, 1);
+    } else if (side->cpu) {
+        (void)unsetenv("PCCD_CPU");
+    }
+    free(before);
     return client;
 }
 
@@ -59,17 +72,18 @@ static void add_object(struct run_asked *asked, const struct bench_frames *frame
         "add", asked->client);
 }
 
-static struct run_asked *open_client(const struct run_settings *settings,
+static struct run_asked *open_client(const struct run_side *side,
                                      const struct bench_frames *frames)
 {
     struct run_asked *asked = bench_alloc(1, sizeof *asked);
-    *asked = (struct run_asked){.client = connect_via(settings->via),
-                                .settings = settings->step,
+    *asked = (struct run_asked){.client = connect_via(side),
+                                .settings = side->step,
                                 .source = frames->scene,
                                 .frame = frames->from};
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
     asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
-    bench_must(pccd_scene_create(asked->client, NULL, &asked->scene), "scene",
+    const struct pccd_scene_settings scene = {.rebuild_ratio = side->rebuild_ratio};
+    bench_must(pccd_scene_create(asked->client, &scene, &asked->scene), "scene",
                asked->client);
     for (uint32_t i = 0; i < frames->scene->object_count; i++) {
         add_object(asked, frames, i);
@@ -154,8 +168,8 @@ static uint64_t elementary_tests(struct run_asked *asked, uint32_t threads)
 {
     uint64_t tests = 0;
     for (uint32_t i = 0; i < threads; i++) {
-        bench_must(pccd_stats_thread(asked->client, false, i, add_tests, &tests), "stats",
-                   asked->client);
+        bench_must(pccd_stats_thread(asked->client, false, i, add_tests, &tests, NULL),
+                   "stats", asked->client);
     }
     return tests;
 }
@@ -163,11 +177,11 @@ static uint64_t elementary_tests(struct run_asked *asked, uint32_t threads)
 static bool step_client(struct run_asked *asked, const struct bench_frames *frames,
                         struct run_frame *frame)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     follow(asked, frames);
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     ask(asked, frames, &answer);
-    frame->ns[RUN_WALL] = bench_now_ns() - begin_ns;
+    frame->ns[RUN_WALL] = common_now_ns() - begin_ns;
     RUN_KEEP_TIMES(frame, &answer.times);
     RUN_KEEP_COUNTS(frame, &answer.counters);
     frame->counts[RUN_CONTACTS] = answer.total;
@@ -186,7 +200,7 @@ static bool step_client(struct run_asked *asked, const struct bench_frames *fram
 
 static const char *method_of(const struct run_asked *asked)
 {
-    return asked->method == PCCD_METHOD_DEFAULT ? "" : run_method_name(asked->method);
+    return asked->method == PCCD_METHOD_DEFAULT ? "" : common_method_name(asked->method);
 }
 
 /* The library's text goes with the client. */

@@ -5,60 +5,69 @@
  * Threads:  one; the engine uses as many as it is told. The team is placed as the
  *           daemon's is.
  */
+#include <assert.h>
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "affinity.h"
 #include "kernel.h"
 #include "mesh.h"
-#include "place.h"
+#include "names.h"
 #include "report.h"
 #include "resident.h"
+#include "tuning.h"
 #include "way.h"
 
 struct run_asked {
     struct bench_world world;
     struct eng_step_settings settings;
-    enum eng_method method;
+    enum pccd_method method;
 };
 
-static const struct eng_places *places(uint32_t threads)
+static const struct eng_affinity *affinity(uint32_t threads)
 {
-    static struct eng_places ours;
-    static bool are_known;
-    if (!are_known) {
-        eng_places_init(&ours);
-        eng_places_warm_up(&ours, threads);
-        are_known = true;
+    static struct eng_affinity ours;
+    static uint32_t warm; /* threads of the team that there is */
+    if (warm == 0) {
+        eng_affinity_init(&ours);
+    }
+    if (warm < threads) {
+        eng_affinity_warm_up(&ours, threads);
+        warm = threads;
     }
     return &ours;
 }
 
 /* The daemon's defaults: those of the engine. */
-static struct eng_step_settings translate(const struct pccd_step_settings *step)
+static struct eng_step_settings translate(const struct run_side *side)
 {
-    struct eng_step_settings settings = bench_step_settings((enum eng_mode)step->mode);
-    settings.method = (enum eng_method)step->method;
+    const struct pccd_step_settings *step = &side->step;
+    struct eng_step_settings settings = bench_step_settings((enum pccd_mode)step->mode);
+    settings.method = (enum pccd_method)step->method;
     settings.threads = step->threads;
-    settings.places = places(step->threads);
-    if (step->scheduler == PCCD_SCHEDULER_PAPER) {
-        settings.scheduler = ENG_SCHEDULER_PAPER;
-    }
-    if (step->high_level == PCCD_HIGH_LEVEL_DISJOINT) {
-        settings.high_level = ENG_HIGH_DISJOINT;
-    }
-    if (step->refit == PCCD_REFIT_PAPER) {
-        settings.refit = ENG_REFIT_PAPER;
+    settings.affinity = affinity(step->threads);
+    settings.team_always = side->is_team;
+    settings.kernels = side->cpu ? eng_kernels_named(side->cpu) : eng_kernels();
+    if (step->tuning != NULL) {
+        char why[ENG_TUNING_WHY_BYTES];
+        int status = eng_tuning_read(step->tuning, &settings.tuning, why);
+        assert(status == PCCD_OK); /* by settings.c */
+        (void)status;
     }
     return settings;
 }
 
-static struct run_asked *open_engine(const struct run_settings *settings,
+static struct run_asked *open_engine(const struct run_side *side,
                                      const struct bench_frames *frames)
 {
     struct run_asked *asked = bench_alloc(1, sizeof *asked);
-    asked->settings = translate(&settings->step);
-    asked->method = ENG_METHOD_DEFAULT;
-    bench_world_init(&asked->world, frames, NULL);
+    struct eng_scene_settings scene = ENG_SCENE_SETTINGS_DEFAULT;
+    if (side->rebuild_ratio != 0) {
+        scene.rebuild_ratio = side->rebuild_ratio < 0 ? 0 : side->rebuild_ratio;
+    }
+    asked->settings = translate(side);
+    asked->method = PCCD_METHOD_DEFAULT;
+    bench_world_init(&asked->world, frames, &scene);
     return asked;
 }
 
@@ -77,13 +86,19 @@ static uint64_t scene_bytes(const struct bench_world *world)
     return bytes;
 }
 
-static uint64_t elementary_tests(const struct eng_step_result *result)
+/* What the threads say that they did. */
+static void keep_work(struct run_frame *frame, const struct eng_step_result *result)
 {
-    uint64_t tests = 0;
+    frame->counts[RUN_ELEMENTARY] = 0;
     for (uint32_t i = 0; i < result->threads; i++) {
-        tests += result->thread_records[i].tests;
+        const struct eng_thread_record *one = &result->thread_records[i];
+        frame->counts[RUN_ELEMENTARY] += one->tests;
+        frame->ns[RUN_REFIT_WORK] += one->refit_ns;
+        frame->ns[RUN_LOW_WORK] += one->low_ns;
+        frame->ns[RUN_HIGH_WORK] += one->high_ns;
+        frame->ns[RUN_MERGE_WORK] += one->merge_ns;
+        frame->ns[RUN_WAIT] += one->wait_ns;
     }
-    return tests;
 }
 
 static bool step_engine(struct run_asked *asked, const struct bench_frames *frames,
@@ -91,33 +106,32 @@ static bool step_engine(struct run_asked *asked, const struct bench_frames *fram
 {
     struct eng_step_result result;
     bench_world_follow(&asked->world, frames);
-    uint64_t begin_ns = bench_now_ns();
+    uint64_t begin_ns = common_now_ns();
     bench_world_step(&asked->world, frames, &asked->settings, &result);
-    frame->ns[RUN_WALL] = bench_now_ns() - begin_ns;
+    frame->ns[RUN_WALL] = common_now_ns() - begin_ns;
     RUN_KEEP_TIMES(frame, &result.times);
     RUN_KEEP_COUNTS(frame, &result.counters);
-    frame->counts[RUN_ELEMENTARY] = elementary_tests(&result);
+    keep_work(frame, &result);
     frame->counts[RUN_CONTACTS] = result.count;
     frame->counts[RUN_SCENE_BYTES] = scene_bytes(&asked->world);
     frame->counts[RUN_PROCESS_BYTES] = run_resident_bytes((uint32_t)getpid());
     frame->threads = result.threads;
-    frame->hash[0] = result.hash_hi;
-    frame->hash[1] = result.hash_lo;
+    frame->hash[0] = result.hash[0];
+    frame->hash[1] = result.hash[1];
     asked->method = result.method;
-    return result.incomplete == ENG_COMPLETE;
+    return result.incomplete == PCCD_COMPLETE;
 }
 
 static const char *method_of(const struct run_asked *asked)
 {
-    return asked->method == ENG_METHOD_DEFAULT
+    return asked->method == PCCD_METHOD_DEFAULT
                ? ""
-               : run_method_name((enum pccd_method)asked->method);
+               : common_method_name((enum pccd_method)asked->method);
 }
 
 static const char *cpu_of(const struct run_asked *asked)
 {
-    (void)asked;
-    return eng_kernels()->name;
+    return asked->settings.kernels->name;
 }
 
 const struct run_way run_way_engine = {open_engine, step_engine, method_of, cpu_of,

@@ -1,9 +1,9 @@
-/* bench_scene.h - a scene that is measured: meshes, and positions on demand.
+/* bench_scene.h - a benchmark scene: meshes, and their positions at every frame.
  *
  * Room:     bench/scenes. May include: the C library.
- * Does:     say what a scene is; add objects to one; hold two consecutive frames.
+ * Does:     define a scene; add objects to one; hold two consecutive frames.
  * Does not: keep all frames: a quarter of a million triangles times a hundred frames do
- *           not fit. A frame is made when it is wanted, the same bytes each time.
+ *           not fit. A frame is made when it is wanted, with the same bytes each time.
  * Threads:  one for one scene.
  */
 #ifndef BENCH_SCENE_H
@@ -58,12 +58,6 @@ static inline double (*bench_frames_x(const struct bench_frames *frames, int end
                                       uint32_t object))[3]
 {
     return frames->x[end] + frames->scene->objects[object].first_vertex;
-}
-
-/* From hard_frame on, the last ones of a scene again and again. */
-static inline uint32_t bench_hard_step(const struct bench_scene *scene, uint32_t number)
-{
-    return scene->hard_frame + number % (scene->frame_count - 1 - scene->hard_frame);
 }
 
 uint64_t bench_scene_triangles(const struct bench_scene *scene);

@@ -1,7 +1,7 @@
-/* families.h - the makers of scenes, a file each.
+/* families.h - the functions that make the benchmark scenes, a file for each family.
  *
  * Room:     bench/scenes. May include: bench_scene.h.
- * Does:     name them. Each fills in an empty scene; `small` asks for a few thousand
+ * Does:     declare them. Each fills in an empty scene; `small` asks for a few thousand
  *           triangles at most, to see whether everything works.
  * Threads:  one.
  */
@@ -21,8 +21,10 @@ void bench_make_crumpled(struct bench_scene *scene, bool small);
 void bench_make_fast(struct bench_scene *scene, bool small);
 void bench_make_teleport(struct bench_scene *scene, bool small);
 
-/* overlap.c: triangles that all fill the same cube; a single one. */
+/* overlap.c: triangles that all fill the same cube; `count` of which each overlaps some
+ * ten others; a single one. */
 void bench_make_all_overlap(struct bench_scene *scene, bool small);
+void bench_make_soup(struct bench_scene *scene, uint32_t count);
 void bench_make_one_triangle(struct bench_scene *scene, bool small);
 
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that

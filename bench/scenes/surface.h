@@ -1,8 +1,8 @@
-/* surface.h - sheets, balls and rings as grids of triangles.
+/* surface.h - makes sheets, balls and rings as grids of triangles.
  *
  * Room:     bench/scenes. May include: the C library.
- * Does:     list the triangles; number the vertices so that a place in the grid tells
- *           which one is there. Positions are the caller's.
+ * Does:     list the triangles; number the vertices so that the place in the grid gives
+ *           the vertex. The caller supplies positions.
  * Threads:  one for one surface.
  */
 #ifndef BENCH_SURFACE_H

@@ -1,10 +1,10 @@
-/* tumble.h - where bodies are that fall, collide and tumble.
+/* tumble.h - simulates bodies that fall, collide and tumble.
  *
  * Room:     bench/scenes. May include: the C library.
  * Does:     move rigid bodies, each with the collisions of a ball, over a ground at
  *           height 0; keep the pose of each in every frame.
- * Does not: collide what the bodies really look like: they sink into one another a
- *           little, which is what a detector meets between two steps of a simulation.
+ * Does not: collide the real shapes of the bodies: they sink into one another a little,
+ *           which is what a detector meets between two steps of a simulation.
  * Threads:  one.
  */
 #ifndef BENCH_TUMBLE_H

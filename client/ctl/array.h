@@ -1,7 +1,8 @@
-/* client/ctl/array.h - arrays that grow.
+/* client/ctl/array.h - arrays that grow by doubling.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     room for one element more, twice as much as before when there is none.
+ * Does:     make room for one element more, and allocate twice as much as before when
+ *           there is none.
  * Threads:  any, one for each array.
  * Source:   used wherever something is read whose length is not known before.
  */

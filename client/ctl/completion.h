@@ -1,9 +1,9 @@
-/* client/ctl/completion.h - commands and options as shells complete them.
+/* client/ctl/completion.h - completes the commands and options of pccdctl in a shell.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     walk the manifest of commands and their tables of options, which --help
- *           prints, too, and write them down as a script of a shell.
- * Does not: know a command or an option.
+ * Does:     walk the table of commands and their tables of options, which also make
+ *           --help, and write them as a script for a shell.
+ * Does not: name a command or an option itself.
  * Threads:  one.
  * Source:   an option's argument "a|b|c" is one of those words; FILE, PATH, PROGRAM and
  *           MESH are names of files; others are the user's own. So it is for arguments.

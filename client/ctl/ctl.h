@@ -1,8 +1,8 @@
-/* client/ctl/ctl.h - the commands of pccdctl, and what they share.
+/* client/ctl/ctl.h - the list of pccdctl's commands.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     holds the manifest of commands: table, help and prototypes come from it.
- * Does not: anything itself.
+ * Does:     hold the table from which dispatch, help and prototypes come.
+ * Does not: do anything itself.
  * Threads:  the program has one.
  * Source:   main.c runs what is listed here.
  */
@@ -14,15 +14,15 @@
 
 /* X(name, "what it does"), in the order of the help text. */
 #define CTL_COMMANDS(X)                                                                  \
-    X(status, "tell on one screen how a daemon is")                                      \
-    X(top, "tell again and again what the clients of a daemon do")                       \
+    X(status, "show the state of a daemon on one screen")                                \
+    X(top, "show what the clients of a daemon do, again and again")                      \
     X(list, "list sessions, scenes, objects, pairs or meshes")                           \
     X(watch, "print a line for each step that a daemon answers")                         \
     X(stats, "list the daemon's counters")                                               \
     X(metrics, "print counters and latencies as OpenMetrics text")                       \
     X(trace, "record what a daemon's threads do, for Perfetto")                          \
-    X(config, "list, tell or change settings of a running daemon")                       \
-    X(doctor, "look for what is wrong with a set-up")                                    \
+    X(config, "list, print or change settings of a running daemon")                      \
+    X(doctor, "look for mistakes in a set-up")                                           \
     X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(load, "play the frames of a mesh in a daemon")                                     \
@@ -31,10 +31,10 @@
     X(verify, "check the answers of a recording by exact arithmetic")                    \
     X(render, "draw a step of a recording")                                              \
     X(export, "write a step of a recording for Blender or ParaView")                     \
-    X(inspect, "write a recording as a page to look at in a browser")                    \
+    X(inspect, "write a recording as a page for a browser")                              \
     X(demo, "stream a falling cloth through a daemon and draw its contacts")             \
-    X(completion, "print what a shell needs to complete all this")                       \
-    X(version, "tell the versions of tool and library, and the daemon's process")
+    X(completion, "print what a shell needs to complete commands and options")           \
+    X(version, "print the versions of tool and library, and the daemon's process")
 
 /* Exit statuses of every command. */
 enum ctl_exit {

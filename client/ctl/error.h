@@ -1,7 +1,8 @@
-/* client/ctl/error.h - one error text, filled where the fault is found.
+/* client/ctl/error.h - an error: a status and a sentence for the user, written where the
+ * fault is found.
  *
  * Room:     client/ctl. May include: pccd_types.h.
- * Does:     carries a status of enum pccd_status together with a sentence for the user.
+ * Does:     carry a status of enum pccd_status together with the sentence.
  * Does not: print; the commands do.
  * Threads:  [any]
  * Source:   the status list in pccd_types.h.

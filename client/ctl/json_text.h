@@ -1,8 +1,9 @@
-/* client/ctl/json_text.h - strings of any bytes, in JSON.
+/* client/ctl/json_text.h - makes a JSON string of any bytes, such as a file name that is
+ * not UTF-8.
  *
  * Room:     client/ctl. May include: jansson, shown.h.
- * Does:     what json_string does, and for names that are not UTF-8, which JSON cannot
- *           hold and a file may have, what a terminal is shown.
+ * Does:     do what json_string does; for names that are not UTF-8, which JSON cannot
+ *           hold, write what a terminal would be shown.
  * Threads:  one.
  */
 #ifndef CTL_JSON_TEXT_H

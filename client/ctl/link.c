@@ -26,14 +26,16 @@ enum {
 
 static const struct argp_option options[] = {
     {"url", OPTION_URL, "URL", 0,
-     "Talk to the daemon at URL, unix:PATH; direct: needs none", 0},
+     "Talk to the daemon at URL, which is unix:PATH; direct: computes in this process, "
+     "without a daemon",
+     0},
     {"socket", OPTION_SOCKET, "PATH", 0, "The same as --url unix:PATH", 0},
     {"private", OPTION_PRIVATE, NULL, 0,
      "Start a daemon for this command alone; it goes away with it", 0},
     {"daemon", OPTION_DAEMON, "PROGRAM", 0,
      "The daemon to start (default: $PCCD_DAEMON, else the installed pccdd)", 0},
-    {"timeout", OPTION_TIMEOUT, "MS", 0, "Give up waiting after so long (default: 30000)",
-     0},
+    {"timeout", OPTION_TIMEOUT, "MS", 0,
+     "Give up waiting after MS milliseconds (default: 30000)", 0},
     {0},
 };
 

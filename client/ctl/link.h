@@ -1,8 +1,8 @@
-/* client/ctl/link.h - which daemon a command talks to.
+/* client/ctl/link.h - connects a command to the daemon that its options name.
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     the options --url, --socket, --private, --daemon, --timeout, --json beside
- *           them, and the connection.
+ * Does:     provide the options --url, --socket, --private, --daemon and --timeout, with
+ *           --json beside them, and open the connection.
  * Does not: keep the connection; that is the command's.
  * Threads:  one.
  * Source:   used as an argp child by every command.

@@ -47,6 +47,7 @@ libctl_la_SOURCES = \
     client/ctl/inspect/bytes.c client/ctl/inspect/bytes.h \
     client/ctl/inspect/inspect.c client/ctl/inspect/inspect.h \
     client/ctl/inspect/inspect_boxes.c \
+    client/ctl/inspect/inspect_data.h \
     client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
@@ -70,6 +71,7 @@ libctl_la_SOURCES = \
     client/ctl/picture/picture.c client/ctl/picture/picture.h \
     client/ctl/picture/picture_canvas.h \
     client/ctl/picture/picture_file.c \
+    client/ctl/picture/picture_scene.h \
     client/ctl/picture/picture_svg.c \
     client/ctl/picture/raster.c client/ctl/picture/raster.h \
     client/ctl/picture/viewpoint.c client/ctl/picture/viewpoint.h \
@@ -81,8 +83,7 @@ libctl_la_SOURCES = \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
     client/ctl/record/verify_near.c \
-    client/ctl/record/world.c client/ctl/record/world.h \
-    client/ctl/record/world_pairs.c client/ctl/record/world_pairs.h
+    client/ctl/record/world.c client/ctl/record/world.h
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
     -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
@@ -90,6 +91,7 @@ ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record \
     -iquote $(top_srcdir)/client/record -iquote $(top_srcdir)/client/oracle \
+    -iquote $(top_srcdir)/client/registry \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/proto $(tool_cppflags)
 libctl_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) $(JANSSON_CFLAGS) $(PNG_CFLAGS) \
     $(XXHASH_CFLAGS)
@@ -98,13 +100,13 @@ noinst_LTLIBRARIES += libpage.la
 libpage_la_SOURCES = client/ctl/inspect/page_template.c
 libpage_la_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -Wa,-I.
 $(libpage_la_OBJECTS): client/inspect/page.html
-libctl_la_LIBADD = libpage.la libtools.la
+libctl_la_LIBADD = libpage.la libtools.la libregistry.la
 
 pccdctl_SOURCES = client/ctl/main.c
 pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
-# Of README.md, which has the command that drew it.
+# Of README.md; client/README.md has the command that drew it.
 EXTRA_DIST += client/ctl/picture/cloth.png
 
 # Completion, where the shells look for it: the program itself knows its options.

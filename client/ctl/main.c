@@ -33,7 +33,7 @@ static const struct command commands[] = {
     CTL_COMMANDS(COMMAND)
 #undef COMMAND
 };
-#define COMMAND_COUNT (sizeof(commands) / sizeof(commands[0]))
+#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 
 static void print_help(FILE *to)
 {
@@ -74,7 +74,7 @@ static bool is_any(const char *word, const char *a, const char *b, const char *c
 static int run_command(const struct command *command, int argc, char **argv)
 {
     char title[64];
-    snprintf(title, sizeof(title), "%s", command->title);
+    snprintf(title, sizeof title, "%s", command->title);
     argv[0] = title;
     int status = command->run(argc, argv);
     bool has_failed = fflush(stdout) != 0 || ferror(stdout) != 0;

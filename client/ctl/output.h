@@ -2,7 +2,7 @@
  *
  * Room:     client/ctl. May include: error.h, whole_file.h.
  * Does:     open and finish a file that appears whole or not at all, with a sentence for
- *           the user where that fails.
+ *           the user where this fails.
  * Does not: know what is in it.
  * Threads:  one.
  */

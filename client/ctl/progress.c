@@ -14,17 +14,11 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "clock.h"
 #include "terminal.h"
 
 #define BAR_CHARS 40u /* at most */
 #define REDRAW_NS 50000000u
-
-static uint64_t now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
 
 void progress_begin(struct progress *progress, const char *label, uint64_t total)
 {
@@ -49,7 +43,7 @@ void progress_update(struct progress *progress, uint64_t done)
     if (!progress->is_on) {
         return;
     }
-    uint64_t now = now_ns();
+    uint64_t now = common_now_ns();
     if (progress->drawn_ns != 0 && now - progress->drawn_ns < REDRAW_NS &&
         done < progress->total) {
         return;

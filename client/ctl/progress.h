@@ -1,7 +1,7 @@
-/* client/ctl/progress.h - a progress bar.
+/* client/ctl/progress.h - a progress bar on stderr.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     draws on stderr when that is a terminal, at most 20 times a second.
+ * Does:     draw when stderr is a terminal, at most 20 times a second.
  * Does not: print anything when stderr is a file or a pipe.
  * Threads:  one.
  * Source:   ECMA-48 "erase in line".

@@ -20,7 +20,7 @@ static int compare(const void *a, const void *b)
 
 void statistics_sort(double *values, size_t count)
 {
-    qsort(values, count, sizeof(*values), compare);
+    qsort(values, count, sizeof *values, compare);
 }
 
 double statistics_median(const double *sorted, size_t count)

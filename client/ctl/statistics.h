@@ -1,8 +1,8 @@
-/* client/ctl/statistics.h - medians and quantiles.
+/* client/ctl/statistics.h - medians and quantiles of measured values.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     order statistics of a small array.
- * Does not: means, which hide what matters.
+ * Does:     give order statistics of a small array.
+ * Does not: give means, which hide what matters.
  * Threads:  [any]
  * Source:   nearest-rank quantiles.
  */

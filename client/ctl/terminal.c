@@ -16,6 +16,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "clock.h"
+
 static bool is_forbidden;
 static volatile sig_atomic_t is_interrupted;
 
@@ -111,7 +113,5 @@ void terminal_sleep(double seconds)
 
 double terminal_now_s(void)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
+    return (double)common_now_ns() / 1e9;
 }

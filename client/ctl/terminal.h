@@ -1,9 +1,10 @@
-/* client/ctl/terminal.h - colours, live screens and interrupts.
+/* client/ctl/terminal.h - colours, screens that update, and interrupts, for programs on a
+ * terminal.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     use colours and redraw only where a person looks: on a terminal, unless
- *           NO_COLOR or --no-color say otherwise; end what runs for ever on an interrupt.
- * Does not: need a terminal's description: only what every one of them has.
+ * Does:     use colours and redraw only on a terminal, unless NO_COLOR or --no-color say
+ *           otherwise; end an endless command on an interrupt.
+ * Does not: need a terminal description: it uses only what every terminal has.
  * Threads:  one.
  * Source:   ECMA-48; no-color.org.
  */

@@ -30,9 +30,9 @@ static void make(void)
     }
     sheet_triangles(SIDE, triangles);
     memcpy(triangles[TRIANGLES - 1], (uint32_t[]){CLOTH, CLOTH + 1, CLOTH + 2}, 12);
-    memcpy(x[CLOTH], table, sizeof(table));
-    memcpy(was, x, sizeof(x));
-    memcpy(end, x, sizeof(x));
+    memcpy(x[CLOTH], table, sizeof table);
+    memcpy(was, x, sizeof x);
+    memcpy(end, x, sizeof x);
 }
 
 /* Bring two vertices to where the cloth has its length again. */
@@ -94,8 +94,7 @@ int main(void)
                                 TRIANGLES, &mesh, &info));
     ok(client, pccd_mesh_edges(client, mesh, edges, info.edge_count));
     ok(client, pccd_scene_add(client, scene, mesh, &object));
-    for (int i = 0; i < FRAMES;
-         i++, memcpy(was, x, sizeof(x)), memcpy(x, end, sizeof(x))) {
+    for (int i = 0; i < FRAMES; i++, memcpy(was, x, sizeof x), memcpy(x, end, sizeof x)) {
         struct pccd_answer answer = {.total = 1};
         predict();
         for (int try = 0; answer.total > 0; met += answer.total, try++) {

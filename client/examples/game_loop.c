@@ -74,7 +74,8 @@ static void respond(const struct pccd_answer *answer, int frame)
     for (int i = 0; i < VERTICES; i++) {
         passed += height(frame - 1, i) * height(frame, i) < 0;
     }
-    ok(client, answer->status != 0 || answer->incomplete != 0 || answer->vf != passed);
+    ok(client, answer->status != 0 || answer->incomplete != 0 ||
+                   answer->counts[PCCD_VF] != passed);
 }
 
 int main(void)
@@ -82,7 +83,7 @@ int main(void)
     const struct itimerspec hz60 = {{0, 16666667}, {0, 1}};
     struct pollfd wait[2] = {{timerfd_create(CLOCK_MONOTONIC, 0), POLLIN, 0},
                              {-1, POLLIN, 0}};
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     int frame = 0, taken = 0, late = 0;
     uint64_t ticks;
 

@@ -28,7 +28,7 @@ int main(void)
     const float x1[3][3] = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}};
     const uint32_t triangle[1][3] = {{0, 1, 2}};
     struct pccd_options options;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t scene, floor_mesh, mesh, floor_object, object;
 
     pccd_options_init(&options);
@@ -48,8 +48,8 @@ int main(void)
                answer.contacts[i].toi);
     }
     /* Its three vertices pass through the floor half-way. */
-    int wrong = answer.count != 3 || answer.vf != 3 || answer.toi_first > 0.5 ||
-                answer.toi_first < 0.499;
+    int wrong = answer.count != 3 || answer.counts[PCCD_VF] != 3 ||
+                answer.toi_first > 0.5 || answer.toi_first < 0.499;
     pccd_answer_release(client, &answer);
     pccd_close(client);
     return wrong;

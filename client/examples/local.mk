@@ -11,7 +11,7 @@ example_names = \
 noinst_HEADERS += client/examples/sheet.h
 check_PROGRAMS += $(example_names)
 
-example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto
+example_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto/common
 
 client_examples_hello_SOURCES = client/examples/hello.c
 client_examples_hello_CPPFLAGS = $(example_cppflags)

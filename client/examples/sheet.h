@@ -1,8 +1,8 @@
-/* sheet.h - a square sheet of triangles, and what to do about errors.
+/* sheet.h - a square sheet of triangles for the examples, and what they do about errors.
  *
  * Room:     client/examples. May include: pccd.h.
- * Does:     number the triangles of a grid of side x side vertices; end the program when
- *           a call of the library has failed, with what it says.
+ * Does:     number the triangles of a grid of side x side vertices; print the error and
+ *           end the program when a call of the library has failed.
  * Threads:  one.
  */
 #ifndef EXAMPLE_SHEET_H
@@ -14,9 +14,9 @@
 
 #include "pccd.h"
 
-static inline void ok(const struct pccd_client *client, int rc)
+static inline void ok(const struct pccd_client *client, int status)
 {
-    if (rc != 0) {
+    if (status != 0) {
         fprintf(stderr, "wrong: %s\n", pccd_error_text(client));
         exit(1);
     }

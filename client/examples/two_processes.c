@@ -1,10 +1,9 @@
 /* two_processes.c - one scene, two processes: one moves the cloth, the other obstacles.
  *
  * Room:     client/examples. May include: pccd.h.
- * Does:     the parent starts a private daemon and shares a scene with its child, whose
- *           floor rises through the parent's triangle: each of its frames is held until
- *           the parent steps, and goes along with that step, so both move over the same
- *           time. The parent steps when it hears, through a pipe, that one waits.
+ * Does:     the parent shares a scene of its private daemon with its child, whose floor
+ *           rises through the parent's triangle. Each frame of the child is held until
+ *           the parent steps, when a byte in a pipe says that one waits.
  * Threads:  one in each process.
  */
 #include <stdio.h>
@@ -24,12 +23,13 @@ static int take_part(const struct pccd_options *options, const float x[3][3],
 {
     const struct pccd_scene_settings shared = {.name = "stage", .share = PCCD_SHARE_OPEN};
     uint32_t mesh = 0;
-    int rc = pccd_connect(options, client);
+    int status = pccd_connect(options, client);
 
-    rc = rc ? rc : pccd_scene_create(*client, &shared, scene);
-    rc = rc ? rc
-            : pccd_mesh_create(*client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL);
-    return rc ? rc : pccd_scene_add(*client, *scene, mesh, object);
+    status = status ? status : pccd_scene_create(*client, &shared, scene);
+    status = status ? status
+                    : pccd_mesh_create(*client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh,
+                                       NULL);
+    return status ? status : pccd_scene_add(*client, *scene, mesh, object);
 }
 
 /* The floor at height z goes with the step of another; wait until the daemon has it. */
@@ -37,16 +37,16 @@ static int hold(struct pccd_client *client, uint32_t scene, uint32_t floor, floa
                 uint64_t *step)
 {
     const float x1[3][3] = {{-9, -9, z}, {9, -9, z}, {0, 9, z}};
-    const struct pccd_step_settings settings = {.hold = true};
+    const struct pccd_step_settings held = {.struct_bytes = sizeof held, .hold = true};
     struct pccd_frame frame;
     void *slot = NULL;
-    int rc = pccd_frame_begin(client, scene, 1, sizeof x1, &frame);
-    rc = rc ? rc : pccd_frame_x1(&frame, floor, PCCD_FORMAT_F32, 0, 3, &slot);
-    if (rc == 0) {
+    int status = pccd_frame_begin(client, scene, 1, sizeof x1, &frame);
+    status = status ? status : pccd_frame_x1(&frame, floor, PCCD_FORMAT_F32, 0, 3, &slot);
+    if (status == 0) {
         memcpy(slot, x1, sizeof x1);
-        rc = pccd_frame_commit(&frame, &settings, step);
+        status = pccd_frame_commit(&frame, &held, step);
     }
-    return rc ? rc : pccd_wait_held(client, *step, -1);
+    return status ? status : pccd_wait_held(client, *step, -1);
 }
 
 /* The floor from height -1 to 1; a byte to `held` for each frame that waits. */
@@ -55,26 +55,26 @@ static int run_obstacles(const char *url, int held)
     const float x0[3][3] = {{-9, -9, -1}, {9, -9, -1}, {0, 9, -1}};
     struct pccd_client *client = NULL;
     struct pccd_options options;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     unsigned long long met = 0;
     uint32_t scene = 0, floor = 0;
     uint64_t step = 0;
-    int rc;
+    int status;
 
     pccd_options_init(&options);
     options.url = url;
-    rc = take_part(&options, x0, &client, &scene, &floor);
-    for (int i = 1; rc == 0 && i <= FRAMES; i++) {
-        rc = hold(client, scene, floor, -1 + 2 * (float)i / FRAMES, &step);
-        rc = rc == 0 && write(held, "h", 1) != 1 ? PCCD_E_SYSTEM : rc;
-        rc = rc ? rc : pccd_wait(client, step, -1, &answer);
-        met += rc == 0 ? answer.vf : 0;
+    status = take_part(&options, x0, &client, &scene, &floor);
+    for (int i = 1; status == 0 && i <= FRAMES; i++) {
+        status = hold(client, scene, floor, -1 + 2 * (float)i / FRAMES, &step);
+        status = status == 0 && write(held, "h", 1) != 1 ? PCCD_E_SYSTEM : status;
+        status = status ? status : pccd_wait(client, step, -1, &answer);
+        met += status == 0 ? answer.counts[PCCD_VF] : 0;
     }
     printf("obstacles: %d frames, %llu vertices met %s\n", FRAMES, met,
            pccd_error_text(client));
     pccd_close(client);
     fflush(stdout);
-    return rc != 0 || met != 3;
+    return status != 0 || met != 3;
 }
 
 int main(void)
@@ -82,38 +82,38 @@ int main(void)
     const float x[3][3] = {{0, 0, 0.01f}, {1, 0, 0.02f}, {0, 1, 0.04f}};
     struct pccd_client *client = NULL;
     struct pccd_options options;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     unsigned long long met = 0, steps = 0;
-    uint32_t scene = 0, object = 0;
-    int status = 0, held[2] = {-1, -1}, rc;
+    uint32_t scene = 0, cloth = 0;
+    int ended = 0, held[2] = {-1, -1}, status;
     pid_t child;
     char byte;
 
     pccd_options_init(&options);
     options.private_daemon = true;
-    rc = take_part(&options, x, &client, &scene, &object);
-    if (rc == 0 && strcmp(pccd_url(client), "direct:") == 0) {
+    status = take_part(&options, x, &client, &scene, &cloth);
+    if (status == 0 && strcmp(pccd_url(client), "direct:") == 0) {
         fprintf(stderr, "PCCD_URL=direct: has no daemon that two processes share\n");
         return 1;
     }
-    child = rc == 0 && pipe(held) == 0 ? fork() : -1;
+    child = status == 0 && pipe(held) == 0 ? fork() : -1;
     if (child == 0) { /* the parent's client is the parent's: the child makes its own */
         close(held[0]);
         _exit(run_obstacles(pccd_url(client), held[1]));
     }
     close(held[1]);
-    while (rc == 0 && read(held[0], &byte, 1) == 1) { /* until the child has gone */
-        rc = pccd_step_x1(client, scene, object, x, PCCD_FORMAT_F32, 3, NULL, &answer);
-        if (rc == 0) {
-            met += answer.vf;
+    while (status == 0 && read(held[0], &byte, 1) == 1) { /* until the child has gone */
+        status = pccd_step_x1(client, scene, cloth, x, PCCD_FORMAT_F32, 3, NULL, &answer);
+        if (status == 0) {
+            met += answer.counts[PCCD_VF];
             steps++;
             pccd_answer_release(client, &answer);
         }
     }
-    waitpid(child, &status, 0);
+    waitpid(child, &ended, 0);
     printf("cloth: %llu steps, %llu vertices met: %s %s\n", steps, met,
-           rc == 0 && met == 3 && status == 0 ? "right" : "wrong",
+           status == 0 && met == 3 && ended == 0 ? "right" : "wrong",
            pccd_error_text(client));
     pccd_close(client);
-    return rc != 0 || met != 3 || steps != FRAMES || status != 0;
+    return status != 0 || met != 3 || steps != FRAMES || ended != 0;
 }

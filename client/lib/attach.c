@@ -1,57 +1,56 @@
 /* attach.c - the upload ring and the result region.
  *
  * Room:     client/lib. May include: attach.h, page.h, rpc.h, proto.
- * Does:     shm.attach, the mappings, and the writer's side of the slot protocol of
- *           shm.h.
+ * Does:     shm.attach, the mappings, and the choice of a slot that can be written.
  * Does not: lay out payloads (frame.c, mesh.c) or release pages (page.c).
  * Threads:  [owner].
  */
 #include "attach.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "keep.h"
+#include "connection.h"
 #include "page.h"
+#include "positions.h"
 #include "rpc.h"
 
 #define CLI_SLOT_BYTES                                                                   \
     (64ull << 10) /* of a slot at first, when the user did not choose */
 
-void cli_ring_deinit(struct cli_ring *ring)
+/* Slots that have memory at once: one with the last positions, one to write to. */
+#define SLOTS_NOW 2u
+
+/* Where a slot's payload begins in the upload ring. */
+static uint64_t slot_offset(const struct cli_ring *ring, uint32_t slot)
 {
-    for (uint32_t i = 0; i < PROTO_SLOTS_MAX; i++) {
-        free(ring->slots[i].segments);
-    }
-    proto_memory_deinit(&ring->upload);
-    proto_memory_deinit(&ring->result);
-    memset(ring, 0, sizeof(*ring));
-    ring->upload = ring->result = (struct proto_memory)PROTO_MEMORY_NONE;
+    return sizeof(struct proto_upload) + slot * ring->slot_stride;
 }
 
 /* Take the two descriptors of the answer and map them. Whatever the answer says, no
  * access of ours may leave the mappings; who asked for slots of `slot_bytes` writes as
  * much to each. */
-static int map_ring(struct pccd_client *client, uint64_t slot_bytes,
+static int map_ring(struct pccd_client *client, uint64_t slot_bytes, uint32_t slots_now,
                     const struct proto_SHM_ATTACH_result *result, struct cli_ring *ring)
 {
     int fds[2] = {client->fds[0], client->fds[1]};
-    int rc;
+    int status;
 
     client->fds[0] = client->fds[1] = -1;
-    rc = proto_memory_map(&ring->upload, fds[0], result->upload_bytes, false);
-    if (rc == 0) {
-        rc = proto_memory_map(&ring->result, fds[1], result->result_bytes, true);
+    status = proto_memory_map(&ring->upload, fds[0], result->upload_bytes, false);
+    if (status == 0) {
+        status = proto_memory_map(&ring->result, fds[1], result->result_bytes, true);
         fds[1] = -1; /* taken over */
     }
     if (fds[1] >= 0) {
-        struct proto_memory unused = {fds[1], NULL, 0};
+        struct proto_memory unused = {fds[1], NULL, 0, 0, NULL};
 
         proto_memory_deinit(&unused);
     }
-    if (rc != 0) {
-        return cli_fail(client, rc, "shm.attach: the memory cannot be mapped: %s",
-                        proto_status_text(rc));
+    if (status != 0) {
+        return cli_fail(client, status, "shm.attach: the memory cannot be mapped: %s",
+                        proto_status_text(status));
     }
     if (result->slot_count == 0 || result->slot_count > PROTO_SLOTS_MAX ||
         result->upload_bytes < sizeof(struct proto_upload) ||
@@ -63,40 +62,49 @@ static int map_ring(struct pccd_client *client, uint64_t slot_bytes,
     ring->slot_count = result->slot_count;
     ring->slot_stride = result->slot_stride;
     ring->inflight_max = result->inflight_max > 0 ? result->inflight_max : 1;
+    (void)proto_memory_populate(&ring->upload, 0, slot_offset(ring, slots_now));
+    cli_slot_offer_all(ring);
     return 0;
 }
 
 /* On an error of the daemon's the old one stays. */
 int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot_count,
-                    uint64_t deadline_ns)
+                    uint32_t slots_now, uint64_t deadline_ns)
 {
     struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
                                                .slot_bytes = slot_bytes,
-                                               .result_bytes = client->result_bytes};
+                                               .result_bytes = client->result_bytes,
+                                               .slots_now = slots_now};
     struct proto_SHM_ATTACH_result result;
     struct cli_ring ring;
     bool was_attaching = client->is_attaching; /* by one that a recovery interrupts */
-    int rc;
+    int status;
 
     client->is_attaching = true;
-    rc = cli_call_sync(client, PROTO_METHOD_SHM_ATTACH, &request, &result, deadline_ns);
+    status =
+        cli_call_sync(client, PROTO_METHOD_SHM_ATTACH, &request, &result, deadline_ns);
     client->is_attaching = was_attaching;
-    if (rc == PCCD_E_TIMEOUT) {
+    if (status == PCCD_E_TIMEOUT) {
         /* It may still be attached: which ring the daemon reads is not known any more. */
+        cli_page_retire(client, &client->ring.result);
         cli_ring_deinit(&client->ring);
     }
-    if (rc != 0) {
+    if (status != 0) {
         cli_fds_close(client); /* an honest daemon's errors bring none */
-        return rc;
+        return status;
     }
-    memset(&ring, 0, sizeof(ring));
-    ring.page_first = client->page_end;
+    memset(&ring, 0, sizeof ring);
+    ring.page_first = client->page_end; /* the old region keeps those that are held */
     ring.upload = ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
-    rc = map_ring(client, slot_bytes, &result, &ring);
+    status = map_ring(client, slot_bytes, slots_now, &result, &ring);
+    if (client->unmap.call != NULL) {
+        ring.upload.unmap = ring.result.unmap = &client->unmap;
+    }
+    cli_page_retire(client, &client->ring.result);
     cli_ring_deinit(&client->ring);
-    if (rc != 0) {
+    if (status != 0) {
         cli_ring_deinit(&ring);
-        return rc;
+        return status;
     }
     client->ring = ring;
     return 0;
@@ -116,20 +124,23 @@ static int check_idle(struct pccd_client *client, uint64_t slot_bytes,
         }
     }
     while (cli_call_inflight(client) > 0) {
-        int rc = cli_progress(client, deadline_ns);
+        int status = cli_progress(client, deadline_ns);
 
-        if (rc != 0) {
-            return rc;
+        if (status != 0) {
+            return status;
         }
     }
-    if (cli_page_count(client) > 0) {
-        return cli_fail(
-            client, PCCD_E_BUSY,
-            "a slot of %llu bytes needs a larger ring: take and release the %u "
-            "answers with records first",
-            (unsigned long long)slot_bytes, cli_page_count(client));
+    return cli_positions_fold_all(client); /* what only the old memory holds */
+}
+
+int cli_ring_ensure(struct pccd_client *client)
+{
+    int status = cli_alive(client);
+
+    if (status == 0 && client->ring.upload.base == NULL) {
+        status = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
     }
-    return cli_keep_fold_all(client); /* what only the old memory holds */
+    return status;
 }
 
 int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
@@ -140,66 +151,52 @@ int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
     uint64_t old_bytes = client->ring.slot_stride;
     uint32_t slot_count = client->slot_count;
     uint64_t bytes;
-    int rc;
+    int status;
 
     if (client->ring.upload.base != NULL && old_bytes >= slot_bytes) {
         return 0;
     }
-    rc = check_idle(client, slot_bytes, deadline_ns);
-    if (rc != 0) {
-        return rc;
+    status = check_idle(client, slot_bytes, deadline_ns);
+    if (status != 0) {
+        return status;
     }
     /* Half as much again, so that slow growth does not attach anew for each step. */
     bytes = least > old_bytes + old_bytes / 2 ? least : old_bytes + old_bytes / 2;
     for (;;) {
-        rc = cli_ring_attach(client, bytes, slot_count, deadline_ns);
-        if (rc != PCCD_E_QUOTA) {
-            return rc;
+        uint32_t slots_now = slot_count < SLOTS_NOW ? slot_count : SLOTS_NOW;
+
+        status = cli_ring_attach(client, bytes, slot_count, slots_now, deadline_ns);
+        if (status != PCCD_E_QUOTA) {
+            return status;
         }
         if (bytes > least) {
             bytes = least;
         } else if (!client->slots_chosen && slot_count > 1) {
             slot_count /= 2;
         } else {
-            return rc;
+            return status;
         }
     }
 }
 
 /* ---- slots ------------------------------------------------------------------------- */
 
-static struct proto_slot *descriptor(const struct pccd_client *client, uint32_t slot)
+/* The first slot that is free and has memory; or else, if it can have memory, the first
+ * that is free; or else the KEPT one of the oldest step. */
+static uint32_t choose_slot(const struct cli_ring *ring, bool can_take)
 {
-    struct proto_upload *upload = client->ring.upload.base;
+    uint32_t empty = CLI_SLOT_NONE;
 
-    return &upload->slots[slot];
-}
-
-uint8_t *cli_slot_payload(const struct pccd_client *client, uint32_t slot)
-{
-    uint8_t *base = client->ring.upload.base;
-
-    return base + sizeof(struct proto_upload) + slot * client->ring.slot_stride;
-}
-
-/* The first slot that is free, or else the KEPT one of the oldest step. */
-static uint32_t choose_slot(const struct pccd_client *client)
-{
-    uint32_t chosen = CLI_SLOT_NONE;
-
-    for (uint32_t i = 0; i < client->ring.slot_count; i++) {
-        const struct cli_slot *candidate = &client->ring.slots[i];
-
-        if (candidate->state == CLI_SLOT_FREE) {
+    for (uint32_t i = 0; i < ring->slot_count; i++) {
+        if (ring->slots[i].state != CLI_SLOT_FREE) {
+            continue;
+        }
+        if (cli_slot_has_memory(ring, i)) {
             return i;
         }
-        if (candidate->state == CLI_SLOT_KEPT &&
-            (chosen == CLI_SLOT_NONE ||
-             candidate->step < client->ring.slots[chosen].step)) {
-            chosen = i;
-        }
+        empty = empty == CLI_SLOT_NONE ? i : empty;
     }
-    return chosen;
+    return can_take && empty != CLI_SLOT_NONE ? empty : cli_slot_oldest_kept(ring);
 }
 
 static bool is_any_sent(const struct pccd_client *client)
@@ -212,63 +209,58 @@ static bool is_any_sent(const struct pccd_client *client)
     return false;
 }
 
-int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *slot)
+int cli_slot_take(struct pccd_client *client, uint32_t slot, uint64_t deadline_ns)
 {
-    uint32_t chosen;
-    struct cli_slot *own;
-    int rc = 0;
+    struct proto_SHM_TAKE_request request = {.slot = slot};
+    struct cli_ring *ring = &client->ring;
+    int status;
 
-    while ((chosen = choose_slot(client)) == CLI_SLOT_NONE) {
-        if (!is_any_sent(client)) {
-            return cli_fail(client, PCCD_E_BUSY,
-                            "all %u slots are begun: commit or abort one",
-                            client->ring.slot_count);
-        }
-        rc = cli_progress(client, deadline_ns);
-        if (rc != 0) {
-            return rc;
-        }
+    if (cli_slot_claim(ring, slot)) {
+        return 0;
     }
-    own = &client->ring.slots[chosen];
-    if (own->state == CLI_SLOT_KEPT) {
-        rc = cli_keep_fold(client, chosen);
-        if (rc != 0) {
-            return rc;
-        }
+    status = cli_call_sync(client, PROTO_METHOD_SHM_TAKE, &request, NULL, deadline_ns);
+    if (status != 0) {
+        return status;
     }
-    own->state = CLI_SLOT_BEGUN;
-    own->segment_count = 0;
-    own->used_bytes = 0;
-    own->seq++; /* odd: being written */
-    atomic_store_explicit(&descriptor(client, chosen)->seq, own->seq,
-                          memory_order_relaxed);
-    /* Pairs with the daemon's second load of seq: a reader that sees any of the payload
-     * written from here on also sees the odd number. */
-    atomic_thread_fence(memory_order_release);
-    *slot = chosen;
+    /* The ring may be another daemon's by now, which has memory for all slots. */
+    assert(slot < ring->slot_count);
+    status = proto_memory_populate(&ring->upload, slot_offset(ring, slot),
+                                   slot_offset(ring, slot + 1));
+    if (status != 0) {
+        return cli_fail(client, status, "no memory for slot %u", slot);
+    }
+    (void)cli_slot_claim(ring, slot);
     return 0;
 }
 
-uint64_t cli_slot_publish(struct pccd_client *client, uint32_t slot)
+int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *slot)
 {
-    struct cli_slot *own = &client->ring.slots[slot];
-    struct proto_upload *upload = client->ring.upload.base;
+    const struct cli_ring *ring = &client->ring;
+    int refused = 0; /* why no slot gets memory any more */
 
-    own->state = CLI_SLOT_SENT;
-    own->seq++; /* even: whole. Release; pairs with the daemon's first, acquiring load */
-    atomic_store_explicit(&upload->slots[slot].seq, own->seq, memory_order_release);
-    (void)atomic_fetch_add_explicit(&upload->head.value, 1, memory_order_relaxed);
-    return own->seq;
-}
+    for (;;) {
+        uint32_t chosen = choose_slot(ring, refused == 0);
+        int status = 0;
 
-void cli_slot_abort(struct pccd_client *client, uint32_t slot)
-{
-    struct cli_slot *own = &client->ring.slots[slot];
-
-    if (own->state == CLI_SLOT_BEGUN) {
-        own->seq++;
-        atomic_store_explicit(&descriptor(client, slot)->seq, own->seq,
-                              memory_order_release);
+        if (chosen == CLI_SLOT_NONE && is_any_sent(client)) {
+            status = cli_progress(client, deadline_ns);
+        } else if (chosen == CLI_SLOT_NONE) {
+            return refused != 0 ? refused
+                                : cli_fail(client, PCCD_E_BUSY,
+                                           "all %u slots are begun: commit or abort one",
+                                           ring->slot_count);
+        } else if (ring->slots[chosen].state == CLI_SLOT_KEPT) {
+            status = cli_positions_fold(client, chosen);
+        } else if ((status = cli_slot_take(client, chosen, deadline_ns)) == 0) {
+            cli_slot_open(&client->ring, chosen);
+            *slot = chosen;
+            return 0;
+        } else if (status == PCCD_E_QUOTA || status == PCCD_E_NOMEM) {
+            refused = status;
+            status = 0;
+        }
+        if (status != 0) {
+            return status;
+        }
     }
-    own->state = CLI_SLOT_FREE;
 }

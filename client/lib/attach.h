@@ -1,8 +1,7 @@
-/* attach.h - the upload ring and the result region.
+/* attach.h - gets the memory shared with the daemon, and free slots in it.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     attach, map and grow the shared memory; hand out slots and write their
- *           sequence numbers.
+ * Does:     attach, map and grow that memory; wait for a slot that can be written.
  * Threads:  [owner].
  */
 #ifndef CLI_ATTACH_H
@@ -18,24 +17,21 @@
 int cli_ring_reserve(struct pccd_client *client, uint64_t slot_bytes,
                      uint64_t deadline_ns);
 
-/* Attach a ring of that many slots in place of any that there is. */
+/* A ring of any size, for what brings or takes little: 0 where there is one. */
+int cli_ring_ensure(struct pccd_client *client);
+
+/* Attach a ring of that many slots in place of any that there is; the first `slots_now`
+ * of them have memory. */
 int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t slot_count,
-                    uint64_t deadline_ns);
+                    uint32_t slots_now, uint64_t deadline_ns);
 
-/* Unmap; nothing is attached afterwards. */
-void cli_ring_deinit(struct cli_ring *ring);
+/* Make sure that a slot that is FREE has memory, and keeps it. Returns 0, PCCD_E_QUOTA,
+ * PCCD_E_NOMEM, ...: then it has none. */
+int cli_slot_take(struct pccd_client *client, uint32_t slot, uint64_t deadline_ns);
 
-/* Take a free slot and mark it as being written (state BEGUN). Waits while slots are in
- * flight. PCCD_E_BUSY: every slot is begun. */
+/* Take a free slot, with memory, and mark it as being written (state BEGUN). Waits while
+ * slots are in flight. PCCD_E_BUSY: every slot is begun. PCCD_E_QUOTA, PCCD_E_NOMEM: no
+ * slot that could be used gets memory. */
 int cli_slot_begin(struct pccd_client *client, uint64_t deadline_ns, uint32_t *slot);
-
-/* Publish a begun slot (state SENT). Returns the sequence number for the message. */
-uint64_t cli_slot_publish(struct pccd_client *client, uint32_t slot);
-
-/* Give a slot back without a request in flight. */
-void cli_slot_abort(struct pccd_client *client, uint32_t slot);
-
-/* First byte of a slot's payload. */
-uint8_t *cli_slot_payload(const struct pccd_client *client, uint32_t slot);
 
 #endif

@@ -17,20 +17,21 @@ static int fetch(struct pccd_client *client, struct proto_SCENE_BOXES_request *r
                  struct pccd_box *boxes, struct proto_SCENE_BOXES_result *result)
 {
     uint64_t page;
-    int rc = cli_call_page(client, PROTO_METHOD_SCENE_BOXES, request, result,
-                           cli_deadline(client, -1), &page);
-    if (rc == 0 &&
+    int status = cli_call_page(client, PROTO_METHOD_SCENE_BOXES, request, result,
+                               cli_deadline(client, -1), &page);
+    if (status == 0 &&
         (result->count > request->count ||
          (result->count == 0 && request->count > 0 && request->first < result->boxes))) {
-        rc = cli_fail(client, PCCD_E_BUSY,
-                      "scene.boxes: no room in the result region: release answers first");
+        status =
+            cli_fail(client, PCCD_E_BUSY,
+                     "scene.boxes: no room in the result region: release answers first");
     }
-    if (rc == 0 && result->count > 0) {
+    if (status == 0 && result->count > 0) {
         memcpy(boxes, cli_page_base(client, page) + result->offset,
-               result->count * sizeof(*boxes));
+               result->count * sizeof *boxes);
     }
     cli_page_release(client, page);
-    return rc;
+    return status;
 }
 
 int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
@@ -40,7 +41,7 @@ int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree 
     struct proto_SCENE_BOXES_request request = {
         .scene = scene, .tree = (uint32_t)tree, .level = level, .count = room};
     struct proto_SCENE_BOXES_result result = {.boxes = 0};
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -48,21 +49,18 @@ int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree 
     if (count == NULL || (boxes == NULL && room > 0)) {
         return cli_fail(client, PCCD_E_INVAL, "scene.boxes: boxes or count is NULL");
     }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    }
-    while (rc == 0) { /* every page but the last has a box at least */
-        rc = fetch(client, &request, boxes, &result);
-        request.first += rc == 0 ? result.count : 0;
+    status = cli_ring_ensure(client);
+    while (status == 0) { /* every page but the last has a box at least */
+        status = fetch(client, &request, boxes, &result);
+        request.first += status == 0 ? result.count : 0;
         request.count = room - request.first;
         boxes = result.count > 0 ? boxes + result.count : boxes;
         if (request.count == 0 || request.first >= result.boxes) {
             break;
         }
     }
-    if (rc == 0) {
+    if (status == 0) {
         *count = result.boxes;
     }
-    return rc;
+    return status;
 }

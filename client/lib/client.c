@@ -1,42 +1,18 @@
-/* client.c - a client: options, connect, close, error text.
+/* client.c - what every file of the library uses of a client.
  *
- * Room:     client/lib. May include: client.h, rpc.h, attach.h, keep.h, launch.h, link.h.
- * Does:     the public functions of pccd.h that make, describe and end a client.
- * Does not: find daemons (link.c), start them (launch.c) or exchange messages (rpc.c).
+ * Room:     client/lib. May include: client.h.
+ * Does:     the text of the last error, the clock, and whether this process is a forked
+ *           copy.
+ * Does not: make or end a client (connect.c).
  * Threads:  [owner].
  */
-#include <errno.h>
+#include "client.h"
+
+#include <assert.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <time.h>
-#include <unistd.h>
-
-#include "attach.h"
-#include "client.h"
-#include "direct.h"
-#include "keep.h"
-#include "launch.h"
-#include "link.h"
-#include "page.h"
-#include "recorder.h"
-#include "records.h" /* asserts that the records have the layout of the wire */
-#include "rpc.h"
-#include "seqpacket.h"
-#include "shared.h"
-#include "watch.h"
-
-#define CLI_TIMEOUT_MS     30000
-#define CLI_TIMEOUT_MS_MAX 3600000
-#define CLI_SPIN_US        50u
-#define CLI_SPIN_US_MAX    1000u
-#define CLI_SLOT_COUNT     4u
-#define CLI_RESULT_BYTES   (64ull << 20)
-#define CLI_OPTIONS_MAX    4096u /* of struct_bytes: no release will ever need more */
-#define CLI_RECONNECT_MS   10000
 
 static _Thread_local char connect_error[CLI_TEXT_BYTES];
 
@@ -51,29 +27,11 @@ int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     return status;
 }
 
-uint64_t cli_now_ns(void)
-{
-    struct timespec now;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms)
 {
     int wait_ms = timeout_ms < 0 ? client->timeout_ms : timeout_ms;
 
-    return cli_now_ns() + (uint64_t)wait_ms * 1000000u;
-}
-
-const char *pccd_status_name(int status)
-{
-    return proto_status_name(status);
-}
-
-const char *pccd_status_text(int status)
-{
-    return proto_status_text(status);
+    return common_now_ns() + (uint64_t)wait_ms * 1000000u;
 }
 
 const char *pccd_error_text(const struct pccd_client *client)
@@ -81,278 +39,49 @@ const char *pccd_error_text(const struct pccd_client *client)
     return client != NULL ? client->error : connect_error;
 }
 
-#define CLI_STR_(x) #x
-#define CLI_STR(x)  CLI_STR_(x)
+/* ---- forked copies ----------------------------------------------------------------- */
 
-const char *pccd_version(void)
+static uint32_t forks; /* written by a forked copy, before it goes on */
+
+static void on_forked(void)
 {
-    return CLI_STR(PCCD_VERSION_MAJOR) "." CLI_STR(PCCD_VERSION_MINOR) "." CLI_STR(
-        PCCD_VERSION_PATCH);
+    forks++;
 }
 
-void pccd_options_init(struct pccd_options *options)
+static void watch_forks(void)
 {
-    if (options == NULL) {
-        return;
-    }
-    memset(options, 0, sizeof(*options));
-    options->struct_bytes = sizeof(*options);
-    options->timeout_ms = CLI_TIMEOUT_MS;
-    options->slot_count = CLI_SLOT_COUNT;
-    options->result_bytes = CLI_RESULT_BYTES;
-    /* With one CPU a spin only keeps the daemon from running. */
-    options->reconnect_ms = CLI_RECONNECT_MS;
-    options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
+    (void)pthread_atfork(NULL, NULL, on_forked);
 }
 
-/* What no daemon has to be asked for. */
-static int check_options(struct pccd_client *client, const struct pccd_options *asked)
+uint32_t cli_forks(void)
 {
-    if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX) {
-        return cli_fail(client, PCCD_E_INVAL, "options.timeout_ms is %d, not 1 .. %d",
-                        asked->timeout_ms, CLI_TIMEOUT_MS_MAX);
-    }
-    if (asked->reconnect_ms > CLI_TIMEOUT_MS_MAX) {
-        return cli_fail(client, PCCD_E_INVAL, "options.reconnect_ms is %d, not up to %d",
-                        asked->reconnect_ms, CLI_TIMEOUT_MS_MAX);
-    }
-    if (asked->slot_count > PROTO_SLOTS_MAX) {
-        return cli_fail(client, PCCD_E_INVAL, "options.slot_count is %u, not 1 .. %u",
-                        asked->slot_count, PROTO_SLOTS_MAX);
-    }
-    if (asked->spin_us > CLI_SPIN_US_MAX) {
-        return cli_fail(client, PCCD_E_INVAL, "options.spin_us is %u, not 0 .. %u",
-                        asked->spin_us, CLI_SPIN_US_MAX);
-    }
-    if (asked->result_bytes != 0 && asked->result_bytes < PROTO_RESULT_BYTES_MIN) {
-        return cli_fail(client, PCCD_E_INVAL,
-                        "options.result_bytes is %llu, less than %u",
-                        (unsigned long long)asked->result_bytes, PROTO_RESULT_BYTES_MIN);
-    }
-    if (asked->slot_bytes != 0 && asked->slot_bytes < PROTO_SLOT_BYTES_MIN) {
-        return cli_fail(client, PCCD_E_INVAL, "options.slot_bytes is %llu, less than %u",
-                        (unsigned long long)asked->slot_bytes, PROTO_SLOT_BYTES_MIN);
-    }
-    if (asked->private_daemon && (asked->no_autostart || asked->url != NULL)) {
-        return cli_fail(client, PCCD_E_INVAL,
-                        "options.private_daemon excludes url and no_autostart");
-    }
-    return 0;
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+    (void)pthread_once(&once, watch_forks);
+    return forks;
 }
 
-/* Check what the user asked for and fill in what was left open. */
-static int take_options(struct pccd_client *client, const struct pccd_options *asked,
-                        struct pccd_options *options)
+bool cli_is_copy(const struct pccd_client *client)
 {
-    int rc;
-
-    pccd_options_init(options);
-    if (asked == NULL) {
-        return 0;
-    }
-    if (asked->struct_bytes != 0 &&
-        (asked->struct_bytes < sizeof(*asked) || asked->struct_bytes > CLI_OPTIONS_MAX)) {
-        return cli_fail(client, PCCD_E_INVAL, "options.struct_bytes is %zu, not %zu",
-                        asked->struct_bytes, sizeof(*asked));
-    }
-    /* A newer program may know options that this library does not: only their zero. */
-    for (size_t i = sizeof(*asked); i < asked->struct_bytes; i++) {
-        if (((const unsigned char *)asked)[i] != 0) {
-            return cli_fail(client, PCCD_E_INVAL,
-                            "options hold something that libpccd %s does not know",
-                            pccd_version());
-        }
-    }
-    rc = check_options(client, asked);
-    if (rc != 0) {
-        return rc;
-    }
-    options->url = asked->url;
-    options->daemon = asked->daemon;
-    options->name = asked->name;
-    options->no_autostart = asked->no_autostart;
-    options->private_daemon = asked->private_daemon;
-    options->no_keep = asked->no_keep;
-    options->daemons_max = asked->daemons_max;
-    options->slot_bytes = asked->slot_bytes;
-    if (asked->timeout_ms != 0) {
-        options->timeout_ms = asked->timeout_ms;
-    }
-    if (asked->reconnect_ms != 0) {
-        options->reconnect_ms = asked->reconnect_ms;
-    }
-    if (asked->slot_count != 0) {
-        options->slot_count = asked->slot_count;
-    }
-    if (asked->result_bytes != 0) {
-        options->result_bytes = asked->result_bytes;
-    }
-    if (asked->struct_bytes != 0) {
-        options->spin_us = asked->spin_us;
-    }
-    return 0;
+    assert(client->forks <= forks);
+    return client->forks != forks;
 }
 
-/* Which way the options, or the environment, lead to a daemon. */
-static int choose_way(struct pccd_client *client, const struct pccd_options *options)
-{
-    struct cli_link *link = &client->link;
-    const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");
+/* ---- the handle that is wanted ----------------------------------------------------- */
 
-    link->no_autostart = options->no_autostart;
-    link->patience_ns =
-        options->reconnect_ms < 0 ? 0 : (uint64_t)options->reconnect_ms * 1000000u;
-    link->daemons_max = options->daemons_max == 0  ? CLI_DAEMONS_MAX
-                        : options->daemons_max < 0 ? UINT32_MAX
-                                                   : (uint32_t)options->daemons_max;
-    if (options->name != NULL) {
-        (void)snprintf(link->name, sizeof(link->name), "%s", options->name);
-    }
-    if (options->daemon != NULL) {
-        link->daemon = strdup(options->daemon);
-        if (link->daemon == NULL) {
-            return cli_fail(client, PCCD_E_NOMEM, "no memory for a name");
-        }
-    }
-    bool is_direct = url != NULL && strcmp(url, CLI_DIRECT_URL) == 0;
-    if (options->private_daemon && !is_direct) {
-        link->way = CLI_WAY_PRIVATE;
-        return 0;
-    }
-    if (url == NULL || url[0] == '\0') {
-        link->way = CLI_WAY_USER;
-        return 0;
-    }
-    if (is_direct) { /* of the process alone, as a private daemon is */
-        link->way = CLI_WAY_DIRECT;
-        link->patience_ns = 0; /* it is never lost */
-        return 0;
-    }
-    link->way = CLI_WAY_URL;
-    if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0') {
-        return cli_fail(client, PCCD_E_INVAL,
-                        "url \"%.200s\" is neither unix:PATH nor direct:", url);
-    }
-    if (strlen(url + 5) >= CLI_SOCKET_BYTES) {
-        return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
-                        url, CLI_SOCKET_BYTES - 1);
-    }
-    memcpy(link->path, url + 5, strlen(url + 5) + 1);
-    return 0;
+uint32_t cli_take_want(struct pccd_client *client)
+{
+    uint32_t want = client->want;
+
+    client->want = 0;
+    return want;
 }
 
-static int connect_any(struct pccd_client *client, const struct pccd_options *asked)
-{
-    struct pccd_options options;
-    int rc = take_options(client, asked, &options);
-
-    if (rc != 0) {
-        return rc;
-    }
-    client->timeout_ms = options.timeout_ms;
-    client->spin_us = options.spin_us;
-    client->slots_chosen = asked != NULL && asked->slot_count != 0;
-    client->slot_count = options.slot_count;
-    client->slot_bytes = options.slot_bytes;
-    client->result_bytes = options.result_bytes;
-    rc = choose_way(client, &options);
-    if (rc == 0) {
-        rc = cli_link_first(client, cli_deadline(client, -1));
-    }
-    if (rc == 0) {
-        /* A daemon that cannot be told the old handles cannot be told anything. */
-        client->link.is_established = true;
-        client->link.can_restore = client->link.patience_ns > 0 && !options.no_keep &&
-                                   (client->link.features & PROTO_FEATURE_RESUME) != 0;
-        client->keeps = client->link.can_restore;
-        rc = cli_record_environment(client);
-    }
-    return rc;
-}
-
-int pccd_connect(const struct pccd_options *options, struct pccd_client **client)
-{
-    struct pccd_client *made;
-    int rc;
-
-    if (client == NULL) {
-        return cli_fail(NULL, PCCD_E_INVAL, "client is NULL");
-    }
-    made = calloc(1, sizeof(*made));
-    if (made == NULL) {
-        return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
-    }
-    made->socket = -1;
-    made->fds[0] = made->fds[1] = -1;
-    made->owner = getpid();
-    made->forks = cli_forks();
-    made->next_id = 1;
-    made->next_serial = 1;
-    made->next_step = 1;
-    made->page_first = made->page_end = 1;
-    made->ring.upload = made->ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
-    made->decoder = proto_decoder_new();
-    rc = made->decoder == NULL ? cli_fail(made, PCCD_E_NOMEM, "no memory for a decoder")
-                               : connect_any(made, options);
-    if (rc != 0) {
-        (void)snprintf(connect_error, sizeof(connect_error), "%s", made->error);
-        pccd_close(made);
-        return rc;
-    }
-    connect_error[0] = made->error[0] = '\0';
-    *client = made;
-    return 0;
-}
-
-void pccd_close(struct pccd_client *client)
+int pccd_want(struct pccd_client *client, uint32_t handle)
 {
     if (client == NULL) {
-        return;
-    }
-    cli_record_close(client);
-    cli_link_bye(client);
-    cli_rpc_close(client);
-    cli_page_deinit(client);
-    cli_ring_deinit(&client->ring);
-    cli_keep_deinit(client);
-    cli_shared_deinit(client);
-    cli_watch_deinit(client);
-    if (client->owner == getpid()) {
-        cli_launch_stop(&client->child);
-    }
-    proto_decoder_free(client->decoder);
-    free(client->link.daemon);
-    free(client);
-}
-
-int pccd_fd(const struct pccd_client *client)
-{
-    if (client == NULL) {
-        return -1;
-    }
-    return client->direct.line != NULL ? cli_direct_descriptor(client) : client->socket;
-}
-
-uint32_t pccd_daemon_pid(const struct pccd_client *client)
-{
-    return client != NULL ? client->pid : 0;
-}
-
-const char *pccd_daemon_cpu(const struct pccd_client *client)
-{
-    return client != NULL ? client->cpu : "";
-}
-
-const char *pccd_url(const struct pccd_client *client)
-{
-    return client != NULL ? client->url : "";
-}
-
-int pccd_link(const struct pccd_client *client, struct pccd_link_info *info)
-{
-    if (client == NULL || info == NULL) {
         return PCCD_E_INVAL;
     }
-    *info = client->link.info;
+    client->want = handle;
     return 0;
 }

@@ -9,13 +9,13 @@
  */
 #include "direct.h"
 
+#include <assert.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "client.h"
 #include "proto_direct.h"
 
 #define PATH_BYTES 4096
@@ -62,9 +62,9 @@ static void *load_in(const char *folder, const char *sub, char why[WHY_BYTES])
     char path[PATH_BYTES];
     void *library = NULL;
     int length =
-        snprintf(path, sizeof(path), "%s%s/%s", folder, sub, PROTO_DIRECT_LIBRARY);
+        snprintf(path, sizeof path, "%s%s/%s", folder, sub, PROTO_DIRECT_LIBRARY);
 
-    if (folder[0] != '\0' && (size_t)length < sizeof(path) && access(path, F_OK) == 0) {
+    if (folder[0] != '\0' && (size_t)length < sizeof path && access(path, F_OK) == 0) {
         library = load(path);
         if (library == NULL && why[0] == '\0') {
             (void)snprintf(why, WHY_BYTES, "%s", dlerror());
@@ -130,7 +130,7 @@ int cli_direct_open(struct pccd_client *client)
     struct cli_direct *direct = &client->direct;
     void *library = find_library(client);
     proto_direct_fn entrance = NULL;
-    int rc;
+    int status;
 
     if (library == NULL) {
         return PCCD_E_SYSTEM;
@@ -138,7 +138,7 @@ int cli_direct_open(struct pccd_client *client)
     /* ISO C has no conversion from an object's address to a function's; POSIX has. */
     void *symbol = dlsym(library, PROTO_DIRECT_SYMBOL);
 
-    memcpy(&entrance, &symbol, sizeof(entrance));
+    memcpy(&entrance, &symbol, sizeof entrance);
     direct->host = entrance != NULL ? entrance(PROTO_DIRECT_VERSION) : NULL;
     if (direct->host == NULL) {
         return cli_fail(client, PCCD_E_VERSION,
@@ -147,8 +147,8 @@ int cli_direct_open(struct pccd_client *client)
                         PROTO_DIRECT_LIBRARY, pccd_version());
     }
     memcpy(client->url, CLI_DIRECT_URL, sizeof(CLI_DIRECT_URL));
-    rc = direct->host->open(&direct->line, text);
-    return rc == 0 ? 0 : cli_fail(client, rc, "direct: %s", text);
+    status = direct->host->open(&direct->line, text);
+    return status == 0 ? 0 : cli_fail(client, status, "direct: %s", text);
 }
 
 void cli_direct_close(struct pccd_client *client)
@@ -161,13 +161,14 @@ void cli_direct_close(struct pccd_client *client)
 
 int cli_direct_send(struct pccd_client *client, const void *message, size_t bytes)
 {
+    assert(client->direct.line != NULL);
     return client->direct.host->send(client->direct.line, message, bytes);
 }
 
 int cli_direct_receive(struct pccd_client *client, size_t *bytes, int *fd_count)
 {
     return client->direct.host->receive(client->direct.line, client->message,
-                                        sizeof(client->message), bytes, client->fds,
+                                        sizeof client->message, bytes, client->fds,
                                         fd_count);
 }
 

@@ -1,6 +1,6 @@
-/* direct.h - the service in this process.
+/* direct.h - runs the service inside this process (the url direct:).
  *
- * Room:     client/lib, private. May include: proto.
+ * Room:     client/lib, private. May include: client.h.
  * Does:     load libpccd-direct, and exchange messages with it as with a daemon.
  * Threads:  [owner].
  */
@@ -9,17 +9,9 @@
 
 #include <stddef.h>
 
+#include "client.h"
+
 #define CLI_DIRECT_URL "direct:"
-
-struct pccd_client;
-struct proto_direct;
-struct proto_direct_line;
-
-/* In the place of a socket. */
-struct cli_direct {
-    const struct proto_direct *host;
-    struct proto_direct_line *line; /* NULL: not open */
-};
 
 /* Load the library where it is not loaded yet, and be another client of it. Returns 0, or
  * PCCD_E_SYSTEM with the reason: it is not installed, or of another release. */

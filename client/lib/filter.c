@@ -9,8 +9,7 @@
 
 #include "client.h"
 #include "rpc.h"
-
-#define BYTES_MAX 4096u /* of struct_bytes: no release will ever need more */
+#include "struct_size.h"
 
 /* A daemon without these would answer E_NOMETHOD, which says less. */
 static int check_daemon(struct pccd_client *client, const char *method)
@@ -24,29 +23,19 @@ static int check_daemon(struct pccd_client *client, const char *method)
     return 0;
 }
 
-/* A newer program may hold more than this library knows: only its zero. */
 static int check_settings(struct pccd_client *client,
                           const struct pccd_object_settings *settings)
 {
-    const unsigned char *bytes = (const unsigned char *)settings;
+    struct pccd_object_settings known;
+    int status = cli_struct_read(client, "object.set", settings, &known, sizeof known);
 
-    if (settings->struct_bytes != 0 && (settings->struct_bytes < sizeof(*settings) ||
-                                        settings->struct_bytes > BYTES_MAX)) {
-        return cli_fail(client, PCCD_E_INVAL, "object.set: struct_bytes is %zu, not %zu",
-                        settings->struct_bytes, sizeof(*settings));
+    if (status != 0) {
+        return status;
     }
-    for (size_t i = sizeof(*settings); i < settings->struct_bytes; i++) {
-        if (bytes[i] != 0) {
-            return cli_fail(client, PCCD_E_INVAL,
-                            "object.set: the settings hold something that libpccd %s "
-                            "does not know",
-                            pccd_version());
-        }
-    }
-    if ((settings->what & ~(uint32_t)PCCD_OBJECT_ALL) != 0) {
+    if ((COMMON_OBJECT_BITS(settings->what) & ~COMMON_OBJECT_KNOWN) != 0) {
         return cli_fail(client, PCCD_E_INVAL,
                         "object.set: what is 0x%x, this library knows the bits 0x%x",
-                        settings->what, (unsigned)PCCD_OBJECT_ALL);
+                        settings->what, COMMON_OBJECT_KNOWN);
     }
     return 0;
 }
@@ -55,11 +44,11 @@ static int call_set(struct pccd_client *client,
                     const struct proto_OBJECT_SET_request *request,
                     struct proto_OBJECT_SET_result *result)
 {
-    int rc = check_daemon(client, "object.set");
+    int status = check_daemon(client, "object.set");
 
-    return rc != 0 ? rc
-                   : cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
-                                   cli_deadline(client, -1));
+    return status != 0 ? status
+                       : cli_call_sync(client, PROTO_METHOD_OBJECT_SET, request, result,
+                                       cli_deadline(client, -1));
 }
 
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -67,7 +56,7 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
 {
     struct proto_OBJECT_SET_request request = {.scene = scene, .object = object};
     struct proto_OBJECT_SET_result result;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -75,14 +64,12 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
     if (settings == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
     }
-    rc = check_settings(client, settings);
-    if (rc != 0) {
-        return rc;
+    status = check_settings(client, settings);
+    if (status != 0) {
+        return status;
     }
     request.what = settings->what;
-    request.group = settings->group;
-    request.mask = settings->mask;
-    request.self = settings->self_collision;
+    COMMON_ATTRIBUTES_COPY(&request, settings);
     return call_set(client, &request, &result);
 }
 
@@ -91,7 +78,7 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
 {
     struct proto_OBJECT_SET_request request = {.scene = scene, .object = object};
     struct proto_OBJECT_SET_result result;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -99,14 +86,12 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
     if (settings == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
     }
-    rc = call_set(client, &request, &result);
-    if (rc == 0) {
+    status = call_set(client, &request, &result);
+    if (status == 0) {
         settings->what = PCCD_OBJECT_ALL;
-        settings->self_collision = result.self;
-        settings->group = result.group;
-        settings->mask = result.mask;
+        COMMON_ATTRIBUTES_COPY(settings, &result);
     }
-    return rc;
+    return status;
 }
 
 int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
@@ -114,13 +99,13 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
 {
     struct proto_SCENE_IGNORE_request request = {
         .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = check_daemon(client, "scene.ignore");
-    return rc != 0 ? rc
-                   : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,
-                                   cli_deadline(client, -1));
+    status = check_daemon(client, "scene.ignore");
+    return status != 0 ? status
+                       : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,
+                                       cli_deadline(client, -1));
 }

@@ -7,6 +7,8 @@
  */
 #include "flight.h"
 
+#include <assert.h>
+
 #include "page.h"
 
 static bool is_computed(int method)
@@ -18,6 +20,7 @@ static bool is_full(const struct cli_flight *flight, int method)
 {
     uint32_t count = flight->end - flight->first;
 
+    assert(count <= CLI_FLIGHT_MAX && flight->computed <= count);
     return count >= (flight->is_careful ? 1 : CLI_FLIGHT_MAX) ||
            (is_computed(method) && flight->computed >= CLI_FLIGHT_COMPUTED);
 }
@@ -26,12 +29,13 @@ static int finish_oldest(struct cli_flight *flight)
 {
     struct pccd_client *client = flight->client;
     struct cli_call *call = flight->calls[flight->first % CLI_FLIGHT_MAX];
-    int rc = cli_call_wait(client, call, cli_deadline(client, -1));
+    int status = cli_call_wait(client, call, cli_deadline(client, -1));
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     flight->first++;
+    assert(flight->computed >= is_computed(call->method));
     flight->computed -= is_computed(call->method);
     cli_page_release(client, call->page);
     return cli_call_finish(client, call);
@@ -42,17 +46,17 @@ int cli_flight_send(struct cli_flight *flight, int method, const void *request,
 {
     struct pccd_client *client = flight->client;
     struct cli_call *call = NULL;
-    int rc = 0;
+    int status = 0;
 
-    while (rc == 0 && is_full(flight, method)) {
-        rc = finish_oldest(flight);
+    while (status == 0 && is_full(flight, method)) {
+        status = finish_oldest(flight);
     }
-    if (rc == 0) {
-        rc =
+    if (status == 0) {
+        status =
             cli_call_send(client, method, request, slot, cli_deadline(client, -1), &call);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     call->result = result;
     flight->computed += is_computed(method);
@@ -60,13 +64,13 @@ int cli_flight_send(struct cli_flight *flight, int method, const void *request,
     return 0;
 }
 
-int cli_flight_end(struct cli_flight *flight, int rc)
+int cli_flight_end(struct cli_flight *flight, int status)
 {
-    while (rc == 0 && flight->first != flight->end) {
-        rc = finish_oldest(flight);
+    while (status == 0 && flight->first != flight->end) {
+        status = finish_oldest(flight);
     }
     while (flight->first != flight->end) {
         cli_call_drop(flight->client, flight->calls[flight->first++ % CLI_FLIGHT_MAX]);
     }
-    return rc;
+    return status;
 }

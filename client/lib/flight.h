@@ -1,9 +1,10 @@
-/* flight.h - requests that are sent one behind the other, and waited for together.
+/* flight.h - sends several requests at once and waits for all of their answers, which
+ * saves round trips.
  *
  * Room:     client/lib, private. May include: rpc.h.
- * Does:     save a round trip for each request but the last, where none depends on what
- *           the one before it is answered: computed requests of a session are computed in
- *           their order, all others at once, in their order, too.
+ * Does:     send requests that do not depend on each other's answers. The daemon computes
+ *           those of a session in their order, and answers all others at once, in their
+ *           order, too.
  * Threads:  [owner].
  */
 #ifndef CLI_FLIGHT_H
@@ -31,9 +32,9 @@ struct cli_flight {
 int cli_flight_send(struct cli_flight *flight, int method, const void *request,
                     uint32_t slot, void *result);
 
-/* End the flight that has come to `rc`: wait for all answers, or drop them once something
- * has failed. Returns what failed first, or 0. Each wait has a deadline of its own: much
- * may take long, a silent daemon may not. */
-int cli_flight_end(struct cli_flight *flight, int rc);
+/* End the flight that has come to `status`: wait for all answers, or drop them once
+ * something has failed. Returns what failed first, or 0. Each wait has a deadline of its
+ * own: much may take long, a silent daemon may not. */
+int cli_flight_end(struct cli_flight *flight, int status);
 
 #endif

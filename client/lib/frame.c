@@ -1,18 +1,19 @@
-/* frame.c - a step being written into a slot.
+/* frame.c - the positions of a step, written into a slot.
  *
- * Room:     client/lib. May include: attach.h, rpc.h, step.h.
+ * Room:     client/lib. May include: attach.h, connection.h, submit.h.
  * Does:     lay out a slot's payload: the segment table at its start, then the positions,
  *           each range at a multiple of 8 bytes; publish it.
  * Does not: read anything back from the slot, or check what the daemon checks.
  * Threads:  [owner].
  */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "attach.h"
-#include "client.h"
-#include "rpc.h"
-#include "step.h"
+#include "connection.h"
+#include "coordinates.h"
+#include "submit.h"
 
 #define PAYLOAD_ALIGN 64u /* of the first range: a cache line */
 #define RANGE_ALIGN   8u  /* of every range: the protocol's */
@@ -39,21 +40,15 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
            round_up(payload, RANGE_ALIGN);
 }
 
-int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
-                     uint64_t payload_bytes, struct pccd_frame *frame)
+/* Begin a slot for a step of `scene`. */
+static int begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
+                 uint64_t payload_bytes, uint32_t *slot)
 {
     uint64_t bytes = pccd_frame_bytes(segment_max, payload_bytes);
     uint64_t deadline_ns;
     struct cli_slot *own;
-    uint32_t slot = 0;
-    int rc;
+    int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    if (frame == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "frame is NULL");
-    }
     if (segment_max > PROTO_SEGMENTS_MAX) {
         return cli_fail(client, PCCD_E_LIMIT, "a step has at most %u segments, not %u",
                         PROTO_SEGMENTS_MAX, segment_max);
@@ -63,28 +58,46 @@ int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segmen
                         (unsigned long long)payload_bytes);
     }
     deadline_ns = cli_deadline(client, -1);
-    rc = cli_step_check(client);
-    if (rc == 0) {
-        rc = cli_ring_reserve(client, bytes, deadline_ns);
+    status = cli_step_check(client);
+    if (status == 0) {
+        status = cli_ring_reserve(client, bytes, deadline_ns);
     }
-    if (rc == 0) {
-        rc = cli_slot_begin(client, deadline_ns, &slot);
+    if (status == 0) {
+        status = cli_slot_begin(client, deadline_ns, slot);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    own = &client->ring.slots[slot];
+    own = &client->ring.slots[*slot];
     own->scene = scene;
     own->segment_max = segment_max;
     own->segment_count = 0;
     own->used_bytes = table_bytes(segment_max);
     own->limit_bytes = bytes;
-    *frame = (struct pccd_frame){.client = client,
-                                 .scene = scene,
-                                 .slot = slot,
-                                 .segment_max = segment_max,
-                                 .used_bytes = own->used_bytes};
     return 0;
+}
+
+int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
+                     uint64_t payload_bytes, struct pccd_frame *frame)
+{
+    uint32_t slot = 0;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (frame == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "frame is NULL");
+    }
+    status = begin(client, scene, segment_max, payload_bytes, &slot);
+    if (status == 0) {
+        *frame = (struct pccd_frame){.client = client,
+                                     .scene = scene,
+                                     .slot = slot,
+                                     .segment_max = segment_max,
+                                     .used_bytes = client->ring.slots[slot].used_bytes};
+    }
+    return status;
 }
 
 /* Keep a copy of a segment, if another daemon may have to be told of it. */
@@ -97,7 +110,7 @@ static int keep_segment(struct pccd_client *client, struct cli_slot *own,
         return 0;
     }
     if (own->segment_count == own->segment_room) { /* rare: rooms stay with the slot */
-        struct proto_segment *segments = realloc(own->segments, room * sizeof(*segments));
+        struct proto_segment *segments = realloc(own->segments, room * sizeof *segments);
 
         if (segments == NULL) {
             return cli_fail(client, PCCD_E_NOMEM, "no memory for %u segments", room);
@@ -132,48 +145,64 @@ static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
     return 0;
 }
 
-/* Enter a segment whose ranges have the given bytes (0: none) and hand out the ranges. */
-static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
-                       uint64_t bytes0, uint64_t bytes1, void **range0, void **range1)
+/* Enter a segment whose ranges have the given bytes (0: none) into a slot that is begun,
+ * and hand out the ranges. */
+static int enter(struct pccd_client *client, uint32_t slot, struct proto_segment segment,
+                 uint64_t bytes0, uint64_t bytes1, void **range0, void **range1)
 {
-    struct cli_slot *own = NULL;
+    struct cli_slot *own = &client->ring.slots[slot];
     uint64_t end0;
     uint64_t end1;
     uint8_t *payload;
-    int rc = find_slot(frame, &own);
+    int status;
 
-    if (rc != 0) {
-        return rc;
-    }
     if (own->segment_count >= own->segment_max) {
-        return cli_fail(frame->client, PCCD_E_LIMIT,
-                        "more than the announced %u segments", own->segment_max);
+        return cli_fail(client, PCCD_E_LIMIT, "more than the announced %u segments",
+                        own->segment_max);
     }
     end0 = own->used_bytes + round_up(bytes0, RANGE_ALIGN);
     end1 = end0 + round_up(bytes1, RANGE_ALIGN);
     if (end1 > own->limit_bytes) {
-        return cli_fail(frame->client, PCCD_E_LIMIT,
+        return cli_fail(client, PCCD_E_LIMIT,
                         "segment %u ends at byte %llu of the announced %llu",
                         own->segment_count, (unsigned long long)end1,
                         (unsigned long long)own->limit_bytes);
     }
-    payload = cli_slot_payload(frame->client, frame->slot);
+    assert(own->used_bytes % RANGE_ALIGN == 0 && end1 >= own->used_bytes);
+    assert(own->limit_bytes <= client->ring.slot_stride);
+    payload = cli_slot_payload(&client->ring, slot);
     segment.offset0 = bytes0 > 0 ? own->used_bytes : 0;
     segment.offset1 = end0;
-    rc = keep_segment(frame->client, own, &segment);
-    if (rc != 0) {
-        return rc;
+    status = keep_segment(client, own, &segment);
+    if (status != 0) {
+        return status;
     }
-    memcpy(payload + own->segment_count * sizeof(segment), &segment, sizeof(segment));
+    memcpy(payload + own->segment_count * sizeof segment, &segment, sizeof segment);
     if (range0 != NULL) {
         *range0 = payload + own->used_bytes;
     }
     *range1 = payload + end0;
     own->used_bytes = end1;
     own->segment_count++;
-    frame->used_bytes = own->used_bytes;
-    frame->segment_count = own->segment_count;
     return 0;
+}
+
+/* The same of a frame. */
+static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
+                       uint64_t bytes0, uint64_t bytes1, void **range0, void **range1)
+{
+    struct cli_slot *own = NULL;
+    int status = find_slot(frame, &own);
+
+    if (status == 0) {
+        status =
+            enter(frame->client, frame->slot, segment, bytes0, bytes1, range0, range1);
+    }
+    if (status == 0) {
+        frame->used_bytes = own->used_bytes;
+        frame->segment_count = own->segment_count;
+    }
+    return status;
 }
 
 static int check_format(const struct pccd_frame *frame, enum pccd_format format)
@@ -187,8 +216,7 @@ static int check_format(const struct pccd_frame *frame, enum pccd_format format)
 
 static uint64_t range_bytes(enum pccd_format format, uint32_t count)
 {
-    return (uint64_t)count *
-           (format == PCCD_FORMAT_F64 ? 3 * sizeof(double) : 3 * sizeof(float));
+    return (uint64_t)count * common_vertex_bytes(format);
 }
 
 int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
@@ -199,9 +227,9 @@ int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format fo
                                     .format = (uint16_t)format,
                                     .first = first,
                                     .count = count};
-    int rc = check_format(frame, format);
+    int status = check_format(frame, format);
 
-    if (rc != 0 || x1 == NULL) {
+    if (status != 0 || x1 == NULL) {
         return PCCD_E_INVAL;
     }
     return add_segment(frame, segment, 0, range_bytes(format, count), NULL, x1);
@@ -215,9 +243,9 @@ int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format 
                                     .format = (uint16_t)format,
                                     .first = first,
                                     .count = count};
-    int rc = check_format(frame, format);
+    int status = check_format(frame, format);
 
-    if (rc != 0 || x0 == NULL || x1 == NULL) {
+    if (status != 0 || x0 == NULL || x1 == NULL) {
         return PCCD_E_INVAL;
     }
     return add_segment(frame, segment, range_bytes(format, count),
@@ -234,15 +262,15 @@ int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
                                     .count = count};
     void *range0 = NULL;
     void *range1 = NULL;
-    int rc;
+    int status;
 
     if (m0 == NULL || m1 == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = add_segment(frame, segment, PROTO_RIGID_BYTES, PROTO_RIGID_BYTES, &range0,
-                     &range1);
-    if (rc != 0) {
-        return rc;
+    status = add_segment(frame, segment, PROTO_RIGID_BYTES, PROTO_RIGID_BYTES, &range0,
+                         &range1);
+    if (status != 0) {
+        return status;
     }
     memcpy(range0, m0, PROTO_RIGID_BYTES);
     memcpy(range1, m1, PROTO_RIGID_BYTES);
@@ -254,24 +282,25 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
 {
     struct pccd_client *client;
     struct cli_slot *own = NULL;
-    uint32_t segment_count;
     uint32_t slot;
-    uint64_t seq;
-    int rc = find_slot(frame, &own);
+    int status = find_slot(frame, &own);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     client = frame->client;
     slot = frame->slot;
     frame->slot = SLOT_GIVEN_BACK; /* a frame is committed once */
-    segment_count = own->segment_count;
     if (step == NULL) {
-        cli_slot_abort(client, slot);
+        cli_slot_abort(&client->ring, slot);
         return cli_fail(client, PCCD_E_INVAL, "step is NULL");
     }
-    seq = cli_slot_publish(client, slot);
-    return cli_step_send(client, own->scene, slot, seq, segment_count, settings, step);
+    status = cli_step_check(client); /* other steps may have been submitted meanwhile */
+    if (status != 0) {
+        cli_slot_abort(&client->ring, slot);
+        return status;
+    }
+    return cli_step_send(client, own->scene, slot, settings, step);
 }
 
 void pccd_frame_abort(struct pccd_frame *frame)
@@ -281,6 +310,101 @@ void pccd_frame_abort(struct pccd_frame *frame)
     if (frame == NULL || frame->slot == SLOT_GIVEN_BACK || find_slot(frame, &own) != 0) {
         return;
     }
-    cli_slot_abort(frame->client, frame->slot);
+    cli_slot_abort(&frame->client->ring, frame->slot);
     frame->slot = SLOT_GIVEN_BACK;
+}
+
+/* ---- begin, copy and commit in one ------------------------------------------------- */
+
+static bool is_rigid(const struct pccd_motion *motion)
+{
+    return motion->m0 != NULL;
+}
+
+/* Payload of all motions. E_INVAL: one of them moves in no way, or in two. */
+static int measure(struct pccd_client *client, const struct pccd_motion *motions,
+                   uint32_t motion_count, uint64_t *bytes)
+{
+    *bytes = 0;
+    for (uint32_t i = 0; i < motion_count; i++) {
+        const struct pccd_motion *motion = &motions[i];
+
+        if ((motion->m0 == NULL) != (motion->m1 == NULL) ||
+            is_rigid(motion) != (motion->x1 == NULL) ||
+            (is_rigid(motion) && motion->x0 != NULL)) {
+            return cli_fail(client, PCCD_E_INVAL,
+                            "motion %u: it needs x1, or x0 and x1, or m0 and m1", i);
+        }
+        if (!is_rigid(motion) && (unsigned)motion->format >= PCCD_FORMAT_COUNT) {
+            return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %u", i,
+                            (unsigned)motion->format);
+        }
+        *bytes += is_rigid(motion)
+                      ? 2 * PROTO_RIGID_BYTES
+                      : range_bytes(motion->format, motion->count) * (motion->x0 ? 2 : 1);
+    }
+    return 0;
+}
+
+static int write_motion(struct pccd_client *client, uint32_t slot,
+                        const struct pccd_motion *motion)
+{
+    bool rigid = is_rigid(motion);
+    bool has_start = rigid || motion->x0 != NULL;
+    struct proto_segment segment = {
+        .object = motion->object,
+        .kind = rigid       ? PROTO_SEGMENT_RIGID
+                : has_start ? PROTO_SEGMENT_X0X1
+                            : PROTO_SEGMENT_X1,
+        .format = (uint16_t)(rigid ? PCCD_FORMAT_F64 : motion->format),
+        .first = motion->first,
+        .count = motion->count};
+    uint64_t bytes =
+        rigid ? PROTO_RIGID_BYTES : range_bytes(motion->format, motion->count);
+    void *start = NULL;
+    void *end = NULL;
+    int status = enter(client, slot, segment, has_start ? bytes : 0, bytes, &start, &end);
+
+    if (status == 0 && has_start) {
+        memcpy(start, rigid ? (const void *)motion->m0 : motion->x0, bytes);
+    }
+    if (status == 0) {
+        memcpy(end, rigid ? (const void *)motion->m1 : motion->x1, bytes);
+    }
+    return status;
+}
+
+int pccd_submit(struct pccd_client *client, uint32_t scene,
+                const struct pccd_motion *motions, uint32_t motion_count,
+                const struct pccd_step_settings *settings, uint64_t *step)
+{
+    uint64_t bytes;
+    uint32_t slot = 0;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (step == NULL || (motions == NULL && motion_count > 0)) {
+        return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
+                        step == NULL ? "step" : "motions");
+    }
+    if (motion_count == 0) {
+        return pccd_submit_still(client, scene, settings, step);
+    }
+    status = measure(client, motions, motion_count, &bytes);
+    if (status == 0) {
+        status = begin(client, scene, motion_count, bytes, &slot);
+    }
+    if (status != 0) {
+        return status;
+    }
+    for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
+        status = write_motion(client, slot, &motions[i]);
+    }
+    if (status != 0) {
+        cli_slot_abort(&client->ring, slot);
+        return status;
+    }
+    return cli_step_send(client, scene, slot, settings, step);
 }

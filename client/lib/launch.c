@@ -16,11 +16,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "launch.h"
+#include "openmp.h"
 
 #define READY_FD      3  /* in the daemon */
 #define FD_FLOOR      10 /* our ends lie above what dup2 overwrites in the daemon */
@@ -28,8 +30,8 @@
 #define PROGRAM_BYTES 4096
 #define SOCKET_NAME   "/pccd.sock"
 #define STOP_NS       2000000000ull /* from SIGTERM to SIGKILL */
-#define REAP_PAUSE_NS 2000000
-#define STOP_ENTRIES  64 /* files of a private folder: the socket, the lock */
+#define REAP_PAUSE_NS 2000000       /* where the kernel has no descriptors of processes */
+#define STOP_ENTRIES  64            /* files of a private folder: the socket, the lock */
 
 extern char **environ;
 
@@ -49,9 +51,9 @@ static int find_program(const char *name, char *program)
     while (entry != NULL && *entry != '\0') {
         size_t bytes = strcspn(entry, ":");
         int length =
-            snprintf(candidate, sizeof(candidate), "%.*s/%s", (int)bytes, entry, name);
+            snprintf(candidate, sizeof candidate, "%.*s/%s", (int)bytes, entry, name);
 
-        if (bytes > 0 && length > 0 && (size_t)length < sizeof(candidate) &&
+        if (bytes > 0 && length > 0 && (size_t)length < sizeof candidate &&
             access(candidate, X_OK) == 0 && realpath(candidate, program) != NULL) {
             return 0;
         }
@@ -68,7 +70,7 @@ static int find_program(const char *name, char *program)
 static int find_beside(char *program)
 {
     char candidate[PROGRAM_BYTES];
-    ssize_t bytes = readlink("/proc/self/exe", candidate, sizeof(candidate) - 1);
+    ssize_t bytes = readlink("/proc/self/exe", candidate, sizeof candidate - 1);
     char *slash;
 
     if (bytes <= 0) {
@@ -77,10 +79,10 @@ static int find_beside(char *program)
     candidate[bytes] = '\0';
     slash = strrchr(candidate, '/');
     if (slash == NULL ||
-        (size_t)(slash - candidate) + sizeof("/pccdd") > sizeof(candidate)) {
+        (size_t)(slash - candidate) + sizeof "/pccdd" > sizeof candidate) {
         return PCCD_E_NODAEMON;
     }
-    memcpy(slash, "/pccdd", sizeof("/pccdd"));
+    memcpy(slash, "/pccdd", sizeof "/pccdd");
     return find_program(candidate, program);
 }
 
@@ -130,21 +132,63 @@ static int open_log(void)
     return raise_fd(fd >= 0 ? fd : open("/dev/null", O_WRONLY | O_CLOEXEC));
 }
 
+/* Whether an entry of an environment is of that variable. */
+static bool is_variable(const char *entry, const char *name)
+{
+    size_t length = strlen(name);
+
+    return strncmp(entry, name, length) == 0 && entry[length] == '=';
+}
+
+/* This process's environment with what the daemon's OpenMP needs: a daemon that has to
+ * set it itself starts twice. The entries are this process's own; the caller frees the
+ * array. NULL: no memory. */
+static char **make_environment(void)
+{
+    static char spin[] = COMMON_OPENMP_SPIN_NAME "=" COMMON_OPENMP_SPIN_VALUE;
+    bool has_spin = false;
+    size_t count = 0;
+    size_t kept = 0;
+    char **made;
+
+    while (environ[count] != NULL) {
+        count++;
+    }
+    made = calloc(count + 2, sizeof *made); /* one more variable, and the end */
+    for (size_t i = 0; made != NULL && i < count; i++) {
+        bool is_unwanted = false;
+
+        for (size_t k = 0; k < COMMON_OPENMP_UNWANTED; k++) {
+            is_unwanted =
+                is_unwanted || is_variable(environ[i], common_openmp_unwanted[k]);
+        }
+        has_spin = has_spin || is_variable(environ[i], COMMON_OPENMP_SPIN_NAME);
+        if (!is_unwanted) {
+            made[kept++] = environ[i];
+        }
+    }
+    if (made != NULL && !has_spin) {
+        made[kept] = spin;
+    }
+    return made;
+}
+
 /* Nothing of this process is left in the new one but the environment, and the four
  * descriptors. Returns 0 or an errno. */
 static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *pid)
 {
+    char **environment = NULL;
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     sigset_t none;
     sigset_t all;
-    int rc = posix_spawn_file_actions_init(&actions);
+    int status = posix_spawn_file_actions_init(&actions);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = posix_spawnattr_init(&attributes);
-    if (rc != 0) {
+    status = posix_spawnattr_init(&attributes);
+    if (status != 0) {
         goto out;
     }
     (void)sigemptyset(&none);
@@ -154,19 +198,24 @@ static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *
     (void)posix_spawnattr_setflags(
         &attributes,
         (short)(POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF));
-    if ((rc = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0)) ==
+    if ((status = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY,
+                                                   0)) == 0 &&
+        (status = posix_spawn_file_actions_adddup2(&actions, log_fd, 1)) == 0 &&
+        (status = posix_spawn_file_actions_adddup2(&actions, log_fd, 2)) == 0 &&
+        (status = posix_spawn_file_actions_adddup2(&actions, ready_fd, READY_FD)) == 0 &&
+        (status = posix_spawn_file_actions_addclosefrom_np(&actions, READY_FD + 1)) ==
             0 &&
-        (rc = posix_spawn_file_actions_adddup2(&actions, log_fd, 1)) == 0 &&
-        (rc = posix_spawn_file_actions_adddup2(&actions, log_fd, 2)) == 0 &&
-        (rc = posix_spawn_file_actions_adddup2(&actions, ready_fd, READY_FD)) == 0 &&
-        (rc = posix_spawn_file_actions_addclosefrom_np(&actions, READY_FD + 1)) == 0 &&
-        (rc = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0) {
-        rc = posix_spawn(pid, arguments[0], &actions, &attributes, arguments, environ);
+        (status = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0) {
+        environment = make_environment();
+        status = environment == NULL ? ENOMEM
+                                     : posix_spawn(pid, arguments[0], &actions,
+                                                   &attributes, arguments, environment);
+        free(environment);
     }
     (void)posix_spawnattr_destroy(&attributes);
 out:
     (void)posix_spawn_file_actions_destroy(&actions);
-    return rc;
+    return status;
 }
 
 /* Wait for the byte that says "listening". PCCD_E_BUSY: or that another one holds the
@@ -174,7 +223,7 @@ out:
 static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
 {
     for (;;) {
-        uint64_t now_ns = cli_now_ns();
+        uint64_t now_ns = common_now_ns();
         uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
         struct timespec left = {(time_t)(left_ns / 1000000000u),
                                 (long)(left_ns % 1000000000u)};
@@ -205,7 +254,7 @@ static int start(struct pccd_client *client, char *const *arguments, uint64_t de
 {
     int pipe_fds[2];
     int log_fd;
-    int rc;
+    int status;
 
     if (pipe2(pipe_fds, O_CLOEXEC) != 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "pipe: %s", strerror(errno));
@@ -213,19 +262,19 @@ static int start(struct pccd_client *client, char *const *arguments, uint64_t de
     pipe_fds[1] = raise_fd(pipe_fds[1]);
     log_fd = open_log();
     if (pipe_fds[1] < 0 || log_fd < 0) {
-        rc = cli_fail(client, PCCD_E_SYSTEM,
-                      "no descriptor for the daemon's messages: %s", strerror(errno));
+        status = cli_fail(client, PCCD_E_SYSTEM,
+                          "no descriptor for the daemon's messages: %s", strerror(errno));
         goto out;
     }
-    rc = spawn_clean(arguments, log_fd, pipe_fds[1], pid);
-    if (rc != 0) {
-        rc = cli_fail(client, PCCD_E_SYSTEM, "start of %s: %s", arguments[0],
-                      strerror(rc));
+    status = spawn_clean(arguments, log_fd, pipe_fds[1], pid);
+    if (status != 0) {
+        status = cli_fail(client, PCCD_E_SYSTEM, "start of %s: %s", arguments[0],
+                          strerror(status));
         goto out;
     }
     (void)close(pipe_fds[1]); /* ours; so that the daemon's end is the last one */
     pipe_fds[1] = -1;
-    rc = await_ready(client, pipe_fds[0], deadline_ns);
+    status = await_ready(client, pipe_fds[0], deadline_ns);
 out:
     if (log_fd >= 0) {
         (void)close(log_fd);
@@ -234,7 +283,7 @@ out:
         (void)close(pipe_fds[1]);
     }
     (void)close(pipe_fds[0]);
-    return rc;
+    return status;
 }
 
 int cli_launch_user(struct pccd_client *client, const char *program, const char *path,
@@ -256,16 +305,16 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
                                       (char *)"30",
                                       NULL};
     pid_t shell = 0;
-    int rc = choose_program(client, program, found);
+    int status = choose_program(client, program, found);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = start(client, arguments, deadline_ns, &shell);
+    status = start(client, arguments, deadline_ns, &shell);
     while (shell > 0 && waitpid(shell, NULL, 0) < 0 && errno == EINTR) {
         ;
     }
-    return rc;
+    return status;
 }
 
 /* A folder that only this user can enter. */
@@ -298,22 +347,22 @@ int cli_launch_private(struct pccd_client *client, const char *program, char *pa
     char *arguments[ARGUMENTS_MAX] = {
         found,       (char *)"--socket",  path, (char *)"--ready-fd",
         (char *)"3", (char *)"--private", NULL};
-    int rc = choose_program(client, program, found);
+    int status = choose_program(client, program, found);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = make_directory(client, client->child.directory);
-    if (rc != 0) {
-        return rc;
+    status = make_directory(client, client->child.directory);
+    if (status != 0) {
+        return status;
     }
     (void)stpcpy(stpcpy(path, client->child.directory), SOCKET_NAME);
-    rc = start(client, arguments, deadline_ns, &client->child.pid);
-    if (rc == PCCD_E_AGAIN) {
+    status = start(client, arguments, deadline_ns, &client->child.pid);
+    if (status == PCCD_E_AGAIN) {
         return cli_fail(client, PCCD_E_NODAEMON,
                         "%s ended at once; PCCD_LOG=FILE shows what it says", found);
     }
-    return rc;
+    return status;
 }
 
 /* Reap the daemon if it has ended. A program that collects all its children, or ignores
@@ -346,23 +395,48 @@ static void remove_directory(const char *directory)
     (void)rmdir(directory);
 }
 
+/* Wait until the daemon has ended, or until then; reap it. Returns whether it has. */
+static bool await_end(pid_t pid, uint64_t until_ns)
+{
+    int fd = (int)syscall(SYS_pidfd_open, pid, 0); /* Linux 5.3 */
+    bool gone;
+
+    while (!(gone = is_gone(pid)) && common_now_ns() < until_ns) {
+        uint64_t now_ns = common_now_ns();
+        uint64_t left_ns = until_ns > now_ns ? until_ns - now_ns : 0;
+        struct pollfd watched = {.fd = fd, .events = POLLIN};
+
+        if (fd < 0 && left_ns > REAP_PAUSE_NS) {
+            left_ns = REAP_PAUSE_NS;
+        }
+        (void)ppoll(&watched, fd >= 0,
+                    &(struct timespec){(time_t)(left_ns / 1000000000u),
+                                       (long)(left_ns % 1000000000u)},
+                    NULL);
+    }
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    return gone;
+}
+
+void cli_launch_let_end(struct cli_child *child)
+{
+    if (child->pid > 0 && is_gone(child->pid)) {
+        child->pid = 0; /* reaped: the number may be another process's */
+    }
+    if (child->pid > 0) {
+        (void)kill(child->pid, SIGTERM);
+    }
+}
+
 void cli_launch_stop(struct cli_child *child)
 {
-    const struct timespec pause = {0, REAP_PAUSE_NS};
-
     if (child->pid > 0 && !is_gone(child->pid)) {
-        uint64_t until_ns = cli_now_ns() + STOP_NS;
-        bool gone = false;
-
         (void)kill(child->pid, SIGTERM);
-        while (!(gone = is_gone(child->pid)) && cli_now_ns() < until_ns) {
-            (void)nanosleep(&pause, NULL);
-        }
-        if (!gone) {
+        if (!await_end(child->pid, common_now_ns() + STOP_NS)) {
             (void)kill(child->pid, SIGKILL);
-            while (!is_gone(child->pid)) {
-                (void)nanosleep(&pause, NULL);
-            }
+            (void)await_end(child->pid, UINT64_MAX);
         }
     }
     child->pid = 0;

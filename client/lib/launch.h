@@ -1,8 +1,7 @@
-/* launch.h - daemons that the library starts.
+/* launch.h - starts a daemon: the user's, or a private one.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     start the user's daemon or a private one and wait until it listens; stop the
- *           private one.
+ * Does:     start it and wait until it listens; stop the private one.
  * Threads:  [owner].
  */
 #ifndef CLI_LAUNCH_H
@@ -23,6 +22,9 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
  * path[CLI_SOCKET_BYTES]. client->child is set as soon as there is something to stop. */
 int cli_launch_private(struct pccd_client *client, const char *program, char *path,
                        uint64_t deadline_ns);
+
+/* Tell a private daemon to end, and go on meanwhile; does nothing without one. */
+void cli_launch_let_end(struct cli_child *child);
 
 /* Stop a private daemon and remove its folder; does nothing without one. */
 void cli_launch_stop(struct cli_child *child);

@@ -1,12 +1,14 @@
 /* link.c - the way to a daemon.
  *
- * Room:     client/lib. May include: link.h, rpc.h, launch.h, proto.
+ * Room:     client/lib. May include: link.h, connection.h, direct.h, launch.h, rpc.h,
+ *           proto.
  * Does:     connect a socket, check who listens, say hello; have daemons started.
  * Does not: decide how often to try after the first time (recover.c).
  * Threads:  [owner].
  */
 #include "link.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -16,6 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "connection.h"
 #include "direct.h"
 #include "launch.h"
 #include "rpc.h"
@@ -55,7 +58,7 @@ static bool make_awaited(int fd)
     int flags = fcntl(fd, F_GETFL);
 
     return flags >= 0 && fcntl(fd, F_SETFL, flags & ~O_NONBLOCK) == 0 &&
-           setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)) == 0;
+           setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) == 0;
 }
 
 /* Connect the socket, waiting while the daemon's queue of connections is full.
@@ -66,6 +69,7 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
     uint64_t pause_ns = CLI_RETRY_NS;
     int fd;
 
+    assert(strlen(path) < CLI_SOCKET_BYTES && strlen(path) < sizeof address.sun_path);
     memcpy(address.sun_path, path, strlen(path)); /* checked: shorter than sun_path */
     memcpy(client->url, "unix:", 5);
     memcpy(client->url + 5, path, strlen(path) + 1);
@@ -73,10 +77,10 @@ static int open_socket(struct pccd_client *client, const char *path, uint64_t de
     if (fd < 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "socket: %s", strerror(errno));
     }
-    while (connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+    while (connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
         int reason = errno;
 
-        if (reason == EAGAIN && cli_now_ns() < deadline_ns) {
+        if (reason == EAGAIN && common_now_ns() < deadline_ns) {
             cli_sleep_ns(pause_ns);
             pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
             continue;
@@ -109,22 +113,22 @@ static int exchange(struct pccd_client *client, const struct proto_HELLO_request
                     uint64_t deadline_ns)
 {
     struct cli_call *call = NULL;
-    int rc = cli_call_send(client, PROTO_METHOD_HELLO, request, CLI_SLOT_NONE,
-                           deadline_ns, &call);
+    int status = cli_call_send(client, PROTO_METHOD_HELLO, request, CLI_SLOT_NONE,
+                               deadline_ns, &call);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     call->result = result;
-    rc = with_held ? cli_call_resend_all(client, deadline_ns) : 0;
-    rc = rc != 0 ? rc : cli_call_wait(client, call, deadline_ns);
-    if (rc == 0) {
+    status = with_held ? cli_call_resend_all(client, deadline_ns) : 0;
+    status = status != 0 ? status : cli_call_wait(client, call, deadline_ns);
+    if (status == 0) {
         return cli_call_finish(client, call);
     }
     cli_call_drop(client, call);
-    return rc == PCCD_E_TIMEOUT ? cli_fail(client, rc, "no answer to %s in time",
-                                           proto_messages[PROTO_METHOD_HELLO].name)
-                                : rc;
+    return status == PCCD_E_TIMEOUT ? cli_fail(client, status, "no answer to %s in time",
+                                               proto_messages[PROTO_METHOD_HELLO].name)
+                                    : status;
 }
 
 /* The first message. A daemon that refuses the session says why in its goaway. */
@@ -141,16 +145,16 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
                                           .token_lo = link->token[1]};
     struct proto_HELLO_result result;
     const char *name;
-    int rc;
+    int status;
 
     name = link->name[0] != '\0' ? link->name : program_invocation_short_name;
-    memcpy(request.client, name, strnlen(name, sizeof(request.client) - 1));
-    rc = exchange(client, &request, with_held, &result, deadline_ns);
-    if (rc == PCCD_E_DISCONNECTED && client->goaway != 0) {
+    memcpy(request.client, name, strnlen(name, sizeof request.client - 1));
+    status = exchange(client, &request, with_held, &result, deadline_ns);
+    if (status == PCCD_E_DISCONNECTED && client->goaway != 0) {
         return cli_fail(client, client->goaway, "%s", client->dead_text);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     if (result.version < PROTO_VERSION_MIN || result.version > PROTO_VERSION_MAX) {
         return cli_fail(client, PCCD_E_VERSION,
@@ -164,9 +168,9 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
     link->token[0] = result.token_hi;
     link->token[1] = result.token_lo;
     client->pid = result.pid;
-    static_assert(sizeof(client->cpu) == sizeof(result.cpu), "the whole string");
-    memcpy(client->cpu, result.cpu, sizeof(client->cpu));
-    memcpy(client->daemon, result.daemon, sizeof(client->daemon));
+    static_assert(sizeof client->cpu == sizeof result.cpu, "the whole string");
+    memcpy(client->cpu, result.cpu, sizeof client->cpu);
+    memcpy(client->daemon, result.daemon, sizeof client->daemon);
     client->version = result.version;
     client->threads_max = result.threads_max;
     client->session = result.session;
@@ -178,7 +182,7 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
 static int check_owner(struct pccd_client *client)
 {
     struct ucred peer; /* of the process that began to listen */
-    socklen_t bytes = sizeof(peer);
+    socklen_t bytes = sizeof peer;
 
     if (getsockopt(client->socket, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
         return cli_fail(client, PCCD_E_SYSTEM, "owner of the daemon at %s: %s",
@@ -197,51 +201,53 @@ static int open_session(struct pccd_client *client, bool with_held, uint64_t dea
                         bool *resumed)
 {
     const struct cli_link *link = &client->link;
-    int rc = link->way == CLI_WAY_DIRECT ? cli_direct_open(client)
-                                         : open_socket(client, link->path, deadline_ns);
+    int status = link->way == CLI_WAY_DIRECT
+                     ? cli_direct_open(client)
+                     : open_socket(client, link->path, deadline_ns);
 
-    if (rc == 0 && (link->way == CLI_WAY_USER || link->way == CLI_WAY_PRIVATE)) {
-        rc = check_owner(client);
+    if (status == 0 && (link->way == CLI_WAY_USER || link->way == CLI_WAY_PRIVATE)) {
+        status = check_owner(client);
     }
-    return rc != 0 ? rc : say_hello(client, with_held, deadline_ns, resumed);
+    return status != 0 ? status : say_hello(client, with_held, deadline_ns, resumed);
 }
 
 /* The same, and nothing is left of a connection that failed. */
 static int open_first(struct pccd_client *client, uint64_t deadline_ns)
 {
     bool resumed = false;
-    int rc = open_session(client, false, deadline_ns, &resumed);
+    int status = open_session(client, false, deadline_ns, &resumed);
 
-    if (rc != 0) {
-        cli_rpc_close(client);
+    if (status != 0) {
+        cli_connection_close(client);
     }
-    return rc;
+    return status;
 }
 
 /* A daemon that ends while we connect, or that has not yet begun to listen: try again. */
-static bool is_worth_retrying(int rc)
+static bool is_worth_retrying(int status)
 {
-    return rc == PCCD_E_NODAEMON || rc == PCCD_E_DISCONNECTED || rc == PCCD_E_SHUTDOWN;
+    return status == PCCD_E_NODAEMON || status == PCCD_E_DISCONNECTED ||
+           status == PCCD_E_SHUTDOWN;
 }
 
 static int retry_session(struct pccd_client *client, uint64_t deadline_ns)
 {
     uint64_t pause_ns = CLI_RETRY_NS;
-    uint64_t until_ns = cli_now_ns() + CLI_START_PATIENCE;
-    int rc;
+    uint64_t until_ns = common_now_ns() + CLI_START_PATIENCE;
+    int status;
 
     if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
     }
     do {
-        rc = open_first(client, deadline_ns);
-        if (!is_worth_retrying(rc)) {
-            return rc;
+        status = open_first(client, deadline_ns);
+        if (!is_worth_retrying(status)) {
+            return status;
         }
         cli_sleep_ns(pause_ns);
         pause_ns = pause_ns * 2 < CLI_RETRY_NS_MAX ? pause_ns * 2 : CLI_RETRY_NS_MAX;
-    } while (cli_now_ns() < until_ns);
-    return rc;
+    } while (common_now_ns() < until_ns);
+    return status;
 }
 
 /* The user's own daemon, started when nobody listens. Of two clients that start one at
@@ -251,21 +257,21 @@ static int retry_session(struct pccd_client *client, uint64_t deadline_ns)
 static int connect_user(struct pccd_client *client, uint64_t deadline_ns)
 {
     const struct cli_link *link = &client->link;
-    int rc = open_first(client, deadline_ns);
+    int status = open_first(client, deadline_ns);
 
-    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(rc);) {
+    for (int start = 0; start < CLI_STARTS_MAX && is_worth_retrying(status);) {
         int started;
 
         if (link->no_autostart) {
-            return rc;
+            return status;
         }
         started = cli_launch_user(client, link->daemon, link->path, deadline_ns);
         if (started != 0 && started != PCCD_E_AGAIN && started != PCCD_E_BUSY) {
             return started;
         }
-        start += started != PCCD_E_BUSY || cli_now_ns() >= deadline_ns;
-        rc = retry_session(client, deadline_ns);
-        if (is_worth_retrying(rc) && started == PCCD_E_AGAIN) {
+        start += started != PCCD_E_BUSY || common_now_ns() >= deadline_ns;
+        status = retry_session(client, deadline_ns);
+        if (is_worth_retrying(status) && started == PCCD_E_AGAIN) {
             return cli_fail(
                 client, PCCD_E_NODAEMON,
                 "the daemon that was started for %s ended at once; PCCD_LOG=FILE "
@@ -273,33 +279,33 @@ static int connect_user(struct pccd_client *client, uint64_t deadline_ns)
                 link->path);
         }
     }
-    return rc;
+    return status;
 }
 
 int cli_link_first(struct pccd_client *client, uint64_t deadline_ns)
 {
     struct cli_link *link = &client->link;
-    int rc = 0;
+    int status = 0;
 
     switch (link->way) {
     case CLI_WAY_USER:
-        if (proto_default_socket_path(link->path, sizeof(link->path)) != 0) {
+        if (proto_default_socket_path(link->path, sizeof link->path) != 0) {
             return cli_fail(client, PCCD_E_LIMIT,
                             "$XDG_RUNTIME_DIR is too long for a socket's path");
         }
         return connect_user(client, deadline_ns);
     case CLI_WAY_PRIVATE:
-        rc = cli_launch_private(client, link->daemon, link->path, deadline_ns);
+        status = cli_launch_private(client, link->daemon, link->path, deadline_ns);
         break;
     case CLI_WAY_URL:
     case CLI_WAY_DIRECT:
         break;
     }
-    rc = rc != 0 ? rc : open_first(client, deadline_ns);
+    status = status != 0 ? status : open_first(client, deadline_ns);
     /* One that dies between accepting us and its answer has a successor, as a rule. */
-    return rc == PCCD_E_DISCONNECTED && link->patience_ns > 0
+    return status == PCCD_E_DISCONNECTED && link->patience_ns > 0
                ? retry_session(client, deadline_ns)
-               : rc;
+               : status;
 }
 
 /* Start a daemon in place of one that is gone, where this client may. */
@@ -312,10 +318,10 @@ static int launch_again(struct pccd_client *client, uint64_t deadline_ns)
         return cli_launch_private(client, link->daemon, link->path, deadline_ns);
     }
     if (link->way == CLI_WAY_USER && !link->no_autostart) {
-        int rc = cli_launch_user(client, link->daemon, link->path, deadline_ns);
+        int status = cli_launch_user(client, link->daemon, link->path, deadline_ns);
 
         /* Another client was faster. */
-        return rc == PCCD_E_AGAIN || rc == PCCD_E_BUSY ? 0 : rc;
+        return status == PCCD_E_AGAIN || status == PCCD_E_BUSY ? 0 : status;
     }
     return PCCD_E_NODAEMON;
 }
@@ -323,15 +329,15 @@ static int launch_again(struct pccd_client *client, uint64_t deadline_ns)
 int cli_link_again(struct pccd_client *client, bool with_held, uint64_t deadline_ns,
                    bool *resumed)
 {
-    int rc = open_session(client, with_held, deadline_ns, resumed);
+    int status = open_session(client, with_held, deadline_ns, resumed);
 
-    if (rc == PCCD_E_NODAEMON && client->link.way != CLI_WAY_URL) {
-        rc = launch_again(client, deadline_ns);
-        if (rc == 0) {
-            rc = open_session(client, with_held, deadline_ns, resumed);
+    if (status == PCCD_E_NODAEMON && client->link.way != CLI_WAY_URL) {
+        status = launch_again(client, deadline_ns);
+        if (status == 0) {
+            status = open_session(client, with_held, deadline_ns, resumed);
         }
     }
-    return rc;
+    return status;
 }
 
 void cli_link_bye(struct pccd_client *client)

@@ -1,7 +1,7 @@
-/* link.h - the way to a daemon.
+/* link.h - finds or starts a daemon, and connects to it.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     find or start the daemon that link->way says, connect, say hello.
+ * Does:     find or start the daemon that link->way names, connect, say hello.
  * Does not: keep the connection (rpc.h), or make it again (recover.h).
  * Threads:  [owner].
  */
@@ -12,7 +12,6 @@
 
 #define CLI_RETRY_NS     1000000u
 #define CLI_RETRY_NS_MAX 50000000u
-#define CLI_AWAIT_NS     1000000000u /* whole seconds; a nearer deadline is polled for */
 
 /* The first connection. link->way and what it needs are set. */
 int cli_link_first(struct pccd_client *client, uint64_t deadline_ns);

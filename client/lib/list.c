@@ -8,7 +8,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "client.h"
+#include "connection.h"
 #include "pccd_daemon.h"
 #include "rpc.h"
 
@@ -34,7 +34,7 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
  * the daemon knows the method. */
 static int check(struct pccd_client *client, const char *what, bool given)
 {
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -42,12 +42,12 @@ static int check(struct pccd_client *client, const char *what, bool given)
     if (!given) {
         return cli_fail(client, PCCD_E_INVAL, "%s: an argument is NULL", what);
     }
-    rc = cli_alive(client);
-    if (rc == 0 && (client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
-        rc = cli_fail(client, PCCD_E_VERSION, "%s: %s is too old for it", what,
-                      client->daemon);
+    status = cli_alive(client);
+    if (status == 0 && (client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
+        status = cli_fail(client, PCCD_E_VERSION, "%s: %s is too old for it", what,
+                          client->daemon);
     }
-    return rc;
+    return status;
 }
 
 static int call(struct pccd_client *client, int method, const void *request, void *result)
@@ -93,11 +93,11 @@ int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *c
 {
     struct proto_LIST_SESSION_request request = {.before = 0};
     struct proto_LIST_SESSION_result result;
-    int rc = check(client, "list.session", each != NULL);
+    int status = check(client, "list.session", each != NULL);
 
-    while (rc == 0) { /* numbers only fall */
-        rc = call(client, PROTO_METHOD_LIST_SESSION, &request, &result);
-        if (rc != 0 || result.session == 0) {
+    while (status == 0) { /* numbers only fall */
+        status = call(client, PROTO_METHOD_LIST_SESSION, &request, &result);
+        if (status != 0 || result.session == 0) {
             break;
         }
         if (request.before != 0 && result.session >= request.before) {
@@ -108,7 +108,7 @@ int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *c
         each(context, &info);
         request.before = result.session;
     }
-    return rc;
+    return status;
 }
 
 /* The cursor of the next entry, which must grow. */
@@ -126,11 +126,11 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
 {
     struct proto_LIST_SCENE_request request = {.session = session};
     struct proto_LIST_SCENE_result result;
-    int rc = check(client, "list.scene", each != NULL);
+    int status = check(client, "list.scene", each != NULL);
 
-    while (rc == 0) {
-        rc = call(client, PROTO_METHOD_LIST_SCENE, &request, &result);
-        if (rc != 0 || result.scene == 0) {
+    while (status == 0) {
+        status = call(client, PROTO_METHOD_LIST_SCENE, &request, &result);
+        if (status != 0 || result.scene == 0) {
             break;
         }
         const struct pccd_scene_info info = {
@@ -145,15 +145,15 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
             .name = result.name,
             .uid = result.uid,
             .rights = result.rights,
-            .seats = result.seats,
+            .members = result.members,
             .held = result.held,
             .writable = result.writable,
         };
 
         each(context, &info);
-        rc = advance(client, &request.cursor, result.next);
+        status = advance(client, &request.cursor, result.next);
     }
-    return rc;
+    return status;
 }
 
 int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t scene,
@@ -161,25 +161,23 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
 {
     struct proto_LIST_OBJECT_request request = {.session = session, .scene = scene};
     struct proto_LIST_OBJECT_result result;
-    int rc = check(client, "list.object", each != NULL);
+    int status = check(client, "list.object", each != NULL);
 
-    while (rc == 0) {
-        rc = call(client, PROTO_METHOD_LIST_OBJECT, &request, &result);
-        if (rc != 0 || result.object == 0) {
+    while (status == 0) {
+        status = call(client, PROTO_METHOD_LIST_OBJECT, &request, &result);
+        if (status != 0 || result.object == 0) {
             break;
         }
-        const struct pccd_object_info info = {.object = result.object,
-                                              .mesh = result.mesh,
-                                              .triangles = result.triangles,
-                                              .owner = result.owner,
-                                              .group = result.group,
-                                              .mask = result.mask,
-                                              .self_collision = result.self};
+        struct pccd_object_info info = {.object = result.object,
+                                        .mesh = result.mesh,
+                                        .triangles = result.triangles,
+                                        .owner = result.owner};
 
+        COMMON_ATTRIBUTES_COPY(&info, &result);
         each(context, &info);
-        rc = advance(client, &request.cursor, result.next);
+        status = advance(client, &request.cursor, result.next);
     }
-    return rc;
+    return status;
 }
 
 int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene,
@@ -187,19 +185,19 @@ int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene
 {
     struct proto_LIST_PAIR_request request = {.session = session, .scene = scene};
     struct proto_LIST_PAIR_result result;
-    int rc = check(client, "list.pair", each != NULL);
+    int status = check(client, "list.pair", each != NULL);
 
-    while (rc == 0) {
-        rc = call(client, PROTO_METHOD_LIST_PAIR, &request, &result);
-        if (rc != 0 || result.a == 0) {
+    while (status == 0) {
+        status = call(client, PROTO_METHOD_LIST_PAIR, &request, &result);
+        if (status != 0 || result.a == 0) {
             break;
         }
         const struct pccd_ignored_pair pair = {result.a, result.b};
 
         each(context, &pair);
-        rc = advance(client, &request.cursor, result.next);
+        status = advance(client, &request.cursor, result.next);
     }
-    return rc;
+    return status;
 }
 
 int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn each,
@@ -207,11 +205,11 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
 {
     struct proto_LIST_MESH_request request = {.session = session};
     struct proto_LIST_MESH_result result;
-    int rc = check(client, "list.mesh", each != NULL);
+    int status = check(client, "list.mesh", each != NULL);
 
-    while (rc == 0) {
-        rc = call(client, PROTO_METHOD_LIST_MESH, &request, &result);
-        if (rc != 0 || result.mesh == 0) {
+    while (status == 0) {
+        status = call(client, PROTO_METHOD_LIST_MESH, &request, &result);
+        if (status != 0 || result.mesh == 0) {
             break;
         }
         const struct pccd_registered_mesh info = {
@@ -225,9 +223,9 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
         };
 
         each(context, &info);
-        rc = advance(client, &request.cursor, result.next);
+        status = advance(client, &request.cursor, result.next);
     }
-    return rc;
+    return status;
 }
 
 /* ---- histograms -------------------------------------------------------------------- */
@@ -237,23 +235,23 @@ int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
 {
     struct proto_STATS_HISTOGRAM_request request = {.kind = (uint32_t)kind};
     struct proto_STATS_HISTOGRAM_result result;
-    int rc = check(client, "stats.histogram", info != NULL);
+    int status = check(client, "stats.histogram", info != NULL);
 
-    if (rc == 0) {
-        rc = call(client, PROTO_METHOD_STATS_HISTOGRAM, &request, &result);
+    if (status == 0) {
+        status = call(client, PROTO_METHOD_STATS_HISTOGRAM, &request, &result);
     }
-    if (rc == 0) {
+    if (status == 0) {
         info->count = result.count;
         info->ns_sum = result.ns_sum;
-        static_assert(sizeof(result) ==
+        static_assert(sizeof result ==
                           offsetof(struct proto_STATS_HISTOGRAM_result, b10) +
-                              sizeof(info->bucket),
+                              sizeof info->bucket,
                       "the buckets are the last members");
         memcpy(info->bucket,
                (const char *)&result + offsetof(struct proto_STATS_HISTOGRAM_result, b10),
-               sizeof(info->bucket));
+               sizeof info->bucket);
     }
-    return rc;
+    return status;
 }
 
 /* ---- settings ---------------------------------------------------------------------- */
@@ -262,9 +260,9 @@ static int get(struct pccd_client *client, const struct proto_CONFIG_GET_request
                pccd_setting_fn each, void *context, uint32_t *count)
 {
     struct proto_CONFIG_GET_result result;
-    int rc = call(client, PROTO_METHOD_CONFIG_GET, request, &result);
+    int status = call(client, PROTO_METHOD_CONFIG_GET, request, &result);
 
-    if (rc == 0) {
+    if (status == 0) {
         const struct pccd_setting setting = {.name = result.name,
                                              .value = result.value,
                                              .text = result.text,
@@ -273,7 +271,7 @@ static int get(struct pccd_client *client, const struct proto_CONFIG_GET_request
         each(context, &setting);
         *count = result.count;
     }
-    return rc;
+    return status;
 }
 
 /* Put a string into a field of a request. */
@@ -294,28 +292,28 @@ int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_f
 {
     struct proto_CONFIG_GET_request request = {.index = 0};
     uint32_t count = 1;
-    int rc = check(client, "config.get", each != NULL);
+    int status = check(client, "config.get", each != NULL);
 
-    if (rc == 0 && name != NULL) {
-        rc = put(client, request.name, name);
-        return rc == 0 ? get(client, &request, each, context, &count) : rc;
+    if (status == 0 && name != NULL) {
+        status = put(client, request.name, name);
+        return status == 0 ? get(client, &request, each, context, &count) : status;
     }
-    for (; rc == 0 && request.index < count; request.index++) {
-        rc = get(client, &request, each, context, &count);
+    for (; status == 0 && request.index < count; request.index++) {
+        status = get(client, &request, each, context, &count);
     }
-    return rc;
+    return status;
 }
 
 int pccd_config_set(struct pccd_client *client, const char *name, const char *value)
 {
     struct proto_CONFIG_SET_request request = {.name = ""};
-    int rc = check(client, "config.set", name != NULL && value != NULL);
+    int status = check(client, "config.set", name != NULL && value != NULL);
 
-    if (rc == 0) {
-        rc = put(client, request.name, name);
+    if (status == 0) {
+        status = put(client, request.name, name);
     }
-    if (rc == 0) {
-        rc = put(client, request.value, value);
+    if (status == 0) {
+        status = put(client, request.value, value);
     }
-    return rc == 0 ? call(client, PROTO_METHOD_CONFIG_SET, &request, NULL) : rc;
+    return status == 0 ? call(client, PROTO_METHOD_CONFIG_SET, &request, NULL) : status;
 }

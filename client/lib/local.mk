@@ -10,11 +10,17 @@ include_HEADERS += client/lib/pccd.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
+    client/lib/arrival.c \
+    client/lib/arrival.h \
     client/lib/attach.c \
     client/lib/attach.h \
     client/lib/boxes.c \
+    client/lib/call.h \
     client/lib/client.c \
     client/lib/client.h \
+    client/lib/connect.c \
+    client/lib/connection.c \
+    client/lib/connection.h \
     client/lib/direct.c \
     client/lib/direct.h \
     client/lib/filter.c \
@@ -23,8 +29,6 @@ libclient_la_SOURCES = \
     client/lib/frame.c \
     client/lib/keep.c \
     client/lib/keep.h \
-    client/lib/kept_pairs.c \
-    client/lib/kept_pairs.h \
     client/lib/launch.c \
     client/lib/launch.h \
     client/lib/link.c \
@@ -34,19 +38,26 @@ libclient_la_SOURCES = \
     client/lib/mesh.h \
     client/lib/page.c \
     client/lib/page.h \
-    client/lib/place.c \
-    client/lib/place.h \
+    client/lib/positions.c \
+    client/lib/positions.h \
     client/lib/receive.c \
+    client/lib/receive.h \
     client/lib/record.c \
+    client/lib/record.h \
     client/lib/recorder.c \
     client/lib/recorder.h \
+    client/lib/recorder_events.c \
+    client/lib/recorder_events.h \
     client/lib/recorder_shared.c \
     client/lib/recorder_shared.h \
     client/lib/recorder_snapshot.c \
+    client/lib/recorder_snapshot.h \
     client/lib/recover.c \
     client/lib/recover.h \
     client/lib/restore.c \
     client/lib/restore.h \
+    client/lib/ring.c \
+    client/lib/ring.h \
     client/lib/rpc.c \
     client/lib/rpc.h \
     client/lib/scene.c \
@@ -55,13 +66,18 @@ libclient_la_SOURCES = \
     client/lib/stats.c \
     client/lib/step.c \
     client/lib/step.h \
+    client/lib/struct_size.c \
+    client/lib/struct_size.h \
+    client/lib/submit.c \
+    client/lib/submit.h \
     client/lib/trace.c \
     client/lib/watch.c \
     client/lib/watch.h
 libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
+    -iquote $(top_srcdir)/client/registry \
     -DCLI_DAEMON_PATH='"$(bindir)/pccdd"' -DCLI_LIBRARY_FOLDER='"$(libdir)"'
-libclient_la_LIBADD = librecord.la libproto.la
+libclient_la_LIBADD = libregistry.la librecord.la libproto.la
 
 libpccd_la_SOURCES =
 libpccd_la_LIBADD = libclient.la

@@ -6,18 +6,21 @@
  * Does not: check the data: the daemon does, once, on its own copy.
  * Threads:  [owner].
  */
+#include <assert.h>
 #include <string.h>
 
 #include "attach.h"
+#include "connection.h"
+#include "coordinates.h"
 #include "flight.h"
+#include "keep.h"
 #include "mesh.h"
 #include "page.h"
-#include "recorder.h"
+#include "recorder_events.h"
 #include "rpc.h"
 
 #define CHUNK_BYTES                                                                      \
     (1u << 20) /* of a slot at most: small enough to overlap copy and check */
-#define FIRST_BYTES_MAX (256u << 10)
 
 #define PART_VERTICES  0u
 #define PART_TRIANGLES 1u
@@ -32,11 +35,6 @@ struct upload {
     uint32_t count;
 };
 
-static size_t vertex_bytes(enum pccd_format format)
-{
-    return format == PCCD_FORMAT_F64 ? 3 * sizeof(double) : 3 * sizeof(float);
-}
-
 static int send_chunk(struct cli_flight *flight, const struct upload *upload,
                       uint32_t first, uint32_t count)
 {
@@ -47,21 +45,21 @@ static int send_chunk(struct cli_flight *flight, const struct upload *upload,
                                               .first = first,
                                               .count = count};
     uint32_t slot = 0;
-    int rc = cli_slot_begin(client, cli_deadline(client, -1), &slot);
+    int status = cli_slot_begin(client, cli_deadline(client, -1), &slot);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    memcpy(cli_slot_payload(client, slot),
+    memcpy(cli_slot_payload(&client->ring, slot),
            upload->source + (size_t)first * upload->item_bytes,
            (size_t)count * upload->item_bytes);
     request.slot = slot;
-    request.seq = cli_slot_publish(client, slot);
-    rc = cli_flight_send(flight, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
-    if (rc != 0) {
-        cli_slot_abort(client, slot);
+    request.seq = cli_slot_publish(&client->ring, slot);
+    status = cli_flight_send(flight, PROTO_METHOD_MESH_DATA, &request, slot, NULL);
+    if (status != 0) {
+        cli_slot_abort(&client->ring, slot);
     }
-    return rc;
+    return status;
 }
 
 static int send_array(struct cli_flight *flight, const struct upload *upload)
@@ -70,15 +68,16 @@ static int send_array(struct cli_flight *flight, const struct upload *upload)
     uint64_t slot_bytes =
         ring->slot_stride < CHUNK_BYTES ? ring->slot_stride : CHUNK_BYTES;
     uint32_t chunk = (uint32_t)(slot_bytes / upload->item_bytes);
-    int rc = 0;
+    int status = 0;
 
-    for (uint32_t first = 0; rc == 0 && first < upload->count;) {
+    assert(chunk > 0); /* or the upload would never end */
+    for (uint32_t first = 0; status == 0 && first < upload->count;) {
         uint32_t count = upload->count - first < chunk ? upload->count - first : chunk;
 
-        rc = send_chunk(flight, upload, first, count);
+        status = send_chunk(flight, upload, first, count);
         first += count;
     }
-    return rc;
+    return status;
 }
 
 /* Upload and commit a mesh that the daemon has announced. What has not arrived whole is
@@ -88,16 +87,16 @@ static int fill_mesh(struct pccd_client *client, const struct upload arrays[2],
 {
     struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
     struct cli_flight flight = {.client = client};
-    int rc = cli_flight_end(&flight, send_array(&flight, &arrays[0]));
+    int status = cli_flight_end(&flight, send_array(&flight, &arrays[0]));
 
-    if (rc == 0) {
-        rc = cli_flight_end(&flight, send_array(&flight, &arrays[1]));
+    if (status == 0) {
+        status = cli_flight_end(&flight, send_array(&flight, &arrays[1]));
     }
-    if (rc == 0) {
-        rc = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
-                           cli_deadline(client, -1));
+    if (status == 0) {
+        status = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
+                               cli_deadline(client, -1));
     }
-    return rc;
+    return status;
 }
 
 static void fill_info(struct pccd_mesh_info *info,
@@ -113,17 +112,21 @@ static void fill_info(struct pccd_mesh_info *info,
     info->build_ns = result->build_ns;
 }
 
-/* Slots for the first mesh: a large one is sent in few chunks, and its frames need larger
- * slots anyway. Who has chosen a size has chosen it. */
+/* Slots for the first mesh: a frame that moves it, or its triangles, whichever is more,
+ * so that its first frame finds slots that are large enough. Who has chosen a size has
+ * chosen it. */
 static uint64_t first_slot_bytes(const struct pccd_client *client,
+                                 enum pccd_format format, uint32_t vertex_count,
                                  uint32_t triangle_count)
 {
-    uint64_t bytes = (uint64_t)triangle_count * sizeof(uint32_t[3]);
+    uint64_t frame = pccd_frame_bytes(1, vertex_count * common_vertex_bytes(format));
+    uint64_t triangles = (uint64_t)triangle_count * sizeof(uint32_t[3]);
+    uint64_t bytes = frame > triangles ? frame : triangles;
 
     if (client->slot_bytes > 0) {
         return PROTO_SLOT_BYTES_MIN;
     }
-    return bytes < FIRST_BYTES_MAX ? bytes : FIRST_BYTES_MAX;
+    return bytes < CHUNK_BYTES ? bytes : CHUNK_BYTES;
 }
 
 /* The arguments of create and replace, and a ring to send them through. */
@@ -131,7 +134,7 @@ static int check_mesh(struct pccd_client *client, const void *x, enum pccd_forma
                       uint32_t vertex_count, const uint32_t (*triangles)[3],
                       uint32_t triangle_count)
 {
-    int rc;
+    int status;
 
     if (x == NULL || triangles == NULL || vertex_count == 0 || triangle_count == 0 ||
         (unsigned)format >= PCCD_FORMAT_COUNT) {
@@ -142,12 +145,13 @@ static int check_mesh(struct pccd_client *client, const void *x, enum pccd_forma
                         : triangle_count == 0 ? "no triangles"
                                               : "unknown format");
     }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, first_slot_bytes(client, triangle_count),
-                              cli_deadline(client, -1));
+    status = cli_alive(client);
+    if (status == 0 && client->ring.upload.base == NULL) {
+        status = cli_ring_reserve(
+            client, first_slot_bytes(client, format, vertex_count, triangle_count),
+            cli_deadline(client, -1));
     }
-    return rc;
+    return status;
 }
 
 /* Both arrays of a mesh. */
@@ -155,9 +159,12 @@ static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
                       uint32_t vertex_count, const uint32_t (*triangles)[3],
                       uint32_t triangle_count, struct upload arrays[2])
 {
-    arrays[0] = (struct upload){
-        mesh,        PART_VERTICES, (uint32_t)format, x, (uint32_t)vertex_bytes(format),
-        vertex_count};
+    arrays[0] = (struct upload){mesh,
+                                PART_VERTICES,
+                                (uint32_t)format,
+                                x,
+                                (uint32_t)common_vertex_bytes(format),
+                                vertex_count};
     arrays[1] = (struct upload){
         mesh,          PART_TRIANGLES, 0, (const uint8_t *)triangles, sizeof(uint32_t[3]),
         triangle_count};
@@ -172,26 +179,26 @@ static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_DESTROY_request destroy;
     char text[CLI_TEXT_BYTES];
-    int rc = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
-                           cli_deadline(client, -1));
+    int status = cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &request, &created,
+                               cli_deadline(client, -1));
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     arrays[0].mesh = arrays[1].mesh = created.mesh;
-    rc = fill_mesh(client, arrays, result);
-    if (rc == 0) {
+    status = fill_mesh(client, arrays, result);
+    if (status == 0) {
         return 0;
     }
     /* Nothing half-made stays in the daemon; what went wrong first is what counts. */
-    memcpy(text, client->error, sizeof(text));
+    memcpy(text, client->error, sizeof text);
     destroy.mesh = created.mesh;
     (void)cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &destroy, NULL,
                         cli_deadline(client, -1));
-    return cli_fail(client, rc, "%s", text);
+    return cli_fail(client, status, "%s", text);
 }
 
-int cli_mesh_send(struct cli_flight *flight, const struct cli_kept_mesh *copy,
+int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
                   uint32_t want, uint32_t *handle)
 {
     struct pccd_client *client = flight->client;
@@ -201,19 +208,19 @@ int cli_mesh_send(struct cli_flight *flight, const struct cli_kept_mesh *copy,
     struct proto_MESH_CREATE_result created = {.mesh = want};
     struct proto_MESH_COMMIT_request commit;
     struct upload arrays[2];
-    int rc = want != 0 ? cli_flight_send(flight, PROTO_METHOD_MESH_CREATE, &create,
-                                         CLI_SLOT_NONE, NULL)
-                       : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
-                                       &created, cli_deadline(client, -1));
+    int status = want != 0 ? cli_flight_send(flight, PROTO_METHOD_MESH_CREATE, &create,
+                                             CLI_SLOT_NONE, NULL)
+                           : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
+                                           &created, cli_deadline(client, -1));
 
     *handle = commit.mesh = created.mesh;
     arrays_of(created.mesh, copy->x, (enum pccd_format)copy->format, copy->vertex_count,
               (const uint32_t(*)[3])copy->triangles, copy->triangle_count, arrays);
-    rc = rc != 0 ? rc : send_array(flight, &arrays[0]);
-    rc = rc != 0 ? rc : send_array(flight, &arrays[1]);
-    return rc != 0 ? rc
-                   : cli_flight_send(flight, PROTO_METHOD_MESH_COMMIT, &commit,
-                                     CLI_SLOT_NONE, NULL);
+    status = status != 0 ? status : send_array(flight, &arrays[0]);
+    status = status != 0 ? status : send_array(flight, &arrays[1]);
+    return status != 0 ? status
+                       : cli_flight_send(flight, PROTO_METHOD_MESH_COMMIT, &commit,
+                                         CLI_SLOT_NONE, NULL);
 }
 
 /* Announce other contents for a mesh, upload and commit them. */
@@ -225,21 +232,21 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[2
                                                  .triangle_count = arrays[1].count};
     struct proto_MESH_REPLACE_result announced;
     char text[CLI_TEXT_BYTES];
-    int rc = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
-                           cli_deadline(client, -1));
+    int status = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
+                               cli_deadline(client, -1));
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = fill_mesh(client, arrays, result);
-    if (rc != 0) {
+    status = fill_mesh(client, arrays, result);
+    if (status != 0) {
         /* What was announced is forgotten; the mesh goes on as it was. */
-        memcpy(text, client->error, sizeof(text));
+        memcpy(text, client->error, sizeof text);
         request.vertex_count = 0;
         request.triangle_count = 0;
         (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
                             cli_deadline(client, -1));
-        return cli_fail(client, rc, "%s", text);
+        return cli_fail(client, status, "%s", text);
     }
     return 0;
 }
@@ -250,16 +257,16 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[2
 static int register_mesh(struct pccd_client *client, struct upload arrays[2],
                          uint32_t *mesh, struct pccd_mesh_info *info)
 {
-    struct cli_kept_mesh *copy = NULL;
+    struct registry_mesh *copy = NULL;
     struct proto_MESH_COMMIT_result result;
     uint64_t before;
     uint32_t want;
-    int rc;
+    int status;
 
+    assert(arrays[0].part == PART_VERTICES && arrays[1].part == PART_TRIANGLES);
     if (client->keeps) {
-        copy = cli_keep_copy(arrays[0].source, arrays[0].format, arrays[0].count,
-                             (const uint32_t(*)[3])(const void *)arrays[1].source,
-                             arrays[1].count);
+        copy = registry_mesh_copy(arrays[0].source, arrays[0].format, arrays[0].count,
+                                  arrays[1].source, arrays[1].count);
         if (copy == NULL) {
             return cli_fail(client, PCCD_E_NOMEM,
                             "no memory for a copy of the mesh (options.no_keep)");
@@ -269,17 +276,17 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
     client->link.uploads_ended = 0;
     do {
         before = client->link.told_anew;
-        rc = *mesh == 0 ? make_mesh(client, arrays, want, &result)
-                        : replace_mesh(client, arrays, &result);
-    } while (rc != 0 && !client->dead && client->link.told_anew != before &&
+        status = *mesh == 0 ? make_mesh(client, arrays, want, &result)
+                            : replace_mesh(client, arrays, &result);
+    } while (status != 0 && !client->dead && client->link.told_anew != before &&
              client->link.uploads_ended < client->link.daemons_max);
-    if (rc != 0 && client->link.uploads_ended >= client->link.daemons_max) {
-        rc = cli_fail(client, PCCD_E_DISCONNECTED,
-                      "mesh: daemon after daemon has ended before it was registered");
+    if (status != 0 && client->link.uploads_ended >= client->link.daemons_max) {
+        status = cli_fail(client, PCCD_E_DISCONNECTED,
+                          "mesh: daemon after daemon has ended before it was registered");
     }
-    if (rc != 0) {
-        cli_keep_copy_free(copy);
-        return rc;
+    if (status != 0) {
+        registry_mesh_free(copy);
+        return status;
     }
     *mesh = arrays[0].mesh;
     if (copy != NULL) {
@@ -299,7 +306,7 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
 {
     struct upload arrays[2];
     uint32_t made = 0;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -307,16 +314,16 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
     if (mesh == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "mesh: mesh is NULL");
     }
-    rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
-    if (rc != 0) {
-        return rc;
+    status = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
+    if (status != 0) {
+        return status;
     }
     arrays_of(0, x, format, vertex_count, triangles, triangle_count, arrays);
-    rc = register_mesh(client, arrays, &made, info);
-    if (rc == 0) {
+    status = register_mesh(client, arrays, &made, info);
+    if (status == 0) {
         *mesh = made;
     }
-    return rc;
+    return status;
 }
 
 int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
@@ -325,14 +332,14 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       struct pccd_mesh_info *info)
 {
     struct upload arrays[2];
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
-    if (rc != 0) {
-        return rc;
+    status = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
+    if (status != 0) {
+        return status;
     }
     if (mesh == 0) {
         return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");
@@ -349,20 +356,21 @@ static int fetch_edges(struct pccd_client *client, uint32_t mesh, uint32_t first
         .mesh = mesh, .first = first, .count = count};
     struct proto_MESH_EDGES_result result;
     uint64_t page;
-    int rc = cli_call_page(client, PROTO_METHOD_MESH_EDGES, &request, &result,
-                           cli_deadline(client, -1), &page);
+    int status = cli_call_page(client, PROTO_METHOD_MESH_EDGES, &request, &result,
+                               cli_deadline(client, -1), &page);
 
-    if (rc == 0 && (result.count == 0 || result.count > count)) {
-        rc = cli_fail(client, PCCD_E_BUSY,
-                      "mesh.edges: no room in the result region: release answers first");
+    if (status == 0 && (result.count == 0 || result.count > count)) {
+        status =
+            cli_fail(client, PCCD_E_BUSY,
+                     "mesh.edges: no room in the result region: release answers first");
     }
-    if (rc == 0) {
+    if (status == 0) {
         memcpy(edges, cli_page_base(client, page) + result.offset,
-               result.count * sizeof(*edges));
+               result.count * sizeof *edges);
         *fetched = result.count;
     }
     cli_page_release(client, page);
-    return rc;
+    return status;
 }
 
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
@@ -370,7 +378,7 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
 {
     uint32_t got = 0;
     uint32_t fetched = 0;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -378,15 +386,12 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
     if (edges == NULL && edge_count > 0) {
         return cli_fail(client, PCCD_E_INVAL, "mesh.edges: edges is NULL");
     }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    }
-    for (; rc == 0 && got < edge_count; got += fetched) {
+    status = cli_ring_ensure(client);
+    for (; status == 0 && got < edge_count; got += fetched) {
         fetched = 0;
-        rc = fetch_edges(client, mesh, got, edge_count - got, edges + got, &fetched);
+        status = fetch_edges(client, mesh, got, edge_count - got, edges + got, &fetched);
     }
-    return rc;
+    return status;
 }
 
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh)

@@ -1,19 +1,19 @@
-/* mesh.h - the upload of a mesh.
+/* mesh.h - uploads a mesh to the daemon.
  *
- * Room:     client/lib, private. May include: flight.h, keep.h.
- * Does:     what restore.c needs of mesh.c.
+ * Room:     client/lib, private. May include: client.h, flight.h.
+ * Does:     declare what restore.c needs of mesh.c.
  * Threads:  [owner].
  */
 #ifndef CLI_MESH_H
 #define CLI_MESH_H
 
+#include "client.h"
 #include "flight.h"
-#include "keep.h"
 
 /* Send all that announces, uploads and commits a mesh with the arrays of `copy`, under
  * the handle `want`, or under any when that is 0: then the announcement alone is waited
  * for. */
-int cli_mesh_send(struct cli_flight *flight, const struct cli_kept_mesh *copy,
+int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
                   uint32_t want, uint32_t *handle);
 
 #endif

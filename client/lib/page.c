@@ -1,6 +1,6 @@
 /* page.c - pages of records in the result region.
  *
- * Room:     client/lib. May include: page.h, rpc.h.
+ * Room:     client/lib. May include: page.h.
  * Does:     a ring of unreleased pages. The daemon writes pages one after the other and
  *           its replies keep their order, so the region is free up to the first page
  *           that is still held; result_head says how far.
@@ -9,12 +9,13 @@
  */
 #include "page.h"
 
+#include <assert.h>
 #include <stdlib.h>
-
-#include "rpc.h"
 
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {
+    /* A page that is released may be another one's entry already. */
+    assert(serial >= client->page_first && serial < client->page_end);
     return client->pages[serial % CLI_PAGES].base;
 }
 
@@ -34,7 +35,7 @@ void cli_page_retire(struct pccd_client *client, struct proto_memory *result)
 {
     struct cli_retired **last = &client->retired;
     struct cli_retired *made =
-        cli_page_count(client) > 0 && result->base != NULL ? malloc(sizeof(*made)) : NULL;
+        cli_page_count(client) > 0 && result->base != NULL ? malloc(sizeof *made) : NULL;
 
     if (cli_page_count(client) == 0 || result->base == NULL) {
         proto_memory_deinit(result);
@@ -60,6 +61,8 @@ void cli_page_deinit(struct pccd_client *client)
 
 uint32_t cli_page_count(const struct pccd_client *client)
 {
+    assert(client->page_first <= client->page_end);
+    assert(client->page_end - client->page_first <= CLI_PAGES);
     return (uint32_t)(client->page_end - client->page_first);
 }
 
@@ -96,6 +99,7 @@ int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
     client->pages[client->page_end % CLI_PAGES] =
         (struct cli_page){release, client->ring.result.base, false};
     *serial = client->page_end++;
+    proto_memory_touch(&client->ring.result, offset + count * record_bytes);
     return 0;
 }
 

@@ -1,8 +1,8 @@
-/* page.h - pages of records in the result region.
+/* page.h - the pages of records that the user has not released yet.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     keep the pages that came and give them back in the order they came, in
- *           whatever order the user releases them.
+ * Does:     keep the pages and give them back to the daemon in the order in which they
+ *           came, whatever the order in which the user releases them.
  * Threads:  [owner].
  */
 #ifndef CLI_PAGE_H

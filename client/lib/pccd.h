@@ -1,4 +1,8 @@
-/* pccd.h - continuous collision detection of deforming triangle meshes, as a service.
+/* pccd.h - find every collision between moving triangle meshes: the whole library.
+ *
+ * You give the positions of all vertices at the beginning and at the end of a time step.
+ * The answer says which vertices hit which faces and which edges hit which edges, when,
+ * and where. A daemon, pccdd, computes it; with the url direct: this process does.
  *
  * Room:     client/lib; installed. May include: pccd_*.h. Compiles as C++.
  * Does:     connect to pccdd (or start a private one), register meshes, place them in
@@ -9,10 +13,13 @@
  *           url direct: has those that compute a step. In a forked copy of the process
  *           every call with a client but pccd_close is E_DISCONNECTED.
  *
+ * More than 200 lines: one header is the whole library, to be read from top to bottom.
+ * More than 600 lines: likewise.
+ *
  * Every function that returns int returns 0 (PCCD_OK) or a negative status of
  * enum pccd_status, and leaves its outputs untouched on failure unless it says otherwise.
- * pccd_error_text() then says what was wrong, with names and numbers. Nothing blocks for
- * ever: every call that waits keeps the client's default timeout.
+ * pccd_error_text() then says what was wrong, with names and numbers. Every call that
+ * waits ends after the client's default timeout at the latest.
  *
  *     struct pccd_client *client;
  *     pccd_connect(NULL, &client);
@@ -22,7 +29,7 @@
  *                      triangle_count, &mesh, NULL);
  *     pccd_scene_add(client, scene, mesh, &object);
  *     for (each step) {
- *         struct pccd_answer answer;
+ *         struct pccd_answer answer = PCCD_ANSWER_INIT;
  *         pccd_step_x1(client, scene, object, x1, PCCD_FORMAT_F32, vertex_count, NULL,
  *                      &answer);
  *         use(answer.contacts, answer.count);
@@ -61,8 +68,9 @@ struct pccd_client;
 const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
-/* What was wrong with the last call on this client that failed; "" when none did. With a
- * NULL client: of the last pccd_connect of this thread. Valid until the next call. */
+/* A sentence that says why the last call failed that failed on this client; "" when none
+ * has. With a NULL client it is about the last pccd_connect of this thread. Valid until
+ * the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
 /* "0.1.0" of the library in use. [any thread] */
@@ -81,7 +89,8 @@ struct pccd_options {
     bool no_autostart;     /* never start a daemon */
     bool private_daemon;   /* start one of our own on a socket of our own, gone with us;
                               $PCCD_URL counts only if it is direct:, which is private */
-    uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4 */
+    uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4; from the third on they
+                              get memory when they are first used */
     uint64_t slot_bytes;   /* payload of one slot; 0 = grown to what is needed */
     uint64_t result_bytes; /* of answers, at most; taken as needed; 0 = 64 MiB */
     uint32_t spin_us;      /* spin before blocking, 0 .. 1000; the default, when
@@ -91,6 +100,12 @@ struct pccd_options {
     bool no_keep;          /* keep no copies for another daemon: saves their memory */
     int daemons_max;       /* a request over which so many daemons have ended fails;
                               0 = 4; negative: the next one gets it, whatever it does */
+    /* For languages that hand out arrays in the library's memory and cannot take them
+     * back: called with memory of frames and answers in the place of munmap, by any
+     * function that has a client, pccd_close included. It has to see to munmap(memory,
+     * bytes) when nobody looks there any more. NULL: the library does it at once. */
+    void (*unmap)(void *context, void *memory, size_t bytes);
+    void *unmap_context;
 };
 
 /* Options with every default filled in. */
@@ -104,21 +119,22 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
 /* Close and free, here and in the daemon; NULL is allowed. */
 void pccd_close(struct pccd_client *client);
 
-/* The socket, to watch for readability in a loop of one's own while pccd_poll has
- * E_AGAIN (other calls take answers in, too). With direct: a descriptor made by the first
- * call, or -1 when there is none to be had. */
+/* The socket, for an event loop of your own. Call pccd_poll until it returns E_AGAIN,
+ * then wait until the socket is readable; any other call may have taken answers in,
+ * too. With direct: it is a descriptor that the first call makes, or -1 when none can
+ * be had. */
 int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,
  * hashes and errors. It needs libpccd-direct.so.0 beside libpccd, or where the loader
  * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); others do not load
- * it. What is otherwise than with a daemon:
+ * it. These things differ from a daemon:
  * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
  *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
- *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late, but for
- *   a frame that is held: when its deadline has come, pccd_fd of every client is
- *   readable, and pccd_poll of any sees to it. Who wants steps beside the frame gives the
- *   client to a thread of its own.
+ *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. A frame
+ *   that is held can still be cancelled; when its deadline has come, pccd_fd of every
+ *   client is readable, and pccd_poll of any of them answers it. To compute steps while
+ *   your program draws, give the client to a thread of its own.
  * - The team is settings.threads - 1 further threads, of $OMP_NUM_THREADS or the
  *   processors at hand in all; with 1 there is none. They keep off the processor that
  *   the calling thread is on, which is left as it is. OpenMP's environment is the
@@ -130,24 +146,29 @@ int pccd_fd(const struct pccd_client *client);
  * - A forked copy of the process cannot compute: E_DISCONNECTED, and E_STATE for another
  *   pccd_connect. */
 
-/* When the connection is lost the library makes another one, and every call just takes
- * longer: to the same daemon, where the session goes on, or to the next one (started by
- * `pccdd --supervise`, by systemd, or by the library where it started the first), which
- * is told again what this client had: meshes, scenes, objects under their old handles,
- * what they may meet, and where they were. Steps without an answer are submitted again;
- * each is answered once, with the same bytes. A step's deadline_ns begins anew then.
- * After reconnect_ms in vain, every call fails with E_DISCONNECTED; so does a single
- * request, and nothing else, over which daemons_max daemons have ended. What does not
- * come back: further pages of an answer that the lost daemon gave (pccd_fetch: E_STATE)
- * and recordings. A call may take longer than its timeout while another daemon is told.
- * Handles that are given afterwards may be others than the lost daemon would have given.
- *
- * For this the library keeps a copy of every mesh (12 or 24 bytes a vertex, 12 a
- * triangle) and up to 24 bytes for each vertex of an object that has moved; with
- * options.no_keep neither, and only a session that still exists goes on. While the
- * connection is lost pccd_fd reads as ready; pccd_poll then tries, and does not wait. The
- * number of the descriptor stays, but epoll must be told again, when `reconnects` has
- * changed. */
+/* When the connection is lost, the library makes another one, and every call just takes
+ * longer. For example, the daemon crashes while pccd_wait waits: pccd_wait returns the
+ * answer some milliseconds later. What happens meanwhile:
+ * 1. The library connects again. If the same daemon still runs, the session goes on.
+ * 2. Otherwise it tells the next daemon what this client had: meshes, scenes, objects
+ *    under their old handles, what they may meet, and where they were. The next daemon is
+ *    started by `pccdd --supervise`, by systemd, or by the library where it started the
+ *    first.
+ * 3. Steps without an answer are submitted again; each is answered once, with the same
+ *    bytes. A step's deadline_ns begins again then.
+ * What to know:
+ * - After reconnect_ms without success every call fails with E_DISCONNECTED. A request
+ *   during which daemons_max daemons have ended fails so too, by itself.
+ * - Further pages of an answer that the lost daemon gave do not come back (pccd_fetch:
+ *   E_STATE), nor do recordings of the daemon's threads.
+ * - A call may take longer than its timeout while another daemon is told.
+ * - Handles that are given later may differ from those of the lost daemon.
+ * - The library keeps a copy of every mesh for this (12 or 24 bytes a vertex, 12 a
+ *   triangle), and up to 24 bytes for each vertex of an object that has moved. With
+ *   options.no_keep it keeps neither, and goes on only with a session that still exists.
+ * - While the connection is lost, pccd_fd reads as ready; pccd_poll then tries, and does
+ *   not wait. The number of the descriptor stays, but epoll must be told again when
+ *   `reconnects` has changed. */
 struct pccd_link_info {
     uint64_t reconnects; /* connections made after one was lost */
     uint64_t resumed;    /* of these, to the same session; the others were told anew */
@@ -179,9 +200,10 @@ int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
 /* The same for one thread, 0 .. threads-1, of the last step: what it did, and what the
  * step took. The first counter is `threads`; 0: there was no step yet (thread must be 0
  * then). `number` changes with every step. `any`: of the daemon's last step, not of this
- * client's, for root and the daemon's own user (E_ACCESS). */
+ * client's, for root and the daemon's own user (E_ACCESS). `tuning` may be NULL: how the
+ * step's threads shared its work, as in struct pccd_answer. */
 int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
-                      pccd_stat_fn each, void *context);
+                      pccd_stat_fn each, void *context, char tuning[PCCD_TUNING_BYTES]);
 
 /* ---- what a daemon tells about itself and its clients ------------------------------ */
 
@@ -225,12 +247,12 @@ int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_f
  * (E_ACCESS). E_INVAL: no such setting or value. */
 int pccd_config_set(struct pccd_client *client, const char *name, const char *value);
 
-/* Be told of every step that is answered from now on: of a session (E_HANDLE), its number
- * 0: of all, which is for root and the daemon's own user (E_ACCESS); of one scene of it,
- * 0: of all. Nothing waits for a client that does not take them: steps that had no room
- * are counted in the next event's `lost`. Another call replaces the choice. When another
- * daemon takes the place of one that was lost, it is asked again; session numbers are
- * others then. */
+/* Ask to be told of every step that is answered from now on. `session`: of this session
+ * (E_HANDLE: there is none); 0: of all sessions, for root and the daemon's own user only
+ * (E_ACCESS). `scene`: of this scene of the session; 0: of all. Nothing waits for a
+ * client that does not take the events: steps that had no room are counted in `lost` of
+ * the next event. Another call replaces the choice. When another daemon takes the place
+ * of one that was lost, the library asks it likewise; session numbers differ then. */
 int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene);
 /* The next step; timeout_ms < 0: the client's default. E_TIMEOUT; with 0: E_AGAIN. */
 int pccd_watch_next(struct pccd_client *client, int timeout_ms,
@@ -257,12 +279,12 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
                      uint32_t triangle_count, uint32_t *mesh,
                      struct pccd_mesh_info *info);
-/* Give a mesh other vertices and triangles, as when a body breaks: the handle stays, and
- * every object made of it, in any scene of this client, takes the new ones at the
- * positions given here. The mesh and its objects go on as they were until all has
- * arrived, and for good when this fails: E_QUOTA and E_NOMEM too (old and new are held at
- * once), E_BUSY, and the errors of pccd_mesh_create. Steps submitted before are computed
- * with the old vertices; edges and feature numbers of the old mesh mean nothing later. */
+/* Replace the vertices and triangles of a mesh, as when a body breaks. The handle stays.
+ * Every object made of the mesh, in any scene of this client, gets the new shape at the
+ * positions given here. Steps submitted before are computed with the old shape. Edges and
+ * feature numbers of the old shape mean nothing later. When the call fails, the mesh and
+ * its objects stay as they were. Errors: those of pccd_mesh_create, E_BUSY, E_QUOTA and
+ * E_NOMEM (old and new are held at the same time). */
 int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       enum pccd_format format, uint32_t vertex_count,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
@@ -278,7 +300,7 @@ int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
 struct pccd_scene_settings {
     enum pccd_quality quality;      /* 0 = median */
     uint32_t rebuild_triangles_max; /* a subtree of up to so many is built anew at once;
-                                       larger ones aside, a share a step; 0 = 1024 */
+                                       larger ones in the background; 0 = 1024 */
     double rebuild_ratio;  /* a subtree is built anew when the volume of its box is less
                              than so much of its two halves', which overlap then;
                              up to 1; 0 = 0.9; negative: never */
@@ -301,24 +323,29 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
                    uint32_t *object);
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object);
 
-/* The boxes of a level of a scene's hierarchies, the root being level 0, as the last step
- * that used the tree left them (answer.method says which one did): up to `room` of them
- * to `boxes`, which may be NULL with room 0. *count: how many the level has; 0: there is
- * no such level, or no step has used the tree since objects came or went. Errors:
+/* Copy the boxes of one level of a scene's hierarchies (the root is level 0), as the last
+ * step left them that used the tree (answer.method says which one). Up to `room` boxes go
+ * to `boxes`, which may be NULL with room 0. *count gets the number of boxes of the
+ * level; 0: there is no such level, or no step has used the tree since objects came or
+ * went. Errors:
  * E_HANDLE, E_INVAL, E_BUSY (release answers first), E_NOMETHOD (an older daemon). */
 int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree tree,
                      uint32_t level, struct pccd_box *boxes, uint32_t room,
                      uint32_t *count);
 
-/* Scenes that clients share; each user's have names of their own. Whoever makes one says
- * who else may take part, by user and groups of their processes: to read, which is to
- * know of its steps and fetch their answers, or also to write: add objects, step. An
- * object is moved and removed by the client that added it alone, and goes with it; the
- * scene goes with the last client. Steps of one client move its own objects, others
- * stand still: to move objects of several clients over the same time, all but one submit
- * frames with `hold` (struct pccd_step_settings), which wait for a step of the scene, go
- * along with it, and are answered with its numbers. After a crash of the daemon each
- * client brings its own objects back. */
+/* Scenes that clients share. For example, one process moves a cloth and another one the
+ * body that wears it.
+ * - A scene has a name. Names belong to their user: two users may each have an "arena".
+ * - The client that makes a scene says who else may take part, by user and groups of
+ *   their processes: to read, which is to know of its steps and fetch their answers; or
+ *   also to write, which is to add objects and to step.
+ * - Only the client that added an object moves and removes it; the object goes when that
+ *   client goes. The scene goes with the last client.
+ * - A step moves the objects of the client that submits it; all others stand still. To
+ *   move objects of several clients over the same time, all but one submit frames with
+ *   `hold` (struct pccd_step_settings). Such a frame waits for a step of the scene, goes
+ *   along with it, and is answered with its numbers.
+ * - After a crash of the daemon each client brings its own objects back. */
 struct pccd_scene_news {
     uint64_t number; /* of the step among those of the scene, from 1 */
     enum pccd_mode mode;
@@ -332,11 +359,11 @@ struct pccd_scene_news {
  * is tested against itself if its self_collision is on. At first group is 1, mask all
  * bits, self_collision on. It stays with the object when its mesh is replaced. */
 struct pccd_object_settings {
-    size_t struct_bytes;  /* sizeof(struct pccd_object_settings); 0 reads as that */
-    uint32_t what;        /* which of these to set: bits of enum pccd_object_what */
-    bool self_collision;  /* PCCD_OBJECT_SELF */
-    uint64_t group;       /* PCCD_OBJECT_GROUP: the groups that it is in */
-    uint64_t mask;        /* PCCD_OBJECT_MASK: the groups that it may meet */
+    size_t struct_bytes; /* sizeof(struct pccd_object_settings); 0 reads as that */
+    uint32_t what;       /* which of these to set: bits of enum pccd_object_what */
+    bool self_collision; /* PCCD_OBJECT_SELF */
+    uint64_t group;      /* PCCD_OBJECT_GROUP: the groups that it is in */
+    uint64_t mask;       /* PCCD_OBJECT_MASK: the groups that it may meet */
 };
 
 /* Set what settings->what names, for steps that are submitted from now on. Errors:
@@ -346,15 +373,33 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
 /* All of them as they are; struct_bytes is not looked at, and stays. */
 int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
                     struct pccd_object_settings *settings);
-/* Have two objects ignore each other, or not any more; as often as you like. Removing
- * either ends it. Errors as above; E_LIMIT: 262144 pairs of a scene do already. In a
- * scene that is shared E_ACCESS: neither is this client's (above: it is not). Another
- * daemon is not told of pairs with another client's object, which comes back as a new
- * one. */
+/* Make two objects ignore each other, or (ignored = false) meet again. Asking twice is
+ * the same as once; removing either object ends it. Errors as above, and E_LIMIT: 262144
+ * pairs of the scene ignore each other already. In a shared scene E_ACCESS: neither
+ * object is this client's (pccd_object_set: the object is not). When another daemon takes
+ * the place of one that was lost, it is not told of pairs with another client's object,
+ * because that comes back as a new object. */
 int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object_a,
                      uint32_t object_b, bool ignored);
 
 /* ---- steps ------------------------------------------------------------------------- */
+
+/* How the threads of a step share its work is tuned by a text such as
+ *
+ *     scheduler=paper,high-level=disjoint,refit=paper
+ *
+ * in which any of these three may stand, once each; the first value is the default:
+ *
+ *     scheduler=steal|paper            threads steal work from each other, or the paper's
+ *                                      dynamic assignment, then high-level nodes
+ *     high-level=round-robin|disjoint  the paper's scheduler: pairs of such a node are
+ *                                      dealt out, or only pairs without a common node are
+ *                                      searched at a time
+ *     refit=even|paper                 many small subtrees, taken on demand, or two a
+ *                                      thread
+ *
+ * It never changes the answer. A text that is wrong makes the step fail (E_INVAL), and
+ * pccd_error_text names what is wrong in it. */
 
 /* Motion is linear: in a step every vertex goes straight from its start to its end with
  * constant speed, also where transforms are given. So a point that turns, at a distance
@@ -364,42 +409,37 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  * degrees in one step is up to 29 cm off, and passes what is there without a contact; 18
  * steps keep it within 1 mm. */
 struct pccd_step_settings {
+    size_t struct_bytes;     /* sizeof(struct pccd_step_settings), so that it may grow: a
+                                later library reads what it does not reach as 0; 0 reads
+                                as that of 0.1 */
     enum pccd_mode mode;     /* 0 = all */
     enum pccd_method method; /* 0 = the daemon's default */
     uint32_t threads;        /* at most; 0 = the daemon decides. The answer never depends
                                 on it */
-    enum pccd_scheduler scheduler;   /* how threads share the work; 0 = the daemon's */
-    enum pccd_high_level high_level; /* default, as the next one */
-    enum pccd_refit refit;
-    double tolerance;     /* bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6 */
-    uint64_t deadline_ns; /* after it the answer is incomplete; 0 = none */
-    bool hold;            /* in a shared scene: move with the next step of another
+    const char *tuning;      /* how the threads share the work (above); NULL or "": the
+                                daemon decides */
+    double tolerance;        /* bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6 */
+    uint64_t deadline_ns;    /* after it the answer is incomplete; 0 = none */
+    bool hold;               /* in a shared scene: move with the next step of another
                              client. One frame of a client and scene waits at a time
                              (E_BUSY). Answered by that step, without records, which
                              pccd_scene_read has; or at its deadline, or cancelled: then
                              it goes along nevertheless */
 };
 
-/* Nanoseconds. `low` and `high` divide traversal + tests between low-level and high-level
- * nodes; `rebuild` is the reconstruction in it, the sum over all threads. */
-struct pccd_step_times {
-    uint64_t queue, ingest, refit, traversal, tests, merge, step, low, high, rebuild;
-};
-
-/* rebuilds: subtrees built anew during the traversal; swaps: large ones, built aside over
- * several steps, that were put in place; both with the triangles in them. candidates:
- * pairs whose feature boxes overlap; the method wide may leave out those that no time
- * brings together, except in mode pairs. */
-struct pccd_step_counters {
-    uint64_t task_units, box_tests, leaf_pairs, candidates_vf, candidates_ee, survivors,
-        exact, builds, allocs, rebuilds, rebuilt_triangles, swaps, swapped_triangles;
-};
+/* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
+#define PCCD_STEP_SETTINGS_INIT                                                          \
+    {                                                                                    \
+        .struct_bytes = sizeof(struct pccd_step_settings)                                \
+    }
 
 /* The answer to one step. `contacts` (or `pairs`) lie in memory that the daemon shares:
  * read-only, valid until pccd_answer_release. */
 struct pccd_answer {
-    uint64_t step; /* as returned by pccd_submit */
-    int status;    /* 0, or why the step failed: then nothing else is set
+    size_t struct_bytes; /* sizeof(struct pccd_answer), set before a call, as
+                                       PCCD_ANSWER_INIT does; 0 reads as that */
+    uint64_t step;       /* as returned by pccd_submit */
+    int status;          /* 0, or why the step failed: then nothing else is set
                                        and positions are as before; pccd_error_text says
                                        more */
     enum pccd_mode mode;
@@ -410,25 +450,33 @@ struct pccd_answer {
     const struct pccd_pair *pairs;       /* [count]; NULL in other modes or without any */
     uint64_t count;                      /* records of this page */
     uint64_t first;                      /* index of the page's first record */
-    uint64_t cursor; /* next page begins here; = total on the last page */
-    uint64_t total;  /* records of the whole answer */
-    uint64_t vf, ee, possible, initial;
+    uint64_t cursor;                 /* next page begins here; = total on the last page */
+    uint64_t total;                  /* records of the whole answer */
+    uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
+    uint64_t possible, initial;
     double toi_first; /* smallest toi; 2 without any record, in modes any and pairs */
-    uint64_t hash[2]; /* XXH3-128 over all records: high, low */
+    uint64_t hash[2]; /* of all records, version PCCD_HASH_VERSION: high, low */
     uint64_t number;  /* of the step among all of its scene, from 1 */
     uint32_t threads;
-    enum pccd_scheduler scheduler;   /* what was used; 0: one thread had nothing to */
-    enum pccd_high_level high_level; /* share, or there was no such phase */
-    enum pccd_refit refit;
+    char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;
     struct pccd_step_counters counters;
     uint64_t reserved[2]; /* the library's */
 };
 
-/* The last step that another client has made in a shared scene; steps may be left out,
- * the last never is. Waits for one that has not been told yet, up to timeout_ms; < 0: the
- * client's default; 0: does not wait. pccd_fd is readable when there may be one. Errors:
- * E_AGAIN (timeout_ms = 0), E_TIMEOUT. */
+/* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;
+ * in C++: pccd_answer answer{};
+ * A library that is newer than the program fills in what the program knows of, and one
+ * that is older leaves the rest 0. E_INVAL: no library has an answer of so many bytes. */
+#define PCCD_ANSWER_INIT                                                                 \
+    {                                                                                    \
+        .struct_bytes = sizeof(struct pccd_answer)                                       \
+    }
+
+/* Wait for news of a step that another client has made in a shared scene. Steps may be
+ * left out, but never the last one. timeout_ms < 0: the client's default; 0: do not wait.
+ * pccd_fd is readable when there may be news. Errors: E_AGAIN (timeout_ms = 0),
+ * E_TIMEOUT. */
 int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
                     struct pccd_scene_news *news);
 /* A page of the answer to step `number` of a shared scene, whoever made it, while it is
@@ -449,13 +497,13 @@ struct pccd_frame {
 /* Bytes of slot payload that `segment_max` segments with `payload_bytes` of data need. */
 uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes);
 
-/* Take a free slot for a step of up to segment_max segments and payload_bytes of
- * positions: 12 (F32) or 24 (F64) bytes a vertex, twice that for both ends, 192 for a
- * rigid segment; the rounding of each range up to 8 bytes is the library's affair. Grows
- * the ring when nothing is in flight and the slot is too small. Waits for a slot to come
- * back when all are in flight, up to the timeout. Errors: E_BUSY (all slots are begun; 32
- * answers wait to be taken; the ring must grow while answers with records are held),
- * E_LIMIT, E_QUOTA, E_TIMEOUT. */
+/* Begin a frame: take a free slot for a step of up to segment_max segments and
+ * payload_bytes of positions. Count 12 (F32) or 24 (F64) bytes a vertex, twice that for
+ * both ends, and 192 for a rigid segment; the library adds the rounding of each range
+ * up to 8 bytes. If the slot is too small, the ring grows, when nothing is in flight.
+ * If all slots are in flight, the call waits for one, up to the timeout. Errors: E_BUSY
+ * (all slots are begun; 32 answers wait to be taken; the ring must grow while frames
+ * are begun), E_LIMIT, E_QUOTA, E_TIMEOUT. */
 int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
                      uint64_t payload_bytes, struct pccd_frame *frame);
 /* Add a segment and get the memory to write its positions to: packed [count][3] of
@@ -476,6 +524,22 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
 /* Give the slot back unsent. */
 void pccd_frame_abort(struct pccd_frame *frame);
 
+/* What moves in a step: `count` vertices of an object, from `first`, in one of three
+ * ways: to x1 from where the last step ended; from x0 to x1; or by transforms m0 and m1
+ * at both ends, as pccd_frame_rigid says. What a way does not need is NULL. */
+struct pccd_motion {
+    uint32_t object;
+    uint32_t first, count;
+    enum pccd_format format; /* of x0 and x1 */
+    const void *x0, *x1;     /* [count][3] */
+    const double *m0, *m1;   /* [12] */
+};
+
+/* Begin, copy and commit in one, for any number of objects. The arrays may change as soon
+ * as it returns. Errors: those of the three; E_INVAL: a motion in no way, or in two. */
+int pccd_submit(struct pccd_client *client, uint32_t scene,
+                const struct pccd_motion *motions, uint32_t motion_count,
+                const struct pccd_step_settings *settings, uint64_t *step);
 /* A step in which nothing moves. */
 int pccd_submit_still(struct pccd_client *client, uint32_t scene,
                       const struct pccd_step_settings *settings, uint64_t *step);
@@ -487,14 +551,16 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer);
  * Returns the step's status: on failure of the step its code. */
 int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
               struct pccd_answer *answer);
-/* Wait until a frame that was committed with `hold` waits for another client's step: the
- * next step of the scene takes it along. 0 as well when it has been answered; it is to be
- * taken as ever. timeout_ms < 0: the client's default. Errors: E_AGAIN (timeout_ms = 0),
- * E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old to tell. */
+/* Wait until a frame that was committed with `hold` is ready: from then on the next
+ * step of the scene takes it along. Returns 0 also when it has been answered already;
+ * take the answer as usual. timeout_ms < 0: the client's default. Errors: E_AGAIN
+ * (timeout_ms = 0), E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old
+ * to tell. */
 int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
-/* The page that begins at `cursor`, of the answer to `step`, the last of `scene`. Release
- * the page at hand first when the region is full. E_STATE: the answer is gone: another
- * step has run, or an object was removed or got another shape since. */
+/* Get the page of the answer to `step`, the last step of `scene`, that begins at
+ * `cursor`. Release the page before first when the region is full. E_STATE: the answer
+ * is gone, because another step has run, or an object was removed or got another shape
+ * since. */
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer);
 /* Give the records back. Pages may be released in any order. Safe on an answer without
@@ -502,10 +568,17 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer);
 /* Stop a submitted step: unless it is done, its answer is incomplete: CANCELLED. */
 int pccd_cancel(struct pccd_client *client, uint64_t step);
+/* Give up the answer to `step`: the step is stopped if that is still possible, and its
+ * answer is dropped. Does not wait; a step that is not pending is left alone. */
+void pccd_abandon(struct pccd_client *client, uint64_t step);
 
-/* Begin, copy, commit and wait in one: one object, its first vertex_count vertices (the
- * others stand still; E_SEGMENT: it has not so many). On failure either answer->status
- * says so or the answer is untouched; a step that timed out is cancelled. */
+/* pccd_submit and wait in one. On failure either answer->status says so or the answer is
+ * untouched; a step that timed out is abandoned. */
+int pccd_step(struct pccd_client *client, uint32_t scene,
+              const struct pccd_motion *motions, uint32_t motion_count,
+              const struct pccd_step_settings *settings, struct pccd_answer *answer);
+/* The same for one object, its first vertex_count vertices (the others stand still;
+ * E_SEGMENT: it has not so many). */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);
@@ -516,17 +589,20 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
 
 /* ---- recording a session ----------------------------------------------------------- */
 
-/* Everything that this client asks and is answered, in a file that `pccdctl replay` runs
- * again: what is registered now first, then the log. Each event is one write by the
- * thread that calls, so that a crash at any moment loses nothing before it; positions are
- * read out of the slot when the step has been sent. With $PCCD_RECORD=PATH in the
- * environment every client is recorded from the beginning, to PATH, PATH-2, ...;
- * $PCCD_RECORD_OPTIONS holds settings, as "max_bytes=N,segments=N,contacts=1,level=N".
- * What is done to a shared scene, by whomever, the daemon keeps (up to 128 MiB a scene,
+/* A recording is a file of everything that this client asks and is answered;
+ * `pccdctl replay` runs it again. It begins with what is registered now; the log follows.
+ * Each event is one write by the thread that calls, so a crash at any moment loses
+ * nothing before it. Positions are read out of the slot when the step has been sent.
+ *
+ * No call is needed with $PCCD_RECORD=PATH in the environment: every client is recorded
+ * from the beginning, to PATH, PATH-2, ...; $PCCD_RECORD_OPTIONS holds settings, as
+ * "max_bytes=N,segments=N,contacts=1,level=N".
+ *
+ * Shared scenes: the daemon keeps what anybody does to the scene (up to 128 MiB a scene,
  * charged as shared memory) until this client's next call fetches it. Such a recording
- * ends with E_LIMIT if that is not soon enough, with E_DISCONNECTED when another daemon
+ * ends with E_LIMIT if that call comes too late, with E_DISCONNECTED when another daemon
  * takes the place of a lost one, with E_VERSION where the daemon keeps nothing, and with
- * E_STATE where it is in several segments. */
+ * E_STATE where the recording is in several segments. */
 struct pccd_record_settings {
     uint64_t max_bytes; /* of all files; 0: no bound */
     uint32_t segments;  /* 0, 1: one file, which ends when it is full. 2 .. 64: so many,
@@ -558,8 +634,8 @@ int pccd_record_start(struct pccd_client *client, const char *path,
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info);
 /* End it, as pccd_close does. Returns info->status; `info` may be NULL. */
 int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
-/* The next scene, mesh or object that is made gets this handle, if nothing has it; else
- * E_HANDLE. For who repeats what a session did: handles stand in the records. */
+/* Give the next scene, mesh or object that is made this handle, if nothing has it; else
+ * E_HANDLE. This is for repeating what a session did, because records name handles. */
 int pccd_want(struct pccd_client *client, uint32_t handle);
 
 /* ---- recordings of the daemon's threads -------------------------------------------- */
@@ -568,7 +644,7 @@ struct pccd_trace_info {
     uint32_t threads;    /* of the team, whose events are kept */
     uint32_t events_max; /* kept of each, and of the loop */
     uint64_t events;     /* after the end: that can be read */
-    uint64_t lost;       /* older ones that newer ones have taken the place of */
+    uint64_t lost;       /* older ones that newer ones have overwritten */
 };
 
 /* Record what the daemon does, for all its clients: allowed to its own user and root

@@ -1,22 +1,21 @@
 /* receive.c - what the daemon says.
  *
- * Room:     client/lib. May include: rpc.h, keep.h, page.h, recorder.h, proto.
+ * Room:     client/lib. May include: receive.h, connection.h, direct.h, page.h, proto.
  * Does:     the only place that reads the socket. Replies come in any order and are
  *           matched by id.
  * Does not: know what the methods mean, but for the pages that some replies bring.
  * Threads:  [owner].
  */
+#include "receive.h"
+
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "connection.h"
 #include "direct.h"
-#include "keep.h"
 #include "page.h"
-#include "recorder.h"
-#include "rpc.h"
-#include "shared.h"
-#include "watch.h"
 
 /* The call that an answer is for. */
 static struct cli_call *find_call(struct pccd_client *client, uint32_t id)
@@ -37,10 +36,10 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
 {
     struct proto_FRAME_SUBMIT_result *answer = &call->answer;
-    int rc =
+    int status =
         proto_decode_body(envelope, &proto_messages[call->method].result, answer, error);
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     if (answer->count > 0 &&
         answer->record_bytes != (answer->mode == PCCD_MODE_PAIRS
@@ -53,67 +52,53 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
                         answer->release, &call->page);
 }
 
+/* Every result that brings a page. */
+union result {
+#define MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
+    PROTO_METHODS(MEMBER)
+#undef MEMBER
+};
+
+/* A result, and the page that it brings. */
+static int take_page(struct pccd_client *client, struct cli_call *call,
+                     const struct proto_envelope *envelope, struct proto_error *error)
+{
+    const struct proto_fields *fields = &proto_messages[call->method].result;
+    /* A journal is read by whoever records, also when nobody waits for it any more. */
+    void *to = call->method == PROTO_METHOD_SCENE_JOURNAL ? &call->journal : call->result;
+    union result result;
+    int status = proto_decode_body(envelope, fields, &result, error);
+    if (status == 0) {
+        const struct proto_page page = proto_page_of(call->method, &result);
+        status = cli_page_add(client, page.offset, page.count, page.record_bytes,
+                              page.release, &call->page);
+    }
+    if (status == 0 && to != NULL) {
+        memcpy(to, &result, fields->struct_bytes);
+    }
+    return status;
+}
+
 /* The result of a call, and the page that it brings. */
 static int take_result(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
 {
-    const struct proto_fields *fields = &proto_messages[call->method].result;
-    struct proto_MESH_EDGES_result edges;
-    struct proto_TRACE_DUMP_result dump;
-    struct proto_SCENE_BOXES_result boxes;
-    int rc;
+    const struct proto_message_info *info = &proto_messages[call->method];
+    int status;
 
-    switch (call->method) {
-    case PROTO_METHOD_FRAME_SUBMIT:
-    case PROTO_METHOD_FRAME_FETCH:
-        rc = take_answer(client, call, envelope, error);
-        break;
-    case PROTO_METHOD_MESH_EDGES:
-        rc = proto_decode_body(envelope, fields, &edges, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, edges.offset, edges.count, sizeof(struct pccd_edge),
-                              edges.release, &call->page);
-        }
-        if (rc == 0 && call->result != NULL) {
-            memcpy(call->result, &edges, sizeof(edges));
-        }
-        break;
-    case PROTO_METHOD_SCENE_JOURNAL:
-        rc = proto_decode_body(envelope, fields, &call->journal, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, call->journal.offset, call->journal.count, 1,
-                              call->journal.release, &call->page);
-        }
-        break;
-    case PROTO_METHOD_TRACE_DUMP:
-        rc = proto_decode_body(envelope, fields, &dump, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, dump.offset, dump.count,
-                              sizeof(struct pccd_trace_event), dump.release, &call->page);
-        }
-        if (rc == 0 && call->result != NULL) {
-            memcpy(call->result, &dump, sizeof(dump));
-        }
-        break;
-    case PROTO_METHOD_SCENE_BOXES:
-        rc = proto_decode_body(envelope, fields, &boxes, error);
-        if (rc == 0) {
-            rc = cli_page_add(client, boxes.offset, boxes.count, sizeof(struct pccd_box),
-                              boxes.release, &call->page);
-        }
-        if (rc == 0 && call->result != NULL) {
-            memcpy(call->result, &boxes, sizeof(boxes));
-        }
-        break;
-    default:
+    if ((info->flags & PROTO_F_HAS_PAGE) == 0) {
         return call->result != NULL
-                   ? proto_decode_body(envelope, fields, call->result, error)
+                   ? proto_decode_body(envelope, &info->result, call->result, error)
                    : 0;
     }
-    if (rc != 0 && error->text[0] == '\0') {
-        (void)proto_error_set(error, rc, "a page outside the result region");
+    status = call->method == PROTO_METHOD_FRAME_SUBMIT ||
+                     call->method == PROTO_METHOD_FRAME_FETCH
+                 ? take_answer(client, call, envelope, error)
+                 : take_page(client, call, envelope, error);
+    if (status != 0 && error->text[0] == '\0') {
+        (void)proto_error_set(error, status, "a page outside the result region");
     }
-    return rc;
+    return status;
 }
 
 /* An answer to nobody: when the daemon closes after it, its last words. */
@@ -124,7 +109,7 @@ static void take_last_words(struct pccd_client *client,
         return;
     }
     client->goaway = envelope->error.code;
-    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+    (void)snprintf(client->dead_text, sizeof client->dead_text,
                    "the daemon at %s says: %s", client->url, envelope->error.text);
 }
 
@@ -151,6 +136,9 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
     if (is_for_another_daemon(client, call, envelope)) {
         return;
     }
+    assert(call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST);
+    assert(call->slot == CLI_SLOT_NONE ||
+           client->ring.slots[call->slot].state == CLI_SLOT_SENT);
     if (call->slot != CLI_SLOT_NONE) {
         client->ring.slots[call->slot].state = CLI_SLOT_FREE;
     }
@@ -160,11 +148,10 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
     } else {
         call->status = take_result(client, call, envelope, &error);
     }
-    if (call->status == 0 && !call->recovery) {
-        cli_keep_answer(client, call);
-    }
-    if (client->recorder != NULL) {
-        cli_record_answer(client, call);
+    client->upcalls->answered(client, call);
+    if (call->slot != CLI_SLOT_NONE &&
+        client->ring.slots[call->slot].state == CLI_SLOT_FREE) {
+        cli_slot_offer(&client->ring, call->slot); /* it is not KEPT */
     }
     if (call->state == CLI_CALL_LOST) {
         cli_page_release(client, call->page);
@@ -176,7 +163,7 @@ static void take_reply(struct pccd_client *client, const struct proto_envelope *
         return;
     }
     text = envelope->failed ? envelope->error.text : error.text;
-    (void)snprintf(call->text, sizeof(call->text), "%s: %s",
+    (void)snprintf(call->text, sizeof call->text, "%s: %s",
                    proto_messages[call->method].name,
                    text[0] != '\0' ? text : proto_status_text(call->status));
 }
@@ -192,7 +179,7 @@ static void take_goaway(struct pccd_client *client, const struct proto_envelope 
     }
     client->goaway = goaway.code == 0 || goaway.code > INT32_MAX ? PCCD_E_DISCONNECTED
                                                                  : -(int)goaway.code;
-    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+    (void)snprintf(client->dead_text, sizeof client->dead_text,
                    "the daemon at %s says: %s", client->url,
                    goaway.text[0] != '\0' ? goaway.text
                                           : proto_status_text(client->goaway));
@@ -203,21 +190,17 @@ static void take_notification(struct pccd_client *client,
 {
     if (envelope->method == PROTO_NOTE_GOAWAY) {
         take_goaway(client, envelope);
-    } else if (envelope->method == PROTO_NOTE_SCENE_STEP) {
-        cli_shared_note(client, envelope);
-    } else if (envelope->method == PROTO_NOTE_SCENE_HELD) {
-        cli_shared_held(client, envelope);
-    } else if (envelope->method == PROTO_NOTE_STEP) {
-        cli_watch_take(client, envelope);
-    } /* else of a newer protocol */
+    } else {
+        client->upcalls->notified(client, envelope);
+    }
 }
 
 /* Nothing more comes, now or for ever. */
 static int lost(struct pccd_client *client, const char *why)
 {
-    int rc = cli_lose(client, why);
+    int status = cli_lose(client, why);
 
-    return client->link.is_down ? PCCD_E_AGAIN : rc;
+    return client->link.is_down ? PCCD_E_AGAIN : status;
 }
 
 /* From the socket. Only one answer brings descriptors. */
@@ -226,30 +209,30 @@ static int receive_message(struct pccd_client *client, bool waits, size_t *bytes
 {
     if (client->is_attaching) {
         return (waits ? proto_await : proto_receive)(client->socket, client->message,
-                                                     sizeof(client->message), bytes,
+                                                     sizeof client->message, bytes,
                                                      client->fds, fd_count);
     }
     *fd_count = 0;
     return (waits ? proto_await_bare : proto_receive_bare)(
-        client->socket, client->message, sizeof(client->message), bytes);
+        client->socket, client->message, sizeof client->message, bytes);
 }
 
 /* One message into client->message, as proto_receive; `waits`: as proto_await. */
 static int receive(struct pccd_client *client, bool waits, size_t *bytes, int *fd_count)
 {
-    int rc;
+    int status;
 
     if (client->link.way == CLI_WAY_DIRECT) {
         return cli_direct_receive(client, bytes, fd_count);
     }
     errno = 0;
-    rc = receive_message(client, waits, bytes, fd_count);
+    status = receive_message(client, waits, bytes, fd_count);
     /* A peer that closed with our messages unread is a reset first; what it had said
      * before can still be read after it. */
-    if (rc == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
-        rc = receive_message(client, false, bytes, fd_count);
+    if (status == PCCD_E_DISCONNECTED && errno == ECONNRESET) {
+        status = receive_message(client, false, bytes, fd_count);
     }
-    return rc;
+    return status;
 }
 
 static int take(struct pccd_client *client, bool waits)
@@ -258,27 +241,27 @@ static int take(struct pccd_client *client, bool waits)
     struct proto_error error;
     size_t bytes = 0;
     int fd_count = 0;
-    int rc = cli_alive(client);
+    int status = cli_alive(client);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     if (client->link.is_down) {
         return PCCD_E_AGAIN;
     }
-    rc = receive(client, waits, &bytes, &fd_count);
-    if (rc == PCCD_E_AGAIN) {
-        return rc;
+    status = receive(client, waits, &bytes, &fd_count);
+    if (status == PCCD_E_AGAIN) {
+        return status;
     }
-    if (rc != 0) {
-        return lost(client, rc == PCCD_E_DISCONNECTED ? "the connection was closed"
-                                                      : proto_status_text(rc));
+    if (status != 0) {
+        return lost(client, status == PCCD_E_DISCONNECTED ? "the connection was closed"
+                                                          : proto_status_text(status));
     }
     for (int i = fd_count; i < PROTO_FDS_MAX; i++) {
         client->fds[i] = -1;
     }
-    rc = proto_decode(client->decoder, client->message, bytes, &envelope, &error);
-    if (rc != 0) {
+    status = proto_decode(client->decoder, client->message, bytes, &envelope, &error);
+    if (status != 0) {
         cli_fds_close(client);
         return lost(client, error.text);
     }

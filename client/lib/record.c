@@ -1,17 +1,21 @@
 /* record.c - when a client is recorded.
  *
- * Room:     client/lib. May include: recorder.h, recorder_shared.h.
+ * Room:     client/lib. May include: record.h, recorder.h, recorder_events.h,
+ *           recorder_shared.h.
  * Does:     the public functions of pccd.h that start and end a recording, and what the
  *           environment says.
- * Does not: write events (recorder.c).
+ * Does not: write events (recorder_events.c).
  * Threads:  [owner].
  */
+#include "record.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "recorder.h"
+#include "recorder_events.h"
 #include "recorder_shared.h"
 
 #define SEGMENTS_MAX 64u
@@ -74,7 +78,7 @@ int pccd_record_start(struct pccd_client *client, const char *path,
     const struct pccd_record_settings defaults = {.max_bytes = 0};
     struct cli_recorder *made;
     bool keeps;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -94,11 +98,11 @@ int pccd_record_start(struct pccd_client *client, const char *path,
                         "anything is made, or by $PCCD_RECORD");
     }
     settings = settings != NULL ? settings : &defaults;
-    rc = check_settings(client, settings);
-    if (rc != 0) {
-        return rc;
+    status = check_settings(client, settings);
+    if (status != 0) {
+        return status;
     }
-    made = calloc(1, sizeof(*made));
+    made = calloc(1, sizeof *made);
     if (made == NULL || (made->path = strdup(path)) == NULL) {
         free(made);
         return cli_fail(client, PCCD_E_NOMEM, "record: no memory");
@@ -106,13 +110,13 @@ int pccd_record_start(struct pccd_client *client, const char *path,
     fill_recorder(made, settings);
     client->recorder = made;
     client->keeps = true; /* from here on, where there is nothing before */
-    rc = cli_record_open(client);
-    if (rc != 0) {
+    status = cli_record_open(client);
+    if (status != 0) {
         client->keeps = keeps;
-        (void)cli_fail(client, rc, "%s", made->text);
+        (void)cli_fail(client, status, "%s", made->text);
         free_recorder(client);
     }
-    return rc;
+    return status;
 }
 
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info)
@@ -132,7 +136,7 @@ int pccd_record(const struct pccd_client *client, struct pccd_record_info *info)
 int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info)
 {
     struct pccd_record_info last;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -145,15 +149,15 @@ int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info)
         cli_record_end(client, RECORD_STOPPED);
     }
     (void)pccd_record(client, &last);
-    rc = last.status;
-    if (rc != 0) {
-        (void)cli_fail(client, rc, "%s", client->recorder->text);
+    status = last.status;
+    if (status != 0) {
+        (void)cli_fail(client, status, "%s", client->recorder->text);
     }
     free_recorder(client);
     if (info != NULL) {
         *info = last;
     }
-    return rc;
+    return status;
 }
 
 void cli_record_close(struct pccd_client *client)
@@ -203,30 +207,30 @@ static int start_beside(struct pccd_client *client, const char *path,
 {
     size_t room = strlen(path) + 16;
     char *name = malloc(room);
-    int rc = PCCD_E_NOMEM;
+    int status = PCCD_E_NOMEM;
 
     for (uint32_t i = 1; name != NULL && i <= FILES_MAX; i++) {
         (void)snprintf(name, room, i == 1 ? "%s" : "%s-%u", path, i);
         if (access(name, F_OK) != 0) {
-            rc = pccd_record_start(client, name, settings);
-            if (rc != PCCD_E_SYSTEM || access(name, F_OK) != 0) {
+            status = pccd_record_start(client, name, settings);
+            if (status != PCCD_E_SYSTEM || access(name, F_OK) != 0) {
                 break; /* else somebody has made it just now */
             }
         }
     }
     free(name);
-    return rc;
+    return status;
 }
 
 int cli_record_environment(struct pccd_client *client)
 {
     struct pccd_record_settings settings = {.max_bytes = 0};
     const char *path = getenv("PCCD_RECORD");
-    int rc;
+    int status;
 
     if (path == NULL || path[0] == '\0') {
         return 0;
     }
-    rc = parse_options(client, getenv("PCCD_RECORD_OPTIONS"), &settings);
-    return rc != 0 ? rc : start_beside(client, path, &settings);
+    status = parse_options(client, getenv("PCCD_RECORD_OPTIONS"), &settings);
+    return status != 0 ? status : start_beside(client, path, &settings);
 }

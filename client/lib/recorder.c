@@ -1,24 +1,19 @@
-/* recorder.c - what a client asks and is answered, into a file.
+/* recorder.c - the file that a client is recorded into.
  *
- * Room:     client/lib. May include: recorder.h, recorder_shared.h, attach.h, keep.h,
- *           page.h.
- * Does:     append events; begin another segment when one is full.
- * Does not: know how a segment begins (recorder_snapshot.c) or is stored (chunk.h), or
- *           when to record (record.c).
+ * Room:     client/lib. May include: recorder.h.
+ * Does:     append to the file that is being written, within its bounds, and end it.
+ * Does not: know what to write (recorder_events.c, recorder_snapshot.c,
+ *           recorder_shared.c), or how it is stored (chunk.h).
  * Threads:  [owner].
  */
 #include "recorder.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "attach.h"
-#include "keep.h"
-#include "page.h"
-#include "recorder_shared.h"
 
 /* ---- the end of a file, and of a recording ----------------------------------------- */
 
@@ -27,12 +22,13 @@ void cli_record_end(struct pccd_client *client, enum record_reason reason)
     struct cli_recorder *recorder = client->recorder;
     struct record_end end = {.reason = reason, .frames = recorder->segment_frames};
 
+    assert(recorder->writer.fd >= 0 && !recorder->has_ended);
     recorder->writer.bytes_max = 0; /* for END there is room always */
-    (void)record_writer_add(&recorder->writer, RECORD_END, cli_now_ns(),
-                            &(struct record_part){&end, sizeof(end)}, 1);
+    (void)record_writer_add(&recorder->writer, RECORD_END, common_now_ns(),
+                            &(struct record_part){&end, sizeof end}, 1);
 }
 
-static void close_file(struct cli_recorder *recorder)
+void cli_record_close_file(struct cli_recorder *recorder)
 {
     recorder->info.bytes += recorder->writer.bytes;
     recorder->info.raw_bytes += recorder->writer.raw_bytes;
@@ -40,27 +36,26 @@ static void close_file(struct cli_recorder *recorder)
     (void)record_writer_close(&recorder->writer);
 }
 
-/* Nothing is recorded any more, because of `status`. */
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why)
 {
     struct cli_recorder *recorder = client->recorder;
 
-    (void)snprintf(recorder->text, sizeof(recorder->text), "recording %s: %s",
+    (void)snprintf(recorder->text, sizeof recorder->text, "recording %s: %s",
                    recorder->path, why);
     if (recorder->writer.fd >= 0 && !recorder->has_ended) {
         cli_record_end(client, RECORD_FULL);
     }
+    assert(status != 0);
     recorder->info.status = status;
     recorder->has_ended = true;
-    close_file(recorder);
+    cli_record_close_file(recorder);
     return status;
 }
 
 /* ---- what is appended -------------------------------------------------------------- */
 
-/* Bytes of the file, but for END, that an event must not go beyond; 0: no bound. What a
- * segment of a ring begins with leaves room for what happens then. */
-static uint64_t bound_of(const struct cli_recorder *recorder, bool is_change)
+/* What a segment of a ring begins with leaves room for what happens then. */
+uint64_t cli_record_bound(const struct cli_recorder *recorder, bool is_change)
 {
     bool is_ring = recorder->segments_max > 1;
 
@@ -74,14 +69,15 @@ static uint64_t bound_of(const struct cli_recorder *recorder, bool is_change)
                      record_chunk_bytes_max(sizeof(struct record_end));
 }
 
-static int append(struct cli_recorder *recorder, uint64_t bytes_max,
-                  enum record_kind kind, const struct record_part *parts, size_t count)
+int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
+                      enum record_kind kind, const struct record_part *parts,
+                      size_t count)
 {
     recorder->writer.bytes_max = bytes_max;
-    return record_writer_add(&recorder->writer, kind, cli_now_ns(), parts, count);
+    return record_writer_add(&recorder->writer, kind, common_now_ns(), parts, count);
 }
 
-static int stop_after(struct pccd_client *client, int status)
+int cli_record_stop_after(struct pccd_client *client, int status)
 {
     const struct cli_recorder *recorder = client->recorder;
     const char *why = proto_status_text(status);
@@ -101,351 +97,28 @@ int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count)
 {
     struct cli_recorder *recorder = client->recorder;
-    int rc;
+    int status;
 
     if (recorder->has_ended) {
         return recorder->info.status;
     }
-    rc = append(recorder, bound_of(recorder, false), kind, parts, count);
-    return rc == 0 ? 0 : stop_after(client, rc);
+    status = cli_record_append(recorder, cli_record_bound(recorder, false), kind, parts,
+                               count);
+    return status == 0 ? 0 : cli_record_stop_after(client, status);
 }
 
-/* ---- segments ---------------------------------------------------------------------- */
-
-int cli_record_open(struct pccd_client *client)
+int cli_record_tuning(struct pccd_client *client, const char *text)
 {
-    struct cli_recorder *recorder = client->recorder;
-    int rc = client->keeps ? record_writer_open(&recorder->writer, recorder->path)
-                           : PCCD_E_NOMEM;
+    struct record_tuning tuning = {.text = ""};
+    const struct record_part part = {&tuning, sizeof tuning};
+    size_t bytes = strnlen(text, sizeof tuning.text - 1);
 
-    if (rc != 0) {
-        return cli_record_stop_because(
-            client, rc,
-            rc == PCCD_E_NOMEM ? "no memory to keep what there is" : strerror(errno));
-    }
-    recorder->segment_frames = 0;
-    recorder->info.segments++;
-    return cli_record_snapshot(client);
-}
-
-static void name_of(const struct cli_recorder *recorder, uint32_t age, char *name,
-                    size_t room)
-{
-    (void)snprintf(name, room, age == 0 ? "%s" : "%s.%u", recorder->path, age);
-}
-
-/* The oldest file goes, the others become older, and a new one begins. */
-static void turn(struct pccd_client *client)
-{
-    struct cli_recorder *recorder = client->recorder;
-    size_t room = strlen(recorder->path) + 16;
-    char *from = malloc(2 * room);
-
-    if (from == NULL) {
-        (void)cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for a name");
-        return;
-    }
-    cli_record_end(client, RECORD_TURNED);
-    close_file(recorder);
-    for (uint32_t age = recorder->segments_max - 1; age > 0; age--) {
-        name_of(recorder, age - 1, from, room);
-        name_of(recorder, age, from + room, room);
-        (void)rename(from, from + room); /* there may be none of that age yet */
-    }
-    free(from);
-    recorder->segment++;
-    (void)cli_record_open(client);
-}
-
-int cli_record_change(struct pccd_client *client, enum record_kind kind,
-                      const struct record_part *parts, size_t count)
-{
-    struct cli_recorder *recorder = client->recorder;
-    int rc;
-
-    if (recorder->segments_max == 1 || recorder->is_beginning || recorder->has_ended) {
-        return cli_record_add(client, kind, parts, count);
-    }
-    rc = append(recorder, bound_of(recorder, true), kind, parts, count);
-    if (rc == PCCD_E_LIMIT) {
-        turn(client);
-        return recorder->info.status;
-    }
-    return rc == 0 ? 0 : stop_after(client, rc);
+    memcpy(tuning.text, text, bytes);
+    return bytes > 0 ? cli_record_add(client, RECORD_TUNING, &part, 1) : 0;
 }
 
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&
            client->owner == getpid();
-}
-
-/* ---- events ------------------------------------------------------------------------ */
-
-/* Time that recording takes is told: it is the caller's. */
-static void count_time(struct pccd_client *client, uint64_t begin_ns)
-{
-    client->recorder->info.ns += cli_now_ns() - begin_ns;
-}
-
-void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
-                     uint32_t vertex_count, const void *x, uint32_t triangle_count,
-                     const void *triangles)
-{
-    static const uint8_t zeros[8];
-    struct record_mesh head = {.mesh = mesh,
-                               .format = format,
-                               .vertex_count = vertex_count,
-                               .triangle_count = triangle_count};
-    size_t bytes =
-        vertex_count * (format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]));
-    const struct record_part parts[] = {
-        {&head, sizeof(head)},
-        {x, bytes},
-        {zeros, (8 - bytes % 8) % 8},
-        {triangles, triangle_count * sizeof(uint32_t[3])}};
-
-    if (cli_record_is_on(client)) {
-        (void)cli_record_change(client, RECORD_MESH, parts, 4);
-    }
-}
-
-int cli_record_step(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_FRAME_SUBMIT_request *request = &call->params.FRAME_SUBMIT;
-    struct record_frame frame = {.step = request->step,
-                                 .scene = request->scene,
-                                 .segment_count = request->segments,
-                                 .mode = request->mode,
-                                 .method = request->method,
-                                 .threads = request->threads,
-                                 .scheduler = request->scheduler,
-                                 .high_level = request->high_level,
-                                 .refit = request->refit,
-                                 .tolerance = request->tolerance,
-                                 .deadline_ns = request->deadline_ns};
-    struct record_part parts[2] = {{&frame, sizeof(frame)}};
-    size_t count = 1;
-
-    if (call->slot != CLI_SLOT_NONE && request->segments > 0) {
-        parts[count++] = (struct record_part){cli_slot_payload(client, call->slot),
-                                              client->ring.slots[call->slot].used_bytes};
-    }
-    client->recorder->segment_frames++;
-    return cli_record_add(client, RECORD_FRAME, parts, count);
-}
-
-void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
-{
-    struct cli_recorder *recorder = client->recorder;
-    uint64_t begin_ns;
-
-    if (!cli_record_is_on(client)) {
-        return;
-    }
-    begin_ns = cli_now_ns();
-    recorder->info.frames++;
-    if (recorder->segments_max > 1 &&
-        recorder->writer.bytes >= recorder->segment_bytes_max) {
-        turn(client); /* the new log begins with every step without an answer */
-    } else if (!cli_journal_has(client, call->params.FRAME_SUBMIT.scene)) {
-        (void)cli_record_step(client, call);
-    }
-    count_time(client, begin_ns);
-}
-
-void cli_record_cancel(struct pccd_client *client, uint64_t step)
-{
-    struct record_cancel cancel = {.step = step};
-
-    if (cli_record_is_on(client)) {
-        (void)cli_record_add(client, RECORD_CANCEL,
-                             &(struct record_part){&cancel, sizeof(cancel)}, 1);
-    }
-}
-
-static void add_records(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_FRAME_SUBMIT_result *result = &call->answer;
-    struct record_records head = {.step = result->step,
-                                  .first = result->first,
-                                  .count = result->count,
-                                  .record_bytes = result->record_bytes};
-    struct record_part parts[2] = {{&head, sizeof(head)}};
-
-    if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
-        return;
-    }
-    if (call->method == PROTO_METHOD_FRAME_FETCH &&
-        call->params.FRAME_FETCH.number != 0) {
-        head.step = cli_journal_step(client, call->params.FRAME_FETCH.scene,
-                                     call->params.FRAME_FETCH.number);
-        if (head.step == 0) {
-            return; /* of another client's step */
-        }
-    }
-    parts[1] = (struct record_part){cli_page_base(client, call->page) + result->offset,
-                                    result->count * result->record_bytes};
-    (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
-}
-
-static void add_answer(struct pccd_client *client, const struct cli_call *call)
-{
-    const struct proto_FRAME_SUBMIT_result *r = &call->answer;
-    struct record_answer answer = {.step = call->params.FRAME_SUBMIT.step,
-                                   .status = call->status};
-
-    if (call->status == 0) {
-        answer = (struct record_answer){
-            .step = r->step,
-            .mode = r->mode,
-            .method = r->method,
-            .incomplete = r->incomplete,
-            .verdict = r->verdict,
-            .threads = r->threads,
-            .total = r->total,
-            .vf = r->vf,
-            .ee = r->ee,
-            .possible = r->possible,
-            .initial = r->initial,
-            .toi_first = r->toi_first,
-            .hash = {r->hash_hi, r->hash_lo},
-            .times = {r->ns_queue, r->ns_ingest, r->ns_refit, r->ns_traversal,
-                      r->ns_tests, r->ns_merge, r->ns_step, r->ns_low, r->ns_high,
-                      r->ns_rebuild},
-            .counters = {r->task_units, r->box_tests, r->leaf_pairs, r->candidates_vf,
-                         r->candidates_ee, r->survivors, r->exact, r->builds, r->allocs,
-                         r->rebuilds, r->rebuilt_triangles, r->swaps,
-                         r->swapped_triangles}};
-    }
-    cli_journal_answered(client, &call->params.FRAME_SUBMIT, r);
-    client->recorder->info.answers++;
-    if (cli_record_add(client, RECORD_ANSWER,
-                       &(struct record_part){&answer, sizeof(answer)}, 1) == 0) {
-        add_records(client, call);
-    }
-}
-
-/* What an object may meet, and what it may not. */
-static void add_filter(struct pccd_client *client,
-                       const struct proto_OBJECT_SET_request *set)
-{
-    const struct record_filter filter = {.scene = set->scene,
-                                         .object = set->object,
-                                         .what = set->what,
-                                         .self = set->self,
-                                         .group = set->group,
-                                         .mask = set->mask};
-
-    if (set->what != 0) { /* else it was only looked at */
-        (void)cli_record_change(client, RECORD_FILTER,
-                                &(struct record_part){&filter, sizeof(filter)}, 1);
-    }
-}
-
-static void add_pair(struct pccd_client *client,
-                     const struct proto_SCENE_IGNORE_request *request)
-{
-    const struct record_pairs pairs = {
-        .scene = request->scene, .ignored = request->ignored, .count = 1};
-    const uint32_t pair[2] = {request->a, request->b};
-    const struct record_part parts[2] = {{&pairs, sizeof(pairs)}, {pair, sizeof(pair)}};
-
-    (void)cli_record_change(client, RECORD_PAIRS, parts, 2);
-}
-
-/* What was made or destroyed. */
-static void add_change(struct pccd_client *client, const struct cli_call *call)
-{
-    const union cli_params *params = &call->params;
-    struct record_scene scene;
-    struct record_object object;
-    struct record_gone gone = {.scene = 0};
-    struct record_part part = {&gone, sizeof(gone)};
-    enum record_kind kind;
-
-    switch (call->method) {
-    case PROTO_METHOD_SCENE_CREATE: {
-        const struct proto_SCENE_CREATE_result *result = call->result;
-
-        scene = (struct record_scene){
-            .scene = result != NULL ? result->scene : 0,
-            .quality = params->SCENE_CREATE.quality,
-            .rebuild_triangles_max = params->SCENE_CREATE.rebuild_triangles_max,
-            .rebuild_ratio = params->SCENE_CREATE.rebuild_ratio};
-        part = (struct record_part){&scene, sizeof(scene)};
-        kind = RECORD_SCENE;
-        break;
-    }
-    case PROTO_METHOD_SCENE_ADD: {
-        const struct proto_SCENE_ADD_result *result = call->result;
-
-        object = (struct record_object){.scene = params->SCENE_ADD.scene,
-                                        .mesh = params->SCENE_ADD.mesh,
-                                        .object = result != NULL ? result->object : 0};
-        part = (struct record_part){&object, sizeof(object)};
-        kind = RECORD_OBJECT;
-        break;
-    }
-    case PROTO_METHOD_SCENE_DESTROY:
-        cli_journal_end(client, params->SCENE_DESTROY.scene);
-        gone.scene = params->SCENE_DESTROY.scene;
-        kind = RECORD_SCENE_GONE;
-        break;
-    case PROTO_METHOD_SCENE_REMOVE:
-        gone.scene = params->SCENE_REMOVE.scene;
-        gone.object = params->SCENE_REMOVE.object;
-        kind = RECORD_OBJECT_GONE;
-        break;
-    case PROTO_METHOD_MESH_DESTROY:
-        gone.mesh = params->MESH_DESTROY.mesh;
-        kind = RECORD_MESH_GONE;
-        break;
-    case PROTO_METHOD_OBJECT_SET:
-        add_filter(client, &params->OBJECT_SET);
-        return;
-    case PROTO_METHOD_SCENE_IGNORE:
-        add_pair(client, &params->SCENE_IGNORE);
-        return;
-    default:
-        return;
-    }
-    (void)cli_record_change(client, kind, &part, 1);
-}
-
-/* A change of a scene whose journal says so. */
-static bool is_in_journal(const struct pccd_client *client, const struct cli_call *call)
-{
-    switch (call->method) {
-    case PROTO_METHOD_SCENE_ADD:
-        return cli_journal_has(client, call->params.SCENE_ADD.scene);
-    case PROTO_METHOD_SCENE_REMOVE:
-        return cli_journal_has(client, call->params.SCENE_REMOVE.scene);
-    case PROTO_METHOD_OBJECT_SET:
-        return cli_journal_has(client, call->params.OBJECT_SET.scene);
-    case PROTO_METHOD_SCENE_IGNORE:
-        return cli_journal_has(client, call->params.SCENE_IGNORE.scene);
-    default:
-        return false;
-    }
-}
-
-void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
-{
-    uint64_t begin_ns;
-
-    if (!cli_record_is_on(client) || call->recovery) {
-        return;
-    }
-    begin_ns = cli_now_ns();
-    if (call->method == PROTO_METHOD_FRAME_SUBMIT) {
-        add_answer(client, call);
-    } else if (call->method == PROTO_METHOD_FRAME_FETCH) {
-        add_records(client, call);
-    } else if (call->method == PROTO_METHOD_SCENE_JOURNAL) {
-        cli_journal_take(client, call);
-    } else if (call->status == 0 && !is_in_journal(client, call)) {
-        add_change(client, call);
-    }
-    count_time(client, begin_ns);
 }

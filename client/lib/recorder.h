@@ -1,10 +1,10 @@
-/* recorder.h - what a client asks and is answered, into a file.
+/* recorder.h - the file that a client is recorded into.
  *
  * Room:     client/lib, private. May include: client.h, client/record/chunk.h.
- * Does:     append each event when it has happened: what was made or destroyed when its
- *           answer comes, a step when it has been sent, its answer when that comes. A
- *           step's positions are read out of its slot then, while the daemon computes.
- * Does not: let a call fail because a recording does: it ends, and says so when asked.
+ * Does:     append chunks to the file, within the bounds that were set, and end it when
+ *           it is full or cannot be written.
+ * Does not: let a call fail because the recording does: the recording ends, and says so
+ *           when asked.
  * Threads:  [owner]. There is no other thread, and no buffer that a crash could lose:
  *           each event is one write.
  */
@@ -29,41 +29,33 @@ struct cli_recorder {
     char text[CLI_TEXT_BYTES];    /* why it has ended */
 };
 
-/* Each does nothing without a recorder. The handle of a mesh that was made or
- * replaced, and is kept already: */
-void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
-                     uint32_t vertex_count, const void *x, uint32_t triangle_count,
-                     const void *triangles);
-/* A step has been sent; its slot is the daemon's. */
-void cli_record_frame(struct pccd_client *client, const struct cli_call *call);
-/* A request has been answered; cli_keep_answer has seen it. */
-void cli_record_answer(struct pccd_client *client, const struct cli_call *call);
-void cli_record_cancel(struct pccd_client *client, uint64_t step);
-
-/* As $PCCD_RECORD and $PCCD_RECORD_OPTIONS say; 0 when they say nothing. */
-int cli_record_environment(struct pccd_client *client);
-/* End it, and free it. */
-void cli_record_close(struct pccd_client *client);
-
-/* recorder.c: begin a segment; whether this process is the one that records, still; end
- * the segment's file with END. */
-int cli_record_open(struct pccd_client *client);
+/* Whether this process is the one that records, still. */
 bool cli_record_is_on(const struct pccd_client *client);
-/* Nothing is recorded any more, because of `status`, which it returns. */
-int cli_record_stop_because(struct pccd_client *client, int status, const char *why);
-void cli_record_end(struct pccd_client *client, enum record_reason reason);
 
-/* recorder_snapshot.c: everything that is kept, into the segment that has just begun,
- * then LOG, then the steps without an answer. 0 or why it could not be written. */
-int cli_record_snapshot(struct pccd_client *client);
-/* Append; 0 or why not (the recording has ended then). In a ring of segments, a step and
- * its answers go to the segment at hand, be it full. */
+/* Append a chunk; 0 or why not (the recording has ended then). In a ring of segments, a
+ * step and its answers go to the segment at hand, be it full. */
 int cli_record_add(struct pccd_client *client, enum record_kind kind,
                    const struct record_part *parts, size_t count);
-/* The same for a change of what is kept, where it is already: in a ring of segments, what
- * does not fit is what another one begins with. */
-int cli_record_change(struct pccd_client *client, enum record_kind kind,
-                      const struct record_part *parts, size_t count);
-int cli_record_step(struct pccd_client *client, const struct cli_call *call);
+
+/* How the threads share the step that is appended next; "": the daemon decides, and
+ * nothing is appended. */
+int cli_record_tuning(struct pccd_client *client, const char *text);
+
+/* Nothing is recorded any more, because of `status`, which it returns. */
+int cli_record_stop_because(struct pccd_client *client, int status, const char *why);
+/* The same, because an append has failed with `status`. */
+int cli_record_stop_after(struct pccd_client *client, int status);
+/* End the segment's file with END. */
+void cli_record_end(struct pccd_client *client, enum record_reason reason);
+/* Close it, and add its bytes to those of the earlier segments. */
+void cli_record_close_file(struct cli_recorder *recorder);
+
+/* Bytes of the file, but for END, that an event must not go beyond; 0: no bound.
+ * is_change: of what is registered, which another segment can begin with. */
+uint64_t cli_record_bound(const struct cli_recorder *recorder, bool is_change);
+/* Append within that bound: 0, PCCD_E_LIMIT, or another failure. */
+int cli_record_append(struct cli_recorder *recorder, uint64_t bytes_max,
+                      enum record_kind kind, const struct record_part *parts,
+                      size_t count);
 
 #endif

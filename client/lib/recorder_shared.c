@@ -7,12 +7,14 @@
  */
 #include "recorder_shared.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "attach.h"
+#include "filter.h"
 #include "journal.h"
 #include "page.h"
 #include "rpc.h"
@@ -74,21 +76,21 @@ static int write_object(struct pccd_client *client, uint32_t scene,
 {
     struct proto_journal_object object;
     struct record_guest guest = {.scene = scene, .object = entry->object};
-    struct record_part parts[2] = {{&guest, sizeof(guest)}};
+    struct record_part parts[2] = {{&guest, sizeof guest}};
     uint64_t need;
 
-    if (bytes < sizeof(object)) {
+    if (bytes < sizeof object) {
         return PCCD_E_BADMSG;
     }
-    memcpy(&object, at, sizeof(object));
+    memcpy(&object, at, sizeof object);
     need = object.vertex_count * sizeof(double[3]) +
            object.triangle_count * sizeof(uint32_t[3]);
-    if (need > bytes - sizeof(object)) {
+    if (need > bytes - sizeof object) {
         return PCCD_E_BADMSG;
     }
     guest.vertex_count = object.vertex_count;
     guest.triangle_count = object.triangle_count;
-    parts[1] = (struct record_part){at + sizeof(object), need};
+    parts[1] = (struct record_part){at + sizeof object, need};
     return cli_record_add(client, RECORD_GUEST, parts, 2);
 }
 
@@ -97,25 +99,22 @@ static int write_gone(struct pccd_client *client, uint32_t scene, uint32_t objec
     const struct record_gone gone = {.scene = scene, .object = object};
 
     return cli_record_add(client, RECORD_OBJECT_GONE,
-                          &(struct record_part){&gone, sizeof(gone)}, 1);
+                          &(struct record_part){&gone, sizeof gone}, 1);
 }
 
 static int write_filter(struct pccd_client *client, uint32_t scene, uint32_t object,
                         const uint8_t *at, uint64_t bytes)
 {
-    struct proto_journal_filter from;
-    struct record_filter filter = {
-        .scene = scene, .object = object, .what = PCCD_OBJECT_ALL};
+    uint64_t words[COMMON_WORDS] = {0};
+    struct common_attributes told = COMMON_ATTRIBUTES_AT_FIRST;
+    struct record_filter filter;
 
-    if (bytes < sizeof(from)) {
-        return PCCD_E_BADMSG;
-    }
-    memcpy(&from, at, sizeof(from));
-    filter.self = from.self != 0;
-    filter.group = from.group;
-    filter.mask = from.mask;
+    bytes = bytes < sizeof words ? bytes : sizeof words; /* a newer daemon tells more */
+    memcpy(words, at, bytes);
+    common_attributes_unpack(&told, words, bytes / sizeof words[0]);
+    record_filter_make(&filter, scene, object, PCCD_OBJECT_ALL, &told);
     return cli_record_add(client, RECORD_FILTER,
-                          &(struct record_part){&filter, sizeof(filter)}, 1);
+                          &(struct record_part){&filter, sizeof filter}, 1);
 }
 
 static int write_pairs(struct pccd_client *client, uint32_t scene, const uint8_t *at,
@@ -123,18 +122,18 @@ static int write_pairs(struct pccd_client *client, uint32_t scene, const uint8_t
 {
     struct proto_journal_pairs from;
     struct record_pairs pairs = {.scene = scene};
-    struct record_part parts[2] = {{&pairs, sizeof(pairs)}};
+    struct record_part parts[2] = {{&pairs, sizeof pairs}};
 
-    if (bytes < sizeof(from)) {
+    if (bytes < sizeof from) {
         return PCCD_E_BADMSG;
     }
-    memcpy(&from, at, sizeof(from));
-    if ((bytes - sizeof(from)) / sizeof(uint32_t[2]) < from.count) {
+    memcpy(&from, at, sizeof from);
+    if ((bytes - sizeof from) / sizeof(uint32_t[2]) < from.count) {
         return PCCD_E_BADMSG;
     }
     pairs.ignored = from.ignored != 0;
     pairs.count = from.count;
-    parts[1] = (struct record_part){at + sizeof(from), from.count * sizeof(uint32_t[2])};
+    parts[1] = (struct record_part){at + sizeof from, from.count * sizeof(uint32_t[2])};
     return cli_record_add(client, RECORD_PAIRS, parts, 2);
 }
 
@@ -143,25 +142,27 @@ static int write_step(struct pccd_client *client, uint32_t scene, const uint8_t 
 {
     struct proto_journal_step from;
     struct record_frame frame = {.scene = scene};
-    struct record_part parts[2] = {{&frame, sizeof(frame)}};
+    struct record_part parts[2] = {{&frame, sizeof frame}};
+    int status;
 
-    if (bytes < sizeof(from)) {
+    if (bytes < sizeof from) {
         return PCCD_E_BADMSG;
     }
-    memcpy(&from, at, sizeof(from));
+    memcpy(&from, at, sizeof from);
     frame.step = from.step;
     frame.segment_count = from.segments;
     frame.mode = from.mode;
     frame.method = from.method;
     frame.threads = from.threads;
-    frame.scheduler = from.scheduler;
-    frame.high_level = from.high_level;
-    frame.refit = from.refit;
     frame.tolerance = from.tolerance;
-    parts[1] = (struct record_part){at + sizeof(from), bytes - sizeof(from)};
+    parts[1] = (struct record_part){at + sizeof from, bytes - sizeof from};
     client->recorder->segment_frames += from.step != 0;
-    return cli_record_add(client, from.step != 0 ? RECORD_FRAME : RECORD_MOVE, parts,
-                          parts[1].bytes > 0 ? 2 : 1);
+    from.tuning[sizeof from.tuning - 1] = '\0';
+    status = cli_record_tuning(client, from.tuning);
+    return status != 0
+               ? status
+               : cli_record_add(client, from.step != 0 ? RECORD_FRAME : RECORD_MOVE,
+                                parts, parts[1].bytes > 0 ? 2 : 1);
 }
 
 /* A whole entry of `bytes` bytes. */
@@ -170,9 +171,10 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
     struct proto_journal_entry entry;
     uint64_t bytes;
 
-    memcpy(&entry, at, sizeof(entry));
-    at += sizeof(entry);
-    bytes = entry.bytes - sizeof(entry);
+    memcpy(&entry, at, sizeof entry);
+    at += sizeof entry;
+    assert(entry.bytes >= sizeof entry); /* judged by write_entries */
+    bytes = entry.bytes - sizeof entry;
     switch (entry.kind) {
     case PROTO_JOURNAL_OBJECT:
         return write_object(client, scene, &entry, at, bytes);
@@ -193,19 +195,20 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
 static int write_entries(struct pccd_client *client, struct cli_journal *journal)
 {
     size_t at = 0;
-    int rc = 0;
+    int status = 0;
 
-    while (rc == 0 && journal->bytes - at >= sizeof(struct proto_journal_entry)) {
+    assert(journal->bytes <= journal->room);
+    while (status == 0 && journal->bytes - at >= sizeof(struct proto_journal_entry)) {
         struct proto_journal_entry entry;
 
-        memcpy(&entry, journal->entries + at, sizeof(entry));
-        if (entry.bytes < sizeof(entry) || entry.bytes % 8 != 0 ||
+        memcpy(&entry, journal->entries + at, sizeof entry);
+        if (entry.bytes < sizeof entry || entry.bytes % 8 != 0 ||
             entry.bytes > JOURNAL_BYTES) {
-            rc = PCCD_E_BADMSG;
+            status = PCCD_E_BADMSG;
         } else if (entry.bytes > journal->bytes - at) {
             break;
         } else {
-            rc = write_entry(client, journal->scene, journal->entries + at);
+            status = write_entry(client, journal->scene, journal->entries + at);
             at += entry.bytes;
         }
     }
@@ -213,7 +216,7 @@ static int write_entries(struct pccd_client *client, struct cli_journal *journal
         memmove(journal->entries, journal->entries + at, journal->bytes - at);
         journal->bytes -= at;
     }
-    return rc;
+    return status;
 }
 
 /* ---- pages ------------------------------------------------------------------------- */
@@ -240,7 +243,7 @@ static void stop_because(struct pccd_client *client, int status, const char *tex
     if (!client->recorder->has_ended) {
         char why[CLI_TEXT_BYTES];
 
-        (void)snprintf(why, sizeof(why), "a shared scene: %.400s", text);
+        (void)snprintf(why, sizeof why, "a shared scene: %.400s", text);
         (void)cli_record_stop_because(client, status, why);
     }
 }
@@ -250,7 +253,7 @@ void cli_journal_take(struct pccd_client *client, const struct cli_call *call)
     const struct proto_SCENE_JOURNAL_request *request = &call->params.SCENE_JOURNAL;
     const struct proto_SCENE_JOURNAL_result *result = &call->journal;
     struct cli_journal *journal = find(client, request->scene);
-    int rc = 0;
+    int status = 0;
 
     if (journal == NULL || !cli_record_is_on(client)) {
         return;
@@ -264,14 +267,14 @@ void cli_journal_take(struct pccd_client *client, const struct cli_call *call)
         return; /* said once more, over another connection */
     }
     if (result->count > 0) {
-        rc = append(journal, cli_page_base(client, call->page) + result->offset,
-                    result->count);
+        status = append(journal, cli_page_base(client, call->page) + result->offset,
+                        result->count);
         journal->cursor += result->count;
     }
-    rc = rc != 0 ? rc : write_entries(client, journal);
+    status = status != 0 ? status : write_entries(client, journal);
     journal->is_due = journal->cursor < result->end;
-    if (rc != 0) {
-        stop_because(client, rc, proto_status_text(rc));
+    if (status != 0) {
+        stop_because(client, status, proto_status_text(status));
     } else if (result->full && !journal->is_due) {
         stop_because(client, PCCD_E_LIMIT,
                      "more was done to it than its journal could hold until it was "
@@ -284,11 +287,11 @@ static int ask(struct pccd_client *client, struct cli_journal *journal, uint64_t
 {
     const struct proto_SCENE_JOURNAL_request request = {
         .scene = journal->scene, .cursor = journal->cursor, .begin = begin, .stop = stop};
-    int rc = cli_call_send(client, PROTO_METHOD_SCENE_JOURNAL, &request, CLI_SLOT_NONE,
-                           deadline_ns, call);
+    int status = cli_call_send(client, PROTO_METHOD_SCENE_JOURNAL, &request,
+                               CLI_SLOT_NONE, deadline_ns, call);
 
-    journal->is_asked = rc == 0;
-    return rc;
+    journal->is_asked = status == 0;
+    return status;
 }
 
 void cli_journal_pump(struct pccd_client *client)
@@ -307,7 +310,7 @@ void cli_journal_pump(struct pccd_client *client)
             cli_call_inflight(client) >= PROTO_REPLIES_KEPT) {
             continue;
         }
-        if (ask(client, journal, 0, false, cli_now_ns(), &call) == 0) {
+        if (ask(client, journal, 0, false, common_now_ns(), &call) == 0) {
             journal->is_due = false;
             cli_call_drop(client, call); /* its page is written when it comes */
         }
@@ -319,19 +322,19 @@ static int ask_and_wait(struct pccd_client *client, struct cli_journal *journal,
                         uint64_t begin, bool stop, uint64_t deadline_ns)
 {
     struct cli_call *call = NULL;
-    int rc = 0;
+    int status = 0;
 
-    while (rc == 0 && journal->is_asked && !client->recorder->has_ended) {
-        rc = cli_progress(client, deadline_ns);
+    while (status == 0 && journal->is_asked && !client->recorder->has_ended) {
+        status = cli_progress(client, deadline_ns);
     }
-    rc = rc != 0 ? rc : ask(client, journal, begin, stop, deadline_ns, &call);
-    if (rc != 0) {
-        return rc;
+    status = status != 0 ? status : ask(client, journal, begin, stop, deadline_ns, &call);
+    if (status != 0) {
+        return status;
     }
-    rc = cli_call_wait(client, call, deadline_ns);
-    if (rc != 0) {
+    status = cli_call_wait(client, call, deadline_ns);
+    if (status != 0) {
         cli_call_drop(client, call);
-        return rc;
+        return status;
     }
     cli_page_release(client, call->page);
     return cli_call_finish(client, call);
@@ -340,12 +343,12 @@ static int ask_and_wait(struct pccd_client *client, struct cli_journal *journal,
 static int settle(struct pccd_client *client, struct cli_journal *journal,
                   uint64_t deadline_ns)
 {
-    int rc = 0;
+    int status = 0;
 
     do {
-        rc = ask_and_wait(client, journal, 0, false, deadline_ns);
-    } while (rc == 0 && journal->is_due && !client->recorder->has_ended);
-    return rc;
+        status = ask_and_wait(client, journal, 0, false, deadline_ns);
+    } while (status == 0 && journal->is_due && !client->recorder->has_ended);
+    return status;
 }
 
 static bool can_ask(const struct pccd_client *client)
@@ -360,12 +363,12 @@ void cli_journal_settle(struct pccd_client *client, uint32_t scene)
     for (struct cli_journal *journal =
              client->recorder != NULL ? client->recorder->journals : NULL;
          journal != NULL; journal = journal->next) {
-        int rc = (scene == 0 || journal->scene == scene) && can_ask(client)
-                     ? settle(client, journal, deadline_ns)
-                     : 0;
+        int status = (scene == 0 || journal->scene == scene) && can_ask(client)
+                         ? settle(client, journal, deadline_ns)
+                         : 0;
 
-        if (rc != 0) {
-            stop_because(client, rc, client->error);
+        if (status != 0) {
+            stop_because(client, status, client->error);
         }
     }
 }
@@ -391,16 +394,16 @@ int cli_journal_begin(struct pccd_client *client, uint32_t scene)
 {
     uint64_t deadline_ns = cli_deadline(client, -1);
     struct cli_journal *made;
-    int rc;
+    int status;
 
     if (!cli_record_is_on(client)) {
         return 0;
     }
-    rc = check(client);
-    if (rc != 0) {
-        return rc;
+    status = check(client);
+    if (status != 0) {
+        return status;
     }
-    made = calloc(1, sizeof(*made));
+    made = calloc(1, sizeof *made);
     if (made == NULL) {
         stop_because(client, PCCD_E_NOMEM, "no memory for its journal");
         return PCCD_E_NOMEM;
@@ -408,13 +411,14 @@ int cli_journal_begin(struct pccd_client *client, uint32_t scene)
     made->scene = scene;
     made->next = client->recorder->journals;
     client->recorder->journals = made;
-    rc = client->ring.upload.base != NULL
-             ? 0
-             : cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, deadline_ns);
-    rc = rc != 0 ? rc : ask_and_wait(client, made, JOURNAL_BYTES, false, deadline_ns);
-    rc = rc == 0 && made->is_due ? settle(client, made, deadline_ns) : rc;
-    if (rc != 0) {
-        stop_because(client, rc, client->error);
+    status = client->ring.upload.base != NULL
+                 ? 0
+                 : cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, deadline_ns);
+    status = status != 0 ? status
+                         : ask_and_wait(client, made, JOURNAL_BYTES, false, deadline_ns);
+    status = status == 0 && made->is_due ? settle(client, made, deadline_ns) : status;
+    if (status != 0) {
+        stop_because(client, status, client->error);
     }
     return client->recorder->has_ended ? client->recorder->info.status : 0;
 }

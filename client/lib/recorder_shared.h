@@ -1,16 +1,16 @@
-/* recorder_shared.h - shared scenes, in recordings.
+/* recorder_shared.h - records shared scenes, in which other clients move things, too.
  *
  * Room:     client/lib, private. May include: recorder.h.
- * Does:     ask the daemon for its journals of the shared scenes of a client that is
- *           recorded, and write down what they say: what others move is not the client's
- *           to know otherwise.
- * Does not: wait, but where it says so: a page is asked for when there is cause, and
+ * Does:     fetch the daemon's journals of the shared scenes of a recorded client and
+ *           write them into the recording: otherwise the client would not know what
+ *           others move.
+ * Does not: wait, except where it says so: a page is asked for when there is cause, and
  *           written when it comes.
  * Threads:  [owner].
  *
- * What is done to a shared scene, by anybody, is in the recording as the journal says,
- * and in its order: objects as GUEST, steps that this client has submitted or that its
- * frames went along with as FRAME, those of others as MOVE.
+ * What anybody does to a shared scene is in the recording as the journal says, and in its
+ * order: objects as GUEST; steps that this client has submitted, or that its frames went
+ * along with, as FRAME; those of others as MOVE.
  */
 #ifndef CLI_RECORDER_SHARED_H
 #define CLI_RECORDER_SHARED_H

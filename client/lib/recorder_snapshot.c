@@ -1,18 +1,20 @@
 /* recorder_snapshot.c - how a segment of a recording begins.
  *
- * Room:     client/lib. May include: recorder.h, recorder_shared.h, attach.h,
- *           keep.h.
+ * Room:     client/lib. May include: recorder_snapshot.h, recorder_shared.h, keep.h.
  * Does:     write what another daemon would have to be told, from what is kept for that.
- * Does not: follow events (recorder.c).
+ * Does not: follow events (recorder_events.c).
  * Threads:  [owner].
  */
+#include "recorder_snapshot.h"
+
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
-#include "attach.h"
-#include "keep.h"
-#include "recorder.h"
+#include "coordinates.h"
+#include "filter.h"
+#include "positions.h"
 #include "recorder_shared.h"
 
 static int write_begin(struct pccd_client *client)
@@ -27,13 +29,13 @@ static int write_begin(struct pccd_client *client)
 
     (void)clock_gettime(CLOCK_REALTIME, &now);
     begin.unix_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-    (void)snprintf(begin.library, sizeof(begin.library), "%.15s", pccd_version());
-    (void)snprintf(begin.cpu, sizeof(begin.cpu), "%.15s", client->cpu);
+    (void)snprintf(begin.library, sizeof begin.library, "%.15s", pccd_version());
+    (void)snprintf(begin.cpu, sizeof begin.cpu, "%.15s", client->cpu);
     return cli_record_add(client, RECORD_BEGIN,
-                          &(struct record_part){&begin, sizeof(begin)}, 1);
+                          &(struct record_part){&begin, sizeof begin}, 1);
 }
 
-static int write_scene(struct pccd_client *client, const struct cli_kept_scene *kept)
+static int write_scene(struct pccd_client *client, const struct registry_scene *kept)
 {
     struct record_scene scene = {.scene = kept->handle,
                                  .quality = kept->settings.quality,
@@ -42,102 +44,118 @@ static int write_scene(struct pccd_client *client, const struct cli_kept_scene *
                                  .rebuild_ratio = kept->settings.rebuild_ratio};
 
     return cli_record_add(client, RECORD_SCENE,
-                          &(struct record_part){&scene, sizeof(scene)}, 1);
+                          &(struct record_part){&scene, sizeof scene}, 1);
+}
+
+int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *head,
+                        const void *x, const void *triangles, cli_record_fn add)
+{
+    static const uint8_t zeros[8];
+    size_t bytes = head->vertex_count * common_vertex_bytes(head->format);
+    const struct record_part parts[] = {
+        {head, sizeof *head},
+        {x, bytes},
+        {zeros, (8 - bytes % 8) % 8},
+        {triangles, head->triangle_count * sizeof(uint32_t[3])}};
+
+    return add(client, RECORD_MESH, parts, 4);
 }
 
 static int write_meshes(struct pccd_client *client)
 {
-    for (const struct cli_kept_mesh *mesh = client->kept_meshes;
-         mesh != NULL && !client->recorder->has_ended; mesh = mesh->next) {
-        cli_record_mesh(client, mesh->handle, mesh->format, mesh->vertex_count, mesh->x,
-                        mesh->triangle_count, mesh->triangles);
+    int status = 0;
+
+    for (const struct registry_mesh *mesh = client->registry.meshes;
+         mesh != NULL && status == 0; mesh = mesh->next) {
+        const struct record_mesh head = {.mesh = mesh->handle,
+                                         .format = mesh->format,
+                                         .vertex_count = mesh->vertex_count,
+                                         .triangle_count = mesh->triangle_count};
+
+        status =
+            cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, cli_record_add);
     }
-    return client->recorder->info.status;
+    return status;
 }
 
 /* Meshes that are gone, but for the objects made of them. */
 static int write_gone(struct pccd_client *client)
 {
-    int rc = 0;
+    int status = 0;
 
-    for (const struct cli_kept_mesh *mesh = client->kept_meshes; rc == 0 && mesh != NULL;
-         mesh = mesh->next) {
+    for (const struct registry_mesh *mesh = client->registry.meshes;
+         status == 0 && mesh != NULL; mesh = mesh->next) {
         struct record_gone gone = {.mesh = mesh->handle};
 
-        rc = mesh->is_destroyed
-                 ? cli_record_add(client, RECORD_MESH_GONE,
-                                  &(struct record_part){&gone, sizeof(gone)}, 1)
-                 : 0;
+        status = mesh->is_destroyed
+                     ? cli_record_add(client, RECORD_MESH_GONE,
+                                      &(struct record_part){&gone, sizeof gone}, 1)
+                     : 0;
     }
-    return rc;
+    return status;
 }
 
-static int write_place(struct pccd_client *client, const struct cli_kept_scene *scene,
-                       const struct cli_kept_object *kept)
+static int write_place(struct pccd_client *client, const struct registry_scene *scene,
+                       const struct registry_object *kept)
 {
     struct record_place place = {.scene = scene->handle, .object = kept->handle};
-    struct record_part parts[2] = {{&place, sizeof(place)}};
+    struct record_part parts[2] = {{&place, sizeof place}};
 
-    if (kept->placing == CLI_PLACED_REGISTERED) {
+    if (kept->placing == REGISTRY_AS_REGISTERED) {
         return 0;
     }
-    if (kept->placing == CLI_PLACED_RIGID) {
+    if (kept->placing == REGISTRY_RIGID) {
         place.placing = RECORD_PLACED_RIGID;
         place.format = PCCD_FORMAT_F64;
-        parts[1] = (struct record_part){kept->m, sizeof(kept->m)};
+        parts[1] = (struct record_part){kept->m, sizeof kept->m};
     } else {
         place.placing = RECORD_PLACED_FREELY;
         place.format = kept->format;
-        parts[1] = (struct record_part){
-            kept->x,
-            kept->mesh->vertex_count *
-                (kept->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]))};
+        parts[1] = (struct record_part){kept->x, kept->mesh->vertex_count *
+                                                     common_vertex_bytes(kept->format)};
     }
     return cli_record_add(client, RECORD_PLACE, parts, 2);
 }
 
-static int write_filter(struct pccd_client *client, const struct cli_kept_scene *scene,
-                        const struct cli_kept_object *kept)
+static int write_filter(struct pccd_client *client, const struct registry_scene *scene,
+                        const struct registry_object *kept)
 {
-    const struct record_filter filter = {.scene = scene->handle,
-                                         .object = kept->handle,
-                                         .what = kept->what,
-                                         .self = kept->self,
-                                         .group = kept->group,
-                                         .mask = kept->mask};
+    struct record_filter filter;
 
+    record_filter_make(&filter, scene->handle, kept->handle, kept->what,
+                       &kept->attributes);
     return kept->what == 0
                ? 0
                : cli_record_add(client, RECORD_FILTER,
-                                &(struct record_part){&filter, sizeof(filter)}, 1);
+                                &(struct record_part){&filter, sizeof filter}, 1);
 }
 
-static int write_object(struct pccd_client *client, const struct cli_kept_scene *scene,
-                        const struct cli_kept_object *kept)
+static int write_object(struct pccd_client *client, const struct registry_scene *scene,
+                        const struct registry_object *kept)
 {
     const struct record_object object = {
         .scene = scene->handle, .mesh = kept->mesh->handle, .object = kept->handle};
-    int rc = cli_record_add(client, RECORD_OBJECT,
-                            &(struct record_part){&object, sizeof(object)}, 1);
+    int status = cli_record_add(client, RECORD_OBJECT,
+                                &(struct record_part){&object, sizeof object}, 1);
 
-    rc = rc != 0 ? rc : write_place(client, scene, kept);
-    return rc != 0 ? rc : write_filter(client, scene, kept);
+    status = status != 0 ? status : write_place(client, scene, kept);
+    return status != 0 ? status : write_filter(client, scene, kept);
 }
 
 /* Those of its objects that ignore each other. */
-static int write_pairs(struct pccd_client *client, struct cli_kept_scene *scene)
+static int write_pairs(struct pccd_client *client, struct registry_scene *scene)
 {
     struct record_pairs head = {.scene = scene->handle, .ignored = 1};
-    struct record_part parts[2] = {{&head, sizeof(head)}};
+    struct record_part parts[2] = {{&head, sizeof head}};
     uint32_t(*pairs)[2];
-    int rc;
+    int status;
 
-    cli_kept_pairs_settle(&scene->ignored);
+    registry_pairs_settle(&scene->ignored);
     if (scene->ignored.count == 0) {
         return 0;
     }
     head.count = scene->ignored.count;
-    pairs = malloc(head.count * sizeof(*pairs));
+    pairs = malloc(head.count * sizeof *pairs);
     if (pairs == NULL) {
         return cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for pairs");
     }
@@ -145,50 +163,75 @@ static int write_pairs(struct pccd_client *client, struct cli_kept_scene *scene)
         pairs[i][0] = scene->ignored.said[i].a;
         pairs[i][1] = scene->ignored.said[i].b;
     }
-    parts[1] = (struct record_part){pairs, head.count * sizeof(*pairs)};
-    rc = cli_record_add(client, RECORD_PAIRS, parts, 2);
+    parts[1] = (struct record_part){pairs, head.count * sizeof *pairs};
+    status = cli_record_add(client, RECORD_PAIRS, parts, 2);
     free(pairs);
-    return rc;
+    return status;
 }
 
 /* Its journal says what is in it. */
-static bool is_shared(const struct cli_kept_scene *scene)
+static bool is_shared(const struct registry_scene *scene)
 {
     return scene->settings.name[0] != '\0';
 }
 
 static int begin_journals(struct pccd_client *client)
 {
-    int rc = 0;
+    int status = 0;
 
-    for (const struct cli_kept_scene *scene = client->kept_scenes;
-         rc == 0 && scene != NULL; scene = scene->next) {
-        rc = is_shared(scene) ? cli_journal_begin(client, scene->handle) : 0;
+    for (const struct registry_scene *scene = client->registry.scenes;
+         status == 0 && scene != NULL; scene = scene->next) {
+        status = is_shared(scene) ? cli_journal_begin(client, scene->handle) : 0;
     }
-    return rc;
+    return status;
 }
 
 static int write_scenes(struct pccd_client *client)
 {
-    int rc = 0;
+    int status = 0;
 
-    for (struct cli_kept_scene *scene = client->kept_scenes; rc == 0 && scene != NULL;
-         scene = scene->next) {
-        rc = write_scene(client, scene);
-        for (uint32_t i = 0; rc == 0 && !is_shared(scene) && i < scene->object_count;
+    for (struct registry_scene *scene = client->registry.scenes;
+         status == 0 && scene != NULL; scene = scene->next) {
+        status = write_scene(client, scene);
+        for (uint32_t i = 0; status == 0 && !is_shared(scene) && i < scene->object_count;
              i++) {
-            rc = write_object(client, scene, &scene->objects[i]);
+            status = write_object(client, scene, &scene->objects[i]);
         }
-        rc = rc != 0 || is_shared(scene) ? rc : write_pairs(client, scene);
+        status = status != 0 || is_shared(scene) ? status : write_pairs(client, scene);
     }
-    return rc;
+    return status;
+}
+
+int cli_record_step(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_FRAME_SUBMIT_request *request = &call->params.FRAME_SUBMIT;
+    struct record_frame frame = {.step = request->step,
+                                 .scene = request->scene,
+                                 .segment_count = request->segments,
+                                 .mode = request->mode,
+                                 .method = request->method,
+                                 .threads = request->threads,
+                                 .tolerance = request->tolerance,
+                                 .deadline_ns = request->deadline_ns};
+    struct record_part parts[2] = {{&frame, sizeof frame}};
+    size_t count = 1;
+    int status;
+
+    if (call->slot != CLI_SLOT_NONE && request->segments > 0) {
+        parts[count++] = (struct record_part){cli_slot_payload(&client->ring, call->slot),
+                                              client->ring.slots[call->slot].used_bytes};
+    }
+    assert(call->method == PROTO_METHOD_FRAME_SUBMIT && request->step != 0);
+    client->recorder->segment_frames++;
+    status = cli_record_tuning(client, request->tuning);
+    return status != 0 ? status : cli_record_add(client, RECORD_FRAME, parts, count);
 }
 
 /* Steps that are not in what is kept yet, in the order of their sending. */
 static int write_unanswered(struct pccd_client *client)
 {
     uint64_t after = 0;
-    int rc = 0;
+    int status = 0;
 
     for (;;) {
         const struct cli_call *next = NULL;
@@ -202,30 +245,32 @@ static int write_unanswered(struct pccd_client *client)
                 next = call;
             }
         }
-        if (next == NULL || rc != 0) {
-            return rc;
+        if (next == NULL || status != 0) {
+            return status;
         }
         after = next->serial;
-        rc = cli_journal_has(client, next->params.FRAME_SUBMIT.scene)
-                 ? 0
-                 : cli_record_step(client, next);
+        status = cli_journal_has(client, next->params.FRAME_SUBMIT.scene)
+                     ? 0
+                     : cli_record_step(client, next);
     }
 }
 
 int cli_record_snapshot(struct pccd_client *client)
 {
     struct record_log log = {.next_step = client->next_step};
-    int rc = cli_keep_fold_all(client);
+    int status = cli_positions_fold_all(client);
 
+    assert(client->keeps);
+    assert(status != 0 || cli_slot_oldest_kept(&client->ring) == CLI_SLOT_NONE);
     client->recorder->is_beginning = true;
-    rc = rc != 0 ? rc : write_begin(client);
-    rc = rc != 0 ? rc : write_meshes(client);
-    rc = rc != 0 ? rc : write_scenes(client);
-    rc = rc != 0 ? rc : write_gone(client);
-    rc = rc != 0 ? rc
-                 : cli_record_add(client, RECORD_LOG,
-                                  &(struct record_part){&log, sizeof(log)}, 1);
+    status = status != 0 ? status : write_begin(client);
+    status = status != 0 ? status : write_meshes(client);
+    status = status != 0 ? status : write_scenes(client);
+    status = status != 0 ? status : write_gone(client);
+    status = status != 0 ? status
+                         : cli_record_add(client, RECORD_LOG,
+                                          &(struct record_part){&log, sizeof log}, 1);
     client->recorder->is_beginning = false;
-    rc = rc != 0 ? rc : begin_journals(client);
-    return rc != 0 ? rc : write_unanswered(client);
+    status = status != 0 ? status : begin_journals(client);
+    return status != 0 ? status : write_unanswered(client);
 }

@@ -1,7 +1,7 @@
 /* recover.c - another connection when one is lost.
  *
- * Room:     client/lib. May include: recover.h, link.h, recorder_shared.h, restore.h,
- *           rpc.h, shared.h.
+ * Room:     client/lib. May include: recover.h, connection.h, link.h, recorder_shared.h,
+ *           restore.h, rpc.h.
  * Does:     the states of a link:
  *
  *     UP -- lost (rpc.c) --> DOWN --- try -----> RECOVERING
@@ -18,15 +18,16 @@
  */
 #include "recover.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "connection.h"
 #include "link.h"
 #include "recorder_shared.h"
 #include "restore.h"
 #include "rpc.h"
-#include "shared.h"
 
 #define HELLO_NS 100000000u /* for an answer to hello at least, whatever the deadline */
 
@@ -50,13 +51,15 @@ static bool is_upload(const struct cli_call *call)
 static void end_call(struct pccd_client *client, struct cli_call *call, int status,
                      const char *why)
 {
+    assert(is_unanswered(call) && call->held);
     if (call->slot != CLI_SLOT_NONE) {
         client->ring.slots[call->slot].state = CLI_SLOT_FREE;
+        cli_slot_offer(&client->ring, call->slot);
     }
     call->held = false;
     call->page = 0;
     call->status = status;
-    (void)snprintf(call->text, sizeof(call->text), "%s: %s",
+    (void)snprintf(call->text, sizeof call->text, "%s: %s",
                    proto_messages[call->method].name, why);
     call->state = call->state == CLI_CALL_LOST ? CLI_CALL_FREE : CLI_CALL_DONE;
 }
@@ -106,7 +109,7 @@ static void hold_all(struct pccd_client *client, bool rest)
 static bool needs_no_answer(const struct pccd_client *client)
 {
     bool needs = !client->keeps || !client->link.can_restore ||
-                 client->kept_meshes != NULL || client->kept_scenes != NULL ||
+                 client->registry.meshes != NULL || client->registry.scenes != NULL ||
                  client->ring.upload.base != NULL || client->link.tries > 1;
 
     for (uint32_t i = 0; i < client->calls_end; i++) {
@@ -120,24 +123,32 @@ static bool needs_no_answer(const struct pccd_client *client)
     return !needs;
 }
 
+/* Another daemon holds no step for another client yet. */
+static void end_waits(struct pccd_client *client)
+{
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        client->calls[i].waits = false;
+    }
+}
+
 static int open_again(struct pccd_client *client, uint64_t deadline_ns, bool *resumed)
 {
     struct cli_call *first = cli_call_first_held(client);
-    int rc = cli_link_again(client, needs_no_answer(client), deadline_ns, resumed);
+    int status = cli_link_again(client, needs_no_answer(client), deadline_ns, resumed);
 
-    if (rc != 0 || *resumed) {
-        return rc;
+    if (status != 0 || *resumed) {
+        return status;
     }
     if (!client->keeps || !client->link.can_restore) {
         return cli_fail(client, PCCD_E_STATE,
                         "the session is over, and nothing was kept to begin another");
     }
     cli_journal_lost(client);
-    cli_shared_lost(client);
-    rc = cli_restore(client);
-    if (rc != 0) {
+    end_waits(client);
+    status = cli_restore(client);
+    if (status != 0) {
         cli_link_forget(client); /* or the next try would go on with half of all */
-        return rc;
+        return status;
     }
     client->link.told_anew++;
     if (first != NULL) {
@@ -151,37 +162,39 @@ static int try_once(struct pccd_client *client, uint64_t deadline_ns)
 {
     struct cli_link *link = &client->link;
     bool resumed = false;
-    int rc;
+    int status;
 
+    assert(link->is_down && !link->is_recovering && !client->dead);
     link->tries++;
     link->is_down = false;
     link->is_recovering = true;
     client->goaway = 0;
     cli_fds_close(client);
-    rc = open_again(client, deadline_ns, &resumed);
-    if (rc == 0) {
-        rc = cli_call_resend_all(client, cli_deadline(client, -1));
+    status = open_again(client, deadline_ns, &resumed);
+    if (status == 0) {
+        status = cli_call_resend_all(client, cli_deadline(client, -1));
     }
     link->is_recovering = false;
-    hold_all(client, rc != 0);
-    if (rc != 0) {
+    hold_all(client, status != 0);
+    if (status != 0) {
         cli_hang_up(client); /* one that was too slow may go on being so */
         link->is_down = true;
-        return rc;
+        return status;
     }
     link->info.reconnects++;
     link->info.resumed += resumed;
-    link->info.gap_ns = cli_now_ns() - link->lost_ns;
+    link->info.gap_ns = common_now_ns() - link->lost_ns;
     return 0;
 }
 
 /* ---- again and again --------------------------------------------------------------- */
 
-static bool is_worth_retrying(int rc)
+static bool is_worth_retrying(int status)
 {
-    return rc == PCCD_E_NODAEMON || rc == PCCD_E_DISCONNECTED || rc == PCCD_E_SHUTDOWN ||
-           rc == PCCD_E_TIMEOUT || rc == PCCD_E_QUOTA || rc == PCCD_E_BUSY ||
-           rc == PCCD_E_NOMEM || rc == PCCD_E_SYSTEM || rc == PCCD_E_AGAIN;
+    return status == PCCD_E_NODAEMON || status == PCCD_E_DISCONNECTED ||
+           status == PCCD_E_SHUTDOWN || status == PCCD_E_TIMEOUT ||
+           status == PCCD_E_QUOTA || status == PCCD_E_BUSY || status == PCCD_E_NOMEM ||
+           status == PCCD_E_SYSTEM || status == PCCD_E_AGAIN;
 }
 
 static int give_up(struct pccd_client *client)
@@ -189,11 +202,11 @@ static int give_up(struct pccd_client *client)
     const struct cli_link *link = &client->link;
     char last[CLI_TEXT_BYTES];
 
-    memcpy(last, client->error, sizeof(last));
-    (void)snprintf(client->dead_text, sizeof(client->dead_text),
+    memcpy(last, client->error, sizeof last);
+    (void)snprintf(client->dead_text, sizeof client->dead_text,
                    "the daemon at %s is gone, after %u tries in %.1f s: %.300s",
                    client->url, link->tries,
-                   (double)(cli_now_ns() - link->lost_ns) * 1e-9, last);
+                   (double)(common_now_ns() - link->lost_ns) * 1e-9, last);
     return cli_die(client);
 }
 
@@ -201,11 +214,12 @@ static int give_up(struct pccd_client *client)
 static void plan_next(struct pccd_client *client)
 {
     struct cli_link *link = &client->link;
-    uint64_t now_ns = cli_now_ns();
+    uint64_t now_ns = common_now_ns();
     uint64_t chance = (now_ns ^ (uint64_t)getpid() << 32 ^ (uint64_t)(uintptr_t)client) *
                           0x9e3779b97f4a7c15u >>
                       32;
 
+    assert(link->pause_ns >= CLI_PAUSE_NS && link->pause_ns <= CLI_PAUSE_NS_MAX);
     link->retry_ns = now_ns + link->pause_ns / 2 + chance % link->pause_ns;
     link->pause_ns =
         link->pause_ns * 2 < CLI_PAUSE_NS_MAX ? link->pause_ns * 2 : CLI_PAUSE_NS_MAX;
@@ -216,16 +230,16 @@ static int try_now(struct pccd_client *client, uint64_t deadline_ns)
 {
     const struct cli_link *link = &client->link;
     uint64_t end_ns = link->lost_ns + link->patience_ns;
-    uint64_t least_ns = cli_now_ns() + HELLO_NS;
-    int rc;
+    uint64_t least_ns = common_now_ns() + HELLO_NS;
+    int status;
 
     deadline_ns = deadline_ns < least_ns ? least_ns : deadline_ns;
-    rc = try_once(client, deadline_ns < end_ns ? deadline_ns : end_ns);
-    if (rc == 0) {
+    status = try_once(client, deadline_ns < end_ns ? deadline_ns : end_ns);
+    if (status == 0) {
         return 0;
     }
     plan_next(client);
-    if (!is_worth_retrying(rc) || cli_now_ns() >= end_ns) {
+    if (!is_worth_retrying(status) || common_now_ns() >= end_ns) {
         return give_up(client);
     }
     return PCCD_E_AGAIN;
@@ -240,17 +254,17 @@ int cli_recover(struct pccd_client *client, uint64_t deadline_ns)
         return PCCD_E_DISCONNECTED; /* whoever is at it starts over */
     }
     for (;;) {
-        uint64_t now_ns = cli_now_ns();
+        uint64_t now_ns = common_now_ns();
         uint64_t until_ns = link->retry_ns < deadline_ns ? link->retry_ns : deadline_ns;
 
         if (now_ns >= end_ns) {
             return give_up(client);
         }
         if (now_ns >= link->retry_ns) {
-            int rc = try_now(client, deadline_ns);
+            int status = try_now(client, deadline_ns);
 
-            if (rc != PCCD_E_AGAIN) {
-                return rc;
+            if (status != PCCD_E_AGAIN) {
+                return status;
             }
         } else if (now_ns >= deadline_ns) {
             return cli_fail(client, PCCD_E_TIMEOUT, "%s, and not back yet",
@@ -269,9 +283,9 @@ void cli_recover_poll(struct pccd_client *client)
     if (link->is_recovering || !link->is_down) {
         return;
     }
-    if (cli_now_ns() >= link->lost_ns + link->patience_ns) {
+    if (common_now_ns() >= link->lost_ns + link->patience_ns) {
         (void)give_up(client);
-    } else if (cli_now_ns() >= link->retry_ns) {
+    } else if (common_now_ns() >= link->retry_ns) {
         (void)try_now(client, 0);
     } else {
         cli_sleep_ns(CLI_PAUSE_NS); /* whoever watches the descriptor would spin */

@@ -1,8 +1,8 @@
-/* recover.h - another connection when one is lost.
+/* recover.h - reconnects when the connection to the daemon is lost.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     try, pause, try again; go on with the session or have all registered anew;
- *           send again what has no answer.
+ * Does:     try, pause, try again; go on with the session, or have everything registered
+ *           anew; send again what has no answer.
  * Threads:  [owner].
  */
 #ifndef CLI_RECOVER_H
@@ -10,8 +10,8 @@
 
 #include "client.h"
 
-#define CLI_PAUSE_NS     1000000u    /* after the first failure, then twice as much */
-#define CLI_PAUSE_NS_MAX 1000000000u /* each time up to this */
+/* The longest pause; the first is CLI_PAUSE_NS, each next one twice as long. */
+#define CLI_PAUSE_NS_MAX 1000000000u
 
 /* The connection is lost: wait for another one. Returns 0, PCCD_E_TIMEOUT (the deadline;
  * later calls go on trying), or PCCD_E_DISCONNECTED when the patience is at its end: the

@@ -1,7 +1,7 @@
 /* restore.c - tell another daemon what the last one knew.
  *
  * Room:     client/lib. May include: restore.h, attach.h, flight.h, keep.h, mesh.h,
- *           page.h, place.h, rpc.h.
+ *           page.h, positions.h, rpc.h.
  * Does:     everything goes through the slots of the new ring, which are all free. Then
  *           the slots of the old one are copied over, and the new memory is mapped where
  *           the old one was: pointers that the user has into it stay valid.
@@ -10,16 +10,17 @@
  */
 #include "restore.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <string.h>
 #include <sys/mman.h>
 
 #include "attach.h"
+#include "coordinates.h"
 #include "flight.h"
-#include "keep.h"
 #include "mesh.h"
 #include "page.h"
-#include "place.h"
+#include "positions.h"
 #include "rpc.h"
 
 #define SEGMENTS 64u /* of a step that brings positions back */
@@ -29,40 +30,40 @@
 
 static int restore_meshes(struct cli_flight *flight, bool destroyed)
 {
-    int rc = 0;
+    int status = 0;
 
-    for (struct cli_kept_mesh *mesh = flight->client->kept_meshes;
-         rc == 0 && mesh != NULL; mesh = mesh->next) {
+    for (struct registry_mesh *mesh = flight->client->registry.meshes;
+         status == 0 && mesh != NULL; mesh = mesh->next) {
         if (mesh->is_destroyed == destroyed) {
-            rc = cli_mesh_send(flight, mesh, destroyed ? 0 : mesh->handle,
-                               &mesh->made_handle);
+            status = cli_mesh_send(flight, mesh, destroyed ? 0 : mesh->handle,
+                                   &mesh->made_handle);
         }
     }
-    return rc;
+    return status;
 }
 
 /* Those that were destroyed while objects were made of them go again. */
 static int destroy_again(struct pccd_client *client)
 {
-    for (struct cli_kept_mesh *mesh = client->kept_meshes; mesh != NULL;
+    for (struct registry_mesh *mesh = client->registry.meshes; mesh != NULL;
          mesh = mesh->next) {
         struct proto_MESH_DESTROY_request request = {.mesh = mesh->made_handle};
-        int rc = mesh->is_destroyed
-                     ? cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request, NULL,
-                                     cli_deadline(client, -1))
-                     : 0;
+        int status = mesh->is_destroyed
+                         ? cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request,
+                                         NULL, cli_deadline(client, -1))
+                         : 0;
 
-        if (rc != 0) {
-            return rc;
+        if (status != 0) {
+            return status;
         }
     }
     return 0;
 }
 
 /* A daemon that tests everything would answer other bytes than the last one. */
-static int check_filters(struct pccd_client *client, const struct cli_kept_scene *scene)
+static int check_filters(struct pccd_client *client, const struct registry_scene *scene)
 {
-    if (cli_keep_is_filtered(scene) &&
+    if (registry_is_filtered(scene) &&
         (client->link.features & PROTO_FEATURE_FILTERS) == 0) {
         return cli_fail(client, PCCD_E_VERSION,
                         "the new daemon at %s is older than the last one: it cannot be "
@@ -73,58 +74,66 @@ static int check_filters(struct pccd_client *client, const struct cli_kept_scene
 }
 
 /* What the objects of a scene may meet. Most have nothing that was ever set. */
-static int restore_filters(struct cli_flight *flight, struct cli_kept_scene *scene)
+static int restore_filters(struct cli_flight *flight, struct registry_scene *scene)
 {
-    int rc;
+    int status;
 
-    cli_kept_pairs_settle(&scene->ignored);
-    rc = check_filters(flight->client, scene);
-    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
-        const struct cli_kept_object *object = &scene->objects[i];
-        struct proto_OBJECT_SET_request set = {.scene = scene->handle,
-                                               .object = object->handle,
-                                               .what = object->what,
-                                               .group = object->group,
-                                               .mask = object->mask,
-                                               .self = object->self};
+    registry_pairs_settle(&scene->ignored);
+    status = check_filters(flight->client, scene);
+    for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
+        struct proto_OBJECT_SET_request set = {
+            .scene = scene->handle, .object = object->handle, .what = object->what};
 
+        COMMON_ATTRIBUTES_COPY(&set, &object->attributes);
         if (object->what != 0) {
-            rc = cli_flight_send(flight, PROTO_METHOD_OBJECT_SET, &set, CLI_SLOT_NONE,
-                                 NULL);
+            status = cli_flight_send(flight, PROTO_METHOD_OBJECT_SET, &set, CLI_SLOT_NONE,
+                                     NULL);
         }
     }
-    for (uint32_t i = 0; rc == 0 && i < scene->ignored.count; i++) {
+    for (uint32_t i = 0; status == 0 && i < scene->ignored.count; i++) {
         struct proto_SCENE_IGNORE_request ignore = {.scene = scene->handle,
                                                     .a = scene->ignored.said[i].a,
                                                     .b = scene->ignored.said[i].b,
                                                     .ignored = true};
 
         /* Of a scene that is shared, others bring their objects back as they can. */
-        if (cli_keep_object(scene, ignore.a) != NULL &&
-            cli_keep_object(scene, ignore.b) != NULL) {
-            rc = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore,
-                                 CLI_SLOT_NONE, NULL);
+        if (registry_object(scene, ignore.a) != NULL &&
+            registry_object(scene, ignore.b) != NULL) {
+            status = cli_flight_send(flight, PROTO_METHOD_SCENE_IGNORE, &ignore,
+                                     CLI_SLOT_NONE, NULL);
         }
     }
-    return rc;
+    return status;
 }
 
-static int restore_scene(struct cli_flight *flight, const struct cli_kept_scene *scene)
+static int restore_scene(struct cli_flight *flight, const struct registry_scene *scene)
 {
-    struct proto_SCENE_CREATE_request create = scene->settings;
-    int rc;
+    const struct registry_settings *settings = &scene->settings;
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = settings->rebuild_ratio,
+                                                .quality = settings->quality,
+                                                .rebuild_triangles_max =
+                                                    settings->rebuild_triangles_max,
+                                                .want = scene->handle,
+                                                .share = settings->share,
+                                                .rights = settings->rights,
+                                                .owner = settings->owner};
+    int status;
 
-    create.want = scene->handle;
-    rc = cli_flight_send(flight, PROTO_METHOD_SCENE_CREATE, &create, CLI_SLOT_NONE, NULL);
-    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
-        const struct cli_kept_object *object = &scene->objects[i];
+    static_assert(sizeof create.name == sizeof settings->name, "the whole name");
+    memcpy(create.name, settings->name, sizeof create.name);
+    status =
+        cli_flight_send(flight, PROTO_METHOD_SCENE_CREATE, &create, CLI_SLOT_NONE, NULL);
+    for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
         struct proto_SCENE_ADD_request add = {.scene = scene->handle,
                                               .mesh = object->mesh->made_handle,
                                               .want = object->handle};
 
-        rc = cli_flight_send(flight, PROTO_METHOD_SCENE_ADD, &add, CLI_SLOT_NONE, NULL);
+        status =
+            cli_flight_send(flight, PROTO_METHOD_SCENE_ADD, &add, CLI_SLOT_NONE, NULL);
     }
-    return rc;
+    return status;
 }
 
 /* ---- positions --------------------------------------------------------------------- */
@@ -148,19 +157,21 @@ static int flush(struct batch *batch)
                                                  .mode = PCCD_MODE_ANY,
                                                  .place = batch->is_shared,
                                                  .deadline_ns = AT_ONCE};
-    int rc;
+    int status;
 
     if (batch->slot == CLI_SLOT_NONE) {
         return 0;
     }
-    request.seq = cli_slot_publish(client, batch->slot);
-    rc = cli_flight_send(batch->flight, PROTO_METHOD_FRAME_SUBMIT, &request, batch->slot,
-                         NULL);
-    if (rc != 0) {
-        cli_slot_abort(client, batch->slot);
+    assert(batch->segment_count > 0 && batch->segment_count <= SEGMENTS);
+    assert(batch->used <= client->ring.slot_stride);
+    request.seq = cli_slot_publish(&client->ring, batch->slot);
+    status = cli_flight_send(batch->flight, PROTO_METHOD_FRAME_SUBMIT, &request,
+                             batch->slot, NULL);
+    if (status != 0) {
+        cli_slot_abort(&client->ring, batch->slot);
     }
     batch->slot = CLI_SLOT_NONE;
-    return rc;
+    return status;
 }
 
 /* Add a segment whose both ends are the `bytes` at `source`. */
@@ -169,45 +180,44 @@ static int add(struct batch *batch, struct proto_segment segment, const void *so
 {
     struct pccd_client *client = batch->flight->client;
     uint8_t *payload;
-    int rc;
+    int status;
 
     if (batch->slot != CLI_SLOT_NONE &&
         (batch->segment_count == SEGMENTS ||
          batch->used + bytes > client->ring.slot_stride)) {
-        rc = flush(batch);
-        if (rc != 0) {
-            return rc;
+        status = flush(batch);
+        if (status != 0) {
+            return status;
         }
     }
     if (batch->slot == CLI_SLOT_NONE) {
-        rc = cli_slot_begin(client, cli_deadline(client, -1), &batch->slot);
-        if (rc != 0) {
-            return rc;
+        status = cli_slot_begin(client, cli_deadline(client, -1), &batch->slot);
+        if (status != 0) {
+            return status;
         }
         batch->segment_count = 0;
-        batch->used = SEGMENTS * sizeof(segment);
+        batch->used = SEGMENTS * sizeof segment;
     }
-    payload = cli_slot_payload(client, batch->slot);
+    payload = cli_slot_payload(&client->ring, batch->slot);
     segment.offset0 = segment.offset1 = batch->used;
-    memcpy(payload + batch->segment_count++ * sizeof(segment), &segment, sizeof(segment));
+    memcpy(payload + batch->segment_count++ * sizeof segment, &segment, sizeof segment);
     memcpy(payload + batch->used, source, bytes);
     batch->used += (bytes + 7) / 8 * 8;
     return 0;
 }
 
-static int add_vertices(struct batch *batch, const struct cli_kept_object *object)
+static int add_vertices(struct batch *batch, const struct registry_object *object)
 {
-    const size_t vertex_bytes =
-        object->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+    const size_t vertex_bytes = common_vertex_bytes(object->format);
     const uint64_t room =
         batch->flight->client->ring.slot_stride - SEGMENTS * sizeof(struct proto_segment);
     const uint32_t vertex_count = object->mesh->vertex_count;
     const uint32_t most = room / vertex_bytes < vertex_count
                               ? (uint32_t)(room / vertex_bytes)
                               : vertex_count;
-    int rc = 0;
+    int status = 0;
 
-    for (uint32_t first = 0; rc == 0 && first < vertex_count; first += most) {
+    for (uint32_t first = 0; status == 0 && first < vertex_count; first += most) {
         struct proto_segment segment = {
             .object = object->handle,
             .kind = PROTO_SEGMENT_X0X1,
@@ -215,36 +225,36 @@ static int add_vertices(struct batch *batch, const struct cli_kept_object *objec
             .first = first,
             .count = vertex_count - first < most ? vertex_count - first : most};
 
-        rc = add(batch, segment, (const uint8_t *)object->x + first * vertex_bytes,
-                 segment.count * vertex_bytes);
+        status = add(batch, segment, (const uint8_t *)object->x + first * vertex_bytes,
+                     segment.count * vertex_bytes);
     }
-    return rc;
+    return status;
 }
 
 static int restore_positions(struct cli_flight *flight,
-                             const struct cli_kept_scene *scene)
+                             const struct registry_scene *scene)
 {
     struct batch batch = {.flight = flight,
                           .scene = scene->handle,
                           .slot = CLI_SLOT_NONE,
                           .is_shared = scene->settings.name[0] != '\0'};
-    int rc = 0;
+    int status = 0;
 
-    for (uint32_t i = 0; rc == 0 && i < scene->object_count; i++) {
-        const struct cli_kept_object *object = &scene->objects[i];
+    for (uint32_t i = 0; status == 0 && i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
 
-        if (object->placing == CLI_PLACED_RIGID) {
+        if (object->placing == REGISTRY_RIGID) {
             struct proto_segment segment = {.object = object->handle,
                                             .kind = PROTO_SEGMENT_RIGID,
                                             .format = PCCD_FORMAT_F64,
                                             .count = object->mesh->vertex_count};
 
-            rc = add(&batch, segment, object->m, sizeof(object->m));
-        } else if (object->placing == CLI_PLACED_FREELY) {
-            rc = add_vertices(&batch, object);
+            status = add(&batch, segment, object->m, sizeof object->m);
+        } else if (object->placing == REGISTRY_FREELY) {
+            status = add_vertices(&batch, object);
         }
     }
-    return rc != 0 ? rc : flush(&batch);
+    return status != 0 ? status : flush(&batch);
 }
 
 /* ---- the ring ---------------------------------------------------------------------- */
@@ -265,6 +275,11 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
         size_t offset = sizeof(struct proto_upload) + i * ring->slot_stride;
 
         if (old->slots[i].state != CLI_SLOT_FREE) {
+            int status = cli_slot_take(client, i, cli_deadline(client, -1));
+
+            if (status != 0) {
+                return status;
+            }
             memcpy((uint8_t *)ring->upload.base + offset, from + offset,
                    old->slots[i].used_bytes);
         }
@@ -280,8 +295,8 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
     ring->upload.base = moved;
     old->upload.base = NULL;
     cli_page_retire(client, &old->result);
-    memcpy(ring->slots, old->slots, sizeof(ring->slots));
-    memset(old->slots, 0, sizeof(old->slots));
+    memcpy(ring->slots, old->slots, sizeof ring->slots);
+    memset(old->slots, 0, sizeof old->slots);
     cli_ring_deinit(old); /* its descriptor */
     return 0;
 }
@@ -291,46 +306,47 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
 static int restore_all(struct pccd_client *client)
 {
     struct cli_flight flight = {.client = client, .is_careful = client->link.tries > 1};
-    int rc = restore_meshes(&flight, false);
+    int status = restore_meshes(&flight, false);
 
-    rc = rc != 0 ? rc : restore_meshes(&flight, true);
-    for (struct cli_kept_scene *scene = client->kept_scenes; rc == 0 && scene != NULL;
-         scene = scene->next) {
-        rc = restore_scene(&flight, scene);
-        rc = rc != 0 ? rc : restore_filters(&flight, scene);
-        rc = rc != 0 ? rc : restore_positions(&flight, scene);
+    status = status != 0 ? status : restore_meshes(&flight, true);
+    for (struct registry_scene *scene = client->registry.scenes;
+         status == 0 && scene != NULL; scene = scene->next) {
+        status = restore_scene(&flight, scene);
+        status = status != 0 ? status : restore_filters(&flight, scene);
+        status = status != 0 ? status : restore_positions(&flight, scene);
     }
-    rc = cli_flight_end(&flight, rc);
-    return rc != 0 ? rc : destroy_again(client);
+    status = cli_flight_end(&flight, status);
+    return status != 0 ? status : destroy_again(client);
 }
 
 int cli_restore(struct pccd_client *client)
 {
-    uint64_t begin_ns = cli_now_ns();
+    uint64_t begin_ns = common_now_ns();
     struct cli_ring old;
-    int rc = cli_keep_fold_all(client); /* what only the old memory holds */
+    int status = cli_positions_fold_all(client); /* what only the old memory holds */
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
+    assert(client->link.is_recovering && client->keeps);
     old = client->ring;
-    memset(&client->ring, 0, sizeof(client->ring));
+    memset(&client->ring, 0, sizeof client->ring);
     client->ring.upload = client->ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
     if (old.upload.base != NULL) {
-        rc = cli_ring_attach(client, old.slot_stride, old.slot_count,
-                             cli_deadline(client, -1));
-    } else if (client->kept_meshes != NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+        status = cli_ring_attach(client, old.slot_stride, old.slot_count, old.slot_count,
+                                 cli_deadline(client, -1));
+    } else if (client->registry.meshes != NULL) {
+        status = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
     }
-    rc = rc != 0 ? rc : restore_all(client);
-    if (rc == 0 && old.upload.base != NULL) {
-        rc = carry_over(client, &old);
+    status = status != 0 ? status : restore_all(client);
+    if (status == 0 && old.upload.base != NULL) {
+        status = carry_over(client, &old);
     }
-    if (rc != 0) {
+    if (status != 0) {
         cli_ring_deinit(&client->ring);
         client->ring = old;
-        return rc;
+        return status;
     }
-    client->link.info.restore_ns = cli_now_ns() - begin_ns;
+    client->link.info.restore_ns = common_now_ns() - begin_ns;
     return 0;
 }

@@ -1,8 +1,8 @@
-/* restore.h - tell another daemon what the last one knew.
+/* restore.h - registers everything again with a new daemon after the old one was lost.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     a ring like the one there was, scenes, meshes and objects under their old
- *           handles, and where the objects were.
+ * Does:     make a ring like the old one, and scenes, meshes and objects under their old
+ *           handles, at their last positions.
  * Threads:  [owner].
  */
 #ifndef CLI_RESTORE_H

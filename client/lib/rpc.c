@@ -1,168 +1,26 @@
 /* rpc.c - requests, and waiting for their replies.
  *
- * Room:     client/lib. May include: rpc.h, link.h, page.h, recover.h, proto.
- * Does:     the only place that writes the socket. Every wait has a deadline; the end of
- *           the connection fails every call that is in flight, or holds it until there
- *           is another one.
- * Does not: read (receive.c) or make connections (recover.c).
+ * Room:     client/lib. May include: rpc.h, connection.h, direct.h, page.h, receive.h,
+ *           proto.
+ * Does:     the only place that writes the socket. Every wait has a deadline; when the
+ *           connection is lost while something waits, another one is asked for
+ *           (client->upcalls).
+ * Does not: read (receive.c) or make connections (link.c, recover.c).
  * Threads:  [owner].
  */
 #include "rpc.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <poll.h>
-#include <pthread.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "connection.h"
 #include "direct.h"
-#include "link.h"
 #include "page.h"
-#include "recover.h"
-
-void cli_fds_close(struct pccd_client *client)
-{
-    for (int i = 0; i < PROTO_FDS_MAX; i++) {
-        if (client->fds[i] >= 0) {
-            (void)close(client->fds[i]);
-        }
-        client->fds[i] = -1;
-    }
-}
-
-int cli_die(struct pccd_client *client)
-{
-    client->dead = true;
-    client->link.is_down = false;
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-
-        call->held = false;
-        if (call->state == CLI_CALL_LOST) {
-            call->state = CLI_CALL_FREE;
-        }
-        if (call->state != CLI_CALL_SENT) {
-            continue;
-        }
-        call->state = CLI_CALL_DONE;
-        call->status = PCCD_E_DISCONNECTED;
-        call->page = 0;
-        memcpy(call->text, client->dead_text, sizeof(call->text));
-    }
-    for (uint32_t i = 0; i < client->ring.slot_count; i++) {
-        if (client->ring.slots[i].state == CLI_SLOT_SENT) {
-            client->ring.slots[i].state = CLI_SLOT_FREE;
-        }
-    }
-    return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
-}
-
-/* Hold what has no answer, for another connection; what recover.c sent itself fails. */
-static void hold_calls(struct pccd_client *client)
-{
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        struct cli_call *call = &client->calls[i];
-        bool sent = call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
-
-        if (sent && !call->recovery) {
-            call->held = true;
-        } else if (call->state == CLI_CALL_LOST) {
-            call->state = CLI_CALL_FREE;
-        } else if (call->state == CLI_CALL_SENT) {
-            call->state = CLI_CALL_DONE;
-            call->status = PCCD_E_DISCONNECTED;
-            memcpy(call->text, client->dead_text, sizeof(call->text));
-        }
-    }
-}
-
-void cli_hang_up(struct pccd_client *client)
-{
-    if (client->socket >= 0) {
-        (void)shutdown(client->socket, SHUT_RDWR); /* it may be over already */
-    }
-}
-
-int cli_lose(struct pccd_client *client, const char *why)
-{
-    struct cli_link *link = &client->link;
-
-    if (client->goaway == 0) {
-        (void)snprintf(client->dead_text, sizeof(client->dead_text),
-                       "the daemon at %s is gone: %s", client->url, why);
-    }
-    /* A forked copy has no claim on the session. */
-    if (!link->is_established || link->patience_ns == 0 || client->owner != getpid()) {
-        return cli_die(client);
-    }
-    cli_hang_up(client);
-    hold_calls(client);
-    if (!link->is_recovering) {
-        link->lost_ns = cli_now_ns();
-        link->retry_ns = link->lost_ns;
-        link->pause_ns = CLI_PAUSE_NS;
-        link->tries = 0;
-    }
-    link->is_down = true;
-    memcpy(client->error, client->dead_text, sizeof(client->error));
-    return PCCD_E_DISCONNECTED;
-}
-
-static uint32_t forks; /* written by a forked copy, before it goes on */
-
-static void on_forked(void)
-{
-    forks++;
-}
-
-static void watch_forks(void)
-{
-    (void)pthread_atfork(NULL, NULL, on_forked);
-}
-
-uint32_t cli_forks(void)
-{
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-
-    (void)pthread_once(&once, watch_forks);
-    return forks;
-}
-
-bool cli_is_copy(const struct pccd_client *client)
-{
-    return client->forks != forks;
-}
-
-int cli_alive(struct pccd_client *client)
-{
-    if (cli_is_copy(client) && !client->dead) {
-        (void)snprintf(client->dead_text, sizeof(client->dead_text),
-                       "this process is a copy of the one that connected to the daemon "
-                       "at %s: it must connect itself",
-                       client->url);
-        return cli_die(client);
-    }
-    if (client->dead) {
-        return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
-    }
-    return 0;
-}
-
-void cli_rpc_close(struct pccd_client *client)
-{
-    if (client->socket >= 0) {
-        (void)close(client->socket);
-    }
-    client->socket = -1;
-    cli_direct_close(client);
-    cli_fds_close(client);
-    memset(client->calls, 0, sizeof(client->calls));
-    client->dead = false;
-    client->goaway = 0;
-}
+#include "receive.h"
 
 /* What is held is in flight to everybody but recover.c, which sends it again itself. */
 static bool is_inflight(const struct pccd_client *client, const struct cli_call *call)
@@ -211,7 +69,7 @@ static void relax(void)
 static int wait_socket(struct pccd_client *client, short events, uint64_t deadline_ns)
 {
     for (;;) {
-        uint64_t now_ns = cli_now_ns();
+        uint64_t now_ns = common_now_ns();
         uint64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
         struct timespec left = {(time_t)(left_ns / 1000000000u),
                                 (long)(left_ns % 1000000000u)};
@@ -233,15 +91,15 @@ static int wait_socket(struct pccd_client *client, short events, uint64_t deadli
 /* Wait for a message and handle it, by one system call where the deadline is far. */
 static int wait_and_receive(struct pccd_client *client, uint64_t deadline_ns)
 {
-    uint64_t now_ns = cli_now_ns();
-    int rc;
+    uint64_t now_ns = common_now_ns();
+    int status;
 
     if (client->link.way != CLI_WAY_DIRECT && now_ns < deadline_ns &&
         deadline_ns - now_ns > CLI_AWAIT_NS) {
         return cli_await(client);
     }
-    rc = wait_socket(client, POLLIN, deadline_ns);
-    return rc == 0 ? cli_receive(client) : rc;
+    status = wait_socket(client, POLLIN, deadline_ns);
+    return status == 0 ? cli_receive(client) : status;
 }
 
 /* Spin until a message has come or the budget is spent. done_seq changes a little before
@@ -249,17 +107,17 @@ static int wait_and_receive(struct pccd_client *client, uint64_t deadline_ns)
 static int spin(struct pccd_client *client, struct proto_upload *upload,
                 uint64_t done_seen, uint64_t deadline_ns)
 {
-    uint64_t until_ns = cli_now_ns() + (uint64_t)client->spin_us * 1000u;
+    uint64_t until_ns = common_now_ns() + (uint64_t)client->spin_us * 1000u;
 
     if (until_ns > deadline_ns) {
         until_ns = deadline_ns;
     }
-    while (cli_now_ns() < until_ns && !client->link.is_down) {
+    while (common_now_ns() < until_ns && !client->link.is_down) {
         if (atomic_load(&upload->done_seq.value) != done_seen) {
-            int rc = cli_receive(client);
+            int status = cli_receive(client);
 
-            if (rc != PCCD_E_AGAIN) {
-                return rc;
+            if (status != PCCD_E_AGAIN) {
+                return status;
             }
         }
         relax();
@@ -272,22 +130,23 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
     struct proto_upload *upload = client->ring.upload.base;
     uint64_t done_seen = upload != NULL ? atomic_load(&upload->done_seq.value) : 0;
     bool spins = upload != NULL && client->spin_us > 0 && compute_inflight(client) > 0;
-    int rc = cli_alive(client);
+    int status = cli_alive(client);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     /* What has just been asked is not answered yet: who will wait need not look. */
-    rc = client->has_sent && !spins ? PCCD_E_AGAIN : cli_receive(client);
+    status = client->has_sent && !spins ? PCCD_E_AGAIN : cli_receive(client);
     client->has_sent = false;
     if (client->link.is_down) {
-        return cli_recover(client, deadline_ns);
+        return client->upcalls->recover(client, deadline_ns);
     }
-    if (rc == PCCD_E_AGAIN && spins) {
-        rc = spin(client, upload, done_seen, deadline_ns);
+    if (status == PCCD_E_AGAIN && spins) {
+        status = spin(client, upload, done_seen, deadline_ns);
     }
-    if (rc != PCCD_E_AGAIN || client->link.is_down) {
-        return client->link.is_down ? cli_recover(client, deadline_ns) : rc;
+    if (status != PCCD_E_AGAIN || client->link.is_down) {
+        return client->link.is_down ? client->upcalls->recover(client, deadline_ns)
+                                    : status;
     }
     /* Pairs with the daemon's store to done_seq and load of client_wait: one of the two
      * sides sees the other's, so a reply that is left out because nobody waits is never
@@ -296,16 +155,16 @@ int cli_progress(struct pccd_client *client, uint64_t deadline_ns)
         atomic_store(&upload->client_wait.value, 1);
     }
     do {
-        rc = wait_and_receive(client, deadline_ns);
-        if (rc == PCCD_E_TIMEOUT) {
-            rc = cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s does not answer",
-                          client->url);
+        status = wait_and_receive(client, deadline_ns);
+        if (status == PCCD_E_TIMEOUT) {
+            status = cli_fail(client, PCCD_E_TIMEOUT, "the daemon at %s does not answer",
+                              client->url);
         }
-    } while (rc == PCCD_E_AGAIN && !client->link.is_down);
+    } while (status == PCCD_E_AGAIN && !client->link.is_down);
     if (upload != NULL) {
         atomic_store(&upload->client_wait.value, 0);
     }
-    return client->link.is_down ? cli_recover(client, deadline_ns) : rc;
+    return client->link.is_down ? client->upcalls->recover(client, deadline_ns) : status;
 }
 
 /* ---- calls ------------------------------------------------------------------------- */
@@ -328,22 +187,22 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
 
     for (;;) {
         bool direct = client->link.way == CLI_WAY_DIRECT;
-        int rc = direct
-                     ? cli_direct_send(client, encoder->data, encoder->bytes)
-                     : proto_send(client->socket, encoder->data, encoder->bytes, NULL, 0);
+        int status =
+            direct ? cli_direct_send(client, encoder->data, encoder->bytes)
+                   : proto_send(client->socket, encoder->data, encoder->bytes, NULL, 0);
 
-        if (rc == 0) {
+        if (status == 0) {
             client->has_sent = !direct; /* where the answer is there already */
             return 0;
         }
-        if (rc != PCCD_E_AGAIN) {
+        if (status != PCCD_E_AGAIN) {
             /* What the daemon said before it went is still to be read. */
             while (cli_receive(client) == 0) {
                 ;
             }
             return client->dead           ? cli_alive(client)
                    : client->link.is_down ? PCCD_E_DISCONNECTED
-                                          : cli_lose(client, proto_status_text(rc));
+                                          : cli_lose(client, proto_status_text(status));
         }
         if (wait_socket(client, POLLIN | POLLOUT, deadline_ns) != 0) {
             return client->link.is_down ? PCCD_E_DISCONNECTED
@@ -353,9 +212,9 @@ static int send_encoded(struct pccd_client *client, uint64_t deadline_ns)
                                   "the daemon at %s reads nothing", client->url);
         }
         do {
-            rc = cli_receive(client);
-        } while (rc == 0 && cli_now_ns() < deadline_ns);
-        if (rc == PCCD_E_DISCONNECTED || client->link.is_down) {
+            status = cli_receive(client);
+        } while (status == 0 && common_now_ns() < deadline_ns);
+        if (status == PCCD_E_DISCONNECTED || client->link.is_down) {
             return PCCD_E_DISCONNECTED;
         }
     }
@@ -378,26 +237,26 @@ struct cli_call *cli_call_first_held(struct pccd_client *client)
 
 static int resend(struct pccd_client *client, struct cli_call *call, uint64_t deadline_ns)
 {
-    int rc =
+    int status =
         proto_encode_request(&client->encoder, call->id, call->method, &call->params);
 
-    if (rc != 0) {
-        return cli_fail(client, rc, "%s does not fit a message",
+    if (status != 0) {
+        return cli_fail(client, status, "%s does not fit a message",
                         proto_messages[call->method].name);
     }
     call->held = false; /* the answer may come while the message is still being sent */
-    rc = send_encoded(client, deadline_ns);
-    call->held = call->held || (rc != 0 && call->state != CLI_CALL_DONE);
-    return rc;
+    status = send_encoded(client, deadline_ns);
+    call->held = call->held || (status != 0 && call->state != CLI_CALL_DONE);
+    return status;
 }
 
 int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns)
 {
     for (struct cli_call *call; (call = cli_call_first_held(client)) != NULL;) {
-        int rc = resend(client, call, deadline_ns);
+        int status = resend(client, call, deadline_ns);
 
-        if (rc != 0) {
-            return rc;
+        if (status != 0) {
+            return status;
         }
         client->link.info.resent++;
     }
@@ -433,25 +292,27 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
 {
     struct cli_link *link = &client->link;
     struct cli_call *made;
-    int rc = cli_alive(client);
+    int status = cli_alive(client);
 
-    while (rc == 0 && (link->is_down || is_full(client, method))) {
-        rc = cli_progress(client, deadline_ns);
+    while (status == 0 && (link->is_down || is_full(client, method))) {
+        status = cli_progress(client, deadline_ns);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     made = free_call(client);
     if (made == NULL) {
         return cli_fail(client, PCCD_E_BUSY, "%u requests wait for answers", CLI_CALLS);
     }
-    rc = proto_encode_request(&client->encoder, client->next_id, method, request);
-    if (rc != 0) {
-        return cli_fail(client, rc, "%s does not fit a message",
+    status = proto_encode_request(&client->encoder, client->next_id, method, request);
+    if (status != 0) {
+        return cli_fail(client, status, "%s does not fit a message",
                         proto_messages[method].name);
     }
     /* The entry comes first: when the connection is lost, it is sent over the next. */
+    assert(made->state == CLI_CALL_FREE && client->next_id != 0);
     made->state = CLI_CALL_SENT;
+    assert(method >= 0 && method < PROTO_METHOD_COUNT);
     made->held = false;
     made->waits = false;
     made->recovery = link->is_recovering;
@@ -466,10 +327,10 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
     made->status = 0;
     made->page = 0;
     made->text[0] = '\0';
-    rc = send_encoded(client, deadline_ns);
-    if (rc != 0 && !made->held) {
+    status = send_encoded(client, deadline_ns);
+    if (status != 0 && !made->held) {
         made->state = CLI_CALL_FREE;
-        return rc;
+        return status;
     }
     client->next_id = client->next_id == UINT32_MAX ? 1 : client->next_id + 1;
     *call = made;
@@ -478,17 +339,18 @@ int cli_call_send(struct pccd_client *client, int method, const void *request,
 
 int cli_call_wait(struct pccd_client *client, struct cli_call *call, uint64_t deadline_ns)
 {
-    int rc = 0;
+    int status = 0;
 
-    while (rc == 0 && call->state == CLI_CALL_SENT) {
-        rc = cli_progress(client, deadline_ns);
+    while (status == 0 && call->state == CLI_CALL_SENT) {
+        status = cli_progress(client, deadline_ns);
     }
     /* The end of the connection is an answer to every call, as its status. */
-    return call->state == CLI_CALL_DONE ? 0 : rc;
+    return call->state == CLI_CALL_DONE ? 0 : status;
 }
 
 int cli_call_finish(struct pccd_client *client, struct cli_call *call)
 {
+    assert(call->state == CLI_CALL_DONE && !call->held);
     call->state = CLI_CALL_FREE;
     if (call->status != 0) {
         return cli_fail(client, call->status, "%s", call->text);
@@ -511,17 +373,18 @@ static int call_and_wait(struct pccd_client *client, int method, const void *req
                          void *result, uint64_t deadline_ns, uint64_t *page)
 {
     struct cli_call *call = NULL;
-    int rc = cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
+    int status =
+        cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
 
     *page = 0;
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     call->result = result;
-    rc = cli_call_wait(client, call, deadline_ns);
-    if (rc != 0) {
+    status = cli_call_wait(client, call, deadline_ns);
+    if (status != 0) {
         cli_call_drop(client, call);
-        return cli_fail(client, rc, "no answer to %s in time",
+        return cli_fail(client, status, "no answer to %s in time",
                         proto_messages[method].name);
     }
     *page = call->page;
@@ -531,11 +394,12 @@ static int call_and_wait(struct pccd_client *client, int method, const void *req
 int cli_call_page(struct pccd_client *client, int method, const void *request,
                   void *result, uint64_t deadline_ns, uint64_t *page)
 {
-    int rc = cli_page_check(client);
+    int status = cli_page_check(client);
 
     *page = 0;
-    return rc != 0 ? rc
-                   : call_and_wait(client, method, request, result, deadline_ns, page);
+    return status != 0
+               ? status
+               : call_and_wait(client, method, request, result, deadline_ns, page);
 }
 
 int cli_call_sync(struct pccd_client *client, int method, const void *request,

@@ -51,47 +51,30 @@ static int share(struct pccd_client *client, const struct pccd_scene_settings *s
     return take_name(client, settings->name, request);
 }
 
-int pccd_want(struct pccd_client *client, uint32_t handle)
-{
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    client->want = handle;
-    return 0;
-}
-
-uint32_t cli_take_want(struct pccd_client *client)
-{
-    uint32_t want = client->want;
-
-    client->want = 0;
-    return want;
-}
-
 /* As `request` says, under the handle that is wanted. */
 static int create(struct pccd_client *client, struct proto_SCENE_CREATE_request *request,
                   uint32_t *scene)
 {
     struct proto_SCENE_CREATE_result result;
-    int rc;
+    int status;
 
     request->want = cli_take_want(client);
-    rc = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, request, &result,
-                       cli_deadline(client, -1));
-    if (rc == 0) {
+    status = cli_call_sync(client, PROTO_METHOD_SCENE_CREATE, request, &result,
+                           cli_deadline(client, -1));
+    if (status == 0) {
         *scene = result.scene;
         if (request->name[0] != '\0') {
             (void)cli_journal_begin(client, result.scene);
         }
     }
-    return rc;
+    return status;
 }
 
 int pccd_scene_create(struct pccd_client *client,
                       const struct pccd_scene_settings *settings, uint32_t *scene)
 {
     struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
-    int rc = 0;
+    int status = 0;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -103,9 +86,9 @@ int pccd_scene_create(struct pccd_client *client,
         request.rebuild_ratio = settings->rebuild_ratio;
         request.quality = (uint32_t)settings->quality;
         request.rebuild_triangles_max = settings->rebuild_triangles_max;
-        rc = share(client, settings, &request);
+        status = share(client, settings, &request);
     }
-    return rc != 0 ? rc : create(client, &request, scene);
+    return status != 0 ? status : create(client, &request, scene);
 }
 
 int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name,
@@ -113,7 +96,7 @@ int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name
 {
     struct proto_SCENE_CREATE_request request = {.share = PCCD_SHARE_OTHER,
                                                  .owner = owner};
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -122,25 +105,25 @@ int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name
         return cli_fail(client, PCCD_E_INVAL, "scene.create: %s is NULL",
                         scene == NULL ? "scene" : "name");
     }
-    rc = take_name(client, name, &request);
-    return rc != 0 ? rc : create(client, &request, scene);
+    status = take_name(client, name, &request);
+    return status != 0 ? status : create(client, &request, scene);
 }
 
 int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
 {
     struct proto_SCENE_DESTROY_request request = {.scene = scene};
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
     cli_journal_settle(client, scene); /* while there is one */
-    rc = cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
-                       cli_deadline(client, -1));
-    if (rc == 0) { /* what was said of it has come before that */
+    status = cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
+                           cli_deadline(client, -1));
+    if (status == 0) { /* what was said of it has come before that */
         cli_shared_forget(client, scene);
     }
-    return rc;
+    return status;
 }
 
 int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
@@ -148,7 +131,7 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
 {
     struct proto_SCENE_ADD_request request = {.scene = scene, .mesh = mesh};
     struct proto_SCENE_ADD_result result;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -157,12 +140,12 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
         return cli_fail(client, PCCD_E_INVAL, "scene.add: object is NULL");
     }
     request.want = cli_take_want(client);
-    rc = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &request, &result,
-                       cli_deadline(client, -1));
-    if (rc == 0) {
+    status = cli_call_sync(client, PROTO_METHOD_SCENE_ADD, &request, &result,
+                           cli_deadline(client, -1));
+    if (status == 0) {
         *object = result.object;
     }
-    return rc;
+    return status;
 }
 
 int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t object)

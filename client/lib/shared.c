@@ -7,9 +7,11 @@
  */
 #include "shared.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #include "attach.h"
+#include "connection.h"
 #include "recorder_shared.h"
 #include "rpc.h"
 #include "step.h"
@@ -18,7 +20,7 @@
 static int make_table(struct pccd_client *client)
 {
     if (client->shared == NULL) {
-        client->shared = calloc(PROTO_SCENES_PER_CLIENT, sizeof(*client->shared));
+        client->shared = calloc(PROTO_SCENES_PER_CLIENT, sizeof *client->shared);
     }
     return client->shared != NULL ? 0 : PCCD_E_NOMEM;
 }
@@ -51,6 +53,7 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
         return; /* of more scenes than a client can have */
     }
     cli_journal_note(client, note.scene);
+    assert(entry->scene == 0 || entry->scene == note.scene);
     entry->scene = note.scene;
     entry->news = (struct pccd_scene_news){
         .number = note.number,
@@ -88,18 +91,11 @@ void cli_shared_held(struct pccd_client *client, const struct proto_envelope *en
     }
 }
 
-void cli_shared_lost(struct pccd_client *client)
-{
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        client->calls[i].waits = false;
-    }
-}
-
 int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
 {
     uint64_t deadline_ns;
     struct cli_call *call;
-    int rc = 0;
+    int status = 0;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -118,12 +114,13 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
         return cli_fail(client, PCCD_E_INVAL, "step %llu is not pending, or not to hold",
                         (unsigned long long)step);
     }
-    while (rc == 0 && !call->waits && call->state == CLI_CALL_SENT) {
-        rc = timeout_ms == 0 ? cli_fail(client, PCCD_E_AGAIN, "step %llu is on its way",
-                                        (unsigned long long)step)
-                             : cli_progress(client, deadline_ns);
+    while (status == 0 && !call->waits && call->state == CLI_CALL_SENT) {
+        status = timeout_ms == 0
+                     ? cli_fail(client, PCCD_E_AGAIN, "step %llu is on its way",
+                                (unsigned long long)step)
+                     : cli_progress(client, deadline_ns);
     }
-    return rc;
+    return status;
 }
 
 void cli_shared_forget(struct pccd_client *client, uint32_t scene)
@@ -146,7 +143,7 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
 {
     struct cli_shared *entry;
     uint64_t deadline_ns;
-    int rc = 0;
+    int status = 0;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -160,14 +157,15 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
         return cli_fail(client, PCCD_E_NOMEM, "no memory for news of scenes");
     }
     cli_step_drain(client);
-    while ((entry = find_entry(client, scene)) == NULL && rc == 0) {
-        rc = timeout_ms != 0 ? cli_progress(client, deadline_ns)
-             : client->dead  ? cli_alive(client)
-                             : cli_fail(client, PCCD_E_AGAIN,
-                                        "no other client has stepped scene 0x%x", scene);
+    while ((entry = find_entry(client, scene)) == NULL && status == 0) {
+        status = timeout_ms != 0 ? cli_progress(client, deadline_ns)
+                 : client->dead
+                     ? cli_alive(client)
+                     : cli_fail(client, PCCD_E_AGAIN,
+                                "no other client has stepped scene 0x%x", scene);
     }
     if (entry == NULL) {
-        return rc;
+        return status;
     }
     *news = entry->news;
     entry->scene = 0;
@@ -183,15 +181,15 @@ int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    if (answer == NULL || number == 0) {
-        return cli_fail(client, PCCD_E_INVAL, "%s",
-                        answer == NULL ? "answer is NULL" : "steps count from 1");
+    if (number == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "steps count from 1");
     }
     if (client->ring.upload.base == NULL) {
-        int rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
+        int status =
+            cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
 
-        if (rc != 0) {
-            return rc;
+        if (status != 0) {
+            return status;
         }
     }
     return cli_step_fetch(client, &request, answer);

@@ -1,7 +1,7 @@
-/* shared.h - what is known of scenes that clients share.
+/* shared.h - news of shared scenes that the user has not been told yet.
  *
  * Room:     client/lib, private. May include: client.h.
- * Does:     keep the last news of each until the user has been told.
+ * Does:     keep the latest news of each scene.
  * Threads:  [owner].
  */
 #ifndef CLI_SHARED_H
@@ -19,8 +19,6 @@ struct cli_shared {
 void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope);
 /* scene.held has come. */
 void cli_shared_held(struct pccd_client *client, const struct proto_envelope *envelope);
-/* Another daemon holds nothing yet. */
-void cli_shared_lost(struct pccd_client *client);
 /* The scene is no longer this client's. */
 void cli_shared_forget(struct pccd_client *client, uint32_t scene);
 void cli_shared_deinit(struct pccd_client *client);

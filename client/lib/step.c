@@ -1,106 +1,42 @@
 /* step.c - steps in flight and their answers.
  *
- * Room:     client/lib. May include: step.h, attach.h, page.h, recorder_shared.h,
- *           recover.h, rpc.h.
- * Does:     submit, poll, wait, fetch, cancel, release, and the calls that do it all in
- *           one. A step is a call of the table in client.h whose `step` is not 0; it
- *           stays there until its answer is taken.
+ * Room:     client/lib. May include: step.h, connection.h, page.h, receive.h,
+ *           recorder_events.h, recorder_shared.h, recover.h, rpc.h.
+ * Does:     poll, wait, fetch, cancel, release, and the calls that submit and wait at
+ *           once. A step is a call of the table (call.h) whose `step` is not 0; it stays
+ *           there until its answer is taken.
  * Does not: interpret records: they lie in the daemon's memory, read-only.
  * Threads:  [owner].
+ *
+ * The way of a vertex from the caller's array to the daemon. It is copied once:
+ *
+ *     step.c       pccd_step_x1: submit, then wait
+ *     frame.c      pccd_submit: the slot's table is written, the vertex copied behind it
+ *     |  attach.c  finds a slot, or a larger ring
+ *     submit.c     frame.submit, with the number of the step
+ *     rpc.c        is encoded and sent; a call waits for the answer
+ *
+ * The answer comes by receive.c, arrival.c tells the registry that the slot is done with,
+ * and take_answer, below, hands it out.
  */
 #include "step.h"
 
+#include <assert.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "attach.h"
+#include "connection.h"
 #include "page.h"
-#include "recorder.h"
+#include "receive.h"
+#include "recorder_events.h"
 #include "recorder_shared.h"
 #include "recover.h"
 #include "rpc.h"
+#include "step_numbers.h"
+#include "struct_size.h"
+#include "submit.h"
 
 #define ANSWER_TAG 0x7063636461677331ull /* marks an answer of this library */
-
-int cli_step_check(struct pccd_client *client)
-{
-    uint32_t count = 0;
-    int rc;
-
-    for (uint32_t i = 0; i < client->calls_end; i++) {
-        const struct cli_call *call = &client->calls[i];
-
-        count += call->step != 0 &&
-                 (call->state == CLI_CALL_SENT || call->state == CLI_CALL_DONE);
-    }
-    if (count >= CLI_STEPS) {
-        return cli_fail(client, PCCD_E_BUSY, "%u steps wait to be taken: poll or wait",
-                        count);
-    }
-    rc = cli_page_check(client);
-    return rc != 0 ? rc : cli_alive(client);
-}
-
-int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot, uint64_t seq,
-                  uint32_t segment_count, const struct pccd_step_settings *settings,
-                  uint64_t *step)
-{
-    struct proto_FRAME_SUBMIT_request request = {.scene = scene,
-                                                 .slot = slot != CLI_SLOT_NONE ? slot : 0,
-                                                 .seq = seq,
-                                                 .segments = segment_count,
-                                                 .step = client->next_step};
-    struct cli_call *call = NULL;
-    int rc = cli_step_check(client);
-
-    if (settings != NULL) {
-        request.mode = (uint32_t)settings->mode;
-        request.method = (uint32_t)settings->method;
-        request.threads = settings->threads;
-        request.scheduler = (uint32_t)settings->scheduler;
-        request.high_level = (uint32_t)settings->high_level;
-        request.refit = (uint32_t)settings->refit;
-        request.tolerance = settings->tolerance;
-        request.deadline_ns = settings->deadline_ns;
-        request.hold = settings->hold;
-    }
-    if (rc == 0) {
-        rc = cli_call_send(client, PROTO_METHOD_FRAME_SUBMIT, &request, slot,
-                           cli_deadline(client, -1), &call);
-    }
-    if (rc != 0) {
-        if (slot != CLI_SLOT_NONE) {
-            cli_slot_abort(client, slot);
-        }
-        return rc;
-    }
-    call->step = client->next_step;
-    *step = client->next_step++;
-    if (client->recorder != NULL) {
-        cli_record_frame(client, call);
-    }
-    return 0;
-}
-
-int pccd_submit_still(struct pccd_client *client, uint32_t scene,
-                      const struct pccd_step_settings *settings, uint64_t *step)
-{
-    int rc;
-
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    if (step == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "step is NULL");
-    }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    }
-    if (rc != 0) {
-        return rc;
-    }
-    return cli_step_send(client, scene, CLI_SLOT_NONE, 0, 0, settings, step);
-}
 
 /* ---- answers ----------------------------------------------------------------------- */
 
@@ -120,8 +56,6 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->first = result->first;
     answer->cursor = result->cursor;
     answer->total = result->total;
-    answer->vf = result->vf;
-    answer->ee = result->ee;
     answer->possible = result->possible;
     answer->initial = result->initial;
     answer->toi_first = result->toi_first;
@@ -129,61 +63,46 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->hash[1] = result->hash_lo;
     answer->number = result->number;
     answer->threads = result->threads;
-    answer->scheduler = (enum pccd_scheduler)result->scheduler;
-    answer->high_level = (enum pccd_high_level)result->high_level;
-    answer->refit = (enum pccd_refit)result->refit;
-    answer->times = (struct pccd_step_times){
-        .queue = result->ns_queue,
-        .ingest = result->ns_ingest,
-        .refit = result->ns_refit,
-        .traversal = result->ns_traversal,
-        .tests = result->ns_tests,
-        .merge = result->ns_merge,
-        .step = result->ns_step,
-        .low = result->ns_low,
-        .high = result->ns_high,
-        .rebuild = result->ns_rebuild,
-    };
-    answer->counters = (struct pccd_step_counters){
-        .task_units = result->task_units,
-        .box_tests = result->box_tests,
-        .leaf_pairs = result->leaf_pairs,
-        .candidates_vf = result->candidates_vf,
-        .candidates_ee = result->candidates_ee,
-        .survivors = result->survivors,
-        .exact = result->exact,
-        .builds = result->builds,
-        .allocs = result->allocs,
-        .rebuilds = result->rebuilds,
-        .rebuilt_triangles = result->rebuilt_triangles,
-        .swaps = result->swaps,
-        .swapped_triangles = result->swapped_triangles,
-    };
+    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
+                   (int)sizeof answer->tuning - 1, result->tuning);
+#define GET(unused, name, need, member, meaning) answer->member = result->name;
+    COMMON_STEP_KINDS(GET, )
+    COMMON_STEP_TIMES(GET, )
+    COMMON_STEP_COUNTERS(GET, )
+#undef GET
+}
+
+/* May it be filled in? E_INVAL: it is NULL, or of a length that no release has. */
+static int check_answer(struct pccd_client *client, const struct pccd_answer *answer)
+{
+    return answer == NULL
+               ? cli_fail(client, PCCD_E_INVAL, "answer is NULL")
+               : cli_struct_check(client, "answer", answer->struct_bytes, sizeof *answer);
 }
 
 /* Hand a DONE call over to the user and free its entry. Returns the call's status. */
 static int take_answer(struct pccd_client *client, struct cli_call *call,
-                       struct pccd_answer *answer)
+                       struct pccd_answer *to)
 {
     const struct proto_FRAME_SUBMIT_result *result = &call->answer;
+    struct pccd_answer answer = {.step = call->step, .status = call->status};
 
-    memset(answer, 0, sizeof(*answer));
-    answer->step = call->step;
-    answer->status = call->status;
+    assert(call->state == CLI_CALL_DONE && (call->page == 0 || call->status == 0));
     if (call->status == 0) {
         const void *records =
             call->page != 0 ? cli_page_base(client, call->page) + result->offset : NULL;
 
-        answer->step = result->step;
-        fill_numbers(result, answer);
+        answer.step = result->step;
+        fill_numbers(result, &answer);
         if (result->mode == PCCD_MODE_PAIRS) {
-            answer->pairs = records;
+            answer.pairs = records;
         } else {
-            answer->contacts = records;
+            answer.contacts = records;
         }
-        answer->reserved[0] = call->page;
-        answer->reserved[1] = answer_tag(client, call->page);
+        answer.reserved[0] = call->page;
+        answer.reserved[1] = answer_tag(client, call->page);
     }
+    cli_struct_fill(to, &answer, sizeof answer);
     return cli_call_finish(client, call);
 }
 
@@ -233,12 +152,14 @@ void cli_step_drain(struct pccd_client *client)
 int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
 {
     struct cli_call *call;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    if (answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    status = check_answer(client, answer);
+    if (status != 0) {
+        return status;
     }
     cli_step_drain(client);
     call = find_oldest_done(client);
@@ -254,13 +175,14 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
               struct pccd_answer *answer)
 {
     struct cli_call *call;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    if (answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
+    status = check_answer(client, answer);
+    if (status != 0) {
+        return status;
     }
     call = find_step(client, step);
     if (call == NULL) {
@@ -276,8 +198,8 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
         }
     }
     cli_journal_pump(client);
-    rc = cli_call_wait(client, call, cli_deadline(client, timeout_ms));
-    return rc != 0 ? rc : take_answer(client, call, answer);
+    status = cli_call_wait(client, call, cli_deadline(client, timeout_ms));
+    return status != 0 ? status : take_answer(client, call, answer);
 }
 
 int cli_step_fetch(struct pccd_client *client,
@@ -286,19 +208,20 @@ int cli_step_fetch(struct pccd_client *client,
 {
     struct cli_call *call = NULL;
     uint64_t deadline_ns = cli_deadline(client, -1);
-    int rc = cli_step_check(client);
+    int status = check_answer(client, answer);
 
-    if (rc == 0) {
-        rc = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, request, CLI_SLOT_NONE,
-                           deadline_ns, &call);
+    status = status != 0 ? status : cli_step_check(client);
+    if (status == 0) {
+        status = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, request, CLI_SLOT_NONE,
+                               deadline_ns, &call);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = cli_call_wait(client, call, deadline_ns);
-    if (rc != 0) {
+    status = cli_call_wait(client, call, deadline_ns);
+    if (status != 0) {
         cli_call_drop(client, call);
-        return rc;
+        return status;
     }
     if (call->status != 0) { /* leaves the answer at hand as it is: it may hold a page */
         return cli_call_finish(client, call);
@@ -314,9 +237,6 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
 
     if (client == NULL) {
         return PCCD_E_INVAL;
-    }
-    if (answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "answer is NULL");
     }
     return cli_step_fetch(client, &request, answer);
 }
@@ -359,13 +279,9 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
                          cli_deadline(client, -1));
 }
 
-/* ---- begin, copy, commit and wait in one ------------------------------------------- */
-
-/* Nobody will ever ask for this step again: stop it if that is still possible, and drop
- * whatever it brings. */
-static void abandon(struct pccd_client *client, uint64_t step)
+void pccd_abandon(struct pccd_client *client, uint64_t step)
 {
-    struct cli_call *call = find_step(client, step);
+    struct cli_call *call = client != NULL ? find_step(client, step) : NULL;
     struct proto_CANCEL_request request;
     struct cli_call *cancel = NULL;
 
@@ -376,69 +292,50 @@ static void abandon(struct pccd_client *client, uint64_t step)
     cli_record_cancel(client, step);
     cli_call_drop(client, call);
     if (call->state == CLI_CALL_LOST &&
-        cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE, cli_now_ns(),
-                      &cancel) == 0) {
+        cli_call_send(client, PROTO_METHOD_CANCEL, &request, CLI_SLOT_NONE,
+                      common_now_ns(), &cancel) == 0) {
         cli_call_drop(client, cancel);
     }
 }
 
-static int finish_step(struct pccd_client *client, uint64_t step,
-                       struct pccd_answer *answer)
+/* ---- submit and wait in one -------------------------------------------------------- */
+
+int pccd_step(struct pccd_client *client, uint32_t scene,
+              const struct pccd_motion *motions, uint32_t motion_count,
+              const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
     char text[CLI_TEXT_BYTES];
-    int rc = pccd_wait(client, step, -1, answer);
-
-    if (rc != PCCD_E_TIMEOUT) {
-        return rc;
-    }
-    memcpy(text, client->error, sizeof(text));
-    abandon(client, step);
-    return cli_fail(client, rc, "%s", text);
-}
-
-/* x0 NULL: the start is the last step's end. */
-static int run_step(struct pccd_client *client, uint32_t scene, uint32_t object,
-                    const void *x0, const void *x1, enum pccd_format format,
-                    uint32_t vertex_count, const struct pccd_step_settings *settings,
-                    struct pccd_answer *answer)
-{
-    size_t bytes = (size_t)vertex_count *
-                   (format == PCCD_FORMAT_F64 ? 3 * sizeof(double) : 3 * sizeof(float));
-    struct pccd_frame frame = {.client = NULL};
-    void *to0 = NULL;
-    void *to1 = NULL;
     uint64_t step = 0;
-    int rc = pccd_frame_begin(client, scene, 1, x0 != NULL ? 2 * bytes : bytes, &frame);
+    int status;
 
-    if (rc != 0) {
-        return rc;
+    status = client != NULL ? check_answer(client, answer) : 0;
+    if (status != 0) {
+        return status;
     }
-    rc = x0 != NULL ? pccd_frame_x0x1(&frame, object, format, 0, vertex_count, &to0, &to1)
-                    : pccd_frame_x1(&frame, object, format, 0, vertex_count, &to1);
-    if (rc != 0) {
-        pccd_frame_abort(&frame);
-        return rc;
+    status = pccd_submit(client, scene, motions, motion_count, settings, &step);
+    if (status != 0) {
+        return status;
     }
-    if (x0 != NULL) {
-        memcpy(to0, x0, bytes);
+    status = pccd_wait(client, step, -1, answer);
+    if (status == PCCD_E_TIMEOUT) {
+        memcpy(text, client->error, sizeof text);
+        pccd_abandon(client, step);
+        status = cli_fail(client, status, "%s", text);
     }
-    memcpy(to1, x1, bytes);
-    rc = pccd_frame_commit(&frame, settings, &step);
-    return rc != 0 ? rc : finish_step(client, step, answer);
+    return status;
 }
 
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
-    if (client == NULL) {
-        return PCCD_E_INVAL;
+    struct pccd_motion motion = {
+        .object = object, .count = vertex_count, .format = format, .x1 = x1};
+
+    if (client != NULL && x1 == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "x1 is NULL");
     }
-    if (x1 == NULL || answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "%s is NULL", x1 == NULL ? "x1" : "answer");
-    }
-    return run_step(client, scene, object, NULL, x1, format, vertex_count, settings,
-                    answer);
+    return pccd_step(client, scene, &motion, 1, settings, answer);
 }
 
 int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
@@ -446,15 +343,11 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                    uint32_t vertex_count, const struct pccd_step_settings *settings,
                    struct pccd_answer *answer)
 {
-    if (client == NULL) {
-        return PCCD_E_INVAL;
+    struct pccd_motion motion = {
+        .object = object, .count = vertex_count, .format = format, .x0 = x0, .x1 = x1};
+
+    if (client != NULL && (x0 == NULL || x1 == NULL)) {
+        return cli_fail(client, PCCD_E_INVAL, "%s is NULL", x0 == NULL ? "x0" : "x1");
     }
-    if (x0 == NULL || x1 == NULL || answer == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
-                        x0 == NULL   ? "x0"
-                        : x1 == NULL ? "x1"
-                                     : "answer");
-    }
-    return run_step(client, scene, object, x0, x1, format, vertex_count, settings,
-                    answer);
+    return pccd_step(client, scene, &motion, 1, settings, answer);
 }

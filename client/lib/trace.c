@@ -17,36 +17,36 @@ int pccd_trace_start(struct pccd_client *client, uint32_t events, uint64_t min_n
 {
     struct proto_TRACE_START_request request = {.events = events, .min_ns = min_ns};
     struct proto_TRACE_START_result result;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = cli_call_sync(client, PROTO_METHOD_TRACE_START, &request, &result,
-                       cli_deadline(client, -1));
-    if (rc == 0 && info != NULL) {
+    status = cli_call_sync(client, PROTO_METHOD_TRACE_START, &request, &result,
+                           cli_deadline(client, -1));
+    if (status == 0 && info != NULL) {
         *info = (struct pccd_trace_info){.threads = result.threads,
                                          .events_max = result.events};
     }
-    return rc;
+    return status;
 }
 
 int pccd_trace_stop(struct pccd_client *client, struct pccd_trace_info *info)
 {
     struct proto_TRACE_STOP_request request = {.reserved = 0};
     struct proto_TRACE_STOP_result result;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = cli_call_sync(client, PROTO_METHOD_TRACE_STOP, &request, &result,
-                       cli_deadline(client, -1));
-    if (rc == 0 && info != NULL) {
+    status = cli_call_sync(client, PROTO_METHOD_TRACE_STOP, &request, &result,
+                           cli_deadline(client, -1));
+    if (status == 0 && info != NULL) {
         info->events = result.events;
         info->lost = result.lost;
     }
-    return rc;
+    return status;
 }
 
 /* One page: `each` sees it where it lies, then it is given back. */
@@ -55,27 +55,28 @@ static int dump_page(struct pccd_client *client, uint64_t cursor, pccd_trace_fn 
 {
     struct proto_TRACE_DUMP_request request = {.cursor = cursor, .count = PAGE_EVENTS};
     uint64_t page;
-    int rc = cli_call_page(client, PROTO_METHOD_TRACE_DUMP, &request, result,
-                           cli_deadline(client, -1), &page);
+    int status = cli_call_page(client, PROTO_METHOD_TRACE_DUMP, &request, result,
+                               cli_deadline(client, -1), &page);
 
-    if (rc == 0 && result->count == 0 && cursor < result->events) {
-        rc = cli_fail(client, PCCD_E_BUSY,
-                      "trace.dump: no room in the result region: release answers first");
+    if (status == 0 && result->count == 0 && cursor < result->events) {
+        status =
+            cli_fail(client, PCCD_E_BUSY,
+                     "trace.dump: no room in the result region: release answers first");
     }
-    if (rc == 0 && result->count > 0) {
+    if (status == 0 && result->count > 0) {
         const uint8_t *at = cli_page_base(client, page) + result->offset;
 
         each(context, (const struct pccd_trace_event *)(const void *)at, result->count);
     }
     cli_page_release(client, page);
-    return rc;
+    return status;
 }
 
 int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *context)
 {
     struct proto_TRACE_DUMP_result result = {.count = 0};
     uint64_t cursor = 0;
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -83,18 +84,15 @@ int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *contex
     if (each == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "trace.dump: each is NULL");
     }
-    rc = cli_alive(client);
-    if (rc == 0 && client->ring.upload.base == NULL) {
-        rc = cli_ring_reserve(client, PROTO_SLOT_BYTES_MIN, cli_deadline(client, -1));
-    }
-    while (rc == 0) { /* every page but the last has an event at least */
-        rc = dump_page(client, cursor, each, context, &result);
-        cursor += rc == 0 ? result.count : 0;
-        if (rc == 0 && cursor >= result.events) {
+    status = cli_ring_ensure(client);
+    while (status == 0) { /* every page but the last has an event at least */
+        status = dump_page(client, cursor, each, context, &result);
+        cursor += status == 0 ? result.count : 0;
+        if (status == 0 && cursor >= result.events) {
             break;
         }
     }
-    return rc;
+    return status;
 }
 
 const char *pccd_method_name(uint32_t number)

@@ -8,8 +8,10 @@
  */
 #include "watch.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
+#include "connection.h"
 #include "pccd_daemon.h"
 #include "rpc.h"
 #include "step.h"
@@ -41,6 +43,7 @@ void cli_watch_take(struct pccd_client *client, const struct proto_envelope *env
         watch->lost += step.lost + 1;
         return;
     }
+    assert(watch->count < CLI_WATCH_ROOM && watch->first < CLI_WATCH_ROOM);
     watch->ring[(watch->first + watch->count++) % CLI_WATCH_ROOM] =
         (struct pccd_step_event){
             .number = step.number,
@@ -72,27 +75,27 @@ static int ask(struct pccd_client *client)
 {
     struct proto_WATCH_START_request request = {.session = client->watch->of_session,
                                                 .scene = client->watch->of_scene};
-    int rc;
+    int status;
 
     if ((client->link.features & PROTO_FEATURE_OBSERVE) == 0) {
         return cli_fail(client, PCCD_E_VERSION, "watch: %s is too old for it",
                         client->daemon);
     }
-    rc = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
-                       cli_deadline(client, -1));
+    status = cli_call_sync(client, PROTO_METHOD_WATCH_START, &request, NULL,
+                           cli_deadline(client, -1));
     client->watch->epoch = client->link.epoch;
-    return rc;
+    return status;
 }
 
 int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scene)
 {
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
     if (client->watch == NULL) {
-        client->watch = malloc(sizeof(*client->watch));
+        client->watch = malloc(sizeof *client->watch);
         if (client->watch == NULL) {
             return cli_fail(client, PCCD_E_NOMEM, "no memory for %u steps",
                             CLI_WATCH_ROOM);
@@ -102,11 +105,11 @@ int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scen
     client->watch->of_scene = scene;
     client->watch->first = client->watch->count = 0;
     client->watch->lost = 0;
-    rc = ask(client);
-    if (rc != 0) {
+    status = ask(client);
+    if (status != 0) {
         cli_watch_deinit(client);
     }
-    return rc;
+    return status;
 }
 
 /* Take in what is there, without waiting. 0: there are steps, or another daemon is to be
@@ -129,7 +132,7 @@ int pccd_watch_next(struct pccd_client *client, int timeout_ms,
                     struct pccd_step_event *event)
 {
     uint64_t deadline_ns;
-    int rc = 0;
+    int status = 0;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
@@ -140,15 +143,15 @@ int pccd_watch_next(struct pccd_client *client, int timeout_ms,
                    : cli_fail(client, PCCD_E_STATE, "pccd_watch_start comes first");
     }
     deadline_ns = cli_deadline(client, timeout_ms);
-    while (client->watch->count == 0 && rc == 0) {
+    while (client->watch->count == 0 && status == 0) {
         if (!client->link.is_down && client->watch->epoch != client->link.epoch) {
-            rc = ask(client); /* the daemon that was asked is gone */
+            status = ask(client); /* the daemon that was asked is gone */
         } else {
-            rc = timeout_ms == 0 ? look(client) : cli_progress(client, deadline_ns);
+            status = timeout_ms == 0 ? look(client) : cli_progress(client, deadline_ns);
         }
     }
     if (client->watch->count == 0) {
-        return rc;
+        return status;
     }
     *event = client->watch->ring[client->watch->first];
     client->watch->first = (client->watch->first + 1) % CLI_WATCH_ROOM;
@@ -159,13 +162,13 @@ int pccd_watch_next(struct pccd_client *client, int timeout_ms,
 int pccd_watch_stop(struct pccd_client *client)
 {
     struct proto_WATCH_STOP_request request = {.reserved = 0};
-    int rc;
+    int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    rc = cli_call_sync(client, PROTO_METHOD_WATCH_STOP, &request, NULL,
-                       cli_deadline(client, -1));
+    status = cli_call_sync(client, PROTO_METHOD_WATCH_STOP, &request, NULL,
+                           cli_deadline(client, -1));
     cli_watch_deinit(client);
-    return rc;
+    return status;
 }

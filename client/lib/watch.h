@@ -1,4 +1,4 @@
-/* watch.h - steps that a client is told of.
+/* watch.h - news of steps that other clients compute (pccd_watch_next).
  *
  * Room:     client/lib, private. May include: client.h.
  * Does:     keep them until pccd_watch_next takes them.

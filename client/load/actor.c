@@ -72,12 +72,13 @@ static int add_sheet(struct load_actor *actor, bool replace)
     void *x = malloc(sizeof(double[3]) * load_sheet_vertices(&actor->shape));
     void *triangles =
         malloc(sizeof(uint32_t[3]) * load_sheet_triangle_count(&actor->shape));
-    int rc = x && triangles ? create_sheet(actor, replace, x, triangles) : PCCD_E_NOMEM;
+    int status =
+        x && triangles ? create_sheet(actor, replace, x, triangles) : PCCD_E_NOMEM;
     free(x);
     free(triangles);
-    return rc != 0 || replace ? rc
-                              : pccd_scene_add(actor->client, actor->scene,
-                                               actor->sheet_mesh, &actor->sheet);
+    return status != 0 || replace ? status
+                                  : pccd_scene_add(actor->client, actor->scene,
+                                                   actor->sheet_mesh, &actor->sheet);
 }
 
 static int add_floor(struct load_actor *actor)
@@ -87,10 +88,11 @@ static int add_floor(struct load_actor *actor)
     load_floor(&actor->shape, x, triangles);
     struct pccd_client *client = actor->second ? actor->second : actor->client;
     uint32_t scene = actor->second ? actor->second_scene : actor->scene;
-    int rc = pccd_mesh_create(client, x, PCCD_FORMAT_F32, LOAD_FLOOR_VERTICES,
-                              (const uint32_t(*)[3])(const void *)triangles,
-                              LOAD_FLOOR_TRIANGLES, &actor->floor_mesh, NULL);
-    return rc != 0 ? rc : pccd_scene_add(client, scene, actor->floor_mesh, &actor->floor);
+    int status = pccd_mesh_create(client, x, PCCD_FORMAT_F32, LOAD_FLOOR_VERTICES,
+                                  (const uint32_t(*)[3])(const void *)triangles,
+                                  LOAD_FLOOR_TRIANGLES, &actor->floor_mesh, NULL);
+    return status != 0 ? status
+                       : pccd_scene_add(client, scene, actor->floor_mesh, &actor->floor);
 }
 
 static bool shares(const struct load_actor *actor)
@@ -100,19 +102,19 @@ static bool shares(const struct load_actor *actor)
 
 static int add_all(struct load_actor *actor, const struct pccd_options *options)
 {
-    int rc = shares(actor) ? load_couple_open(actor, options)
-                           : pccd_scene_create(actor->client, NULL, &actor->scene);
-    rc = rc == 0 && actor->sheet_first ? add_sheet(actor, false) : rc;
-    rc = rc == 0 ? add_floor(actor) : rc;
-    rc = rc == 0 && !actor->sheet_first ? add_sheet(actor, false) : rc;
-    return rc == 0 && actor->second ? load_couple_settle(actor) : rc;
+    int status = shares(actor) ? load_couple_open(actor, options)
+                               : pccd_scene_create(actor->client, NULL, &actor->scene);
+    status = status == 0 && actor->sheet_first ? add_sheet(actor, false) : status;
+    status = status == 0 ? add_floor(actor) : status;
+    status = status == 0 && !actor->sheet_first ? add_sheet(actor, false) : status;
+    return status == 0 && actor->second ? load_couple_settle(actor) : status;
 }
 
 static int drop_all(struct load_actor *actor)
 {
-    int rc = pccd_scene_destroy(actor->client, actor->scene);
-    rc = rc == 0 ? pccd_mesh_destroy(actor->client, actor->floor_mesh) : rc;
-    return rc == 0 ? pccd_mesh_destroy(actor->client, actor->sheet_mesh) : rc;
+    int status = pccd_scene_destroy(actor->client, actor->scene);
+    status = status == 0 ? pccd_mesh_destroy(actor->client, actor->floor_mesh) : status;
+    return status == 0 ? pccd_mesh_destroy(actor->client, actor->sheet_mesh) : status;
 }
 
 /* ---- its connection ---------------------------------------------------------------- */
@@ -133,16 +135,16 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     options.reconnect_ms = PATIENCE_MS;
     options.daemons_max = -1; /* they are killed by chance, not by what is asked */
     options.timeout_ms = PATIENCE_MS;
-    int rc = pccd_connect(&options, &actor->client);
-    if (rc == 0) {
+    int status = pccd_connect(&options, &actor->client);
+    if (status == 0) {
         actor->tally->opened++;
-        rc = add_all(actor, &options);
+        status = add_all(actor, &options);
     }
-    if (rc != 0 && loud) {
+    if (status != 0 && loud) {
         complain(actor, "cannot begin");
     }
-    actor->moved_ns = load_now_ns();
-    return rc;
+    actor->moved_ns = common_now_ns();
+    return status;
 }
 
 /* Clients take the kinds by turns. */
@@ -168,7 +170,7 @@ int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t 
     actor->sheet_first = sheet_first;
     actor->shape = load_shape_of(load, number);
     actor->kind = kind_of(load->settings.kinds, number);
-    actor->pace = (struct load_pace){.client = number, .due_ns = load_now_ns()};
+    actor->pace = (struct load_pace){.client = number, .due_ns = common_now_ns()};
     return connect_and_add(actor, loud);
 }
 
@@ -197,19 +199,19 @@ static void break_off(struct load_actor *actor, const char *what)
 /* One of four changes; its shape stands at position 0 again. */
 static int churn(struct load_actor *actor)
 {
-    int rc = 0;
+    int status = 0;
     actor->tally->remade++;
     switch (load_mix(actor->number, actor->next) % 4) {
     case 0:
         return add_sheet(actor, true);
     case 1:
-        rc = pccd_scene_remove(actor->client, actor->scene, actor->sheet);
-        return rc != 0 ? rc
-                       : pccd_scene_add(actor->client, actor->scene, actor->sheet_mesh,
-                                        &actor->sheet);
+        status = pccd_scene_remove(actor->client, actor->scene, actor->sheet);
+        return status != 0 ? status
+                           : pccd_scene_add(actor->client, actor->scene,
+                                            actor->sheet_mesh, &actor->sheet);
     case 2:
-        rc = drop_all(actor);
-        return rc != 0 ? rc : add_all(actor, NULL);
+        status = drop_all(actor);
+        return status != 0 ? status : add_all(actor, NULL);
     default:
         load_actor_close(actor);
         actor->last_step = 0;
@@ -238,10 +240,10 @@ static int write_jump(const struct load_actor *actor, struct pccd_frame *frame,
 {
     void *x0;
     void *x1;
-    int rc = pccd_frame_x0x1(frame, actor->sheet, PCCD_FORMAT_F64, 0,
-                             load_sheet_vertices(&actor->shape), &x0, &x1);
-    if (rc != 0) {
-        return rc;
+    int status = pccd_frame_x0x1(frame, actor->sheet, PCCD_FORMAT_F64, 0,
+                                 load_sheet_vertices(&actor->shape), &x0, &x1);
+    if (status != 0) {
+        return status;
     }
     load_sheet_f64(&actor->shape, pending->from, x0);
     load_sheet_f64(&actor->shape, (pending->from + 1) % LOAD_FRAMES, x1);
@@ -269,19 +271,19 @@ static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
         return pccd_frame_rigid(frame, actor->sheet, 0, vertices, m0, m1);
     }
     enum pccd_format format = format_of(actor);
-    int rc = pccd_frame_x1(frame, actor->sheet, format, 0, vertices, &x1);
-    if (rc == 0 && format == PCCD_FORMAT_F64) {
+    int status = pccd_frame_x1(frame, actor->sheet, format, 0, vertices, &x1);
+    if (status == 0 && format == PCCD_FORMAT_F64) {
         load_sheet_f64(shape, to, x1);
-    } else if (rc == 0) {
+    } else if (status == 0) {
         load_sheet_f32(shape, to, x1);
     }
-    return rc;
+    return status;
 }
 
 static struct pccd_step_settings settings_of(const struct load_actor *actor,
                                              enum load_mischief mischief)
 {
-    struct pccd_step_settings settings = {0};
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     settings.mode = actor->kind == LOAD_RIGID   ? PCCD_MODE_FIRST
                     : actor->kind == LOAD_PAIRS ? PCCD_MODE_PAIRS
                                                 : PCCD_MODE_ALL;
@@ -301,26 +303,27 @@ static int submit(struct load_actor *actor)
     *pending = (struct load_pending){.from = (uint32_t)(actor->next % LOAD_FRAMES),
                                      .mischief = mischief_of(actor),
                                      .due_ns = actor->pace.due_ns,
-                                     .sent_ns = load_now_ns()};
+                                     .sent_ns = common_now_ns()};
     struct pccd_step_settings settings = settings_of(actor, pending->mischief);
-    int rc = shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
-    if (rc != 0) {
-        return rc;
+    int status =
+        shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
+    if (status != 0) {
+        return status;
     }
-    rc = pccd_frame_begin(
+    status = pccd_frame_begin(
         actor->client, actor->scene, 1,
         (uint64_t)SLOT_VERTEX_BYTES * load_sheet_vertices(&actor->shape), &frame);
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = write_step(actor, &frame, pending);
-    if (rc != 0) {
+    status = write_step(actor, &frame, pending);
+    if (status != 0) {
         pccd_frame_abort(&frame);
-        return rc;
+        return status;
     }
-    rc = pccd_frame_commit(&frame, &settings, &pending->step);
-    if (rc != 0) {
-        return rc;
+    status = pccd_frame_commit(&frame, &settings, &pending->step);
+    if (status != 0) {
+        return status;
     }
     actor->pending_count++;
     actor->next++;
@@ -336,18 +339,18 @@ static int submit(struct load_actor *actor)
 /* Everything that has arrived. */
 static int take(struct load_actor *actor, bool *moved)
 {
-    struct pccd_answer answer;
-    int rc;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    int status;
     if (shares(actor)) {
         return load_couple_take(actor, moved);
     }
-    while ((rc = pccd_poll(actor->client, &answer)) == 0) {
+    while ((status = pccd_poll(actor->client, &answer)) == 0) {
         load_judge(actor, &answer);
         pccd_answer_release(actor->client, &answer);
         actor->is_blocked = false;
         *moved = true;
     }
-    return rc == PCCD_E_AGAIN ? 0 : rc;
+    return status == PCCD_E_AGAIN ? 0 : status;
 }
 
 static bool must_churn(const struct load_actor *actor)
@@ -362,7 +365,7 @@ static void go_on(struct load_actor *actor)
     if (actor->is_alone) {
         return;
     }
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     uint64_t stall_ns = load_pace_stall_ns(&actor->pace, actor->load);
     load_pace_next(&actor->pace, actor->load, now_ns);
     if (stall_ns > 0) {
@@ -381,26 +384,26 @@ static int send(struct load_actor *actor, bool *moved)
 {
     actor->is_blocked = false;
     while (actor->pending_count < depth_of(actor)) {
-        uint64_t now_ns = load_now_ns();
+        uint64_t now_ns = common_now_ns();
         if (must_churn(actor)) {
             actor->is_blocked = actor->pending_count > 0;
             if (actor->is_blocked) {
                 return 0;
             }
             actor->changed = actor->next;
-            int rc = churn(actor);
-            if (rc != 0) {
-                return rc;
+            int status = churn(actor);
+            if (status != 0) {
+                return status;
             }
         }
         if (now_ns < actor->stall_until_ns ||
             (!actor->is_alone && now_ns < actor->pace.due_ns)) {
             return 0;
         }
-        int rc = submit(actor);
-        if (rc != 0) {
-            actor->is_blocked = rc == PCCD_E_BUSY;
-            return rc == PCCD_E_BUSY ? 0 : rc;
+        int status = submit(actor);
+        if (status != 0) {
+            actor->is_blocked = status == PCCD_E_BUSY;
+            return status == PCCD_E_BUSY ? 0 : status;
         }
         *moved = true;
         go_on(actor);
@@ -411,25 +414,25 @@ static int send(struct load_actor *actor, bool *moved)
 bool load_actor_turn(struct load_actor *actor, bool more, bool readable)
 {
     bool moved = false;
-    if (load_now_ns() < actor->stall_until_ns) {
+    if (common_now_ns() < actor->stall_until_ns) {
         return false;
     }
-    int rc = more ? send(actor, &moved) : 0;
-    bool takes = (readable || moved) && load_now_ns() >= actor->stall_until_ns;
-    rc = rc == 0 && takes ? take(actor, &moved) : rc;
-    if (rc != 0) {
+    int status = more ? send(actor, &moved) : 0;
+    bool takes = (readable || moved) && common_now_ns() >= actor->stall_until_ns;
+    status = status == 0 && takes ? take(actor, &moved) : status;
+    if (status != 0) {
         break_off(actor, "a call failed");
         return true;
     }
     if (moved || actor->pending_count == 0) {
-        actor->moved_ns = load_now_ns();
+        actor->moved_ns = common_now_ns();
     }
     return moved;
 }
 
 uint64_t load_actor_wake_ns(const struct load_actor *actor, bool more)
 {
-    if (actor->stall_until_ns > load_now_ns()) {
+    if (actor->stall_until_ns > common_now_ns()) {
         return actor->stall_until_ns;
     }
     bool can_submit =

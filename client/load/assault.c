@@ -64,7 +64,7 @@ static void renew(struct load_assault *assault, uint32_t index)
         atomic_store(&assault->load->shared->failed, true);
     }
     uint64_t octave = (uint64_t)LIFE_NS << draw(assault, LIFE_OCTAVES);
-    victim->end_ns = load_now_ns() + octave + draw(assault, octave);
+    victim->end_ns = common_now_ns() + octave + draw(assault, octave);
 }
 
 static void end(struct load_victim *victim, uint64_t *strays)
@@ -78,7 +78,7 @@ static void end(struct load_victim *victim, uint64_t *strays)
 
 void load_assault_begin(struct load_assault *assault, struct load *load)
 {
-    *assault = (struct load_assault){.load = load, .begin_ns = load_now_ns()};
+    *assault = (struct load_assault){.load = load, .begin_ns = common_now_ns()};
     assault->crash_ns = assault->begin_ns + (uint64_t)load->settings.pause_ms * 1000000u;
 }
 
@@ -90,14 +90,14 @@ void load_assault_begin(struct load_assault *assault, struct load *load)
 static uint64_t due(const struct load_assault *assault, uint64_t all, double part)
 {
     double whole_ns = load_settings_ns(&assault->load->settings) * part;
-    double share = (double)(load_now_ns() - assault->begin_ns) / fmax(whole_ns, 1);
+    double share = (double)(common_now_ns() - assault->begin_ns) / fmax(whole_ns, 1);
     return share < 1 ? (uint64_t)ceil(share * (double)all) : all;
 }
 
 static void kill_victims(struct load_assault *assault)
 {
     const struct load_settings *settings = &assault->load->settings;
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     for (uint32_t i = 0; i < settings->victims; i++) {
         struct load_victim *victim = &assault->victims[i];
         if (victim->pid > 0 && now_ns >= victim->end_ns) {
@@ -115,14 +115,14 @@ static void kill_worker(struct load_assault *assault)
     const struct load_settings *settings = &assault->load->settings;
     uint64_t pause_ns = (uint64_t)settings->pause_ms * 1000000u;
     if (assault->crashes >= due(assault, settings->crashes, CRASH_PART) ||
-        load_now_ns() < assault->crash_ns) {
+        common_now_ns() < assault->crash_ns) {
         return;
     }
     pid_t worker = load_target_pid(assault->load);
     if (worker > 0 && worker != assault->worker && kill(worker, SIGKILL) == 0) {
         assault->worker = worker;
         assault->crashes++;
-        assault->crash_ns = load_now_ns() + pause_ns / 2 + draw(assault, pause_ns + 1);
+        assault->crash_ns = common_now_ns() + pause_ns / 2 + draw(assault, pause_ns + 1);
     }
 }
 

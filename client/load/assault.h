@@ -1,4 +1,5 @@
-/* assault.h - random kills, of clients and of the daemon's worker.
+/* assault.h - kills clients and the daemon's worker at random moments, to see whether the
+ * rest goes on.
  *
  * Room:     client/load. May include: load.h.
  * Does:     keep processes of one client each that work until they are killed, at any

@@ -14,13 +14,6 @@
 /* What one process may say: after that it only counts. */
 #define LINES_MAX 20u
 
-uint64_t load_now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 void load_sleep_ms(uint32_t ms)
 {
     struct timespec pause = {ms / 1000, ms % 1000 * 1000000L};

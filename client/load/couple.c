@@ -18,10 +18,10 @@ int load_couple_open(struct load_actor *actor, const struct pccd_options *option
     snprintf(name, sizeof name, "pccd-load %ld.%u.%u", (long)getpid(), actor->number,
              ++names);
     struct pccd_scene_settings settings = {.name = name, .share = PCCD_SHARE_CREATE};
-    int rc = pccd_scene_create(actor->client, &settings, &actor->scene);
-    rc = rc == 0 ? pccd_connect(options, &actor->second) : rc;
-    if (rc != 0) {
-        return rc;
+    int status = pccd_scene_create(actor->client, &settings, &actor->scene);
+    status = status == 0 ? pccd_connect(options, &actor->second) : status;
+    if (status != 0) {
+        return status;
     }
     actor->tally->opened++;
     /* Whoever comes back first after a crash makes it: else the second would wait there
@@ -44,13 +44,13 @@ static uint64_t reconnects(const struct load_actor *actor)
 int load_couple_settle(struct load_actor *actor)
 {
     uint64_t before;
-    int rc;
+    int status;
     do {
         before = reconnects(actor);
-        rc = pccd_ping(actor->second, NULL);
-        rc = rc == 0 ? pccd_ping(actor->client, NULL) : rc;
-    } while (rc == 0 && reconnects(actor) != before);
-    return rc;
+        status = pccd_ping(actor->second, NULL);
+        status = status == 0 ? pccd_ping(actor->client, NULL) : status;
+    } while (status == 0 && reconnects(actor) != before);
+    return status;
 }
 
 void load_couple_close(struct load_actor *actor)
@@ -78,11 +78,12 @@ int load_couple_set(struct load_actor *actor, bool may_meet)
 int load_couple_step(struct load_actor *actor)
 {
     int mode = actor->load->settings.mode;
-    const struct pccd_step_settings settings = {.mode = mode >= 0 ? (enum pccd_mode)mode
-                                                                  : PCCD_MODE_ALL};
-    int rc = pccd_submit_still(actor->second, actor->second_scene, &settings,
-                               &actor->second_step);
-    return rc == PCCD_E_BUSY ? PCCD_E_STATE : rc; /* nothing of it is in flight */
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings),
+        .mode = mode >= 0 ? (enum pccd_mode)mode : PCCD_MODE_ALL};
+    int status = pccd_submit_still(actor->second, actor->second_scene, &settings,
+                                   &actor->second_step);
+    return status == PCCD_E_BUSY ? PCCD_E_STATE : status; /* nothing of it is in flight */
 }
 
 /* Both have come, or the second's is of another daemon than the first's was. */
@@ -102,34 +103,36 @@ static void judge(struct load_actor *actor, const struct pccd_answer *records)
 
 int load_couple_take(struct load_actor *actor, bool *moved)
 {
-    struct pccd_answer held;
-    struct pccd_answer records;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_answer records = PCCD_ANSWER_INIT;
     /* In this order: what a step took along is answered before the step. */
-    int rc = actor->second_step != 0 ? pccd_poll(actor->second, &records) : PCCD_E_AGAIN;
-    bool has_records = rc == 0;
-    if (rc != 0 && rc != PCCD_E_AGAIN) {
-        return rc;
+    int status =
+        actor->second_step != 0 ? pccd_poll(actor->second, &records) : PCCD_E_AGAIN;
+    bool has_records = status == 0;
+    if (status != 0 && status != PCCD_E_AGAIN) {
+        return status;
     }
-    rc = pccd_poll(actor->client, &held);
-    if (rc == 0) {
+    status = pccd_poll(actor->client, &held);
+    if (status == 0) {
         actor->held_answer = held;
         actor->is_held_answered = true;
         pccd_answer_release(actor->client, &held);
-    } else if (rc != PCCD_E_AGAIN) {
-        return rc;
+    } else if (status != PCCD_E_AGAIN) {
+        return status;
     }
-    *moved = *moved || has_records || rc == 0;
+    *moved = *moved || has_records || status == 0;
     if (!has_records) {
         return 0;
     }
     actor->second_step = 0;
     actor->is_blocked = false;
-    rc = records.status;
-    if (rc == 0 && actor->is_held_answered) {
+    status = records.status;
+    if (status == 0 && actor->is_held_answered) {
         judge(actor, &records);
-    } else if (rc == 0 && actor->pending_count > 0) { /* it came before what was held */
-        rc = load_couple_step(actor);
+    } else if (status == 0 &&
+               actor->pending_count > 0) { /* it came before what was held */
+        status = load_couple_step(actor);
     }
     pccd_answer_release(actor->second, &records);
-    return rc;
+    return status;
 }

@@ -1,16 +1,16 @@
-/* couple.h - a client that shares its scene with a second one of the same process.
+/* couple.h - two simulated clients that share one scene.
  *
- * Room:     client/load. May include: actor.h, pccd.h.
- * Does:     let the first client hold the sheet's way, and the second, whose the floor
- *           is, step the scene until the first is answered. One answer has the records,
- *           the other the numbers of the same step: both are judged as one.
+ * Room:     client/load. May include: actor_state.h, pccd.h.
+ * Does:     let the first client hold the motion of its sheet, and let the second, which
+ *           owns the floor, step the scene until the first is answered. One answer has
+ *           the records, the other the numbers of the same step: both are checked as one.
  * Does not: connect (actor.c).
- * Threads:  as actor.h.
+ * Threads:  as actor_state.h.
  */
 #ifndef LOAD_COUPLE_H
 #define LOAD_COUPLE_H
 
-#include "actor.h"
+#include "actor_state.h"
 
 /* The scene, with a name that nothing else has, and the second client in it. Returns 0 or
  * a status. */

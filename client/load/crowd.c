@@ -69,7 +69,7 @@ static void begin(struct crowd *crowd)
 static void join_if_due(struct crowd *crowd, uint32_t i)
 {
     struct load_pace pace = crowd->actors[i].pace;
-    if (load_now_ns() >= pace.due_ns) {
+    if (common_now_ns() >= pace.due_ns) {
         if (!join(crowd, i)) {
             atomic_store(&crowd->load->shared->failed, true);
         }
@@ -97,7 +97,7 @@ static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
 {
     bool enough = atomic_load(&crowd->load->shared->enough);
     bool goes_on = false;
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     *wake_ns = now_ns + NAP_NS;
     if (enough && crowd->enough_ns == 0) {
         crowd->enough_ns = now_ns;
@@ -124,7 +124,7 @@ static bool take_turns(struct crowd *crowd, uint64_t *wake_ns)
 /* Until something can be read or is due. */
 static void nap(struct crowd *crowd, uint64_t wake_ns)
 {
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     uint64_t left_ns = wake_ns > now_ns ? wake_ns - now_ns : 0;
     struct timespec left = {0, (long)(left_ns < NAP_NS ? left_ns : NAP_NS)};
     for (uint32_t i = 0; i < crowd->count; i++) {
@@ -187,32 +187,32 @@ static int go_round(const struct load *load, uint32_t number, bool sheet_first,
                     struct load_tally *tally)
 {
     struct load_actor actor;
-    int rc = load_actor_open(&actor, load, number, tally, true, sheet_first, true);
-    while (rc == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
+    int status = load_actor_open(&actor, load, number, tally, true, sheet_first, true);
+    while (status == 0 && (actor.next < LOAD_FRAMES || actor.pending_count > 0)) {
         bool more = actor.next < LOAD_FRAMES;
         if (!load_actor_turn(&actor, more, true) && actor.pending_count > 0) {
             struct pollfd fd = {.fd = pccd_fd(actor.client), .events = POLLIN};
             (void)poll(&fd, 1, NAP_NS / 1000000);
         }
-        rc = tally->broken > 0 ? PCCD_E_DISCONNECTED : 0;
+        status = tally->broken > 0 ? PCCD_E_DISCONNECTED : 0;
     }
     load_actor_close(&actor);
-    return rc;
+    return status;
 }
 
 static int go_rounds(struct load *load)
 {
     struct load_tally *tally = calloc(1, sizeof *tally);
     uint32_t count = load->settings.clients + load->settings.victims;
-    int rc = tally ? 0 : PCCD_E_NOMEM;
-    for (uint32_t i = 0; i < count && rc == 0; i++) {
-        for (int order = 0; order < (int)LOAD_ORDERS && rc == 0; order++) {
-            rc = go_round(load, i, order == 1, tally);
+    int status = tally ? 0 : PCCD_E_NOMEM;
+    for (uint32_t i = 0; i < count && status == 0; i++) {
+        for (int order = 0; order < (int)LOAD_ORDERS && status == 0; order++) {
+            status = go_round(load, i, order == 1, tally);
         }
     }
     atomic_store(&load->shared->truth_records, tally ? tally->records : 0);
     free(tally);
-    return rc;
+    return status;
 }
 
 bool load_crowd_find_truth(struct load *load)

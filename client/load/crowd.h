@@ -1,8 +1,8 @@
-/* crowd.h - processes with many clients each.
+/* crowd.h - a process that simulates many clients in turn.
  *
  * Room:     client/load. May include: load.h.
- * Does:     start one; there the clients with number = index modulo the number of
- *           processes take turns until each has its requests and it is enough.
+ * Does:     start a process; in it, the clients with number = index modulo the number of
+ *           processes take turns until each has done its requests or the run ends.
  * Threads:  one in each process.
  */
 #ifndef LOAD_CROWD_H

@@ -8,6 +8,8 @@
 
 #include <string.h>
 
+#include "hash_text.h"
+
 #define LATE_NS 1000000u
 
 static uint64_t add_bytes(uint64_t sum, const void *record, size_t bytes)
@@ -67,7 +69,7 @@ static void measure(struct load_actor *actor, const struct load_pending *pending
     if (begin_ns < load_measured_from_ns(actor->load)) {
         return;
     }
-    uint64_t latency_ns = load_now_ns() - begin_ns;
+    uint64_t latency_ns = common_now_ns() - begin_ns;
     actor->tally->measured++;
     actor->tally->late += is_open && pending->sent_ns - pending->due_ns >= LATE_NS;
     actor->tally->missed +=
@@ -134,11 +136,14 @@ static void compare(struct load_actor *actor, const struct load_pending *pending
     } else {
         actor->tally->wrong++;
     }
-    load_say("client %u: step %llu from position %u has %llu records of hash %016llx, "
-             "not %016llx; objects %u and %u",
+    char texts[2][PROTO_HASH_BYTES];
+    load_say("client %u: step %llu from position %u has %llu records of hash %s, not %s; "
+             "objects %u and %u",
              actor->number, (unsigned long long)answer->step, pending->from,
-             (unsigned long long)answer->total, (unsigned long long)found.hash[1],
-             (unsigned long long)truth->hash[1], actor->floor, actor->sheet);
+             (unsigned long long)answer->total,
+             proto_hash_text(PCCD_HASH_VERSION, found.hash, texts[0]),
+             proto_hash_text(PCCD_HASH_VERSION, truth->hash, texts[1]), actor->floor,
+             actor->sheet);
 }
 
 static void judge_of(struct load_actor *actor, const struct load_pending *pending,

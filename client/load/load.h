@@ -1,7 +1,7 @@
-/* load.h - what all processes of a run know.
+/* load.h - the settings of a run of pccd-load, and the memory that its processes share.
  *
  * Room:     client/load. May include: tally.h, shape.h, size.h.
- * Does:     the settings of a run, and the memory that its processes share.
+ * Does:     define both.
  * Threads:  processes: constant once the crowd is started, but for what says otherwise.
  */
 #ifndef LOAD_LOAD_H
@@ -12,6 +12,7 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "clock.h"
 #include "shape.h"
 #include "size.h"
 #include "tally.h"
@@ -121,8 +122,6 @@ static inline bool load_is_direct(const struct load *load)
     return strncmp(load->url, "direct:", 7) == 0;
 }
 
-/* CLOCK_MONOTONIC, nanoseconds. */
-uint64_t load_now_ns(void);
 void load_sleep_ms(uint32_t ms);
 
 /* To stderr, one line. */

@@ -5,7 +5,7 @@ noinst_LTLIBRARIES += libload.la
 
 # Everything but main, so that tests can link what they test.
 libload_la_SOURCES = \
-    client/load/actor.c client/load/actor.h \
+    client/load/actor.c client/load/actor.h client/load/actor_state.h \
     client/load/couple.c client/load/couple.h \
     client/load/assault.c client/load/assault.h \
     client/load/common.c \

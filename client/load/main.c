@@ -73,7 +73,7 @@ struct overseer {
 static uint32_t oversee(struct load *load, pid_t *crowd, uint32_t count,
                         struct overseer *overseer)
 {
-    uint64_t end_ns = load_now_ns() + (uint64_t)load_settings_ns(&load->settings);
+    uint64_t end_ns = common_now_ns() + (uint64_t)load_settings_ns(&load->settings);
     uint32_t running = count;
     uint32_t bad = 0;
     while (running > 0) {
@@ -82,7 +82,7 @@ static uint32_t oversee(struct load *load, pid_t *crowd, uint32_t count,
             load_watch_turn(&overseer->watch, load);
         }
         load_series_turn(&overseer->series, load, false);
-        if (!more && load_now_ns() >= end_ns) {
+        if (!more && common_now_ns() >= end_ns) {
             atomic_store(&load->shared->enough, true);
         }
         for (uint32_t i = 0; i < count; i++) {
@@ -193,7 +193,7 @@ static enum load_exit run(struct load *load, struct load_target *target)
     load_watch_begin(&overseer.watch);
     prepare(load, &outcome);
     uint32_t count = atomic_load(&load->shared->failed) ? 0 : gather(load, crowd);
-    uint64_t begin_ns = load_now_ns();
+    uint64_t begin_ns = common_now_ns();
     if (!load_series_begin(&overseer.series, load)) {
         atomic_store(&load->shared->failed, true);
     }
@@ -201,7 +201,7 @@ static enum load_exit run(struct load *load, struct load_target *target)
     atomic_store(&load->shared->go, true);
     load_assault_begin(&overseer.assault, load);
     outcome.bad_processes = oversee(load, crowd, count, &overseer);
-    outcome.seconds = (double)(load_now_ns() - begin_ns) * 1e-9;
+    outcome.seconds = (double)(common_now_ns() - begin_ns) * 1e-9;
     load_assault_end(&overseer.assault);
     if (!load_is_direct(load)) {
         settle(load, &outcome);

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "actor.h"
+#include "names.h"
 #include "shown.h"
 
 /* What depends on more than one option. */
@@ -47,7 +48,6 @@ struct row {
 static const char *const arrival_names[] = {"fixed", "poisson", NULL};
 static const char *const kind_names[] = {"follow", "jump",  "rigid", "pairs",
                                          "churn",  "share", NULL};
-static const char *const mode_names[] = {"all", "first", "any", "pairs", NULL};
 static const char *const scene_names[] = {
 #define LOAD_SCENE_NAME(name, text) [LOAD_SCENE_##name] = #name,
     LOAD_SCENES(LOAD_SCENE_NAME)
@@ -250,7 +250,7 @@ static const struct row rows[] = {
      "which holds its frames for a second client of its scene",
      take_kinds, AT(kinds), 0, 0, kind_names},
     {"mode", 0, "MODE", "of every step: all, first, any, pairs (default by kind)",
-     take_mode, AT(mode), 0, 0, mode_names},
+     take_mode, AT(mode), 0, 0, common_mode_names},
     {"seed", 's', "N", "of the scenes (default 1)", take_u64, AT(seed), 0, 0x1p64, NULL},
 
     {.text = "Trouble"},

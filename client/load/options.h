@@ -1,7 +1,7 @@
-/* options.h - what the command line of pccd-load says.
+/* options.h - the command line of pccd-load.
  *
  * Room:     client/load. May include: load.h.
- * Does:     the table of options (--help), and settings from it.
+ * Does:     define the table of options (--help), and read settings from it.
  * Threads:  one.
  */
 #ifndef LOAD_OPTIONS_H

@@ -1,9 +1,9 @@
-/* pace.h - when each request of a client is due.
+/* pace.h - decides when each simulated client sends its next request.
  *
  * Room:     client/load. May include: load.h.
- * Does:     in the open loop: a plan that knows nothing of answers, of clients that join
- *           one by one, spread over the period, at even or at random distances.
- *           In the closed loop: a request is due when its client has thought.
+ * Does:     in the open loop, follow a plan that does not depend on answers: clients join
+ *           one by one, spread over the period, and send at even or at random intervals.
+ *           In the closed loop, send when the client has paused after its answer.
  * Threads:  one process for one client.
  */
 #ifndef LOAD_PACE_H

@@ -1,7 +1,7 @@
-/* plot.h - a picture of a run.
+/* plot.h - plots the latencies of a run.
  *
  * Room:     client/load. May include: series.h.
- * Does:     latency by percentile, and by second, as a PNG that gnuplot draws.
+ * Does:     draw latency by percentile, and by second, as a PNG by gnuplot.
  * Threads:  one.
  */
 #ifndef LOAD_PLOT_H

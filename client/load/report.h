@@ -1,7 +1,7 @@
-/* report.h - what a run has shown.
+/* report.h - prints the results of a run and judges them.
  *
  * Room:     client/load. May include: assault.h, target.h, watch.h.
- * Does:     judge the figures, and print them: a line each, or as one JSON object.
+ * Does:     judge the figures, and print a line for each, or one JSON object.
  * Threads:  one.
  */
 #ifndef LOAD_REPORT_H

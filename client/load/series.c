@@ -13,7 +13,7 @@
 
 bool load_series_begin(struct load_series *series, const struct load *load)
 {
-    *series = (struct load_series){.begin_ns = load_now_ns(),
+    *series = (struct load_series){.begin_ns = common_now_ns(),
                                    .sum = calloc(1, sizeof *series->sum),
                                    .last = calloc(1, sizeof *series->last),
                                    .since = calloc(1, sizeof *series->since),
@@ -105,7 +105,7 @@ static void keep(struct load_series *series, const struct load_second *second)
 
 void load_series_turn(struct load_series *series, const struct load *load, bool at_end)
 {
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     double length_s = 1e-9 * (double)(now_ns - series->last_ns);
     if (now_ns - series->last_ns < SECOND_NS && !at_end) {
         return;

@@ -1,8 +1,8 @@
-/* size.h - how many triangles each client has.
+/* size.h - chooses how many triangles each simulated client has.
  *
  * Room:     client/load. May include: the C library.
- * Does:     read "1k", "200..5k" (any octave of it as likely) or "1k:3,20k:1" (sizes with
- *           weights, ranges too), and draw from it.
+ * Does:     read "1k", "200..5k" (every octave equally likely) or "1k:3,20k:1" (sizes
+ *           with weights, ranges too), and draw from it.
  * Threads:  [any].
  */
 #ifndef LOAD_SIZE_H

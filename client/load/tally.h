@@ -1,9 +1,9 @@
-/* tally.h - what became of requests.
+/* tally.h - counts what became of requests: answered, refused, lost, and how fast.
  *
  * Room:     client/load. May include: hist.h.
- * Does:     count by outcome, and latencies.
- * Does not: lock: a tally has one writer; who reads its counts waits for that one's
- *           end. Its histograms may be read at any time.
+ * Does:     count by outcome, and keep histograms of latencies.
+ * Does not: lock: a tally has one writer. Its counts may be read when the writer has
+ *           ended, its histograms at any time.
  * Threads:  one writer.
  */
 #ifndef LOAD_TALLY_H

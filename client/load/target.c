@@ -178,13 +178,13 @@ bool load_target_holdings(const struct load *load, struct load_holdings *holding
 {
     struct pccd_client *client = ask(load);
     *holdings = (struct load_holdings){0};
-    int rc = client ? pccd_stats(client, note, holdings) : PCCD_E_DISCONNECTED;
-    if (rc == 0) {
+    int status = client ? pccd_stats(client, note, holdings) : PCCD_E_DISCONNECTED;
+    if (status == 0) {
         int64_t fds = load_target_descriptors((pid_t)pccd_daemon_pid(client));
         hold(holdings, "descriptors", fds < 0 ? 0 : (uint64_t)fds);
     }
     pccd_close(client);
-    return rc == 0;
+    return status == 0;
 }
 
 int64_t load_target_descriptors(pid_t pid)

@@ -1,8 +1,8 @@
-/* target.h - the daemon under load.
+/* target.h - starts and asks the daemon under load.
  *
  * Room:     client/load. May include: load.h, pccd.h.
- * Does:     start one that supervises itself, in a folder of its own, and stop it; ask
- *           any for its process and for what it holds.
+ * Does:     start a supervised daemon in a folder of its own, and stop it; ask any daemon
+ *           for its process and for what it holds.
  * Threads:  one.
  */
 #ifndef LOAD_TARGET_H

@@ -17,7 +17,7 @@
 
 void load_watch_begin(struct load_watch *watch)
 {
-    *watch = (struct load_watch){.begin_ns = load_now_ns()};
+    *watch = (struct load_watch){.begin_ns = common_now_ns()};
     watch->next_ns = watch->begin_ns;
 }
 
@@ -43,7 +43,7 @@ static bool has_room(struct load_watch *watch)
 
 void load_watch_turn(struct load_watch *watch, const struct load *load)
 {
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     if (now_ns < watch->next_ns || !has_room(watch)) {
         return;
     }

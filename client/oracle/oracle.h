@@ -1,9 +1,10 @@
-/* oracle.h - the exact truth about one elementary test.
+/* oracle.h - the exact answer to one elementary test: does a vertex meet a triangle, or
+ * an edge an edge, and when?
  *
  * Room:     client/oracle. May include: the C library, GMP.
- * Does:     decide on the binary inputs, by the definition and without rounding, whether
+ * Does:     decide by the definition, on the binary inputs and without rounding, whether
  *           and when a vertex meets a closed triangle or two closed edges meet.
- * Does not: share a line with the engine.
+ * Does not: share a line of code with the engine, which it checks.
  * Threads:  [any]; no global state.
  * Source:   the definition: there is a t in [0, 1] at which the vertex lies on the closed
  *           triangle, or the closed edges have a common point, all points moving

@@ -1,8 +1,8 @@
-/* oracle_poly.h - polynomials in t with integer coefficients, without rounding.
+/* oracle_poly.h - exact polynomials in t, with integer coefficients.
  *
  * Room:     client/oracle. May include: the C library, GMP.
- * Does:     sums, products, greatest common divisors, square-free parts, signs at dyadic
- *           points and sign variations on dyadic intervals, up to degree 4.
+ * Does:     compute sums, products, greatest common divisors, square-free parts, signs at
+ *           dyadic points and sign variations on dyadic intervals, up to degree 4.
  * Does not: find roots (oracle_root.h).
  * Threads:  one thread for one polynomial.
  */

@@ -1,4 +1,4 @@
-/* oracle_root.h - real algebraic numbers in [0, 1].
+/* oracle_root.h - exact roots of polynomials in [0, 1].
  *
  * Room:     client/oracle. May include: oracle_poly.h.
  * Does:     isolate the roots of a polynomial, narrow them, and find the exact sign of

@@ -1,8 +1,9 @@
-/* oracle_scene.h - every contact of a small scene, by brute force.
+/* oracle_scene.h - finds every contact of a small scene by brute force and exact
+ * arithmetic.
  *
  * Room:     client/oracle. May include: oracle.h.
- * Does:     put all vertex-face and edge-edge pairs that share no vertex to the oracle.
- * Does not: use a hierarchy; pairs are passed over only where the boxes of their motion,
+ * Does:     give all vertex-face and edge-edge pairs that share no vertex to the oracle.
+ * Does not: use a tree of boxes; it skips a pair only where the boxes of the two motions,
  *           compared without rounding, are apart.
  * Threads:  [any].
  */

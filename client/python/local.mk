@@ -1,23 +1,45 @@
-# client/python/local.mk - the Python client; nothing is built.
+# client/python/local.mk - the Python module: libpccd by ctypes; nothing is compiled.
 #
-# pythondir (configure --with-pythondir) is where Python looks for modules below the prefix.
+# python/pccd in the build folder is the whole module: links to the sources, and abi.py, which
+# says what pccd.h says. pythondir (configure --with-pythondir) is where Python looks for
+# modules below the prefix.
 
-python_partsdir = $(pythondir)/_pccd
-dist_python_DATA = client/python/pccd.py
-dist_python_parts_DATA = \
-    client/python/_pccd/__init__.py \
-    client/python/_pccd/answer.py \
-    client/python/_pccd/frame.py \
-    client/python/_pccd/keep.py \
-    client/python/_pccd/launch.py \
-    client/python/_pccd/link.py \
-    client/python/_pccd/observe.py \
-    client/python/_pccd/reach.py \
-    client/python/_pccd/recover.py \
-    client/python/_pccd/restore.py \
-    client/python/_pccd/ring.py \
-    client/python/_pccd/scenes.py \
-    client/python/_pccd/upload.py \
-    client/python/_pccd/values.py \
-    client/python/_pccd/wire.py
-EXTRA_DIST += client/python/example_cloth.py client/python/example_shared.py
+python_module = \
+    client/python/module/__init__.py \
+    client/python/module/answer.py \
+    client/python/module/client.py \
+    client/python/module/frame.py \
+    client/python/module/library.py \
+    client/python/module/memory.py \
+    client/python/module/observe.py \
+    client/python/module/scenes.py \
+    client/python/module/values.py
+python_headers = \
+    $(top_srcdir)/client/lib/pccd.h \
+    $(top_srcdir)/proto/common/pccd_daemon.h \
+    $(top_srcdir)/proto/common/pccd_trace.h \
+    $(top_srcdir)/proto/common/pccd_types.h
+
+python_moduledir = $(pythondir)/pccd
+dist_python_module_DATA = $(python_module)
+nodist_python_module_DATA = python/pccd/abi.py
+CLEANFILES += python/pccd/abi.py
+
+python/pccd/abi.py: Makefile $(top_srcdir)/client/python/abi.awk $(python_headers)
+	$(AM_V_GEN)$(MKDIR_P) python/pccd && \
+	for name in $(python_module); do \
+	    rm -f "python/pccd/$${name##*/}" && \
+	    $(LN_S) "$(abs_top_srcdir)/$$name" "python/pccd/$${name##*/}" || exit 1; \
+	done && \
+	{ echo '#include "pccd.h"'; \
+	  echo 'pccd_abi_version PCCD_VERSION_MAJOR PCCD_VERSION_MINOR PCCD_VERSION_PATCH'; } | \
+	    $(CC) -E -C $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/lib - \
+	    >python/pccd/abi.i && \
+	$(AWK) -v library_folder='$(libdir)' -f $(top_srcdir)/client/python/abi.awk \
+	    <python/pccd/abi.i >$@.new && rm python/pccd/abi.i && mv $@.new $@
+clean-local: clean-python
+clean-python:
+	rm -rf python
+.PHONY: clean-python
+EXTRA_DIST += client/python/abi.awk client/python/example_cloth.py \
+    client/python/example_shared.py

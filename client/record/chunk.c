@@ -109,8 +109,7 @@ struct head {
 };
 static_assert(sizeof(struct head) == RECORD_HEAD_BYTES, "head of a file");
 
-/* The file needs `features` from now on, whatever comes of the chunk that does. */
-static int need(struct record_writer *writer, uint32_t features)
+int record_writer_need(struct record_writer *writer, uint32_t features)
 {
     const struct head head = {RECORD_MAGIC, RECORD_VERSION_MAX,
                               writer->features | features};
@@ -120,9 +119,9 @@ static int need(struct record_writer *writer, uint32_t features)
         return 0;
     }
     do {
-        done = pwrite(writer->fd, &head, sizeof(head), 0);
+        done = pwrite(writer->fd, &head, sizeof head, 0);
     } while (done < 0 && errno == EINTR);
-    if (done != (ssize_t)sizeof(head)) {
+    if (done != (ssize_t)sizeof head) {
         errno = done < 0 ? errno : ENOSPC;
         return PCCD_E_SYSTEM;
     }
@@ -134,7 +133,7 @@ int record_writer_open(struct record_writer *writer, const char *path)
 {
     const struct head head = {RECORD_MAGIC, RECORD_VERSION, 0};
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    int rc;
+    int status;
 
     if (fd < 0) {
         return PCCD_E_SYSTEM;
@@ -142,22 +141,22 @@ int record_writer_open(struct record_writer *writer, const char *path)
     writer->fd = fd;
     writer->bytes = writer->raw_bytes = writer->bytes_max = 0;
     writer->features = 0;
-    rc = append(writer, &head, sizeof(head));
-    if (rc != 0) {
+    status = append(writer, &head, sizeof head);
+    if (status != 0) {
         int why = errno;
 
         (void)record_writer_close(writer);
         errno = why;
     }
-    return rc;
+    return status;
 }
 
 int record_writer_close(struct record_writer *writer)
 {
-    int rc = writer->fd < 0 || close(writer->fd) == 0 ? 0 : PCCD_E_SYSTEM;
+    int status = writer->fd < 0 || close(writer->fd) == 0 ? 0 : PCCD_E_SYSTEM;
 
     writer->fd = -1;
-    return rc;
+    return status;
 }
 
 void record_writer_deinit(struct record_writer *writer)
@@ -246,7 +245,7 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     size_t bytes = 0;
     size_t stored;
     uint8_t *body;
-    int rc;
+    int status;
 
     for (size_t i = 0; i < count; i++) {
         bytes += parts[i].bytes;
@@ -254,17 +253,17 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     if (bytes > RECORD_BYTES_MAX) {
         return PCCD_E_LIMIT;
     }
-    rc = make_room(&writer->raw, &writer->raw_room, bytes);
-    rc = rc != 0
-             ? rc
-             : make_room(&writer->out, &writer->out_room, sizeof(chunk) + bytes + ALIGN);
-    if (rc != 0) {
-        return rc;
+    status = make_room(&writer->raw, &writer->raw_room, bytes);
+    status = status != 0 ? status
+                         : make_room(&writer->out, &writer->out_room,
+                                     sizeof chunk + bytes + ALIGN);
+    if (status != 0) {
+        return status;
     }
     for (size_t i = 0, at = 0; i < count; at += parts[i].bytes, i++) {
         memcpy(writer->raw + at, parts[i].at, parts[i].bytes);
     }
-    body = writer->out + sizeof(chunk);
+    body = writer->out + sizeof chunk;
     stored = bytes;
     if (squeeze(writer, kind, writer->raw, bytes, body, &stored)) {
         chunk.encoding = RECORD_ZSTD;
@@ -272,21 +271,22 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
         memcpy(body, writer->raw, bytes);
     }
     if (writer->bytes_max != 0 &&
-        writer->bytes + sizeof(chunk) + padded(stored) > writer->bytes_max) {
+        writer->bytes + sizeof chunk + padded(stored) > writer->bytes_max) {
         return PCCD_E_LIMIT;
     }
     chunk.bytes = bytes;
     chunk.stored_bytes = stored;
     chunk.stored_sum = XXH3_64bits(body, stored);
     chunk.header_sum = header_sum(&chunk);
-    memcpy(writer->out, &chunk, sizeof(chunk));
+    memcpy(writer->out, &chunk, sizeof chunk);
     memset(body + stored, 0, padded(stored) - stored);
-    rc = need(writer, record_kind_feature((uint16_t)kind));
-    rc = rc != 0 ? rc : append(writer, writer->out, sizeof(chunk) + padded(stored));
-    if (rc == 0) {
-        writer->raw_bytes += sizeof(chunk) + bytes;
+    status = record_writer_need(writer, record_kind_feature((uint16_t)kind));
+    status =
+        status != 0 ? status : append(writer, writer->out, sizeof chunk + padded(stored));
+    if (status == 0) {
+        writer->raw_bytes += sizeof chunk + bytes;
     }
-    return rc;
+    return status;
 }
 
 /* ---- reading ----------------------------------------------------------------------- */

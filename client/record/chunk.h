@@ -1,7 +1,8 @@
-/* chunk.h - one chunk of a recording, to and from bytes.
+/* chunk.h - writes and reads one chunk of a recording.
  *
  * Room:     client/record. May include: format.h, payload.h; chunk.c also xxhash, zstd.
- * Does:     compress, sum, append to a file; judge a header, decompress, judge a payload.
+ * Does:     compress, checksum, append to a file; check a header, decompress, check a
+ *           payload.
  * Does not: know what a session is (client/lib/recorder.c) or walk a file (reader.h).
  * Threads:  one thread per writer.
  */
@@ -44,6 +45,9 @@ bool record_has_zstd(void);
 /* Make the file, which must not exist, and write its head. PCCD_E_SYSTEM: errno says
  * why. */
 int record_writer_open(struct record_writer *writer, const char *path);
+/* The file needs these features (enum record_feature) from now on, whatever it
+ * holds. PCCD_E_SYSTEM: errno says why. */
+int record_writer_need(struct record_writer *writer, uint32_t features);
 /* Append one chunk, in one write. After a failure the file ends with the chunk before:
  * PCCD_E_SYSTEM (errno), PCCD_E_NOMEM, PCCD_E_LIMIT (bytes_max, which is judged by what
  * compression has left; a payload beyond RECORD_BYTES_MAX). */

@@ -1,22 +1,23 @@
-/* format.h - a recording, byte by byte.
+/* format.h - the file format of recordings, byte by byte.
  *
  * Room:     client/record. May include: pccd_types.h.
- * Does:     the layout of what the library writes and pccdctl reads.
+ * Does:     define the layout of what the library writes and pccdctl reads.
  * Does not: write or read it (chunk.h, reader.h), or say what is in it (payload.h).
  * Threads:  [any].
  *
  *     file     "pccdrec\0" | u32 version | u32 features | chunk | chunk | ...
  *     chunk    struct record_chunk (48 bytes) | stored_bytes | zeros up to 8
  *
- * All words are little-endian. Only appended to: whatever ends the writer, the chunks
- * before stay whole. Each can be read by itself: `encoding` says how its payload is
- * stored, the header has a checksum of its own (XXH3-64 over the 40 bytes before it) and
- * one of the stored bytes. A reader skips kinds that it does not know.
+ * All words are little-endian. A file is only appended to: whatever ends the writer, the
+ * chunks before stay whole. Each chunk can be read by itself: `encoding` says how its
+ * payload is stored; the header has a checksum of its own (XXH3-64 over the 40 bytes
+ * before it) and one of the stored bytes. A reader skips kinds that it does not know.
  *
- * A file is of version 1 until something is put into it without which it must not be
- * repeated, and that releases before could not know. Then it is of version 2, and
- * `features` names what that is: a reader refuses bits that it does not know. The head is
- * written over before the first chunk of such a kind.
+ * A file has version 1 until it holds something that older programs do not know and would
+ * misread. Then it has version 2, and `features` names what that is. A reader refuses a
+ * file with bits that it does not know; its message names these bits, and the release
+ * that wrote the file, which the first chunk, BEGIN, tells. The head of the file is
+ * overwritten before the first chunk that needs the bit.
  *
  *     segment  BEGIN snapshot LOG events END?
  *     snapshot MESH* (SCENE (OBJECT PLACE? FILTER?)* PAIRS?)* MESH_GONE*
@@ -38,6 +39,7 @@
  * | PAIRS | uint32_t[2] each: handles of two objects |
  * | GUEST | vertices (double), triangles: added, or given another shape if it is there |
  * | MOVE | as FRAME; it has no number, and no answer |
+ * | TUNING | nothing. Who does not know it takes the daemon's default: the same answer |
  */
 #ifndef RECORD_FORMAT_H
 #define RECORD_FORMAT_H
@@ -71,18 +73,22 @@
     X(FILTER, 15, "what an object may meet")                                             \
     X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")             \
     X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
-    X(MOVE, 18, "another client has moved a shared scene on")
+    X(MOVE, 18, "another client has moved a shared scene on")                            \
+    X(TUNING, 19, "how threads are to share the work of the next FRAME or MOVE")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
 #undef RECORD_ENUM
 };
 
-/* What a file needs of its reader. Bits are never given anew. */
+/* What a file needs of its reader. Bits are never given anew. Whatever a file holds that
+ * a reader of before would misread (chunks, kinds of contact, radii, requests) has a
+ * bit. */
 enum record_feature {
     RECORD_FEATURE_FILTERS = 1, /* FILTER and PAIRS */
     RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */
-    RECORD_FEATURES = 3         /* all of them */
+    RECORD_FEATURE_HASH_2 = 4,  /* hashes of answers are of version 2; without: of 1 */
+    RECORD_FEATURES = 7         /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -12,6 +12,9 @@
 
 #include "chunk.h"
 
+#include "coordinates.h"
+#include "proto_limits.h"
+
 /* The layout of the file, whatever the compiler. */
 static_assert(sizeof(struct record_chunk) == 48, "chunk");
 static_assert(sizeof(struct record_begin) == 56, "begin");
@@ -20,10 +23,12 @@ static_assert(sizeof(struct record_scene) == 24, "scene");
 static_assert(sizeof(struct record_object) == 16, "object");
 static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 56, "frame");
+static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
-static_assert(sizeof(struct record_filter) == 32, "filter");
+static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
+static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
 static_assert(sizeof(struct record_guest) == 16, "guest");
 
@@ -34,11 +39,6 @@ static int bad(char text[RECORD_TEXT_BYTES], const char *why)
 {
     (void)snprintf(text, RECORD_TEXT_BYTES, "%s", why);
     return PCCD_E_FORMAT;
-}
-
-static uint64_t vertex_bytes(uint32_t format)
-{
-    return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
 }
 
 static uint64_t padded(uint64_t bytes)
@@ -52,7 +52,7 @@ static int judge_triangles(const uint8_t *triangles, uint32_t triangle_count,
     for (uint64_t i = 0; i < 3 * (uint64_t)triangle_count; i++) {
         uint32_t vertex;
 
-        memcpy(&vertex, triangles + i * sizeof(vertex), sizeof(vertex));
+        memcpy(&vertex, triangles + i * sizeof vertex, sizeof vertex);
         if (vertex >= vertex_count) {
             (void)snprintf(text, RECORD_TEXT_BYTES,
                            "triangle %" PRIu64 " names vertex %" PRIu32 " of %" PRIu32,
@@ -68,14 +68,14 @@ static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEX
     struct record_guest guest;
     uint64_t x_bytes;
 
-    memcpy(&guest, payload, sizeof(guest));
+    memcpy(&guest, payload, sizeof guest);
     x_bytes = guest.vertex_count * sizeof(double[3]);
     if (guest.object == 0 || guest.vertex_count == 0 || guest.vertex_count > COUNT_MAX ||
         guest.triangle_count == 0 || guest.triangle_count > COUNT_MAX ||
-        bytes != sizeof(guest) + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
+        bytes != sizeof guest + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
         return bad(text, "an object of another length, or without handle or shape");
     }
-    return judge_triangles((const uint8_t *)payload + sizeof(guest) + x_bytes,
+    return judge_triangles((const uint8_t *)payload + sizeof guest + x_bytes,
                            guest.triangle_count, guest.vertex_count, text);
 }
 
@@ -84,26 +84,26 @@ static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT
     struct record_mesh mesh;
     uint64_t x_bytes;
 
-    memcpy(&mesh, payload, sizeof(mesh));
+    memcpy(&mesh, payload, sizeof mesh);
     if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
         mesh.vertex_count > COUNT_MAX || mesh.triangle_count == 0 ||
         mesh.triangle_count > COUNT_MAX) {
         return bad(text, "a mesh without handle, vertices or triangles");
     }
-    x_bytes = padded(mesh.vertex_count * vertex_bytes(mesh.format));
-    if (bytes != sizeof(mesh) + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
+    x_bytes = padded(mesh.vertex_count * common_vertex_bytes(mesh.format));
+    if (bytes != sizeof mesh + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
         return bad(text, "a mesh of another length");
     }
-    return judge_triangles((const uint8_t *)payload + sizeof(mesh) + x_bytes,
+    return judge_triangles((const uint8_t *)payload + sizeof mesh + x_bytes,
                            mesh.triangle_count, mesh.vertex_count, text);
 }
 
 static int judge_place(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     struct record_place place;
-    uint64_t rest = bytes - sizeof(place);
+    uint64_t rest = bytes - sizeof place;
 
-    memcpy(&place, payload, sizeof(place));
+    memcpy(&place, payload, sizeof place);
     if (place.format >= PCCD_FORMAT_COUNT) {
         return bad(text, "a place of unknown format");
     }
@@ -113,7 +113,7 @@ static int judge_place(const void *payload, uint64_t bytes, char text[RECORD_TEX
     if (place.placing != RECORD_PLACED_FREELY) {
         return bad(text, "a place of unknown kind");
     }
-    return rest > 0 && rest % vertex_bytes(place.format) == 0
+    return rest > 0 && rest % common_vertex_bytes(place.format) == 0
                ? PCCD_OK
                : bad(text, "a place that holds no whole vertices");
 }
@@ -130,9 +130,9 @@ static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
 {
     const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
     struct record_frame frame;
-    uint64_t all = bytes - sizeof(frame);
+    uint64_t all = bytes - sizeof frame;
 
-    memcpy(&frame, payload, sizeof(frame));
+    memcpy(&frame, payload, sizeof frame);
     if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT ||
         frame.segment_count > all / sizeof(struct record_segment)) {
         return bad(text, "a frame without a number, or with less than its segments");
@@ -141,10 +141,10 @@ static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
         struct record_segment segment;
         uint64_t each;
 
-        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         each = segment.kind == RECORD_RIGID
                    ? RIGID_BYTES
-                   : segment.count * vertex_bytes(segment.format);
+                   : segment.count * common_vertex_bytes(segment.format);
         if (segment.kind > RECORD_RIGID || segment.format >= PCCD_FORMAT_COUNT ||
             !is_inside(segment.offset1, each, all) ||
             (segment.kind != RECORD_X1 && !is_inside(segment.offset0, each, all))) {
@@ -161,9 +161,9 @@ static int judge_records(const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES])
 {
     struct record_records records;
-    uint64_t rest = bytes - sizeof(records);
+    uint64_t rest = bytes - sizeof records;
 
-    memcpy(&records, payload, sizeof(records));
+    memcpy(&records, payload, sizeof records);
     if ((records.record_bytes != sizeof(struct pccd_contact) &&
          records.record_bytes != sizeof(struct pccd_pair)) ||
         records.count != rest / records.record_bytes ||
@@ -177,8 +177,9 @@ static int judge_filter(const void *payload, char text[RECORD_TEXT_BYTES])
 {
     struct record_filter filter;
 
-    memcpy(&filter, payload, sizeof(filter));
-    return (filter.what & ~(uint32_t)PCCD_OBJECT_ALL) == 0 && filter.self <= 1
+    memcpy(&filter, payload, RECORD_FILTER_BYTES);
+    return (COMMON_OBJECT_BITS(filter.what) & ~COMMON_OBJECT_KNOWN) == 0 &&
+                   filter.self <= 1
                ? PCCD_OK
                : bad(text, "a filter of unknown kind");
 }
@@ -188,15 +189,15 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_pairs);
     struct record_pairs pairs;
 
-    memcpy(&pairs, payload, sizeof(pairs));
+    memcpy(&pairs, payload, sizeof pairs);
     if (pairs.ignored > 1 ||
-        bytes != sizeof(pairs) + (uint64_t)pairs.count * sizeof(uint32_t[2])) {
+        bytes != sizeof pairs + (uint64_t)pairs.count * sizeof(uint32_t[2])) {
         return bad(text, "pairs of another length");
     }
     for (uint32_t i = 0; i < pairs.count; i++) {
         uint32_t pair[2];
 
-        memcpy(pair, at + i * sizeof(pair), sizeof(pair));
+        memcpy(pair, at + i * sizeof pair, sizeof pair);
         if (pair[0] == pair[1]) {
             return bad(text, "a pair of one object");
         }
@@ -223,6 +224,8 @@ static uint64_t least_bytes(uint16_t kind)
     case RECORD_FRAME:
     case RECORD_MOVE:
         return sizeof(struct record_frame);
+    case RECORD_TUNING:
+        return sizeof(struct record_tuning);
     case RECORD_GUEST:
         return sizeof(struct record_guest);
     case RECORD_ANSWER:
@@ -238,7 +241,7 @@ static uint64_t least_bytes(uint16_t kind)
     case RECORD_END:
         return sizeof(struct record_end);
     case RECORD_FILTER:
-        return sizeof(struct record_filter);
+        return RECORD_FILTER_BYTES;
     case RECORD_PAIRS:
         return sizeof(struct record_pairs);
     default:
@@ -268,6 +271,10 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_filter(payload, text);
     case RECORD_PAIRS:
         return judge_pairs(payload, bytes, text);
+    case RECORD_TUNING:
+        return memchr(payload, '\0', sizeof(struct record_tuning)) != NULL
+                   ? PCCD_OK
+                   : bad(text, "a tuning without an end");
     default:
         return PCCD_OK;
     }

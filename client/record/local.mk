@@ -3,9 +3,15 @@
 noinst_LTLIBRARIES += librecord.la
 
 librecord_la_SOURCES = \
+    client/record/answer_hash.c \
+    client/record/answer_hash.h \
     client/record/chunk.c \
     client/record/chunk.h \
+    client/record/filter.c \
+    client/record/filter.h \
     client/record/format.h \
+    client/record/former_tuning.c \
+    client/record/former_tuning.h \
     client/record/judge.c \
     client/record/payload.h \
     client/record/reader.c \

@@ -1,7 +1,7 @@
-/* payload.h - what a chunk of a recording says, byte by byte.
+/* payload.h - the contents of each kind of chunk in a recording, byte by byte.
  *
- * Room:     client/record. May include: pccd_types.h.
- * Does:     the struct that the payload of each kind of chunk begins with.
+ * Room:     client/record. May include: object_attributes.h.
+ * Does:     define the struct with which the payload of each kind begins.
  * Does not: know chunks (format.h).
  * Threads:  [any].
  *
@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-#include "pccd_types.h"
+#include "object_attributes.h"
 
 /* Of a segment. */
 enum record_flag {
@@ -66,6 +66,10 @@ struct record_place {
 struct record_log {
     uint64_t next_step;
 };
+struct record_tuning {
+    char text[PCCD_TUNING_BYTES]; /* with its NUL, filled up with zeros */
+};
+
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;
@@ -73,9 +77,7 @@ struct record_frame {
     uint32_t mode;
     uint32_t method;
     uint32_t threads;
-    uint32_t scheduler;
-    uint32_t high_level;
-    uint32_t refit;
+    uint32_t former_tuning[3]; /* zeros; of earlier recordings: former_tuning.h */
     double tolerance;
     uint64_t deadline_ns;
 };
@@ -109,7 +111,7 @@ struct record_answer {
     uint64_t possible;
     uint64_t initial;
     double toi_first;
-    uint64_t hash[2];
+    uint64_t hash[2]; /* of the version that the head of the file names */
     uint64_t times[RECORD_TIMES];
     uint64_t counters[RECORD_COUNTERS];
 };
@@ -129,13 +131,13 @@ struct record_gone {
     uint32_t reserved;
 };
 
+#define RECORD_FILTER_BYTES 32u /* the least: as recordings of before have it */
 struct record_filter {
     uint32_t scene;
     uint32_t object;
     uint32_t what; /* enum pccd_object_what: which of these are set */
-    uint32_t self; /* 0, 1 */
-    uint64_t group;
-    uint64_t mask;
+    uint32_t self; /* 0, 1: the third word, which recordings of before have only here */
+    uint64_t words[COMMON_WORDS]; /* attributes (object_attributes.h): two at least */
 };
 
 struct record_pairs {

@@ -25,7 +25,7 @@ static int fail(struct record_reader *reader, int status, const char *format, ..
     va_list arguments;
 
     va_start(arguments, format);
-    (void)vsnprintf(reader->text, sizeof(reader->text), format, arguments);
+    (void)vsnprintf(reader->text, sizeof reader->text, format, arguments);
     va_end(arguments);
     return status;
 }
@@ -59,6 +59,50 @@ static int copy(struct record_reader *reader, uint64_t offset, void *to, size_t 
     return 0;
 }
 
+/* The release that wrote the file, which is in its first chunk; else "". BEGIN is never
+ * given another layout, and is too short to be compressed. */
+static void read_release(struct record_reader *reader, char release[17])
+{
+    struct {
+        struct record_chunk chunk;
+        struct record_begin begin;
+    } first;
+    char why[RECORD_TEXT_BYTES];
+    size_t got = 0;
+
+    release[0] = '\0';
+    if (reader->bytes < RECORD_HEAD_BYTES + sizeof first ||
+        copy(reader, RECORD_HEAD_BYTES, &first, sizeof first, &got) != 0 ||
+        got != sizeof first || record_chunk_judge(&first.chunk, why) != 0 ||
+        first.chunk.kind != RECORD_BEGIN || first.chunk.encoding != RECORD_STORED ||
+        first.chunk.bytes != sizeof first.begin) {
+        return;
+    }
+    memcpy(release, first.begin.library, sizeof first.begin.library);
+    release[sizeof first.begin.library] = '\0';
+}
+
+/* The file needs features that nobody knew when this program was made. */
+static int refuse(struct record_reader *reader, uint32_t unknown)
+{
+    char numbers[80] = "";
+    char release[17];
+    size_t used = 0;
+
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        if ((unknown >> bit & 1u) != 0 && used + 4 < sizeof numbers) {
+            used += (size_t)snprintf(numbers + used, sizeof numbers - used, "%s%" PRIu32,
+                                     used > 0 ? ", " : "", bit);
+        }
+    }
+    read_release(reader, release);
+    return fail(
+        reader, PCCD_E_FORMAT,
+        "it needs feature %s, which this program does not know; %s%s, which wrote "
+        "it, does",
+        numbers, release[0] != '\0' ? "pccd " : "a newer release", release);
+}
+
 static int judge_head(struct record_reader *reader)
 {
     struct {
@@ -67,16 +111,15 @@ static int judge_head(struct record_reader *reader)
         uint32_t features;
     } head;
     size_t got = 0;
-    int rc = 0;
+    int status = 0;
 
-    if (reader->bytes >= sizeof(head)) {
-        rc = copy(reader, 0, &head, sizeof(head), &got);
+    if (reader->bytes >= sizeof head) {
+        status = copy(reader, 0, &head, sizeof head, &got);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    if (got != sizeof(head) ||
-        memcmp(head.magic, RECORD_MAGIC, sizeof(head.magic)) != 0) {
+    if (got != sizeof head || memcmp(head.magic, RECORD_MAGIC, sizeof head.magic) != 0) {
         return fail(reader, PCCD_E_FORMAT, "not a recording of pccd");
     }
     if (head.version < RECORD_VERSION || head.version > RECORD_VERSION_MAX) {
@@ -86,14 +129,16 @@ static int judge_head(struct record_reader *reader)
     }
     if (head.version > RECORD_VERSION &&
         (head.features & ~(uint32_t)RECORD_FEATURES) != 0) {
-        return fail(reader, PCCD_E_FORMAT,
-                    "a recording of a newer release: it needs the features 0x%" PRIx32
-                    ", and this program knows 0x%x",
-                    head.features, (unsigned)RECORD_FEATURES);
+        return refuse(reader, head.features & ~(uint32_t)RECORD_FEATURES);
     }
     reader->features = head.version > RECORD_VERSION ? head.features : 0;
-    reader->offset = sizeof(head);
+    reader->offset = sizeof head;
     return 0;
+}
+
+uint32_t record_reader_hash_version(const struct record_reader *reader)
+{
+    return (reader->features & RECORD_FEATURE_HASH_2) != 0 ? 2 : 1;
 }
 
 int record_reader_open(struct record_reader *reader, const char *path)
@@ -176,7 +221,7 @@ static bool is_empty(const struct record_chunk *chunk)
 {
     static const struct record_chunk zeros;
 
-    return memcmp(chunk, &zeros, sizeof(zeros)) == 0;
+    return memcmp(chunk, &zeros, sizeof zeros) == 0;
 }
 
 /* The header at reader->offset: 1, 0 at the end, or a failure. */
@@ -185,23 +230,23 @@ static int read_header(struct record_reader *reader, struct record_chunk *chunk)
     char why[RECORD_TEXT_BYTES];
     uint64_t left = reader->bytes - reader->offset;
     size_t got = 0;
-    int rc;
+    int status;
 
-    if (left < sizeof(*chunk)) {
+    if (left < sizeof *chunk) {
         return end(reader, left > 0);
     }
-    rc = copy(reader, reader->offset, chunk, sizeof(*chunk), &got);
-    if (rc != 0) {
-        return rc;
+    status = copy(reader, reader->offset, chunk, sizeof *chunk, &got);
+    if (status != 0) {
+        return status;
     }
-    if (got != sizeof(*chunk) || is_empty(chunk)) {
+    if (got != sizeof *chunk || is_empty(chunk)) {
         return end(reader, true);
     }
-    rc = record_chunk_judge(chunk, why);
-    if (rc != 0) {
-        return damaged(reader, NULL, rc, why);
+    status = record_chunk_judge(chunk, why);
+    if (status != 0) {
+        return damaged(reader, NULL, status, why);
     }
-    if (chunk->stored_bytes > left - sizeof(*chunk)) {
+    if (chunk->stored_bytes > left - sizeof *chunk) {
         return end(reader, true);
     }
     return 1;
@@ -211,26 +256,26 @@ static int read_payload(struct record_reader *reader, const struct record_chunk 
 {
     char why[RECORD_TEXT_BYTES];
     size_t got = 0;
-    int rc =
+    int status =
         make_room(reader, &reader->stored, &reader->stored_room, chunk->stored_bytes + 1);
 
-    rc = rc != 0 ? rc
-                 : make_room(reader, &reader->payload, &reader->payload_room,
-                             chunk->bytes + 1);
-    rc = rc != 0 ? rc
-                 : copy(reader, reader->offset + sizeof(*chunk), reader->stored,
-                        chunk->stored_bytes, &got);
-    if (rc != 0) {
-        return rc;
+    status = status != 0 ? status
+                         : make_room(reader, &reader->payload, &reader->payload_room,
+                                     chunk->bytes + 1);
+    status = status != 0 ? status
+                         : copy(reader, reader->offset + sizeof *chunk, reader->stored,
+                                chunk->stored_bytes, &got);
+    if (status != 0) {
+        return status;
     }
     if (got != chunk->stored_bytes) {
         return end(reader, true);
     }
-    rc = record_chunk_unpack(chunk, reader->stored, reader->payload, why);
-    if (rc == 0) {
-        rc = record_payload_judge(chunk->kind, reader->payload, chunk->bytes, why);
+    status = record_chunk_unpack(chunk, reader->stored, reader->payload, why);
+    if (status == 0) {
+        status = record_payload_judge(chunk->kind, reader->payload, chunk->bytes, why);
     }
-    return rc != 0 ? damaged(reader, chunk, rc, why) : 1;
+    return status != 0 ? damaged(reader, chunk, status, why) : 1;
 }
 
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
@@ -239,27 +284,27 @@ int record_reader_skim(struct record_reader *reader, uint32_t kinds,
     for (;;) {
         struct record_chunk chunk;
         bool is_wanted = false;
-        int rc = read_header(reader, &chunk);
+        int status = read_header(reader, &chunk);
 
-        if (rc == 1 && chunk.kind < 32 && (kinds & 1u << chunk.kind) != 0) {
+        if (status == 1 && chunk.kind < 32 && (kinds & 1u << chunk.kind) != 0) {
             is_wanted = true;
-            rc = read_payload(reader, &chunk);
+            status = read_payload(reader, &chunk);
         }
-        if (rc != 1) {
-            return rc;
+        if (status != 1) {
+            return status;
         }
         *view = (struct record_view){.offset = reader->offset,
                                      .kind = chunk.kind,
                                      .time_ns = chunk.time_ns,
                                      .bytes = chunk.bytes,
                                      .payload = is_wanted ? reader->payload : NULL};
-        reader->offset += sizeof(chunk) + (chunk.stored_bytes + 7) / 8 * 8;
+        reader->offset += sizeof chunk + (chunk.stored_bytes + 7) / 8 * 8;
         if (reader->offset > reader->bytes) {
             reader->offset = reader->bytes; /* cut in the padding: nothing is lost */
         }
         reader->has_end = chunk.kind == RECORD_END;
         if (reader->has_end && is_wanted) {
-            memcpy(&reader->end_reason, reader->payload, sizeof(reader->end_reason));
+            memcpy(&reader->end_reason, reader->payload, sizeof reader->end_reason);
         }
         if (record_kind_name(chunk.kind) != NULL) {
             return 1;

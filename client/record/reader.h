@@ -1,9 +1,9 @@
-/* reader.h - the chunks of a recording, one after the other.
+/* reader.h - reads the chunks of a recording, one after the other.
  *
  * Room:     client/record. May include: chunk.h.
- * Does:     read a file or a copy of one in memory; judge every byte before it is shown,
+ * Does:     read a file or a copy of one in memory; check every byte before it is shown,
  *           and say what is wrong, and where.
- * Does not: follow what the chunks say (client/ctl/record/world.h).
+ * Does not: interpret the chunks (client/ctl/record/world.h).
  * Threads:  one thread per reader.
  */
 #ifndef RECORD_READER_H
@@ -58,6 +58,8 @@ int record_reader_next(struct record_reader *reader, struct record_view *view);
  * in `kinds`. */
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
                        struct record_view *view);
+/* 1 or 2: of the hashes in the file's answers (answer_hash.h). */
+uint32_t record_reader_hash_version(const struct record_reader *reader);
 /* Go on with the chunk at `offset`, which a view has named. */
 void record_reader_seek(struct record_reader *reader, uint64_t offset);
 

@@ -1,4 +1,5 @@
-/* client/tool/shown.h - names that others chose, in what our programs print.
+/* client/tool/shown.h - makes names that others chose (files, processes) safe to print on
+ * a terminal.
  *
  * Room:     client/tool. May include: the C library.
  * Does:     make strings of files, command lines and other processes harmless to a

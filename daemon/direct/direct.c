@@ -1,6 +1,6 @@
 /* direct.c - the service in the process of its client.
  *
- * Room:     direct. May include: line.h, the service's headers, proto/direct.h.
+ * Room:     direct. May include: inbox.h, the service's headers, proto/direct.h.
  * Does:     one service for all clients of the process, made with the first and freed
  *           with the last; what a message asks for is computed at once, by the thread
  *           that brings it.
@@ -19,17 +19,18 @@
 #include <unistd.h>
 
 #include "dispatch.h"
+#include "engine.h"
+#include "inbox.h"
 #include "invariant.h"
-#include "kernel.h"
-#include "line.h"
-#include "loop.h"
-#include "monitor.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "proto_direct.h"
 #include "proto_limits.h"
+#include "service.h"
 #include "session.h"
+#include "setup.h"
 #include "shared.h"
+#include "watcher.h"
 
 /* Quotas keep the users of a daemon from each other. Here is one, and the memory is its
  * own: only what no machine has is refused. Half, so that sums do not overflow. */
@@ -39,15 +40,15 @@
 #define CLIENTS_MAX 4096u
 #define NS_PER_MS   1000000u
 
-struct proto_direct_line {
+struct proto_direct_inbox {
     struct srv_conn conn; /* first */
 };
 
 /* Whose turn it is: everything below, and all that the service has. */
 static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
 static struct srv_options options;
-static struct srv_loop *service; /* NULL: no client */
-static struct srv_conn *conns;   /* newest first */
+static struct srv_service *the_service; /* NULL: no client */
+static struct srv_conn *conns;          /* newest first */
 
 /* OpenMP's team does not survive a fork: a copy of the process must not compute. */
 static volatile bool is_forked;
@@ -88,9 +89,9 @@ static void end_turn(void)
 
 /* ---- what the service asks of its host --------------------------------------------- */
 
-void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message)
+void srv_conn_send_all(struct srv_service *service, const struct proto_encoder *message)
 {
-    (void)loop;
+    (void)service;
     for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
         srv_conn_send(conn, message, NULL, 0);
     }
@@ -124,9 +125,9 @@ int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
     return PCCD_E_LIMIT;
 }
 
-void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
+void srv_conn_room(struct srv_service *service, const struct srv_quota_user *user)
 {
-    (void)loop;
+    (void)service;
     (void)user;
 }
 
@@ -141,26 +142,26 @@ void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
     conn->session = session;
 }
 
-void srv_host_client_joined(struct srv_loop *loop)
+void srv_host_client_joined(struct srv_service *service)
 {
-    loop->client_count++;
+    service->client_count++;
 }
 
-void srv_host_client_left(struct srv_loop *loop)
+void srv_host_client_left(struct srv_service *service)
 {
-    PCCD_ASSERT(loop->client_count > 0);
-    loop->client_count--;
+    PCCD_ASSERT(service->client_count > 0);
+    service->client_count--;
 }
 
-int srv_host_start_runner(struct srv_loop *loop)
+int srv_host_start_runner(struct srv_service *service)
 {
-    (void)loop;
+    (void)service;
     return PCCD_E_STATE; /* who asks for something computes it */
 }
 
-void srv_host_limit_changed(struct srv_loop *loop)
+void srv_host_limit_changed(struct srv_service *service)
 {
-    (void)loop; /* whoever comes is taken or refused at once */
+    (void)service; /* whoever comes is taken or refused at once */
 }
 
 /* ---- timers ------------------------------------------------------------------------ */
@@ -193,10 +194,10 @@ static void find_due(void)
     atomic_store_explicit(&due_ns, first_ns, memory_order_relaxed);
 }
 
-struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
+struct srv_timer *srv_timer_new(struct srv_service *service, void (*fire)(void *context),
                                 void *context)
 {
-    (void)loop;
+    (void)service;
     struct srv_timer *timer = calloc(1, sizeof *timer);
     if (timer != NULL) {
         *timer = (struct srv_timer){.next = timers, .fire = fire, .context = context};
@@ -207,7 +208,7 @@ struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *contex
 
 void srv_timer_start(struct srv_timer *timer, uint64_t after_ms, uint64_t every_ms)
 {
-    timer->at_ns = srv_now_ns() + after_ms * NS_PER_MS;
+    timer->at_ns = common_now_ns() + after_ms * NS_PER_MS;
     timer->every_ns = every_ms * NS_PER_MS;
     find_due();
 }
@@ -234,13 +235,13 @@ void srv_timer_free(struct srv_timer *timer)
 static bool is_due(void)
 {
     uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
-    return at_ns != 0 && at_ns <= srv_now_ns();
+    return at_ns != 0 && at_ns <= common_now_ns();
 }
 
 /* Of each that is due. It may stop and start others. */
 static void fire_due(void)
 {
-    uint64_t now_ns = srv_now_ns();
+    uint64_t now_ns = common_now_ns();
     for (struct srv_timer *timer = timers; timer != NULL; timer = timer->next) {
         if (timer->at_ns != 0 && timer->at_ns <= now_ns) {
             timer->at_ns = timer->every_ns != 0 ? now_ns + timer->every_ns : 0;
@@ -273,12 +274,12 @@ static uint32_t threads_wanted(void)
     return (uint32_t)number;
 }
 
-static void free_service(struct srv_loop *loop)
+static void free_service(struct srv_service *service)
 {
-    srv_loop_deinit(loop);
-    srv_compute_deinit(&loop->compute);
-    srv_compute_deinit(&loop->pages);
-    free(loop);
+    srv_service_deinit(service);
+    srv_compute_deinit(&service->compute);
+    srv_compute_deinit(&service->pages);
+    free(service);
 }
 
 /* Of the machine; 2 GiB where it does not say. */
@@ -290,7 +291,7 @@ static uint64_t memory_bytes(void)
                                        : 2ull << 30;
 }
 
-static struct srv_loop *make_service(void)
+static struct srv_service *make_service(void)
 {
     options = (struct srv_options){
         .threads_max = threads_wanted(),
@@ -308,41 +309,42 @@ static struct srv_loop *make_service(void)
         .log_level = SRV_LOG_ERROR,
     };
     srv_log_set_level(options.log_level);
-    struct srv_loop *loop = calloc(1, sizeof *loop);
-    if (loop == NULL) {
+    struct srv_service *service = calloc(1, sizeof *service);
+    if (service == NULL) {
         return NULL;
     }
-    if (srv_compute_init(&loop->compute, options.queue_max) != 0) {
-        free(loop);
+    if (srv_compute_init(&service->compute, options.queue_max) != 0) {
+        free(service);
         return NULL;
     }
-    if (srv_compute_init(&loop->pages, options.queue_max) != 0) {
-        srv_compute_deinit(&loop->compute);
-        free(loop);
+    if (srv_compute_init(&service->pages, options.queue_max) != 0) {
+        srv_compute_deinit(&service->compute);
+        free(service);
         return NULL;
     }
-    if (srv_loop_init(loop, &options) != 0) {
-        free_service(loop);
+    if (srv_service_init(service, &options) != 0) {
+        free_service(service);
         return NULL;
     }
-    loop->is_pinned = true;
-    loop->desks[0].places.is_guest = true;
-    loop->start_ns = srv_now_ns();
-    return loop;
+    service->is_pinned = true;
+    service->workspaces[0].affinity.is_guest = true;
+    service->start_ns = common_now_ns();
+    return service;
 }
 
 /* Compute all that there is to, also what comes of it. */
-static void work_off(struct srv_loop *loop)
+static void work_off(struct srv_service *service)
 {
     bool ran = true;
     int cpu = sched_getcpu();
-    loop->desks[0].places.first_on = cpu < 0 ? 0 : cpu;
+    service->workspaces[0].affinity.first_on = cpu < 0 ? 0 : cpu;
     while (ran) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
-        ran = srv_compute_run_next(&loop->compute) || srv_compute_run_next(&loop->pages);
+        ran = srv_compute_run_next(&service->compute) ||
+              srv_compute_run_next(&service->pages);
         srv_thread_enter(SRV_THREAD_LOOP);
-        srv_compute_drain(&loop->compute);
-        srv_compute_drain(&loop->pages);
+        srv_compute_drain(&service->compute);
+        srv_compute_drain(&service->pages);
     }
 }
 
@@ -351,13 +353,13 @@ static void do_due(void)
 {
     if (is_due()) {
         fire_due();
-        work_off(service);
+        work_off(the_service);
     }
     uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
     if (at_ns != told_ns) {
         told_ns = at_ns;
         for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
-            srv_line_alarm(conn, at_ns);
+            srv_inbox_alarm(conn, at_ns);
         }
     }
 }
@@ -392,29 +394,29 @@ static void link_conn(struct srv_conn *conn)
 }
 
 /* In its turn. */
-static int add_line(struct proto_direct_line *line, char text[PROTO_DIRECT_TEXT_BYTES])
+static int add_line(struct proto_direct_inbox *line, char text[PROTO_DIRECT_TEXT_BYTES])
 {
     const struct srv_peer peer = {.uid = geteuid(), .pid = getpid()};
-    if (service == NULL) {
-        service = make_service();
+    if (the_service == NULL) {
+        the_service = make_service();
     }
-    if (service == NULL) {
+    if (the_service == NULL) {
         return refuse(text, PCCD_E_NOMEM, "no memory for the service");
     }
-    line->conn.session = srv_session_new(service, &line->conn, &peer);
+    line->conn.session = srv_session_new(the_service, &line->conn, &peer);
     if (line->conn.session == NULL) {
         if (conns == NULL) {
-            free_service(service);
-            service = NULL;
+            free_service(the_service);
+            the_service = NULL;
         }
         return refuse(text, PCCD_E_NOMEM, "no memory for a session");
     }
     link_conn(&line->conn);
-    srv_line_alarm(&line->conn, told_ns);
+    srv_inbox_alarm(&line->conn, told_ns);
     return 0;
 }
 
-static int open_line(struct proto_direct_line **line, char text[PROTO_DIRECT_TEXT_BYTES])
+static int open_line(struct proto_direct_inbox **line, char text[PROTO_DIRECT_TEXT_BYTES])
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     const char *cpu = getenv("PCCD_CPU");
@@ -428,8 +430,8 @@ static int open_line(struct proto_direct_line **line, char text[PROTO_DIRECT_TEX
                        "PCCD_CPU=%s: there is no such instruction set here", cpu);
         return PCCD_E_INVAL;
     }
-    struct proto_direct_line *made = malloc(sizeof *made);
-    if (made == NULL || srv_line_init(&made->conn) != 0) {
+    struct proto_direct_inbox *made = malloc(sizeof *made);
+    if (made == NULL || srv_inbox_init(&made->conn) != 0) {
         free(made);
         return refuse(text, PCCD_E_NOMEM, "no memory for a client");
     }
@@ -438,7 +440,7 @@ static int open_line(struct proto_direct_line **line, char text[PROTO_DIRECT_TEX
     int status = add_line(made, text);
     end_turn();
     if (status != 0) {
-        srv_line_deinit(&made->conn);
+        srv_inbox_deinit(&made->conn);
         free(made);
         return status;
     }
@@ -446,15 +448,16 @@ static int open_line(struct proto_direct_line **line, char text[PROTO_DIRECT_TEX
     return 0;
 }
 
-static int send_message(struct proto_direct_line *line, const void *message, size_t bytes)
+static int send_message(struct proto_direct_inbox *line, const void *message,
+                        size_t bytes)
 {
-    if (is_forked || srv_line_is_finished(&line->conn)) {
+    if (is_forked || srv_inbox_is_finished(&line->conn)) {
         return PCCD_E_DISCONNECTED;
     }
     take_turn();
-    service->metrics.counters.messages++;
+    the_service->metrics.counters.messages++;
     srv_dispatch(line->conn.session, message, bytes);
-    work_off(service);
+    work_off(the_service);
     do_due();
     end_turn();
     return 0;
@@ -464,12 +467,12 @@ static int send_message(struct proto_direct_line *line, const void *message, siz
 static void catch_up(struct srv_session *session)
 {
     if (session != NULL) {
-        srv_monitor_flush(session);
+        srv_watcher_flush(session);
         srv_shared_catch_up(session);
     }
 }
 
-static int receive_message(struct proto_direct_line *line, void *buffer, size_t capacity,
+static int receive_message(struct proto_direct_inbox *line, void *buffer, size_t capacity,
                            size_t *bytes, int *fds, int *fd_count)
 {
     if (is_forked) {
@@ -480,8 +483,8 @@ static int receive_message(struct proto_direct_line *line, void *buffer, size_t 
         do_due();
         end_turn();
     }
-    int status = srv_line_take(&line->conn, buffer, capacity, bytes, fds, fd_count);
-    if (srv_line_is_behind(&line->conn)) {
+    int status = srv_inbox_take(&line->conn, buffer, capacity, bytes, fds, fd_count);
+    if (srv_inbox_is_behind(&line->conn)) {
         take_turn();
         catch_up(line->conn.session);
         end_turn();
@@ -489,12 +492,12 @@ static int receive_message(struct proto_direct_line *line, void *buffer, size_t 
     return status;
 }
 
-static int descriptor_of(struct proto_direct_line *line)
+static int descriptor_of(struct proto_direct_inbox *line)
 {
-    return is_forked ? -1 : srv_line_descriptor(&line->conn);
+    return is_forked ? -1 : srv_inbox_descriptor(&line->conn);
 }
 
-static void close_line(struct proto_direct_line *line)
+static void close_line(struct proto_direct_inbox *line)
 {
     if (is_forked) {
         return; /* whose copy this is may have had the turn when it was copied */
@@ -504,14 +507,14 @@ static void close_line(struct proto_direct_line *line)
     if (line->conn.session != NULL) {
         srv_session_detach(line->conn.session);
     }
-    work_off(service);
+    work_off(the_service);
     if (conns == NULL) {
-        free_service(service);
-        service = NULL;
+        free_service(the_service);
+        the_service = NULL;
     }
     do_due();
     end_turn();
-    srv_line_deinit(&line->conn);
+    srv_inbox_deinit(&line->conn);
     free(line);
 }
 

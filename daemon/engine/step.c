@@ -7,41 +7,29 @@
  */
 #include "step.h"
 
+#include <assert.h>
 #include <omp.h>
 
+#include "affinity.h"
 #include "answer.h"
 #include "brief.h"
-#include "build.h"
 #include "clock.h"
+#include "frames.h"
 #include "memory.h"
-#include "method.h"
-#include "place.h"
-#include "refit.h"
-#include "schedule.h"
+#include "methods.h"
+#include "schedule_paper.h"
+#include "schedule_steal.h"
 #include "stage.h"
 #include "step_memory.h"
 #include "wait.h"
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
-    return settings->mode >= ENG_MODE_ALL && settings->mode <= ENG_MODE_PAIRS &&
-           settings->method >= ENG_METHOD_DEFAULT &&
-           settings->method <= ENG_METHOD_WIDE && settings->threads >= 1 &&
-           settings->scheduler >= ENG_SCHEDULER_STEAL &&
-           settings->scheduler <= ENG_SCHEDULER_PAPER &&
-           settings->high_level >= ENG_HIGH_ROUND_ROBIN &&
-           settings->high_level <= ENG_HIGH_DISJOINT &&
-           settings->refit >= ENG_REFIT_EVEN && settings->refit <= ENG_REFIT_PAPER &&
-           settings->tolerance >= 1e-12 && settings->tolerance <= 1;
-}
-
-enum eng_method eng_step_method(const struct eng_step_settings *settings)
-{
-    if (settings->method != ENG_METHOD_DEFAULT) {
-        return settings->method;
-    }
-    return settings->scheduler == ENG_SCHEDULER_PAPER ? ENG_METHOD_PAPER
-                                                      : ENG_METHOD_WIDE;
+    return settings->mode < PCCD_MODE_COUNT && settings->method < PCCD_METHOD_COUNT &&
+           settings->threads >= 1 && settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+           settings->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
+           settings->tuning.refit < ENG_REFIT_COUNT && settings->tolerance >= 1e-12 &&
+           settings->tolerance <= 1;
 }
 
 /* Triangles of the scene, 2^32 - 1 if there are more. */
@@ -58,7 +46,7 @@ static uint32_t threads_for(const struct eng_scene *scene,
         return 1;
     }
     if (!settings->team_always &&
-        !eng_effort_pays(&scene->memory->effort[eng_step_method(settings)],
+        !eng_effort_pays(&eng_step_memory_of(scene)->effort[eng_method_of(settings)],
                          settings->mode, size_of(scene))) {
         return 1;
     }
@@ -69,25 +57,24 @@ static uint32_t threads_for(const struct eng_scene *scene,
 static int prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
                    struct eng_stop *stop, struct eng_team *team)
 {
-    struct eng_step_memory *memory = scene->memory;
-    enum eng_method method = eng_step_method(settings);
-    if (method == ENG_METHOD_WIDE ? scene->wide.is_stale : scene->top_is_stale) {
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    enum pccd_method method = eng_method_of(settings);
+    team->scene = scene;
+    team->method = eng_methods[method];
+    if (team->method->is_stale(scene)) {
         eng_effort_forget(&memory->effort[method]);
     }
-    team->scene = scene;
-    team->method = method == ENG_METHOD_WIDE ? &eng_method_wide : &eng_method_paper;
     team->count = threads_for(scene, settings);
     eng_refit_begin(team);
     int status = eng_step_memory_reserve(memory, team->count);
     team->workers = memory->workers;
-    team->assignment = &memory->assignment;
-    if (status == ENG_OK && settings->scheduler == ENG_SCHEDULER_PAPER) {
-        status = eng_assignment_reserve(&memory->assignment, team->count);
+    if (status == PCCD_OK && settings->tuning.scheduler == ENG_SCHEDULER_PAPER) {
+        status = eng_schedule_paper_reserve(scene, team->count);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = team->method->prepare(team, settings);
     }
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     eng_pool_reset(&memory->pool, team->count);
@@ -95,19 +82,19 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
         eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
         memory->workers[i]->thread = i;
     }
-    scene->wide.kernels = memory->workers[0]->kernels;
     return eng_answer_begin(memory, team);
 }
 
 /* Refit and detection by one thread; returns when they ended. */
-static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
+static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
 {
+    assert(team->count == 1);
     const struct eng_method_calls *method = team->method;
     struct eng_worker *worker = team->workers[0];
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     method->refit(worker);
-    uint64_t refit_ns = eng_now_ns();
-    eng_worker_trace(worker, ENG_TRACE_REFIT, begin_ns, 0, 0);
+    uint64_t refit_ns = common_now_ns();
+    eng_worker_trace(worker, PCCD_TRACE_REFIT, begin_ns, 0, 0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
     method->ready(worker);
@@ -117,7 +104,7 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
     }
     method->leave(worker);
     method->beside(worker);
-    uint64_t end_ns = eng_now_ns();
+    uint64_t end_ns = common_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
     return end_ns;
@@ -128,14 +115,14 @@ static uint64_t run_alone(struct eng_team *team, struct eng_step_times *times)
 static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool by_paper)
 {
     team->count = (uint32_t)omp_get_num_threads();
-    team->refit_end_ns = eng_now_ns();
+    team->refit_end_ns = common_now_ns();
     team->method->ready(worker);
     if (by_paper) {
         eng_schedule_paper_begin(team, worker);
     } else {
         eng_schedule_steal_begin(team, worker);
     }
-    worker->record.low_ns += eng_now_ns() - team->refit_end_ns;
+    worker->record.low_ns += common_now_ns() - team->refit_end_ns;
     eng_refit_release(team);
 }
 
@@ -143,6 +130,7 @@ static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool b
  * ones before, and all have ended with these. `end_ns` where there are none. */
 static uint64_t low_end_of(const struct eng_team *team, uint64_t end_ns)
 {
+    assert(end_ns >= team->refit_end_ns);
     uint64_t low_end_ns = end_ns;
     for (uint32_t i = 0; i < team->count; i++) {
         uint64_t known_ns = team->workers[i]->low_end_ns;
@@ -153,18 +141,19 @@ static uint64_t low_end_of(const struct eng_team *team, uint64_t end_ns)
 
 /* The same by a team, which goes on to merge what it found. Its size may turn out smaller
  * than asked for: the refit asks the runtime; everything after it, the team. */
-static uint64_t run_together(struct eng_team *team, struct eng_step_times *times)
+static uint64_t run_together(struct eng_team *team, struct pccd_step_times *times)
 {
+    assert(team->count > 1 && team->count <= ENG_THREADS_MAX);
     const struct eng_method_calls *method = team->method;
-    uint64_t begin_ns = eng_now_ns();
-    bool by_paper = team->workers[0]->settings->scheduler == ENG_SCHEDULER_PAPER;
+    uint64_t begin_ns = common_now_ns();
+    bool by_paper = team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
     struct eng_payer *payer = eng_payer();
 #pragma omp parallel num_threads((int)team->count)
     {
         eng_payer_join(payer);
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
-        eng_place_thread(worker->settings->places, worker->thread,
-                         (uint32_t)omp_get_num_threads());
+        eng_affinity_bind_thread(worker->settings->affinity, worker->thread,
+                                 (uint32_t)omp_get_num_threads());
         bool is_last = method->refit_by_team(team, worker);
         if (is_last) {
             method->enter(worker);
@@ -184,11 +173,11 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
             eng_schedule_steal(team, worker);
         }
         method->leave(worker);
-        eng_answer_by_team(team->scene->memory, team, worker);
+        eng_answer_by_team(eng_step_memory_of(team->scene), team, worker);
         eng_wait_for_all(worker); /* the runtime's barrier would lend nobody anything */
     }
-    uint64_t merge_ns = team->scene->memory->merge.begin_ns;
-    uint64_t end_ns = merge_ns > 0 ? merge_ns : eng_now_ns();
+    uint64_t merge_ns = eng_step_memory_of(team->scene)->merge.begin_ns;
+    uint64_t end_ns = merge_ns > 0 ? merge_ns : common_now_ns();
     uint64_t low_end_ns = low_end_of(team, end_ns);
     times->refit = team->refit_end_ns - begin_ns;
     times->low = low_end_ns - team->refit_end_ns;
@@ -197,7 +186,7 @@ static uint64_t run_together(struct eng_team *team, struct eng_step_times *times
 }
 
 /* Wall time of detection, divided into traversal and tests as the threads' time is. */
-static void divide_time(const struct eng_team *team, struct eng_step_times *times)
+static void divide_time(const struct eng_team *team, struct pccd_step_times *times)
 {
     uint64_t wall_ns = times->low + times->high;
     double busy_ns = 1;
@@ -213,7 +202,7 @@ static void divide_time(const struct eng_team *team, struct eng_step_times *time
     times->traversal = wall_ns - times->tests;
 }
 
-static void add_counters(const struct eng_team *team, struct eng_step_counters *sum)
+static void add_counters(const struct eng_team *team, struct pccd_step_counters *sum)
 {
     for (uint32_t i = 0; i < team->count; i++) {
         const struct eng_worker *worker = team->workers[i];
@@ -221,8 +210,9 @@ static void add_counters(const struct eng_team *team, struct eng_step_counters *
         sum->box_tests += worker->record.box_tests;
         sum->rebuilds += worker->record.rebuilds;
         sum->leaf_pairs += worker->tally.leaf_pairs;
-        sum->candidates_vf += worker->tally.candidates_vf;
-        sum->candidates_ee += worker->tally.candidates_ee;
+        for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+            sum->candidates[kind] += worker->tally.candidates[kind];
+        }
         sum->survivors += worker->tally.survivors;
         sum->rebuilt_triangles += worker->tally.rebuilt_triangles;
         sum->exact += worker->exact.queries;
@@ -234,14 +224,15 @@ static void add_counters(const struct eng_team *team, struct eng_step_counters *
 static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_t step_ns,
                   uint64_t detect_ns, struct eng_step_result *result)
 {
+    assert(team->count <= memory->worker_count && detect_ns >= step_ns);
     struct eng_worker *worker = team->workers[0];
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     eng_answer_end(memory, team, result);
     eng_pool_reset(&memory->pool, team->count); /* ready for the next step */
-    uint64_t end_ns = eng_now_ns();
+    uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
     worker->record.merge_ns += end_ns - begin_ns;
-    eng_worker_trace(worker, ENG_TRACE_MERGE, begin_ns, 0, 0);
+    eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns, 0, 0);
     divide_time(team, &result->times);
     add_counters(team, &result->counters);
     uint64_t work_ns = 0;
@@ -250,7 +241,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         work_ns += record->refit_ns + record->low_ns + record->high_ns + record->merge_ns;
         memory->records[i] = *record;
     }
-    if (result->incomplete == ENG_COMPLETE) {
+    if (result->incomplete == PCCD_COMPLETE) {
         struct eng_effort *effort = &memory->effort[result->method];
         eng_effort_learn(effort, result->mode, work_ns);
         eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
@@ -262,30 +253,31 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result)
 {
-    uint64_t begin_ns = eng_now_ns();
+    assert(scene && settings && result);
+    uint64_t begin_ns = common_now_ns();
     uint64_t allocs = atomic_load(&eng_payer()->allocs);
     uint64_t builds = scene->builds;
     struct eng_stop stop;
     struct eng_team team;
-    int status = ENG_E_INVAL;
+    int status = PCCD_E_INVAL;
     if (settings_are_valid(settings) && (!settings->brief || eng_brief_fits(settings))) {
         eng_stop_init(&stop, settings);
         status = prepare(scene, settings, &stop, &team);
     }
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
     }
     bool is_owed = scene->is_owed && !scene->staging;
     /* Without the commit. */
     uint64_t staged_ns = scene->staging || is_owed ? scene->stage_ns : 0;
-    status = is_owed ? ENG_OK : eng_stage_commit(scene);
-    if (status != ENG_OK) {
+    status = is_owed ? PCCD_OK : eng_stage_commit(scene);
+    if (status != PCCD_OK) {
         return status;
     }
     struct eng_step_result r = {.mode = settings->mode,
-                                .method = eng_step_method(settings),
-                                .verdict = ENG_VERDICT_NONE,
+                                .method = eng_method_of(settings),
+                                .verdict = PCCD_VERDICT_NONE,
                                 .record_bytes = team.workers[0]->found.record_bytes,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
@@ -296,29 +288,30 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);
     scene->is_owed = stop.gave_up;
     if (stop.gave_up) {
-        return ENG_E_LONG;
+        return PCCD_E_AGAIN;
     }
-    assert(!PCCD_VALIDATE || r.method != ENG_METHOD_PAPER || eng_tree_validate(scene));
+    assert(!PCCD_VALIDATE || !team.method->validate || team.method->validate(scene));
     r.incomplete =
-        (enum eng_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
-    merge(&team, scene->memory, begin_ns, detect_ns, &r);
-    eng_worker_trace(team.workers[0], ENG_TRACE_STEP, begin_ns, size_of(scene),
+        (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
+    merge(&team, eng_step_memory_of(scene), begin_ns, detect_ns, &r);
+    eng_worker_trace(team.workers[0], PCCD_TRACE_STEP, begin_ns, size_of(scene),
                      team.count);
-    r.times.step = eng_now_ns() - begin_ns + staged_ns;
+    r.times.step = common_now_ns() - begin_ns + staged_ns;
     team.method->end(&team, &r, r.times.step - staged_ns);
     r.counters.builds = scene->builds - builds;
     r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 void eng_step_nothing(const struct eng_step_settings *settings,
                       struct eng_step_result *result)
 {
+    assert(settings && result);
     *result = (struct eng_step_result){.mode = settings->mode,
-                                       .method = eng_step_method(settings),
-                                       .incomplete = ENG_INCOMPLETE_DEADLINE,
-                                       .verdict = ENG_VERDICT_NONE,
+                                       .method = eng_method_of(settings),
+                                       .incomplete = PCCD_INCOMPLETE_DEADLINE,
+                                       .verdict = PCCD_VERDICT_NONE,
                                        .toi_first = 2};
     eng_answer_nothing(result);
 }

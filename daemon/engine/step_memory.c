@@ -7,54 +7,60 @@
  */
 #include "step_memory.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "memory.h"
-#include "wide_test.h"
+#include "methods.h"
 
-/* A worker is 0.4 MB, and beside other processes a scene that one thread suffices for is
- * now and then taken for a larger one: who keeps its workers for ever has them for every
- * scene in the end. After so many steps without them they are freed; that is longer than
- * a scene goes without a team for which a team pays (effort.c, TRY_EVERY), and making
- * them anew is little beside so many steps. */
+/* A worker takes 0.8 MB, and beside other processes a scene that one thread suffices for
+ * is now and then taken for a larger one: if workers were kept for ever, every scene
+ * would have them in the end. After so many steps without them they are freed; that is
+ * longer than a scene goes without a team for which a team pays (effort.c, TRY_EVERY),
+ * and making them anew is little beside so many steps. */
 #define KEPT_STEPS 256u
 
-struct eng_step_memory *eng_step_memory_new(void)
+static int create(struct eng_scene *scene)
 {
+    assert(!scene->slots[ENG_SLOT_STEP]);
     struct eng_step_memory *memory = eng_alloc(1, sizeof *memory);
-    if (memory) {
-        memset(memory, 0, sizeof *memory);
-        eng_pool_init(&memory->pool);
-        eng_merge_init(&memory->merge);
-        eng_assignment_init(&memory->assignment);
-        eng_aside_init(&memory->aside);
+    if (!memory) {
+        return PCCD_E_NOMEM;
     }
-    return memory;
+    memset(memory, 0, sizeof *memory);
+    eng_pool_init(&memory->pool);
+    eng_merge_init(&memory->merge);
+    scene->slots[ENG_SLOT_STEP] = memory;
+    return PCCD_OK;
 }
 
 static void keep_workers(struct eng_step_memory *memory, uint32_t count)
 {
     while (memory->worker_count > count) {
         struct eng_worker *worker = memory->workers[--memory->worker_count];
+        for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
+            if (eng_methods[i]) {
+                eng_methods[i]->work_free(worker);
+            }
+        }
         eng_worker_deinit(worker);
         eng_free(worker);
     }
 }
 
-void eng_step_memory_free(struct eng_step_memory *memory)
+static void destroy(struct eng_scene *scene)
 {
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
     if (!memory) {
         return;
     }
     keep_workers(memory, 0);
     eng_free(memory->records);
-    eng_refit_plan_deinit(&memory->plan);
-    eng_assignment_deinit(&memory->assignment);
-    eng_aside_deinit(&memory->aside);
     eng_pool_deinit(&memory->pool);
     eng_merge_deinit(&memory->merge);
     eng_records_deinit(&memory->sorted);
     eng_free(memory);
+    scene->slots[ENG_SLOT_STEP] = NULL;
 }
 
 /* Free the workers that were not needed in a whole round of steps. */
@@ -71,42 +77,58 @@ static void count_turn(struct eng_step_memory *memory, uint32_t threads)
 
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
 {
+    assert(threads >= 1 && threads <= ENG_THREADS_MAX);
     count_turn(memory, threads);
     if (threads > memory->worker_count) {
         struct eng_thread_record *records =
             eng_realloc(memory->records, threads, sizeof *records);
         if (!records) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
         memory->records = records;
     }
     while (memory->worker_count < threads) {
         struct eng_worker *worker = eng_alloc(1, sizeof *worker);
         if (!worker) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
-        eng_worker_init(worker);
+        if (eng_worker_init(worker) != PCCD_OK) {
+            eng_free(worker);
+            return PCCD_E_NOMEM;
+        }
         memory->workers[memory->worker_count++] = worker;
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
-void eng_step_memory_forget(struct eng_step_memory *memory)
+/* The last answer is dropped: its names may no longer mean the same. */
+static void changed(struct eng_scene *scene)
 {
-    memory->sorted.count = 0;
+    eng_step_memory_of(scene)->sorted.count = 0;
 }
 
-uint64_t eng_step_memory_bytes(const struct eng_step_memory *memory)
+static uint64_t bytes_of(const struct eng_worker *worker)
 {
-    uint64_t bytes = sizeof *memory + memory->sorted.capacity_bytes +
-                     eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
-                     eng_refit_plan_bytes(&memory->plan) +
-                     eng_aside_bytes(&memory->aside);
-    for (uint32_t i = 0; i < memory->worker_count; i++) {
-        const struct eng_worker *worker = memory->workers[i];
-        bytes += sizeof *worker + sizeof *memory->records +
-                 worker->split_capacity * sizeof *worker->split_items +
-                 (worker->wide ? sizeof *worker->wide : 0);
+    uint64_t bytes =
+        sizeof *worker + eng_exact_bytes() + sizeof(struct eng_thread_record);
+    for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
+        bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
     return bytes;
 }
+
+uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
+{
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    uint64_t sum = sizeof *memory + memory->sorted.capacity_bytes +
+                   eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge);
+    for (uint32_t i = 0; i < memory->worker_count; i++) {
+        sum += bytes_of(memory->workers[i]);
+    }
+    return sum;
+}
+
+const struct eng_slot_calls eng_step_slot = {.create = create,
+                                             .destroy = destroy,
+                                             .bytes = eng_step_memory_bytes,
+                                             .changed = changed};

@@ -1,8 +1,9 @@
-/* activate.h - a listening socket that somebody else has opened for us.
+/* activate.h - takes over a listening socket that systemd, or the supervisor, has opened
+ * for the daemon (socket activation).
  *
  * Room:     server. May include: the C library.
- * Does:     take over the socket of systemd's socket activation, or of our own supervisor
- *           (supervise.h), which speaks the same: LISTEN_PID, LISTEN_FDS, descriptor 3.
+ * Does:     read LISTEN_PID and LISTEN_FDS, and take descriptor 3. The supervisor
+ *           (supervise.h) speaks the same convention as systemd.
  * Does not: listen or accept (listener.h).
  * Threads:  [loop], before any other thread is started.
  * Source:   sd_listen_fds(3).

@@ -1,8 +1,8 @@
-/* allow.h - which users may be clients.
+/* allow.h - decides which users may connect: the lists of --allow-uid and --allow-gid.
  *
  * Room:     server. May include: the C library.
- * Does:     keep the lists of --allow-uid and --allow-gid, and judge a peer by the
- *           credentials that the kernel kept when it connected.
+ * Does:     keep the lists, and judge a client by the credentials that the kernel
+ *           recorded when it connected.
  * Does not: say what a client may do (session.h, quota.h).
  * Threads:  [loop]
  */

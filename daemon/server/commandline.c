@@ -60,7 +60,7 @@ static const struct argp_option option_table[] = {
     {"private", OPT_PRIVATE, NULL, 0,
      "exit with the last client, or after 10 s if none comes", 1},
     {"idle-exit", OPT_IDLE_EXIT, "SECONDS", 0,
-     "exit after that long without a client; 0 = stay (default)", 1},
+     "exit after so many seconds without a client; 0 = stay (default)", 1},
     {"grace", OPT_GRACE, "SECONDS", 0,
      "on SIGTERM, finish requests in flight for at most that long (default 10)", 1},
     {"linger", OPT_LINGER, "SECONDS", 0,
@@ -72,8 +72,8 @@ static const struct argp_option option_table[] = {
     {"crashes-max", OPT_CRASHES, "N", 0,
      "supervise: give up after that many crashes within 10 s (default 5)", 1},
     {"sandbox", OPT_SANDBOX, "WHEN", 0,
-     "keep only the system calls that serving needs: on, off, or auto (default: on "
-     "where it can be had)",
+     "allow only the system calls that serving needs: on, off, or auto (default: on "
+     "where the system can do it)",
      1},
     {"ready-fd", OPT_READY_FD, "N", 0,
      "write the byte 1 to this descriptor and close it when listening", 1},
@@ -85,8 +85,8 @@ static const struct argp_option option_table[] = {
      "when --threads is the number of processors that may be used)",
      2},
     {"step-max-ms", OPT_STEP_MAX, "MS", 0,
-     "answer a step that has computed for so long as one whose deadline has come; 0 = "
-     "let it compute (default)",
+     "end a step that has computed for so many milliseconds, as if its deadline had "
+     "come; 0 = never (default)",
      2},
     {"contacts-max", OPT_CONTACTS, "N", 0,
      "records kept for one answer (default 16777216)", 2},
@@ -99,7 +99,7 @@ static const struct argp_option option_table[] = {
      "(default: whoever can reach the socket)",
      1},
     {"allow-gid", OPT_ALLOW_GID, "GROUP", 0,
-     "likewise whoever is in this group; may be repeated", 1},
+     "let the members of this group be clients, likewise; may be repeated", 1},
     {NULL, 0, NULL, 0, "Quotas of one user:", 3},
     {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
     {"shm-max-mib", OPT_SHM, "MIB", 0, "shared memory (default 512)", 3},

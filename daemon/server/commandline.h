@@ -1,4 +1,4 @@
-/* commandline.h - what the command line decides.
+/* commandline.h - reads the command line of pccdd into the struct of options.
  *
  * Room:     server. May include: the service's headers.
  * Does:     parse and check options; every limit has its default here.

@@ -28,17 +28,17 @@
 #include "dispatch.h"
 #include "invariant.h"
 #include "linger.h"
-#include "monitor.h"
 #include "outlet.h"
 #include "pccd_types.h"
 #include "proto_limits.h"
-#include "reactor.h"
 #include "replyqueue.h"
 #include "request.h"
 #include "seqpacket.h"
+#include "server.h"
 #include "session.h"
 #include "shared.h"
 #include "watch.h"
+#include "watcher.h"
 
 #define HELLO_MS  10000u /* for a client to say hello */
 #define LINGER_MS 1000u  /* for a client to read its last reply */
@@ -61,7 +61,7 @@ static void close_soon(struct srv_conn *conn)
 static void watch(struct srv_conn *conn)
 {
     int events = UV_DISCONNECT;
-    if (conn->state != SRV_CONN_FLUSHING && conn->put_off.message == NULL &&
+    if (conn->state != SRV_CONN_FLUSHING && conn->deferred.message == NULL &&
         (conn->state != SRV_CONN_OPEN ||
          conn->replies.count < PROTO_REPLIES_QUEUED_MAX)) {
         events |= UV_READABLE;
@@ -83,15 +83,15 @@ int srv_conn_put_off(struct srv_conn *conn, const void *message, size_t bytes)
 {
     srv_assert_loop();
     PCCD_ASSERT(bytes <= PROTO_MESSAGE_BYTES_MAX);
-    int status = srv_putoff_keep(&conn->put_off, message, bytes);
-    conn->reactor->put_off_count += status == 0;
+    int status = srv_deferred_keep(&conn->deferred, message, bytes);
+    conn->server->put_off_count += status == 0;
     return status;
 }
 
 static struct srv_message *take_put_off(struct srv_conn *conn)
 {
-    struct srv_message *message = srv_putoff_take(&conn->put_off);
-    conn->reactor->put_off_count -= message != NULL;
+    struct srv_message *message = srv_deferred_take(&conn->deferred);
+    conn->server->put_off_count -= message != NULL;
     return message;
 }
 
@@ -104,16 +104,16 @@ static void come_back(struct srv_conn *conn)
     watch(conn);
 }
 
-void srv_conn_room(struct srv_loop *loop, const struct srv_quota_user *user)
+void srv_conn_room(struct srv_service *service, const struct srv_quota_user *user)
 {
-    const struct srv_reactor *reactor = (struct srv_reactor *)loop;
+    const struct srv_server *server = srv_server_of(service);
     srv_assert_loop();
-    if (reactor->put_off_count == 0) {
+    if (server->put_off_count == 0) {
         return;
     }
-    for (struct srv_conn *conn = reactor->conns; conn != NULL; conn = conn->next) {
-        if (conn->put_off.message != NULL && conn->state == SRV_CONN_OPEN &&
-            conn->session->user == user) {
+    for (struct srv_conn *conn = server->conns; conn != NULL; conn = conn->next) {
+        if (conn->deferred.message != NULL && conn->state == SRV_CONN_OPEN &&
+            conn->session->owner.user == user) {
             uv_timer_start(&conn->timer, on_timer, 0, 0);
         }
     }
@@ -138,24 +138,24 @@ static void close_handles(struct srv_conn *conn)
     shutdown(conn->fd, SHUT_RDWR); /* now, whenever it is closed */
     srv_outlet_close(conn->outlet);
     conn->outlet = NULL;
-    srv_closer_push(conn->reactor->closer, conn->fd);
+    srv_closer_push(conn->server->closer, conn->fd);
     conn->fd = -1;
 }
 
 static void drop_reply(struct srv_conn *conn)
 {
     srv_replyqueue_pop(&conn->replies);
-    conn->reactor->reply_count--;
+    conn->server->reply_count--;
     srv_outlet_block(conn->outlet, conn->replies.count > 0);
 }
 
 void srv_conn_close(struct srv_conn *conn)
 {
     srv_assert_loop();
-    struct srv_reactor *reactor = conn->reactor;
+    struct srv_server *server = conn->server;
     PCCD_ASSERT(conn->fd >= 0);
-    srv_conn_send_kept(reactor);
-    srv_refused_remove(&reactor->refused, conn);
+    srv_conn_send_kept(server);
+    srv_refused_remove(&server->refused, &conn->refused);
     while (conn->replies.count > 0) {
         drop_reply(conn);
     }
@@ -163,7 +163,7 @@ void srv_conn_close(struct srv_conn *conn)
     if (conn->prev != NULL) {
         conn->prev->next = conn->next;
     } else {
-        reactor->conns = conn->next;
+        server->conns = conn->next;
     }
     if (conn->next != NULL) {
         conn->next->prev = conn->prev;
@@ -175,7 +175,7 @@ void srv_conn_close(struct srv_conn *conn)
         srv_log(SRV_LOG_DEBUG, session->id, "disconnected");
         srv_linger_lost(session);
     }
-    srv_reactor_conn_closed(reactor);
+    server->conn_closed(server);
 }
 
 /* Give up on the peer; see "Does not" above. */
@@ -199,20 +199,20 @@ void srv_conn_orphan(struct srv_conn *conn)
 void srv_conn_adopt(struct srv_conn *conn, struct srv_session *session)
 {
     conn->session = session;
-    srv_refused_remove(&conn->reactor->refused, conn);
+    srv_refused_remove(&conn->server->refused, &conn->refused);
 }
 
 static void on_timer(uv_timer_t *timer)
 {
     struct srv_conn *conn = timer->data;
-    if (conn->state == SRV_CONN_OPEN && conn->put_off.message != NULL) {
+    if (conn->state == SRV_CONN_OPEN && conn->deferred.message != NULL) {
         come_back(conn);
         return;
     }
     if (conn->state == SRV_CONN_OPEN) {
         srv_log(SRV_LOG_WARN, conn->session->id, "closing: no hello within %u s",
                 HELLO_MS / 1000);
-        conn->reactor->loop.metrics.counters.sessions_dropped++;
+        conn->server->service.metrics.counters.sessions_dropped++;
     }
     srv_conn_close(conn);
 }
@@ -228,7 +228,7 @@ static void linger_if_flushed(struct srv_conn *conn)
 void srv_conn_finish(struct srv_conn *conn)
 {
     srv_assert_loop();
-    srv_conn_send_kept(conn->reactor);
+    srv_conn_send_kept(conn->server);
     if (conn->state == SRV_CONN_OPEN) {
         conn->state = SRV_CONN_FLUSHING;
         uv_timer_start(&conn->timer, on_timer, LINGER_MS, 0);
@@ -240,7 +240,7 @@ void srv_conn_finish(struct srv_conn *conn)
 void srv_conn_established(struct srv_conn *conn)
 {
     uv_timer_stop(&conn->timer);
-    srv_refused_remove(&conn->reactor->refused, conn);
+    srv_refused_remove(&conn->server->refused, &conn->refused);
 }
 
 /* ---- sending ----------------------------------------------------------------------- */
@@ -251,7 +251,7 @@ static int queue_reply(struct srv_conn *conn, const void *message, size_t bytes,
 {
     int status = srv_replyqueue_push(&conn->replies, message, bytes, fds, fd_count);
     if (status == 0) {
-        conn->reactor->reply_count++;
+        conn->server->reply_count++;
         srv_outlet_block(conn->outlet, true);
     }
     return status;
@@ -282,7 +282,7 @@ static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
     }
     if (conn->replies.count >= SRV_REPLIES_HARD_MAX) {
         srv_reply_close_fds(fds, fd_count);
-        conn->reactor->loop.metrics.counters.sessions_dropped++;
+        conn->server->service.metrics.counters.sessions_dropped++;
         fail(conn, "the client does not read its replies");
     } else if (queue_reply(conn, message, bytes, fds, fd_count) != 0) {
         fail(conn, "no memory to queue a reply");
@@ -293,18 +293,18 @@ static void send_now(struct srv_conn *conn, const void *message, size_t bytes,
 
 /* What the thread that computes sends must not overtake what is kept: it may send again
  * when all is on its way. */
-void srv_conn_send_kept(struct srv_reactor *reactor)
+void srv_conn_send_kept(struct srv_server *server)
 {
-    struct srv_outbox *outbox = &reactor->outbox;
+    struct srv_outbox *outbox = &server->outbox;
     srv_assert_loop();
     for (uint32_t i = 0; i < outbox->count; i++) {
-        struct srv_conn *conn = outbox->places[i].conn;
+        struct srv_conn *conn = outbox->entries[i].conn;
         if (conn->state == SRV_CONN_OPEN) {
-            send_now(conn, outbox->places[i].data, outbox->places[i].bytes, NULL, 0);
+            send_now(conn, outbox->entries[i].data, outbox->entries[i].bytes, NULL, 0);
         }
     }
     for (uint32_t i = 0; i < outbox->count; i++) {
-        struct srv_conn *conn = outbox->places[i].conn;
+        struct srv_conn *conn = outbox->entries[i].conn;
         srv_outlet_block(conn->outlet, conn->replies.count > 0);
     }
     srv_outbox_clear(outbox);
@@ -315,17 +315,17 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
 {
     srv_assert_loop();
     PCCD_ASSERT(fd_count >= 0 && fd_count <= PROTO_FDS_MAX);
-    struct srv_reactor *reactor = conn->reactor;
+    struct srv_server *server = conn->server;
     if (conn->state != SRV_CONN_OPEN) {
         srv_reply_close_fds(fds, fd_count);
         return;
     }
     if (fd_count == 0 && conn->replies.count == 0 && !conn->is_corked &&
-        srv_outbox_add(&reactor->outbox, conn, message->data, message->bytes)) {
+        srv_outbox_add(&server->outbox, conn, message->data, message->bytes)) {
         srv_outlet_block(conn->outlet, true);
         return;
     }
-    srv_conn_send_kept(reactor); /* what is kept for this one comes first */
+    srv_conn_send_kept(server); /* what is kept for this one comes first */
     if (conn->state != SRV_CONN_OPEN) {
         srv_reply_close_fds(fds, fd_count);
         return;
@@ -333,10 +333,10 @@ void srv_conn_send(struct srv_conn *conn, const struct proto_encoder *message,
     send_now(conn, message->data, message->bytes, fds, fd_count);
 }
 
-void srv_conn_send_all(struct srv_loop *loop, const struct proto_encoder *message)
+void srv_conn_send_all(struct srv_service *service, const struct proto_encoder *message)
 {
-    const struct srv_reactor *reactor = (struct srv_reactor *)loop;
-    for (struct srv_conn *conn = reactor->conns; conn != NULL; conn = conn->next) {
+    const struct srv_server *server = srv_server_of(service);
+    for (struct srv_conn *conn = server->conns; conn != NULL; conn = conn->next) {
         srv_conn_send(conn, message, NULL, 0);
     }
 }
@@ -383,7 +383,7 @@ static void flush(struct srv_conn *conn)
     linger_if_flushed(conn);
     if (conn->state == SRV_CONN_OPEN && conn->session != NULL) {
         srv_shared_catch_up(conn->session);
-        srv_monitor_flush(conn->session);
+        srv_watcher_flush(conn->session);
     }
 }
 
@@ -394,17 +394,17 @@ static void flush(struct srv_conn *conn)
  * in front of the first time that there is nothing. */
 static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
 {
-    struct srv_reactor *reactor = conn->reactor;
+    struct srv_server *server = conn->server;
     int fds[PROTO_FDS_RECEIVED_MAX];
     if (conn->is_bare) {
         *fd_count = 0;
-        return proto_receive_bare(conn->fd, reactor->buffer, PROTO_MESSAGE_BYTES_MAX,
+        return proto_receive_bare(conn->fd, server->buffer, PROTO_MESSAGE_BYTES_MAX,
                                   bytes);
     }
-    int status = proto_receive_all(conn->fd, reactor->buffer, PROTO_MESSAGE_BYTES_MAX,
+    int status = proto_receive_all(conn->fd, server->buffer, PROTO_MESSAGE_BYTES_MAX,
                                    bytes, fds, fd_count);
     for (int i = 0; i < *fd_count; i++) {
-        srv_closer_push(reactor->closer, fds[i]);
+        srv_closer_push(server->closer, fds[i]);
     }
     conn->is_bare = conn->refuses_fds && status == PCCD_E_AGAIN;
     return status;
@@ -413,7 +413,7 @@ static int receive(struct srv_conn *conn, size_t *bytes, int *fd_count)
 /* One message for dispatch. Returns whether there may be more; closes at end of file. */
 static bool read_one(struct srv_conn *conn)
 {
-    struct srv_reactor *reactor = conn->reactor;
+    struct srv_server *server = conn->server;
     size_t bytes = 0;
     int fd_count = 0;
     errno = 0;
@@ -440,14 +440,14 @@ static bool read_one(struct srv_conn *conn)
         srv_conn_close(conn);
         return false;
     }
-    reactor->loop.metrics.counters.messages++;
-    conn->put_off.turns = 0;
-    srv_request_catch_up(&reactor->loop);
-    srv_dispatch(conn->session, reactor->buffer, bytes);
-    if (srv_outbox_is_due(&reactor->outbox)) {
-        srv_conn_send_kept(reactor);
+    server->service.metrics.counters.messages++;
+    conn->deferred.turns = 0;
+    srv_request_catch_up(&server->service);
+    srv_dispatch(conn->session, server->buffer, bytes);
+    if (srv_outbox_is_due(&server->outbox)) {
+        srv_conn_send_kept(server);
     }
-    return conn->state == SRV_CONN_OPEN && conn->put_off.message == NULL &&
+    return conn->state == SRV_CONN_OPEN && conn->deferred.message == NULL &&
            conn->replies.count < PROTO_REPLIES_QUEUED_MAX;
 }
 
@@ -468,7 +468,7 @@ static bool read_one(struct srv_conn *conn)
  * sixth of all switches between processes. */
 void srv_conn_read(struct srv_conn *conn)
 {
-    if (conn->put_off.message != NULL) {
+    if (conn->deferred.message != NULL) {
         return;
     }
     conn->is_corked = conn->is_new;
@@ -510,7 +510,7 @@ static void read_last_words(struct srv_conn *conn)
 {
     uint32_t count = 0;
     while (conn->fd >= 0 && conn->state == SRV_CONN_OPEN &&
-           conn->put_off.message == NULL && count < LAST_WORDS_MAX && read_one(conn)) {
+           conn->deferred.message == NULL && count < LAST_WORDS_MAX && read_one(conn)) {
         count++;
     }
 }
@@ -546,45 +546,45 @@ static void on_poll(uv_poll_t *poll, int status, int events)
 
 /* ---- creation ---------------------------------------------------------------------- */
 
-int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *peer)
+int srv_conn_new(struct srv_server *server, int fd, const struct srv_peer *peer)
 {
     srv_assert_loop();
     struct srv_conn *conn = calloc(1, sizeof *conn);
     if (conn == NULL) {
-        srv_closer_push(reactor->closer, fd);
+        srv_closer_push(server->closer, fd);
         return PCCD_E_NOMEM;
     }
-    conn->reactor = reactor;
+    conn->server = server;
     conn->fd = fd;
     conn->is_new = true;
     conn->refuses_fds = proto_refuse_fds(fd);
     conn->outlet = srv_outlet_new(fd);
-    if (conn->outlet == NULL || uv_poll_init(&reactor->uv, &conn->poll, fd) != 0) {
+    if (conn->outlet == NULL || uv_poll_init(&server->uv, &conn->poll, fd) != 0) {
         int status = conn->outlet == NULL ? PCCD_E_NOMEM : PCCD_E_SYSTEM;
         if (conn->outlet != NULL) {
             srv_outlet_close(conn->outlet);
         }
-        srv_closer_push(reactor->closer, fd);
+        srv_closer_push(server->closer, fd);
         free(conn);
         return status;
     }
-    uv_timer_init(&reactor->uv, &conn->timer);
+    uv_timer_init(&server->uv, &conn->timer);
     conn->open_count = 2;
     conn->poll.data = conn;
     conn->timer.data = conn;
-    conn->session = srv_session_new(&reactor->loop, conn, peer);
+    conn->session = srv_session_new(&server->service, conn, peer);
     if (conn->session == NULL) {
         close_handles(conn);
         return PCCD_E_NOMEM;
     }
-    conn->next = reactor->conns;
+    conn->next = server->conns;
     if (conn->next != NULL) {
         conn->next->prev = conn;
     }
-    reactor->conns = conn;
-    reactor->conn_count++;
+    server->conns = conn;
+    server->conn_count++;
     if (conn->session->state == SRV_SESSION_REFUSED) {
-        srv_refused_add(&reactor->refused, conn);
+        srv_refused_add(&server->refused, &conn->refused, conn);
     }
     uv_timer_start(&conn->timer, on_timer, HELLO_MS, 0);
     watch(conn);

@@ -13,9 +13,9 @@
 #include <stdint.h>
 #include <uv.h>
 
+#include "deferred.h"
 #include "host.h"
 #include "proto_limits.h"
-#include "putoff.h"
 #include "refused.h"
 #include "replyqueue.h"
 
@@ -33,12 +33,12 @@ enum srv_conn_state {
 
 struct srv_peer;
 struct srv_outlet;
-struct srv_reactor;
+struct srv_server;
 
 struct srv_conn {
     struct srv_conn *prev;
     struct srv_conn *next;
-    struct srv_reactor *reactor;
+    struct srv_server *server;
     struct srv_session *session; /* NULL: it went on over another connection */
     struct srv_refused_link refused;
     int fd;
@@ -48,7 +48,7 @@ struct srv_conn {
     uint32_t open_count; /* libuv handles not closed yet */
     uv_poll_t poll;
     uv_timer_t timer; /* for hello, then for what was put off, or the peer's end */
-    struct srv_putoff put_off;     /* while something is, nothing is read */
+    struct srv_deferred deferred;  /* while something is, nothing is read */
     struct srv_replyqueue replies; /* that the socket does not take yet */
     uint32_t turns;                /* at which something was read */
     bool is_ahead;                 /* its client sends before it has an answer */
@@ -60,11 +60,11 @@ struct srv_conn {
 
 /* A connection on an accepted, non-blocking socket. Takes `fd` over, also on failure.
  * Returns 0, PCCD_E_NOMEM or PCCD_E_SYSTEM. */
-int srv_conn_new(struct srv_reactor *reactor, int fd, const struct srv_peer *peer);
+int srv_conn_new(struct srv_server *server, int fd, const struct srv_peer *peer);
 
 /* Send what is kept of answers (outbox.h); before each wait, and before what takes its
  * time. */
-void srv_conn_send_kept(struct srv_reactor *reactor);
+void srv_conn_send_kept(struct srv_server *server);
 
 /* Read what has arrived, as after an event. Must not be called from inside a handler. */
 void srv_conn_read(struct srv_conn *conn);

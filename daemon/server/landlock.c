@@ -1,4 +1,4 @@
-/* landlock.c - which files a process may still change.
+/* landlock.c - keeps the daemon from changing and reading files (Landlock).
  *
  * Room:     server. See landlock.h.
  * Does:     three system calls.
@@ -25,6 +25,7 @@
 /* Rights, by the version that brought them. */
 #define EXECUTE     (1u << 0)
 #define WRITE_FILE  (1u << 1)
+#define READ_FILE   (1u << 2)
 #define REMOVE_DIR  (1u << 4)
 #define REMOVE_FILE (1u << 5)
 #define MAKE_SOCK   (1u << 9)
@@ -89,8 +90,9 @@ int srv_landlock_enter(const struct srv_options *options)
         return 0;
     }
     const struct ruleset_attr attr = {
-        .handled_access_fs = EXECUTE | WRITE_FILE | REMOVE_DIR | REMOVE_FILE | MAKE_ANY |
-                             (version >= 2 ? REFER : 0) | (version >= 3 ? TRUNCATE : 0)};
+        .handled_access_fs = EXECUTE | WRITE_FILE | READ_FILE | REMOVE_DIR | REMOVE_FILE |
+                             MAKE_ANY | (version >= 2 ? REFER : 0) |
+                             (version >= 3 ? TRUNCATE : 0)};
     int ruleset = (int)syscall(CALL_CREATE_RULESET, &attr, sizeof attr, 0);
     if (ruleset < 0) {
         return 0;

@@ -1,12 +1,14 @@
-/* lifeline.h - a pair of sockets between a supervisor and its worker.
+/* lifeline.h - lets the supervisor notice the death of its worker within a fraction of a
+ * millisecond.
  *
  * Room:     server. May include: the C library.
- * Does:     let a supervisor see the death of its worker as early as another one may take
- *           over: when no thread of it runs any more, but before its sockets are closed,
- *           which with a thousand clients takes some 50 ms, because each of them is woken
- *           and takes the processor away.
- *           The supervisor passes another listening socket to the worker over it.
- * Does not: tell what it died of: its exit status does, later.
+ * Does:     give a supervisor one end of a pair of sockets and its worker the other. The
+ *           supervisor sees the end of it as soon as no thread of the worker runs any
+ *           more, but before the worker's other sockets are closed. With a thousand
+ *           clients closing them takes some 50 ms, because each client is woken and takes
+ *           the processor away. The supervisor also passes another listening socket to
+ *           the worker over it.
+ * Does not: tell why the worker died: its exit status does, later.
  * Threads:  [main] of either process.
  * Source:   Linux, kernel/exit.c: do_exit of each thread gives its memory (exit_mm) and
  *           then its part in the table of descriptors (exit_files) up; the last one's

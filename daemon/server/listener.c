@@ -19,11 +19,13 @@
 #include "allow.h"
 #include "closer.h"
 #include "conn.h"
+#include "dispatch.h"
+#include "invariant.h"
 #include "lifeline.h"
 #include "lockfile.h"
 #include "log.h"
 #include "pccd_types.h"
-#include "reactor.h"
+#include "server.h"
 #include "session.h"
 #include "watch.h"
 
@@ -61,16 +63,16 @@ static uint32_t refused_max(const struct srv_options *options)
 }
 
 /* Those of clients that are refused have places of their own. */
-static bool is_full(const struct srv_reactor *reactor)
+static bool is_full(const struct srv_server *server)
 {
-    return reactor->conn_count - reactor->refused.count >=
-           reactor->loop.options->connections_max;
+    return server->conn_count - server->refused.count >=
+           server->service.options->connections_max;
 }
 
 void srv_listener_room(struct srv_listener *listener)
 {
-    struct srv_reactor *reactor = listener->reactor;
-    if (!is_full(reactor) && !uv_is_active((uv_handle_t *)&listener->retry)) {
+    struct srv_server *server = listener->server;
+    if (!is_full(server) && !uv_is_active((uv_handle_t *)&listener->retry)) {
         watch(listener, true);
     }
 }
@@ -97,28 +99,49 @@ static void pause_for_retry(struct srv_listener *listener)
     uv_timer_start(&listener->retry, on_retry, RETRY_MS, 0);
 }
 
+/* Close the oldest connections of refused clients until at most `count` are left; what
+ * they have sent is answered first, and who has said nothing is told why. */
+static void shrink_refused(struct srv_server *server, uint32_t count)
+{
+    struct srv_refused *refused = &server->refused;
+    while (refused->count > count) {
+        const struct srv_refused_link *link = refused->first;
+        struct srv_conn *conn = link->conn;
+        if (conn->state == SRV_CONN_OPEN) {
+            srv_conn_read(conn); /* it may have spoken; it may even find a place */
+        }
+        if (link->conn != NULL && conn->fd >= 0 && conn->state == SRV_CONN_OPEN) {
+            srv_dispatch_refuse_silent(conn->session);
+        }
+        if (link->conn != NULL) {
+            srv_conn_close(conn); /* takes it out */
+        }
+        PCCD_ASSERT(link != refused->first);
+    }
+}
+
 /* No descriptor is left: have some of those back that refused clients hold, or else turn
  * the next client away with the reserve, so that it does not wait for nothing; then
  * pause. */
 static void turn_away(struct srv_listener *listener)
 {
-    struct srv_refused *refused = &listener->reactor->refused;
-    if (refused->count > 0) {
-        srv_refused_shrink(refused, refused->count > REFUSED_PER_TURN
-                                        ? refused->count - REFUSED_PER_TURN
-                                        : 0);
+    struct srv_server *server = listener->server;
+    uint32_t refused = server->refused.count;
+    if (refused > 0) {
+        shrink_refused(server,
+                       refused > REFUSED_PER_TURN ? refused - REFUSED_PER_TURN : 0);
         pause_for_retry(listener);
         return;
     }
     srv_log(SRV_LOG_WARN, 0, "no descriptor for a new connection");
-    listener->reactor->loop.metrics.counters.sessions_refused++;
+    server->service.metrics.counters.sessions_refused++;
     if (listener->reserve_fd >= 0) {
         close(listener->reserve_fd);
         listener->reserve_fd = -1;
         int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC);
         if (fd >= 0) {
             shutdown(fd, SHUT_RDWR);
-            srv_closer_push(listener->reactor->closer, fd);
+            srv_closer_push(listener->server->closer, fd);
         }
     }
     keep_reserve(listener);
@@ -128,8 +151,8 @@ static void turn_away(struct srv_listener *listener)
 /* Take one connection over. Returns whether to try for another at once. */
 static bool accept_one(struct srv_listener *listener)
 {
-    struct srv_reactor *reactor = listener->reactor;
-    if (is_full(reactor)) {
+    struct srv_server *server = listener->server;
+    if (is_full(server)) {
         watch(listener, false); /* srv_listener_room goes on */
         return false;
     }
@@ -155,21 +178,21 @@ static bool accept_one(struct srv_listener *listener)
     struct ucred peer;
     socklen_t bytes = sizeof peer;
     if ((uint32_t)fd >= listener->fd_count) {
-        srv_closer_push(reactor->closer, fd); /* libuv has no room for it */
+        srv_closer_push(server->closer, fd); /* libuv has no room for it */
         turn_away(listener);
         return false;
     }
     if (getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &bytes) != 0) {
-        srv_closer_push(reactor->closer, fd);
+        srv_closer_push(server->closer, fd);
         return true;
     }
-    srv_refused_shrink(&reactor->refused, refused_max(reactor->loop.options) - 1);
+    shrink_refused(server, refused_max(server->service.options) - 1);
     const struct srv_peer client = {
         .uid = peer.uid,
         .pid = peer.pid,
-        .is_stranger = !srv_allow_peer(&reactor->loop.options->allow, fd, &peer)};
-    if (srv_conn_new(reactor, fd, &client) != 0) {
-        reactor->loop.metrics.counters.sessions_refused++;
+        .is_stranger = !srv_allow_peer(&server->service.options->allow, fd, &peer)};
+    if (srv_conn_new(server, fd, &client) != 0) {
+        server->service.metrics.counters.sessions_refused++;
         srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",
                 (unsigned)peer.uid);
     }
@@ -186,7 +209,7 @@ static void on_readable(uv_poll_t *poll, int status, int events)
         pause_for_retry(listener);
         return;
     }
-    srv_conn_send_kept(listener->reactor); /* each accept takes longer than a message */
+    srv_conn_send_kept(listener->server); /* each accept takes longer than a message */
     for (int i = 0; i < ACCEPTS_PER_TURN && accept_one(listener); i++) {
     }
 }
@@ -213,7 +236,7 @@ static void replace_socket(struct srv_listener *listener, int fd)
     int made = dup3(fd, listener->fd, O_CLOEXEC);
     close(fd);
     if (made < 0) {
-        srv_reactor_let_go(listener->reactor, strerror(errno));
+        listener->server->path_lost(listener->server, strerror(errno));
         return;
     }
     keep_reserve(listener);
@@ -223,16 +246,16 @@ static void replace_socket(struct srv_listener *listener, int fd)
 /* Our own file is not there any more. */
 static void bind_anew(struct srv_listener *listener, enum srv_socketfile_state state)
 {
-    struct srv_reactor *reactor = listener->reactor;
+    struct srv_server *server = listener->server;
     int fd = -1;
     if (state == SRV_SOCKETFILE_TAKEN) {
-        srv_reactor_let_go(reactor, "something else is there now");
-    } else if (!srv_lockfile_is_held(reactor->lockfile)) {
-        srv_reactor_let_go(reactor, "it was removed, and its lock file too");
-    } else if (srv_socketfile_bind(&listener->file, reactor->loop.options, &fd) != 0) {
-        srv_reactor_let_go(reactor, strerror(errno));
+        server->path_lost(server, "something else is there now");
+    } else if (!srv_lockfile_is_held(server->lockfile)) {
+        server->path_lost(server, "it was removed, and its lock file too");
+    } else if (srv_socketfile_bind(&listener->file, server->service.options, &fd) != 0) {
+        server->path_lost(server, strerror(errno));
     } else {
-        srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there anew",
+        srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there again",
                 listener->file.path);
         replace_socket(listener, fd);
     }
@@ -242,7 +265,8 @@ static void on_look(uv_timer_t *timer)
 {
     struct srv_listener *listener = timer->data;
     enum srv_socketfile_state state = srv_socketfile_look(&listener->file);
-    if (state != SRV_SOCKETFILE_OURS && listener->reactor->loop.options->listen_fd < 0) {
+    if (state != SRV_SOCKETFILE_OURS &&
+        listener->server->service.options->listen_fd < 0) {
         bind_anew(listener, state);
     } else if (state != SRV_SOCKETFILE_OURS) {
         srv_log(SRV_LOG_ERROR, 0,
@@ -265,7 +289,7 @@ static void on_supervisor(struct srv_listener *listener)
     } else if (fd >= 0) {
         replace_socket(listener, fd);
     } else {
-        srv_reactor_let_go(listener->reactor, "its supervisor has");
+        listener->server->path_lost(listener->server, "its supervisor has");
     }
 }
 
@@ -284,10 +308,10 @@ static void on_news(uv_poll_t *poll, int status, int events)
 
 int srv_listener_follow(struct srv_listener *listener)
 {
-    struct srv_reactor *reactor = listener->reactor;
+    struct srv_server *server = listener->server;
     int fd = srv_lifeline_fd();
-    if (fd < 0 && reactor->loop.options->listen_fd >= 0) {
-        srv_socketfile_adopt(&listener->file, reactor->loop.options->socket_path);
+    if (fd < 0 && server->service.options->listen_fd >= 0) {
+        srv_socketfile_adopt(&listener->file, server->service.options->socket_path);
     }
     if (fd < 0) {
         fd = listener->file.notify_fd;
@@ -296,10 +320,10 @@ int srv_listener_follow(struct srv_listener *listener)
         return 0; /* nobody tells */
     }
     if ((uint32_t)fd >= listener->fd_count ||
-        uv_poll_init(&reactor->uv, &listener->news, fd) != 0) {
+        uv_poll_init(&server->uv, &listener->news, fd) != 0) {
         return PCCD_E_SYSTEM;
     }
-    uv_timer_init(&reactor->uv, &listener->look);
+    uv_timer_init(&server->uv, &listener->look);
     listener->news.data = listener;
     listener->look.data = listener;
     listener->is_following = true;
@@ -315,7 +339,7 @@ static void drop_file(struct srv_listener *listener)
         uv_close((uv_handle_t *)&listener->look, NULL);
         listener->is_following = false;
     }
-    if (listener->reactor->loop.options->listen_fd < 0) {
+    if (listener->server->service.options->listen_fd < 0) {
         srv_socketfile_remove(&listener->file);
     } else {
         srv_socketfile_leave(&listener->file);
@@ -354,26 +378,26 @@ void srv_listener_make_room(const struct srv_options *options)
     srv_watch_widen(fd_count_of(options));
 }
 
-int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor)
+int srv_listener_open(struct srv_listener *listener, struct srv_server *server)
 {
-    const char *path = reactor->loop.options->socket_path;
-    *listener = (struct srv_listener){.reactor = reactor, .fd = -1, .reserve_fd = -1};
-    int fd = reactor->loop.options->listen_fd;
+    const char *path = server->service.options->socket_path;
+    *listener = (struct srv_listener){.server = server, .fd = -1, .reserve_fd = -1};
+    int fd = server->service.options->listen_fd;
     int status =
-        fd >= 0 ? 0 : srv_socketfile_bind(&listener->file, reactor->loop.options, &fd);
+        fd >= 0 ? 0 : srv_socketfile_bind(&listener->file, server->service.options, &fd);
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", path, strerror(errno));
         return status;
     }
-    listener->fd_count = fd_count_of(reactor->loop.options);
-    if (srv_watch_reserve(&reactor->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
-        uv_poll_init(&reactor->uv, &listener->poll, fd) != 0) {
+    listener->fd_count = fd_count_of(server->service.options);
+    if (srv_watch_reserve(&server->uv, &listener->spare, fd, &listener->fd_count) != 0 ||
+        uv_poll_init(&server->uv, &listener->poll, fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: the socket cannot be watched", path);
         srv_socketfile_remove(&listener->file);
         close(fd);
         return PCCD_E_SYSTEM;
     }
-    uv_timer_init(&reactor->uv, &listener->retry);
+    uv_timer_init(&server->uv, &listener->retry);
     listener->poll.data = listener;
     listener->retry.data = listener;
     listener->fd = fd;

@@ -1,9 +1,9 @@
 /* listener.h - the socket that clients connect to.
  *
  * Room:     server. May include: libuv, the C library, socketfile.h.
- * Does:     listen, accept; keep within the connection limit and survive a lack of
- *           descriptors without spinning; listen anew, or give up, when the file of the
- *           socket is gone.
+ * Does:     listen and accept; keep within the limit of connections, and survive a lack
+ *           of descriptors without spinning; listen again, or give up, when the file of
+ *           the socket is gone.
  * Does not: know what a client says (conn.h) or hold the path's lock (lockfile.h).
  * Threads:  [loop]
  */
@@ -15,11 +15,11 @@
 
 #include "socketfile.h"
 
-struct srv_reactor;
+struct srv_server;
 struct srv_options;
 
 struct srv_listener {
-    struct srv_reactor *reactor;
+    struct srv_server *server;
     int fd;         /* -1: closed */
     int reserve_fd; /* given up to accept and turn away a client when there is no other */
     bool watching;
@@ -44,11 +44,11 @@ void srv_listener_make_room(const struct srv_options *options);
 
 /* Listen on the options' listen_fd, or else on a new socket at socket_path; nobody is
  * accepted before srv_listener_room. Returns 0 or a status; what was wrong is logged. */
-int srv_listener_open(struct srv_listener *listener, struct srv_reactor *reactor);
+int srv_listener_open(struct srv_listener *listener, struct srv_server *server);
 
 /* From here on notice when the file of the socket is gone. Where it is our own, and its
  * lock too, listen anew at that path; else accept nobody any more, and say so to the
- * reactor. Returns 0 or PCCD_E_SYSTEM. */
+ * server. Returns 0 or PCCD_E_SYSTEM. */
 int srv_listener_follow(struct srv_listener *listener);
 
 /* Stop listening and remove the socket, if it is our own. */

@@ -4,7 +4,7 @@ noinst_LTLIBRARIES += libserver.la
 libserver_la_SOURCES = \
     daemon/server/activate.c daemon/server/activate.h \
     daemon/server/allow.c daemon/server/allow.h \
-    daemon/server/bell.c daemon/server/bell.h \
+    daemon/server/wakeup.c daemon/server/wakeup.h \
     daemon/server/closer.c daemon/server/closer.h \
     daemon/server/commandline.c daemon/server/commandline.h \
     daemon/server/conn.c daemon/server/conn.h \
@@ -17,12 +17,13 @@ libserver_la_SOURCES = \
     daemon/server/outbox.c daemon/server/outbox.h \
     daemon/server/outlet.c daemon/server/outlet.h \
     daemon/server/priority.c daemon/server/priority.h \
-    daemon/server/pulse.c daemon/server/pulse.h \
-    daemon/server/putoff.c daemon/server/putoff.h \
+    daemon/server/heartbeat.c daemon/server/heartbeat.h \
+    daemon/server/deferred.c daemon/server/deferred.h \
     daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/refused.c daemon/server/refused.h \
     daemon/server/replyqueue.c daemon/server/replyqueue.h \
     daemon/server/sandbox.c daemon/server/sandbox.h \
+    daemon/server/server.h \
     daemon/server/socketfile.c daemon/server/socketfile.h \
     daemon/server/supervise.c daemon/server/supervise.h \
     daemon/server/threads.c daemon/server/threads.h \

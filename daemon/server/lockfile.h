@@ -1,8 +1,8 @@
-/* lockfile.h - one daemon per socket path.
+/* lockfile.h - makes sure that only one daemon serves a socket path.
  *
  * Room:     server. May include: the C library.
- * Does:     hold a lock on PATH.lock for as long as the daemon lives; the kernel drops it
- *           with the process, whatever ends it.
+ * Does:     hold a lock on PATH.lock for as long as the daemon lives. The kernel releases
+ *           it when the process ends, for whatever reason.
  * Does not: wait for the lock.
  * Threads:  [loop].
  */

@@ -20,35 +20,34 @@
 #include "activate.h"
 #include "commandline.h"
 #include "crash.h"
-#include "kernel.h"
+#include "engine.h"
 #include "lifeline.h"
 #include "listener.h"
 #include "lockfile.h"
 #include "log.h"
 #include "notify.h"
+#include "openmp.h"
 #include "reactor.h"
 #include "socketfile.h"
 #include "supervise.h"
 #include "threads.h"
 
 /* libgomp reads its environment in a constructor, so setting it here is too late for this
- * image. Waiting threads spin 2000 times, then sleep: more burns a core and collapses
- * when another process is busy, none costs the speed-up. Binding by the runtime would pin
- * the loop thread too. Both changes leave nothing to change for the next image, so that
- * there is at most one. */
+ * image. libpccd starts daemons with the right one. Both changes leave nothing to change
+ * for the next image, so that there is at most one. */
 static void prepare_environment(char **argv)
 {
     bool changed = false;
-    if (getenv("GOMP_SPINCOUNT") == NULL) {
-        changed = setenv("GOMP_SPINCOUNT", "2000", 0) == 0;
+    if (getenv(COMMON_OPENMP_SPIN_NAME) == NULL) {
+        changed = setenv(COMMON_OPENMP_SPIN_NAME, COMMON_OPENMP_SPIN_VALUE, 0) == 0;
     }
-    if (getenv("OMP_PROC_BIND") != NULL || getenv("OMP_PLACES") != NULL) {
-        changed =
-            (unsetenv("OMP_PROC_BIND") == 0 && unsetenv("OMP_PLACES") == 0) || changed;
+    for (size_t i = 0; i < COMMON_OPENMP_UNWANTED; i++) {
+        const char *name = common_openmp_unwanted[i];
+        changed = (getenv(name) != NULL && unsetenv(name) == 0) || changed;
     }
     if (changed) {
         execv("/proc/self/exe", argv);
-        srv_log(SRV_LOG_WARN, 0, "cannot start anew with OpenMP's environment: %s",
+        srv_log(SRV_LOG_WARN, 0, "cannot restart with OpenMP's environment: %s",
                 strerror(errno));
     }
 }
@@ -65,7 +64,7 @@ static bool has_instruction_set(void)
     for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         if (kernels != NULL) {
-            strcat(strcat(sets, " "), kernels->name);
+            strcat(strcat(sets, " "), eng_kernels_name(kernels));
         }
     }
     srv_log(SRV_LOG_ERROR, 0, "PCCD_CPU=%s: there is no such instruction set here, but%s",

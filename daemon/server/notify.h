@@ -1,8 +1,9 @@
-/* notify.h - tell the service manager that started us how we are.
+/* notify.h - sends state messages to the service manager (systemd) that started the
+ * daemon.
  *
  * Room:     server. May include: the C library.
  * Does:     send datagrams to $NOTIFY_SOCKET, a path or an abstract name.
- * Does not: know what there is to tell (pulse.h), nor link libsystemd.
+ * Does not: know what to tell (heartbeat.h), or link libsystemd.
  * Threads:  [main], then [loop].
  * Source:   sd_notify(3), sd_watchdog_enabled(3).
  */

@@ -1,10 +1,11 @@
-/* outbox.h - answers that go out together.
+/* outbox.h - collects small answers, so that a client is woken once for several of them.
  *
  * Room:     server. May include: the C library.
- * Does:     keep small messages until the loop has handled what had come, or as many
- *           messages as there are places. Each that is sent may wake its client, and who
- *           is woken while more comes has to be woken again: of fifty clients in one
- *           process one wakes for sixteen answers in the place of every few.
+ * Does:     keep small messages until the loop has handled everything that had come, or
+ *           until there are as many as there are entries. Sending a message may wake its
+ *           client, and a client that wakes too early has to be woken again. For example,
+ *           of fifty clients in one process, one wakes once for sixteen answers instead
+ *           of once for every few.
  * Does not: send, or keep anything while the loop waits (conn.c sees to both).
  * Threads:  [loop]
  */
@@ -15,8 +16,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define SRV_OUTBOX_PLACES 16u  /* and messages handled while the first waits */
-#define SRV_OUTBOX_BYTES  120u /* of a message; an answer to a step is longer */
+#define SRV_OUTBOX_ENTRIES 16u  /* and messages handled while the first waits */
+#define SRV_OUTBOX_BYTES   120u /* of a message; an answer to a step is longer */
 
 struct srv_conn;
 
@@ -27,7 +28,7 @@ struct srv_outbox {
         struct srv_conn *conn;
         size_t bytes;
         uint8_t data[SRV_OUTBOX_BYTES];
-    } places[SRV_OUTBOX_PLACES];
+    } entries[SRV_OUTBOX_ENTRIES];
 };
 
 /* False: it is too long, or there is no place; nothing has changed. */

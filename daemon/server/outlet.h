@@ -1,8 +1,9 @@
-/* outlet.h - the way out of a client's socket, for the thread that computes.
+/* outlet.h - lets a thread that computes send an answer itself, while the event loop may
+ * be closing the socket.
  *
  * Room:     server. May include: host.h.
- * Does:     let another thread send while the loop may close the socket.
- * Does not: queue: what the socket does not take now is the loop's affair.
+ * Does:     guard the socket of a client for such sends.
+ * Does not: queue: what the socket does not accept now is left to the loop.
  * Threads:  functions say; host.h declares those that the service calls.
  */
 #ifndef SRV_OUTLET_H

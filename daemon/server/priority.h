@@ -1,9 +1,9 @@
-/* priority.h - how soon a thread gets a processor.
+/* priority.h - sets how soon a thread gets a processor (its scheduling priority).
  *
  * Room:     server. May include: the C library.
- * Does:     set it for the calling thread alone, without any right that a user has not.
- *           Where the system does not know it or does not allow it, things are late, but
- *           right: nothing is returned.
+ * Does:     set it for the calling thread alone, with no rights beyond those of a user.
+ *           Where the system does not know or allow it, nothing is returned: answers come
+ *           later, but are right.
  * Threads:  [any]; threads that it makes afterwards begin like it.
  */
 #ifndef SRV_PRIORITY_H

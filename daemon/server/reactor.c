@@ -25,10 +25,13 @@
 #include "conn.h"
 #include "crash.h"
 #include "dispatch.h"
-#include "held.h"
+#include "engine.h"
+#include "heartbeat.h"
+#include "holding.h"
 #include "invariant.h"
-#include "kernel.h"
 #include "lifeline.h"
+#include "linger.h"
+#include "listener.h"
 #include "lockfile.h"
 #include "notify.h"
 #include "now.h"
@@ -36,9 +39,35 @@
 #include "plural.h"
 #include "priority.h"
 #include "proto_limits.h"
+#include "request.h"
 #include "sandbox.h"
+#include "server.h"
 #include "session.h"
+#include "setup.h"
 #include "threads.h"
+#include "wakeup.h"
+
+struct srv_reactor {
+    struct srv_server server; /* first */
+    struct srv_listener listener;
+    uint32_t closed_since_trim; /* connections */
+    bool grace_over;            /* requests in flight have been cancelled */
+    bool has_let_go;            /* of the socket's path: go with the last client */
+    struct srv_wakeup wakeup;   /* rung when a thread has finished jobs */
+    uv_signal_t sigterm;
+    uv_signal_t sigint;
+    uv_timer_t idle;  /* until we go because nobody is here */
+    uv_timer_t grace; /* until requests in flight are cancelled, then until we give up */
+    struct srv_heartbeat heartbeat; /* of which the service manager is told */
+    uv_timer_t report;              /* until what the log has left out is said */
+    uv_prepare_t stopper; /* looks, before each wait, whether the next phase can begin */
+    uv_prepare_t sender;  /* lets, before each wait, what is kept of answers go */
+};
+
+static struct srv_reactor *reactor_of(struct srv_server *server)
+{
+    return (struct srv_reactor *)(void *)server;
+}
 
 #define PRIVATE_WAIT_MS 10000u /* for the first client of a private daemon */
 #define LAST_TURNS      16     /* for what has come before a connection is closed */
@@ -57,15 +86,16 @@ static void close_if_open(uv_handle_t *handle)
 /* The service's; a second time is nothing. */
 static void close_timers(struct srv_reactor *reactor)
 {
-    srv_linger_deinit(&reactor->loop);
-    srv_relief_deinit(&reactor->loop);
-    srv_overdue_deinit(&reactor->loop.overdue);
+    srv_linger_deinit(&reactor->server.service);
+    srv_relief_deinit(&reactor->server.service.relief);
+    srv_reclaim_deinit(&reactor->server.service.reclaim);
+    srv_deadlines_deinit(&reactor->server.service.deadlines);
 }
 
 static void close_handles(struct srv_reactor *reactor)
 {
-    if (!uv_is_closing((uv_handle_t *)&reactor->bell.poll)) {
-        srv_bell_close(&reactor->bell);
+    if (!uv_is_closing((uv_handle_t *)&reactor->wakeup.poll)) {
+        srv_wakeup_close(&reactor->wakeup);
     }
     close_if_open((uv_handle_t *)&reactor->sigterm);
     close_if_open((uv_handle_t *)&reactor->sigint);
@@ -74,7 +104,7 @@ static void close_handles(struct srv_reactor *reactor)
     close_if_open((uv_handle_t *)&reactor->report);
     close_if_open((uv_handle_t *)&reactor->stopper);
     close_if_open((uv_handle_t *)&reactor->sender);
-    close_if_open((uv_handle_t *)&reactor->pulse.timer);
+    close_if_open((uv_handle_t *)&reactor->heartbeat.timer);
     close_timers(reactor);
 }
 
@@ -82,7 +112,7 @@ static void close_handles(struct srv_reactor *reactor)
  * sees the answers and not a reset. */
 static void close_conns(struct srv_reactor *reactor)
 {
-    for (struct srv_conn *conn = reactor->conns; conn != NULL;) {
+    for (struct srv_conn *conn = reactor->server.conns; conn != NULL;) {
         struct srv_conn *next = conn->next;
         for (int i = 0; i < LAST_TURNS && conn->fd >= 0 && conn->state == SRV_CONN_OPEN;
              i++) {
@@ -99,16 +129,18 @@ static void close_conns(struct srv_reactor *reactor)
 static void on_stopper(uv_prepare_t *prepare)
 {
     struct srv_reactor *reactor = prepare->data;
-    if (reactor->loop.phase == SRV_PHASE_DRAINING && reactor->loop.request_count == 0 &&
-        reactor->put_off_count == 0 &&
-        (reactor->reply_count == 0 || reactor->grace_over)) {
-        reactor->loop.phase = SRV_PHASE_CLOSING;
+    if (reactor->server.service.phase == SRV_PHASE_DRAINING &&
+        reactor->server.service.request_count == 0 &&
+        reactor->server.put_off_count == 0 &&
+        (reactor->server.reply_count == 0 || reactor->grace_over)) {
+        reactor->server.service.phase = SRV_PHASE_CLOSING;
         close_conns(reactor);
     }
-    if (reactor->loop.phase == SRV_PHASE_CLOSING && reactor->loop.sessions == NULL) {
-        reactor->loop.phase = SRV_PHASE_CLOSED;
-        srv_compute_stop(&reactor->loop.compute);
-        srv_compute_stop(&reactor->loop.pages);
+    if (reactor->server.service.phase == SRV_PHASE_CLOSING &&
+        reactor->server.service.sessions == NULL) {
+        reactor->server.service.phase = SRV_PHASE_CLOSED;
+        srv_compute_stop(&reactor->server.service.compute);
+        srv_compute_stop(&reactor->server.service.pages);
         close_handles(reactor);
     }
 }
@@ -124,70 +156,76 @@ static void on_force(uv_timer_t *timer)
 static void on_grace(uv_timer_t *timer)
 {
     struct srv_reactor *reactor = timer->data;
-    if (reactor->loop.phase != SRV_PHASE_DRAINING || reactor->grace_over) {
+    if (reactor->server.service.phase != SRV_PHASE_DRAINING || reactor->grace_over) {
         return;
     }
     reactor->grace_over = true;
     srv_log(SRV_LOG_WARN, 0, "the grace time is over: cancelling %u %s",
-            reactor->loop.request_count,
-            proto_plural(reactor->loop.request_count, "request", "requests"));
-    for (struct srv_session *session = reactor->loop.sessions; session != NULL;) {
+            reactor->server.service.request_count,
+            proto_plural(reactor->server.service.request_count, "request", "requests"));
+    for (struct srv_session *session = reactor->server.service.sessions;
+         session != NULL;) {
         struct srv_session *next = session->next; /* a closed one may free itself */
-        srv_session_cancel_all(session);
+        srv_request_cancel_all(session);
         session = next;
     }
     uv_timer_start(&reactor->grace, on_force, FORCE_MS, 0);
 }
 
-void srv_reactor_shutdown(struct srv_reactor *reactor, const char *why)
+static void shut_down(struct srv_reactor *reactor, const char *why)
 {
     srv_assert_loop();
-    if (reactor->loop.phase != SRV_PHASE_RUNNING) {
+    if (reactor->server.service.phase != SRV_PHASE_RUNNING) {
         return;
     }
     srv_log(SRV_LOG_INFO, 0, "shutting down: %s; %u %s, %u %s in flight", why,
-            reactor->loop.client_count,
-            proto_plural(reactor->loop.client_count, "client", "clients"),
-            reactor->loop.request_count,
-            proto_plural(reactor->loop.request_count, "request", "requests"));
-    reactor->loop.phase = SRV_PHASE_DRAINING;
+            reactor->server.service.client_count,
+            proto_plural(reactor->server.service.client_count, "client", "clients"),
+            reactor->server.service.request_count,
+            proto_plural(reactor->server.service.request_count, "request", "requests"));
+    reactor->server.service.phase = SRV_PHASE_DRAINING;
     srv_notify_announce("STOPPING=1");
     srv_listener_close(&reactor->listener);
     uv_timer_stop(&reactor->idle);
-    srv_linger_end_all(&reactor->loop); /* nobody can come back any more */
-    srv_held_end_all(&reactor->loop);   /* nobody may submit what they wait for */
-    srv_dispatch_goaway(&reactor->loop, PCCD_E_SHUTDOWN, "the daemon is shutting down");
+    srv_linger_end_all(&reactor->server.service); /* nobody can come back any more */
+    srv_holding_end_all(
+        &reactor->server.service); /* nobody may submit what they wait for */
+    srv_dispatch_goaway(&reactor->server.service, PCCD_E_SHUTDOWN,
+                        "the daemon is shutting down");
     uv_timer_start(&reactor->grace, on_grace,
-                   (uint64_t)reactor->loop.options->grace_s * 1000, 0);
+                   (uint64_t)reactor->server.service.options->grace_s * 1000, 0);
     uv_prepare_start(&reactor->stopper, on_stopper);
 }
 
-void srv_reactor_let_go(struct srv_reactor *reactor, const char *why)
+static void on_path_lost(struct srv_server *server, const char *why)
 {
+    struct srv_reactor *reactor = reactor_of(server);
     srv_assert_loop();
-    if (reactor->loop.phase != SRV_PHASE_RUNNING || reactor->has_let_go) {
+    if (reactor->server.service.phase != SRV_PHASE_RUNNING || reactor->has_let_go) {
         return;
     }
-    srv_log(SRV_LOG_ERROR, 0, "%s: %s; letting go of it, %u %s",
-            reactor->loop.options->socket_path, why, reactor->loop.client_count,
-            proto_plural(reactor->loop.client_count, "client is served until it leaves",
+    srv_log(SRV_LOG_ERROR, 0, "%s: %s; giving up this path, %u %s",
+            reactor->server.service.options->socket_path, why,
+            reactor->server.service.client_count,
+            proto_plural(reactor->server.service.client_count,
+                         "client is served until it leaves",
                          "clients are served until they leave"));
     reactor->has_let_go = true;
     srv_listener_close(&reactor->listener);
-    if (reactor->lockfile != NULL) {
-        srv_lockfile_release(reactor->lockfile);
+    if (reactor->server.lockfile != NULL) {
+        srv_lockfile_release(reactor->server.lockfile);
     }
-    srv_linger_end_all(&reactor->loop); /* nobody can come back any more */
-    if (reactor->loop.client_count == 0) {
-        srv_reactor_shutdown(reactor, "nobody can find it");
+    srv_linger_end_all(&reactor->server.service); /* nobody can come back any more */
+    if (reactor->server.service.client_count == 0) {
+        shut_down(reactor, "nobody can find it");
     }
 }
 
 static void on_signal(uv_signal_t *signal, int number)
 {
     struct srv_reactor *reactor = signal->data;
-    if (reactor->loop.phase == SRV_PHASE_RUNNING) {
-        srv_reactor_shutdown(reactor, number == SIGTERM ? "SIGTERM" : "SIGINT");
+    if (reactor->server.service.phase == SRV_PHASE_RUNNING) {
+        shut_down(reactor, number == SIGTERM ? "SIGTERM" : "SIGINT");
     } else {
         on_grace(&reactor->grace); /* asked twice: no more patience */
     }
@@ -197,18 +235,18 @@ static void on_signal(uv_signal_t *signal, int number)
 
 static void on_idle(uv_timer_t *timer)
 {
-    srv_reactor_shutdown(timer->data, "no client");
+    shut_down(timer->data, "no client");
 }
 
 /* Nobody is here: start to count, if that matters. */
 static void watch_idle(struct srv_reactor *reactor, bool first)
 {
-    const struct srv_options *options = reactor->loop.options;
-    if (reactor->loop.phase != SRV_PHASE_RUNNING) {
+    const struct srv_options *options = reactor->server.service.options;
+    if (reactor->server.service.phase != SRV_PHASE_RUNNING) {
         return;
     }
     if ((options->private_daemon || reactor->has_let_go) && !first) {
-        srv_reactor_shutdown(reactor, "the last client has gone");
+        shut_down(reactor, "the last client has gone");
     } else if (options->private_daemon) {
         uv_timer_start(&reactor->idle, on_idle, PRIVATE_WAIT_MS, 0);
     } else if (options->idle_exit_s > 0) {
@@ -216,39 +254,41 @@ static void watch_idle(struct srv_reactor *reactor, bool first)
     }
 }
 
-void srv_host_client_joined(struct srv_loop *loop)
+void srv_host_client_joined(struct srv_service *service)
 {
-    struct srv_reactor *reactor = (struct srv_reactor *)loop;
-    loop->client_count++;
+    struct srv_reactor *reactor = reactor_of(srv_server_of(service));
+    service->client_count++;
     uv_timer_stop(&reactor->idle);
-    srv_pulse_change(&reactor->pulse);
+    srv_heartbeat_change(&reactor->heartbeat);
 }
 
-void srv_host_client_left(struct srv_loop *loop)
+void srv_host_client_left(struct srv_service *service)
 {
-    struct srv_reactor *reactor = (struct srv_reactor *)loop;
-    PCCD_ASSERT(loop->client_count > 0);
-    if (--loop->client_count == 0) {
+    struct srv_reactor *reactor = reactor_of(srv_server_of(service));
+    PCCD_ASSERT(service->client_count > 0);
+    if (--service->client_count == 0) {
         watch_idle(reactor, false);
     }
-    srv_pulse_change(&reactor->pulse);
+    srv_heartbeat_change(&reactor->heartbeat);
 }
 
-void srv_host_limit_changed(struct srv_loop *loop)
+void srv_host_limit_changed(struct srv_service *service)
 {
-    srv_listener_room(&((struct srv_reactor *)loop)->listener);
+    srv_listener_room(&(reactor_of(srv_server_of(service)))->listener);
 }
 
 /* What clients had lies scattered over the heap: freed, but not given back by itself. It
  * takes about a millisecond. */
 #define CLOSED_PER_TRIM 256u
 
-void srv_reactor_conn_closed(struct srv_reactor *reactor)
+static void on_conn_closed(struct srv_server *server)
 {
-    PCCD_ASSERT(reactor->conn_count > 0);
-    reactor->conn_count--;
+    struct srv_reactor *reactor = reactor_of(server);
+    PCCD_ASSERT(reactor->server.conn_count > 0);
+    reactor->server.conn_count--;
     srv_listener_room(&reactor->listener);
-    if (reactor->conn_count == 0 || ++reactor->closed_since_trim == CLOSED_PER_TRIM) {
+    if (reactor->server.conn_count == 0 ||
+        ++reactor->closed_since_trim == CLOSED_PER_TRIM) {
         reactor->closed_since_trim = 0;
         (void)malloc_trim(0);
     }
@@ -259,35 +299,36 @@ void srv_reactor_conn_closed(struct srv_reactor *reactor)
 static void on_completions(void *context)
 {
     struct srv_reactor *reactor = context;
-    srv_compute_drain(&reactor->loop.compute);
-    srv_compute_drain(&reactor->loop.pages);
+    srv_compute_drain(&reactor->server.service.compute);
+    srv_compute_drain(&reactor->server.service.pages);
 }
 
 /* [compute] */
 static void on_notify(void *context)
 {
     struct srv_reactor *reactor = context;
-    srv_bell_ring(&reactor->bell);
+    srv_wakeup_ring(&reactor->wakeup);
 }
 
 /* Make the team before the first step wants it. [compute] */
 static void on_enter(void *context, uint32_t number)
 {
     const struct srv_reactor *reactor = context;
-    const struct srv_loop *loop = &reactor->loop;
+    const struct srv_service *service = &reactor->server.service;
     eng_payer()->number = number;
     srv_crash_thread();
-    eng_places_warm_up(loop->is_pinned ? &loop->desks[number].places : NULL,
-                       loop->start_options->threads_max);
+    eng_affinity_warm_up(service->is_pinned ? &service->workspaces[number].affinity
+                                            : NULL,
+                         service->start_options->threads_max);
 }
 
 /* The runtime ends the process when it is refused a thread of a team. */
-int srv_host_start_runner(struct srv_loop *loop)
+int srv_host_start_runner(struct srv_service *service)
 {
-    uint32_t threads = loop->start_options->threads_max;
+    uint32_t threads = service->start_options->threads_max;
     return srv_threads_granted(threads, 1) < threads
                ? PCCD_E_SYSTEM
-               : srv_compute_add_runner(&loop->compute);
+               : srv_compute_add_runner(&service->compute);
 }
 
 /* Clients that come and go without end kept a processor busy with their rings, and the
@@ -301,14 +342,15 @@ static void on_enter_pages(void *context, uint32_t number)
 }
 
 /* Before any thread is bound or made: they inherit where this one may run. */
-static void choose_places(struct srv_reactor *reactor)
+static void choose_affinity(struct srv_reactor *reactor)
 {
-    const struct srv_options *options = reactor->loop.options;
-    reactor->loop.is_pinned =
+    const struct srv_options *options = reactor->server.service.options;
+    reactor->server.service.is_pinned =
         options->pin == SRV_PIN_ON ||
         (options->pin == SRV_PIN_AUTO &&
-         options->threads_max == reactor->loop.desks[0].places.count);
-    reactor->loop.metrics.counters.threads_bound = reactor->loop.is_pinned;
+         options->threads_max == reactor->server.service.workspaces[0].affinity.count);
+    reactor->server.service.metrics.counters.threads_bound =
+        reactor->server.service.is_pinned;
 }
 
 static void on_report(uv_timer_t *timer)
@@ -321,7 +363,7 @@ static void on_report(uv_timer_t *timer)
 static void on_sender(uv_prepare_t *prepare)
 {
     struct srv_reactor *reactor = prepare->data;
-    srv_conn_send_kept(reactor);
+    srv_conn_send_kept(&reactor->server);
     if (srv_log_owes_report() && !uv_is_active((uv_handle_t *)&reactor->report) &&
         !uv_is_closing((uv_handle_t *)&reactor->report)) {
         uv_timer_start(&reactor->report, on_report, REPORT_MS, 0);
@@ -330,35 +372,39 @@ static void on_sender(uv_prepare_t *prepare)
 
 static int init_buffers(struct srv_reactor *reactor)
 {
-    reactor->buffer = malloc(PROTO_MESSAGE_BYTES_MAX);
-    reactor->closer = srv_closer_new();
-    return reactor->closer != NULL && reactor->buffer != NULL ? 0 : PCCD_E_NOMEM;
+    reactor->server.buffer = malloc(PROTO_MESSAGE_BYTES_MAX);
+    reactor->server.closer = srv_closer_new();
+    return reactor->server.closer != NULL && reactor->server.buffer != NULL
+               ? 0
+               : PCCD_E_NOMEM;
 }
 
 static void deinit_buffers(struct srv_reactor *reactor)
 {
-    free(reactor->buffer);
-    srv_closer_free(reactor->closer);
+    free(reactor->server.buffer);
+    srv_closer_free(reactor->server.closer);
 }
 
 /* Every handle, so that close_handles may close every one. libuv's own failures here are
  * those of memory and descriptors. */
 static int init_handles(struct srv_reactor *reactor)
 {
-    int status = srv_bell_init(&reactor->bell, &reactor->uv, on_completions, reactor);
+    int status =
+        srv_wakeup_init(&reactor->wakeup, &reactor->server.uv, on_completions, reactor);
     if (status != 0) {
         return status;
     }
-    uv_timer_init(&reactor->uv, &reactor->idle);
-    uv_timer_init(&reactor->uv, &reactor->grace);
-    uv_timer_init(&reactor->uv, &reactor->report);
-    uv_prepare_init(&reactor->uv, &reactor->stopper);
-    uv_prepare_init(&reactor->uv, &reactor->sender);
+    uv_timer_init(&reactor->server.uv, &reactor->idle);
+    uv_timer_init(&reactor->server.uv, &reactor->grace);
+    uv_timer_init(&reactor->server.uv, &reactor->report);
+    uv_prepare_init(&reactor->server.uv, &reactor->stopper);
+    uv_prepare_init(&reactor->server.uv, &reactor->sender);
     reactor->sender.data = reactor;
     uv_prepare_start(&reactor->sender, on_sender);
-    srv_pulse_init(&reactor->pulse, &reactor->uv, &reactor->loop);
-    uv_signal_init(&reactor->uv, &reactor->sigterm);
-    uv_signal_init(&reactor->uv, &reactor->sigint);
+    srv_heartbeat_init(&reactor->heartbeat, &reactor->server.uv,
+                       &reactor->server.service);
+    uv_signal_init(&reactor->server.uv, &reactor->sigterm);
+    uv_signal_init(&reactor->server.uv, &reactor->sigint);
     reactor->idle.data = reactor;
     reactor->grace.data = reactor;
     reactor->stopper.data = reactor;
@@ -374,12 +420,15 @@ static int init_handles(struct srv_reactor *reactor)
 
 static int start_queues(struct srv_reactor *reactor)
 {
-    struct srv_loop *loop = &reactor->loop;
-    int status = srv_compute_start(&loop->compute, loop->options->queue_max,
+    struct srv_service *service = &reactor->server.service;
+    int status = srv_compute_start(&service->compute, service->options->queue_max,
                                    SRV_RUNNERS_MAX, on_enter, on_notify, reactor);
     if (status == 0) {
-        srv_relief_begin(loop);
-        status = srv_compute_start(&loop->pages, loop->options->queue_max, 1,
+        srv_relief_begin(&service->relief);
+        status = srv_reclaim_init(&service->reclaim, service);
+    }
+    if (status == 0) {
+        status = srv_compute_start(&service->pages, service->options->queue_max, 1,
                                    on_enter_pages, on_notify, reactor);
     }
     return status;
@@ -392,7 +441,7 @@ static int serve(struct srv_reactor *reactor)
     srv_priority_punctual(); /* the team sleeps for 20 us at a time where it must */
     if (status != 0) {
         srv_log(SRV_LOG_ERROR, 0, "the event loop cannot be set up");
-        uv_run(&reactor->uv, UV_RUN_DEFAULT); /* close what there is */
+        uv_run(&reactor->server.uv, UV_RUN_DEFAULT); /* close what there is */
         return status;
     }
     status = start_queues(reactor);
@@ -400,7 +449,7 @@ static int serve(struct srv_reactor *reactor)
         srv_log(SRV_LOG_ERROR, 0, "the threads that compute cannot be started");
     } else {
         status = srv_listener_open(&reactor->listener,
-                                   reactor); /* says itself what is wrong */
+                                   &reactor->server); /* says itself what is wrong */
     }
     if (status == 0) {
         srv_lifeline_raise(reactor->listener.fd_count);
@@ -408,7 +457,7 @@ static int serve(struct srv_reactor *reactor)
         srv_priority_prompt(); /* the other threads are there, and do not inherit it */
     }
     if (status == 0) {
-        status = srv_sandbox_enter(reactor->loop.options);
+        status = srv_sandbox_enter(reactor->server.service.options);
     }
     /* A spare worker waits here, with all behind it that takes long: threads take 5 ms to
      * start, and the kernel some 10 ms to take the sandbox's filter. */
@@ -417,26 +466,28 @@ static int serve(struct srv_reactor *reactor)
     }
     if (status != 0) {
         srv_listener_close(&reactor->listener);
-        srv_compute_stop(&reactor->loop.compute);
-        srv_compute_stop(&reactor->loop.pages);
+        srv_compute_stop(&reactor->server.service.compute);
+        srv_compute_stop(&reactor->server.service.pages);
         close_handles(reactor);
     } else {
         srv_log(SRV_LOG_INFO, 0, "process %ld listens on %s, %s, %u %s%s%s",
-                (long)getpid(), reactor->loop.options->socket_path, eng_kernels()->name,
-                reactor->loop.options->threads_max,
-                proto_plural((uint64_t)reactor->loop.options->threads_max, "thread",
-                             "threads"),
-                reactor->loop.is_pinned ? ", each bound to a processor" : "",
+                (long)getpid(), reactor->server.service.options->socket_path,
+                eng_kernels_name(eng_kernels()),
+                reactor->server.service.options->threads_max,
+                proto_plural((uint64_t)reactor->server.service.options->threads_max,
+                             "thread", "threads"),
+                reactor->server.service.is_pinned ? ", each bound to a processor" : "",
                 srv_sandbox_text());
-        if (reactor->loop.options->listen_fd < 0) { /* else it listened before us */
-            srv_listener_tell_ready(reactor->loop.options->ready_fd);
+        if (reactor->server.service.options->listen_fd <
+            0) { /* else it listened before us */
+            srv_listener_tell_ready(reactor->server.service.options->ready_fd);
         }
-        reactor->loop.start_ns = srv_now_ns();
+        reactor->server.service.start_ns = common_now_ns();
         srv_listener_room(&reactor->listener); /* from here on clients are taken over */
         watch_idle(reactor, true);
-        srv_pulse_ready(&reactor->pulse);
+        srv_heartbeat_ready(&reactor->heartbeat);
     }
-    uv_run(&reactor->uv, UV_RUN_DEFAULT); /* until the last handle is closed */
+    uv_run(&reactor->server.uv, UV_RUN_DEFAULT); /* until the last handle is closed */
     return status;
 }
 
@@ -445,16 +496,18 @@ int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lock
     srv_thread_enter(SRV_THREAD_LOOP);
     srv_sandbox_keep_files(options);
     struct srv_reactor *reactor = calloc(1, sizeof *reactor);
-    if (reactor == NULL || uv_loop_init(&reactor->uv) != 0) {
+    if (reactor == NULL || uv_loop_init(&reactor->server.uv) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "no memory for the event loop");
         free(reactor);
         return 1;
     }
     reactor->listener.fd = -1;
-    reactor->lockfile = lockfile;
-    int status = srv_loop_init(&reactor->loop, options);
-    choose_places(reactor);
-    reactor->loop.does_brief = true;
+    reactor->server.conn_closed = on_conn_closed;
+    reactor->server.path_lost = on_path_lost;
+    reactor->server.lockfile = lockfile;
+    int status = srv_service_init(&reactor->server.service, options);
+    choose_affinity(reactor);
+    reactor->server.service.does_brief = true;
     if (status == 0) {
         status = init_buffers(reactor);
     }
@@ -463,11 +516,11 @@ int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lock
     } else {
         srv_log(SRV_LOG_ERROR, 0, "no memory for the buffers, or no thread");
         close_timers(reactor);
-        uv_run(&reactor->uv, UV_RUN_DEFAULT);
+        uv_run(&reactor->server.uv, UV_RUN_DEFAULT);
     }
-    int failed = uv_loop_close(&reactor->uv);
+    int failed = uv_loop_close(&reactor->server.uv);
     PCCD_ASSERT(failed == 0);
-    srv_loop_deinit(&reactor->loop);
+    srv_service_deinit(&reactor->server.service);
     deinit_buffers(reactor);
     free(reactor);
     if (status != 0) {

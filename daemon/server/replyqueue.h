@@ -1,7 +1,7 @@
-/* replyqueue.h - replies that wait until their client reads.
+/* replyqueue.h - the replies that wait until their client reads.
  *
  * Room:     server. May include: seqpacket.h.
- * Does:     keep copies in order, with the descriptors that go along.
+ * Does:     keep copies in order, with the descriptors that go with them.
  * Does not: send, or bound how many there are (conn.c).
  * Threads:  [loop]
  */

@@ -13,8 +13,11 @@
 #include "log.h"
 #include "pccd_types.h"
 
+static int landlock_version; /* 0: not in use */
+
 #ifdef HAVE_SECCOMP
 
+#include <fcntl.h>
 #include <sched.h>
 #include <seccomp.h>
 #include <sys/ioctl.h>
@@ -22,6 +25,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 static const int allowed[] = {
     /* clients: taken over by accept4, not made */
@@ -50,7 +54,7 @@ static const int allowed[] = {
     SCMP_SYS(memfd_create),
     SCMP_SYS(ftruncate),
     SCMP_SYS(fallocate),
-    SCMP_SYS(fstat),
+    SCMP_SYS(fstat), /* and fchmod and openat: see below */
     SCMP_SYS(newfstatat),
     SCMP_SYS(munmap),
     SCMP_SYS(mremap),
@@ -113,6 +117,18 @@ static int allow_some(scmp_filter_ctx filter)
     return status;
 }
 
+/* A memory of which the client gets a descriptor that can only be read from is opened
+ * anew, by its name in /proc. Paths cannot be looked at here: only where Landlock keeps
+ * the process from reading any file. Elsewhere the memory is sealed (memfd.c). */
+static int allow_reopening(scmp_filter_ctx filter)
+{
+    int status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fchmod), 1,
+                                  SCMP_A1(SCMP_CMP_EQ, S_IRUSR, 0));
+    status |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
+                               SCMP_A2(SCMP_CMP_EQ, O_RDONLY | O_CLOEXEC, 0));
+    return status;
+}
+
 /* Who has bound the socket binds it anew when somebody removes its file. */
 static int allow_binding(scmp_filter_ctx filter)
 {
@@ -140,6 +156,7 @@ static int enter(const struct srv_options *options)
         status = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     }
     if (status == 0 && (allow_some(filter) != 0 ||
+                        (landlock_version > 0 && allow_reopening(filter) != 0) ||
                         (options->listen_fd < 0 && allow_binding(filter) != 0))) {
         status = -EINVAL;
     }
@@ -174,7 +191,6 @@ bool srv_sandbox_is_default(void)
 
 #endif
 
-static int landlock_version; /* 0: not in use */
 static bool is_filtered;
 
 static bool is_wanted(const struct srv_options *options)

@@ -1,10 +1,10 @@
-/* sandbox.h - give up what a daemon that serves has no use for.
+/* sandbox.h - gives up every right that a serving daemon does not need (seccomp).
  *
  * Room:     server. May include: options.h.
- * Does:     no new privileges, no change of files but its own, and a list of system
- *           calls: no files are opened, no programs or processes started, no memory made
- *           executable, no sockets made but of the kind that listens, by whom has bound
- *           it.
+ * Does:     take no new privileges, and allow only a list of system calls: no files
+ *           opened but its own memory files again, no programs or processes started, no
+ *           executable memory, no sockets but of the kind that listens. Landlock takes
+ *           away the rest of the file system (landlock.h).
  * Does not: protect clients from each other: that is what checks and quotas are for.
  * Threads:  [loop]; holds for all threads, those to come too, but for the first step.
  * Source:   seccomp(2), libseccomp.
@@ -15,8 +15,8 @@
 #include "options.h"
 
 /* The first step, before there is a second thread: from here on no file but the socket
- * and its lock is made, written or removed, where the kernel has Landlock. Unless
- * options->sandbox says otherwise. */
+ * and its lock is made, written or removed, and none is read, where the kernel has
+ * Landlock. Unless options->sandbox says otherwise. */
 void srv_sandbox_keep_files(const struct srv_options *options);
 
 /* Of which parts it is made, for the log: "" or words that begin with a comma. */

@@ -131,9 +131,12 @@ static void remember(struct srv_socketfile *file)
     watch(file);
 }
 
-static void begin(struct srv_socketfile *file, const char *path)
+static void begin(struct srv_socketfile *file, const char *path, bool is_watched)
 {
-    *file = (struct srv_socketfile){.path = path};
+    *file = (struct srv_socketfile){.path = path, .notify_fd = -1};
+    if (!is_watched) {
+        return;
+    }
     file->notify_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
     if (file->notify_fd < 0) {
         srv_log(SRV_LOG_WARN, 0, "nobody will tell when %s is removed: %s", path,
@@ -156,7 +159,7 @@ int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *o
         return status;
     }
     if (file->path == NULL) {
-        begin(file, options->socket_path);
+        begin(file, options->socket_path, !options->private_daemon);
     }
     remember(file);
     *fd = made;
@@ -165,7 +168,7 @@ int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *o
 
 void srv_socketfile_adopt(struct srv_socketfile *file, const char *path)
 {
-    begin(file, path);
+    begin(file, path, true);
     remember(file);
 }
 

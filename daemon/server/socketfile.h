@@ -1,8 +1,8 @@
-/* socketfile.h - the file by which clients find the socket.
+/* socketfile.h - the file in the file system by which clients find the daemon's socket.
  *
  * Room:     server. May include: options.h, the C library.
- * Does:     make its folder, bind a listening socket to it; tell, without waking an idle
- *           process, when somebody has removed or replaced it.
+ * Does:     create its folder and bind a listening socket to it; notice when somebody has
+ *           removed or replaced it, without waking an idle process.
  * Does not: decide what happens then (listener.c, supervise.c), or hold the path's lock
  *           (lockfile.h).
  * Threads:  [loop], or a supervisor's only one.
@@ -40,7 +40,9 @@ int srv_socketfile_prepare_folder(const struct srv_options *options);
 
 /* A listening socket at the options' path in *fd, for us alone, or with a list of who may
  * be a client for everybody to connect to and be judged; a socket that is there is a dead
- * daemon's, because the caller holds the lock. The file is watched from then on. A second
+ * daemon's, because the caller holds the lock. The file is watched from then on, but for
+ * that of a private daemon: its client is connected and needs the file no more, and to
+ * stop watching takes the kernel 8 ms, for which the client's end would wait. A second
  * time where the first one's file is gone. Returns 0 or a status, errno set. */
 int srv_socketfile_bind(struct srv_socketfile *file, const struct srv_options *options,
                         int *fd);

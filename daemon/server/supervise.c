@@ -205,7 +205,7 @@ static bool is_one_too_many(const struct supervisor *supervisor)
     uint32_t count = supervisor->crash_count + 1;
     /* With the present one, the next place of the ring is that of the first of `max`. */
     uint64_t first_ns = supervisor->crashes[count % max].ns;
-    return max == 1 || (count >= max && srv_now_ns() - first_ns <=
+    return max == 1 || (count >= max && common_now_ns() - first_ns <=
                                             (uint64_t)SRV_CRASHES_WINDOW_MS * 1000000u);
 }
 
@@ -214,7 +214,7 @@ static bool is_one_too_many(const struct supervisor *supervisor)
 static int replace(struct supervisor *supervisor, pid_t unreaped)
 {
     supervisor->crashes[supervisor->crash_count++ % supervisor->crashes_max] =
-        (struct crash){.ns = srv_now_ns(), .pid = unreaped};
+        (struct crash){.ns = common_now_ns(), .pid = unreaped};
     close_if_open(&supervisor->worker.lifeline);
     supervisor->worker.pid = 0;
     return start_worker(supervisor) == 0 ? -1 : 1;
@@ -295,7 +295,7 @@ static int on_reaped(struct supervisor *supervisor, pid_t pid, int wait_status)
 /* Nobody finds the socket any more: the worker serves who is here, and is the last. */
 static void let_go(struct supervisor *supervisor, const char *why)
 {
-    srv_log(SRV_LOG_ERROR, 0, "%s: %s; letting go of it", supervisor->file.path, why);
+    srv_log(SRV_LOG_ERROR, 0, "%s: %s; giving up this path", supervisor->file.path, why);
     srv_socketfile_leave(&supervisor->file);
     srv_lockfile_release(supervisor->lockfile);
     end_spare(supervisor);
@@ -313,7 +313,7 @@ static void bind_anew(struct supervisor *supervisor)
         let_go(supervisor, strerror(errno));
         return;
     }
-    srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there anew",
+    srv_log(SRV_LOG_WARN, 0, "%s was removed; listening there again",
             supervisor->file.path);
     close(supervisor->listen_fd);
     supervisor->listen_fd = fd;

@@ -1,11 +1,11 @@
-/* supervise.h - a small parent that starts the daemon again when it crashes.
+/* supervise.h - a small parent process that starts the daemon again when it crashes.
  *
  * Room:     server. May include: options.h.
- * Does:     hold the path's lock and the listening socket, so that clients queue instead
- *           of being refused while a worker is being started; pass signals on; give up
- *           when it crashes again and again; listen anew, or let go, when the socket's
- *           file is gone.
- * Does not: talk to clients or compute: nothing of theirs can make it crash.
+ * Does:     hold the lock and the listening socket, so that clients queue, and are not
+ *           refused, while a worker starts; pass signals on; give up when the worker
+ *           crashes again and again; listen again, or let go, when the socket's file is
+ *           gone.
+ * Does not: talk to clients or compute: nothing that a client does can crash it.
  * Threads:  one.
  */
 #ifndef SRV_SUPERVISE_H

@@ -11,10 +11,10 @@
 #include <pthread.h>
 #include <string.h>
 
+#include "engine.h"
 #include "invariant.h"
 #include "log.h"
 #include "plural.h"
-#include "worker.h"
 
 /* Live until the gate opens. */
 static void *await(void *gate)

@@ -1,6 +1,6 @@
 /* timer.c - the service's timers, of libuv.
  *
- * Room:     server. See daemon/service/host.h.
+ * Room:     server. See daemon/service/base/host.h.
  * Does:     start them from the time that is now, not from when the loop last looked.
  * Threads:  [loop]
  */
@@ -8,7 +8,7 @@
 #include <uv.h>
 
 #include "host.h"
-#include "reactor.h"
+#include "server.h"
 
 struct srv_timer {
     uv_timer_t uv; /* first: the handle that is closed */
@@ -22,12 +22,12 @@ static void on_timer(uv_timer_t *uv)
     timer->fire(timer->context);
 }
 
-struct srv_timer *srv_timer_new(struct srv_loop *loop, void (*fire)(void *context),
+struct srv_timer *srv_timer_new(struct srv_service *service, void (*fire)(void *context),
                                 void *context)
 {
     struct srv_timer *timer = malloc(sizeof *timer);
     if (timer != NULL) {
-        uv_timer_init(&((struct srv_reactor *)loop)->uv, &timer->uv);
+        uv_timer_init(&srv_server_of(service)->uv, &timer->uv);
         timer->fire = fire;
         timer->context = context;
     }

@@ -2,57 +2,77 @@
 
 noinst_LTLIBRARIES += libservice.la
 libservice_la_SOURCES = \
-    daemon/service/call.h \
-    daemon/service/claim.h \
-    daemon/service/compute.c daemon/service/compute.h \
-    daemon/service/config.c daemon/service/config.h \
-    daemon/service/crashnote.c daemon/service/crashnote.h \
-    daemon/service/diary.c daemon/service/diary.h \
-    daemon/service/dispatch.c daemon/service/dispatch.h \
-    daemon/service/enginemem.c daemon/service/enginemem.h \
-    daemon/service/fairqueue.c daemon/service/fairqueue.h \
-    daemon/service/handlers_admin.c \
-    daemon/service/handlers_config.c \
-    daemon/service/handlers_boxes.c \
-    daemon/service/handlers_fetch.c \
-    daemon/service/handlers_filter.c \
-    daemon/service/handlers_frame.c \
-    daemon/service/handlers_hello.c \
-    daemon/service/handlers_journal.c \
-    daemon/service/handlers_list.c \
-    daemon/service/handlers_mesh.c \
-    daemon/service/handlers_scene.c \
-    daemon/service/handlers_watch.c \
-    daemon/service/desk.c daemon/service/desk.h \
-    daemon/service/frame.h \
-    daemon/service/handles.c daemon/service/handles.h \
-    daemon/service/held.c daemon/service/held.h \
-    daemon/service/host.h \
-    daemon/service/invariant.c daemon/service/invariant.h \
-    daemon/service/laststep.c daemon/service/laststep.h \
-    daemon/service/linger.c daemon/service/linger.h \
-    daemon/service/log.c daemon/service/log.h \
-    daemon/service/loop.c daemon/service/loop.h \
-    daemon/service/meshes.c daemon/service/meshes.h \
-    daemon/service/metrics.c daemon/service/metrics.h \
-    daemon/service/monitor.c daemon/service/monitor.h \
-    daemon/service/now.h \
-    daemon/service/options.h \
-    daemon/service/overdue.c daemon/service/overdue.h \
-    daemon/service/quota.c daemon/service/quota.h \
-    daemon/service/region.c daemon/service/region.h \
-    daemon/service/relief.c daemon/service/relief.h \
-    daemon/service/replies.c daemon/service/replies.h \
-    daemon/service/request.c daemon/service/request.h \
-    daemon/service/resource.c daemon/service/resource.h \
-    daemon/service/ringio.c daemon/service/ringio.h \
-    daemon/service/session.c daemon/service/session.h \
-    daemon/service/shared.c daemon/service/shared.h \
-    daemon/service/stuck.c daemon/service/stuck.h \
-    daemon/service/tracing.c daemon/service/tracing.h \
-    daemon/service/wire.c daemon/service/wire.h
-service_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/daemon/service \
+    daemon/service/base/handles.c daemon/service/base/handles.h \
+    daemon/service/base/host.h \
+    daemon/service/base/invariant.c daemon/service/base/invariant.h \
+    daemon/service/base/log.c daemon/service/base/log.h \
+    daemon/service/base/metrics.c daemon/service/base/metrics.h \
+    daemon/service/base/now.h \
+    daemon/service/base/options.h \
+    daemon/service/queue/claim.h \
+    daemon/service/queue/compute.c daemon/service/queue/compute.h \
+    daemon/service/queue/crashnote.c daemon/service/queue/crashnote.h \
+    daemon/service/queue/deadlines.c daemon/service/queue/deadlines.h \
+    daemon/service/queue/workspace.c daemon/service/queue/workspace.h \
+    daemon/service/queue/fairqueue.c daemon/service/queue/fairqueue.h \
+    daemon/service/queue/relief.c daemon/service/queue/relief.h \
+    daemon/service/queue/stuck.c daemon/service/queue/stuck.h \
+    daemon/service/memory/enginemem.c daemon/service/memory/enginemem.h \
+    daemon/service/memory/quota.c daemon/service/memory/quota.h \
+    daemon/service/memory/reclaim.c daemon/service/memory/reclaim.h \
+    daemon/service/memory/region.c daemon/service/memory/region.h \
+    daemon/service/memory/resource.c daemon/service/memory/resource.h \
+    daemon/service/memory/ringio.c daemon/service/memory/ringio.h \
+    daemon/service/sessions/laststep.c daemon/service/sessions/laststep.h \
+    daemon/service/sessions/linger.c daemon/service/sessions/linger.h \
+    daemon/service/sessions/watcher.c daemon/service/sessions/watcher.h \
+    daemon/service/sessions/replies.c daemon/service/sessions/replies.h \
+    daemon/service/sessions/service.h \
+    daemon/service/sessions/session.c daemon/service/sessions/session.h \
+    daemon/service/sessions/tracing.c daemon/service/sessions/tracing.h \
+    daemon/service/scenes/srv_journal.c daemon/service/scenes/srv_journal.h \
+    daemon/service/scenes/held.c daemon/service/scenes/held.h \
+    daemon/service/scenes/mesh_shape.c daemon/service/scenes/mesh_shape.h \
+    daemon/service/scenes/meshes.c daemon/service/scenes/meshes.h \
+    daemon/service/scenes/replacement.c daemon/service/scenes/replacement.h \
+    daemon/service/scenes/member.h \
+    daemon/service/scenes/shared.c daemon/service/scenes/shared.h \
+    daemon/service/scenes/srv_scene.c daemon/service/scenes/srv_scene.h \
+    daemon/service/scenes/staging.c daemon/service/scenes/staging.h \
+    daemon/service/requests/admission.c daemon/service/requests/admission.h \
+    daemon/service/requests/answer.c daemon/service/requests/answer.h \
+    daemon/service/requests/call.h \
+    daemon/service/requests/config.c daemon/service/requests/config.h \
+    daemon/service/requests/dispatch.c daemon/service/requests/dispatch.h \
+    daemon/service/requests/frame.h \
+    daemon/service/requests/handlers_admin.c \
+    daemon/service/requests/handlers_boxes.c \
+    daemon/service/requests/handlers_config.c \
+    daemon/service/requests/handlers_fetch.c \
+    daemon/service/requests/handlers_filter.c \
+    daemon/service/requests/handlers_frame.c \
+    daemon/service/requests/handlers_hello.c \
+    daemon/service/requests/handlers_journal.c \
+    daemon/service/requests/handlers_list.c \
+    daemon/service/requests/handlers_mesh.c \
+    daemon/service/requests/handlers_scene.c \
+    daemon/service/requests/handlers_watch.c \
+    daemon/service/requests/holding.c daemon/service/requests/holding.h \
+    daemon/service/requests/teardown.c daemon/service/requests/teardown.h \
+    daemon/service/requests/plan.c daemon/service/requests/plan.h \
+    daemon/service/requests/request.c daemon/service/requests/request.h \
+    daemon/service/setup.c daemon/service/setup.h
+# In the room every header has a name of its own, and is included by that alone.
+service_cppflags = $(AM_CPPFLAGS) \
+    -iquote $(top_srcdir)/daemon/service \
+    -iquote $(top_srcdir)/daemon/service/base \
+    -iquote $(top_srcdir)/daemon/service/queue \
+    -iquote $(top_srcdir)/daemon/service/memory \
+    -iquote $(top_srcdir)/daemon/service/sessions \
+    -iquote $(top_srcdir)/daemon/service/scenes \
+    -iquote $(top_srcdir)/daemon/service/requests \
     $(ENGINE_CPPFLAGS) -iquote $(top_srcdir)/proto $(text_cppflags)
 libservice_la_CPPFLAGS = $(service_cppflags)
 libservice_la_LIBADD = libtext.la
 libservice_la_CFLAGS = $(AM_CFLAGS) -pthread
+EXTRA_DIST += daemon/service/README.md

@@ -2,6 +2,7 @@
 
 noinst_LTLIBRARIES += libtext.la
 libtext_la_SOURCES = \
+    proto/text/hash_text.h \
     proto/text/plural.h \
     proto/text/printable.c proto/text/printable.h
 text_cppflags = -iquote $(top_srcdir)/proto/text

@@ -1,4 +1,4 @@
-/* plural.h - one contact, two contacts.
+/* plural.h - chooses singular or plural: one contact, two contacts.
  *
  * Room:     proto/text. May include: the C library.
  * Does:     choose the form of a word that goes with a number.

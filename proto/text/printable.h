@@ -1,10 +1,10 @@
-/* printable.h - text that was not written by us, before a person reads it on a terminal.
+/* printable.h - makes text from elsewhere safe to print on a terminal.
  *
  * Room:     proto/text. May include: the C library.
  * Does:     write bytes that could control a terminal as \xNN: control characters of
  *           seven and eight bits, and whatever is not UTF-8.
- * Does not: change anything else; a backslash stays one, so that doing it twice is the
- *           same as once.
+ * Does not: change anything else; a backslash stays one, so that doing it twice equals
+ *           doing it once.
  * Threads:  [any].
  */
 #ifndef PROTO_PRINTABLE_H

@@ -12,7 +12,7 @@ set -u
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/include"
-cp "$top_srcdir/client/lib/pccd.h" "$top_srcdir"/proto/pccd_*.h "$work/include"
+cp "$top_srcdir/client/lib/pccd.h" "$top_srcdir"/proto/common/pccd_*.h "$work/include"
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -fsyntax-only -I$work/include"
 
 # The first of its arguments that is a command.

@@ -73,7 +73,7 @@ static void records__keep_their_layout(void **state)
 static void library__structs_keep_their_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_options, 80);
+    SIZE(pccd_options, 96);
     AT(pccd_options, struct_bytes, 0);
     AT(pccd_options, url, 8);
     AT(pccd_options, daemon, 16);
@@ -88,6 +88,8 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_options, reconnect_ms, 68);
     AT(pccd_options, no_keep, 72);
     AT(pccd_options, daemons_max, 76);
+    AT(pccd_options, unmap, 80);
+    AT(pccd_options, unmap_context, 88);
     SIZE(pccd_link_info, 40);
     AT(pccd_link_info, gap_ns, 24);
     SIZE(pccd_mesh_info, 40);
@@ -170,16 +172,24 @@ static void daemon__structs_keep_their_layout(void **state)
 static void step__structs_keep_their_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_step_settings, 48);
-    AT(pccd_step_settings, mode, 0);
-    AT(pccd_step_settings, method, 4);
-    AT(pccd_step_settings, threads, 8);
-    AT(pccd_step_settings, scheduler, 12);
-    AT(pccd_step_settings, high_level, 16);
-    AT(pccd_step_settings, refit, 20);
-    AT(pccd_step_settings, tolerance, 24);
-    AT(pccd_step_settings, deadline_ns, 32);
-    AT(pccd_step_settings, hold, 40);
+    SIZE(pccd_motion, 48);
+    AT(pccd_motion, object, 0);
+    AT(pccd_motion, first, 4);
+    AT(pccd_motion, count, 8);
+    AT(pccd_motion, format, 12);
+    AT(pccd_motion, x0, 16);
+    AT(pccd_motion, x1, 24);
+    AT(pccd_motion, m0, 32);
+    AT(pccd_motion, m1, 40);
+    SIZE(pccd_step_settings, 56);
+    AT(pccd_step_settings, struct_bytes, 0);
+    AT(pccd_step_settings, mode, 8);
+    AT(pccd_step_settings, method, 12);
+    AT(pccd_step_settings, threads, 16);
+    AT(pccd_step_settings, tuning, 24);
+    AT(pccd_step_settings, tolerance, 32);
+    AT(pccd_step_settings, deadline_ns, 40);
+    AT(pccd_step_settings, hold, 48);
     SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
@@ -191,53 +201,50 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_times, low, 56);
     AT(pccd_step_times, high, 64);
     AT(pccd_step_times, rebuild, 72);
-    SIZE(pccd_step_counters, 104);
+    SIZE(pccd_step_counters, 152);
     AT(pccd_step_counters, task_units, 0);
     AT(pccd_step_counters, box_tests, 8);
     AT(pccd_step_counters, leaf_pairs, 16);
-    AT(pccd_step_counters, candidates_vf, 24);
-    AT(pccd_step_counters, candidates_ee, 32);
-    AT(pccd_step_counters, survivors, 40);
-    AT(pccd_step_counters, exact, 48);
-    AT(pccd_step_counters, builds, 56);
-    AT(pccd_step_counters, allocs, 64);
-    AT(pccd_step_counters, rebuilds, 72);
-    AT(pccd_step_counters, rebuilt_triangles, 80);
-    AT(pccd_step_counters, swaps, 88);
-    AT(pccd_step_counters, swapped_triangles, 96);
+    AT(pccd_step_counters, candidates, 24);
+    AT(pccd_step_counters, survivors, 88);
+    AT(pccd_step_counters, exact, 96);
+    AT(pccd_step_counters, builds, 104);
+    AT(pccd_step_counters, allocs, 112);
+    AT(pccd_step_counters, rebuilds, 120);
+    AT(pccd_step_counters, rebuilt_triangles, 128);
+    AT(pccd_step_counters, swaps, 136);
+    AT(pccd_step_counters, swapped_triangles, 144);
 }
 
 /* If this failed, a program would read an answer's members at the wrong places. */
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 360);
-    AT(pccd_answer, step, 0);
-    AT(pccd_answer, status, 8);
-    AT(pccd_answer, mode, 12);
-    AT(pccd_answer, method, 16);
-    AT(pccd_answer, incomplete, 20);
-    AT(pccd_answer, verdict, 24);
-    AT(pccd_answer, contacts, 32);
-    AT(pccd_answer, pairs, 40);
-    AT(pccd_answer, count, 48);
-    AT(pccd_answer, first, 56);
-    AT(pccd_answer, cursor, 64);
-    AT(pccd_answer, total, 72);
-    AT(pccd_answer, vf, 80);
-    AT(pccd_answer, ee, 88);
-    AT(pccd_answer, possible, 96);
-    AT(pccd_answer, initial, 104);
-    AT(pccd_answer, toi_first, 112);
-    AT(pccd_answer, hash, 120);
-    AT(pccd_answer, number, 136);
-    AT(pccd_answer, threads, 144);
-    AT(pccd_answer, scheduler, 148);
-    AT(pccd_answer, high_level, 152);
-    AT(pccd_answer, refit, 156);
-    AT(pccd_answer, times, 160);
-    AT(pccd_answer, counters, 240);
-    AT(pccd_answer, reserved, 344);
+    SIZE(pccd_answer, 520);
+    AT(pccd_answer, struct_bytes, 0);
+    AT(pccd_answer, step, 8);
+    AT(pccd_answer, status, 16);
+    AT(pccd_answer, mode, 20);
+    AT(pccd_answer, method, 24);
+    AT(pccd_answer, incomplete, 28);
+    AT(pccd_answer, verdict, 32);
+    AT(pccd_answer, contacts, 40);
+    AT(pccd_answer, pairs, 48);
+    AT(pccd_answer, count, 56);
+    AT(pccd_answer, first, 64);
+    AT(pccd_answer, cursor, 72);
+    AT(pccd_answer, total, 80);
+    AT(pccd_answer, counts, 88);
+    AT(pccd_answer, possible, 152);
+    AT(pccd_answer, initial, 160);
+    AT(pccd_answer, toi_first, 168);
+    AT(pccd_answer, hash, 176);
+    AT(pccd_answer, number, 192);
+    AT(pccd_answer, threads, 200);
+    AT(pccd_answer, tuning, 204);
+    AT(pccd_answer, times, 272);
+    AT(pccd_answer, counters, 352);
+    AT(pccd_answer, reserved, 504);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);
@@ -335,22 +342,14 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_METHOD_DEFAULT, 0);
     VALUE(PCCD_METHOD_PAPER, 1);
     VALUE(PCCD_METHOD_WIDE, 2);
-    VALUE(PCCD_SCHEDULER_DEFAULT, 0);
-    VALUE(PCCD_SCHEDULER_STEAL, 1);
-    VALUE(PCCD_SCHEDULER_PAPER, 2);
-    VALUE(PCCD_HIGH_LEVEL_DEFAULT, 0);
-    VALUE(PCCD_HIGH_LEVEL_ROUND_ROBIN, 1);
-    VALUE(PCCD_HIGH_LEVEL_DISJOINT, 2);
-    VALUE(PCCD_REFIT_DEFAULT, 0);
-    VALUE(PCCD_REFIT_EVEN, 1);
-    VALUE(PCCD_REFIT_PAPER, 2);
     VALUE(PCCD_QUALITY_DEFAULT, 0);
     VALUE(PCCD_QUALITY_MEDIAN, 1);
     VALUE(PCCD_QUALITY_SAH, 2);
     VALUE(PCCD_OBJECT_GROUP, 1);
     VALUE(PCCD_OBJECT_MASK, 2);
     VALUE(PCCD_OBJECT_SELF, 4);
-    VALUE(PCCD_OBJECT_ALL, 7);
+    VALUE(PCCD_OBJECT_ALL, 0x7fffffff);
+    VALUE(PCCD_KINDS_MAX, 8);
     VALUE(PCCD_FORMAT_F32, 0);
     VALUE(PCCD_FORMAT_F64, 1);
     VALUE(PCCD_VF, 0);
@@ -384,6 +383,7 @@ static void recordings__keep_their_numbers(void **state)
         "list.object",   "list.mesh",    "stats.histogram", "config.get",
         "config.set",    "watch.start",  "watch.stop",      "object.set",
         "scene.ignore",  "scene.boxes",  "scene.journal",   "list.pair",
+        "shm.take",
     };
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
@@ -402,7 +402,7 @@ static void recordings__keep_their_numbers(void **state)
     VALUE(PCCD_TRACE_HIGH, 5);
     VALUE(PCCD_TRACE_TESTS, 6);
     VALUE(PCCD_TRACE_REBUILD, 7);
-    VALUE(PCCD_TRACE_ASIDE, 8);
+    VALUE(PCCD_TRACE_BACKGROUND, 8);
     VALUE(PCCD_TRACE_WAIT, 9);
     VALUE(PCCD_TRACE_MERGE, 10);
     VALUE(PCCD_TRACE_REQUEST, 11);

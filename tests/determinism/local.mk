@@ -1,7 +1,8 @@
 # tests/determinism/local.mk - the same bytes whatever the settings, threads and history.
 
 DETERMINISM_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/tests/support \
-    -I$(top_srcdir)/client/oracle -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+    -I$(top_srcdir)/client/oracle -I$(top_srcdir)/tests/unit $(XXHASH_CFLAGS) \
+    $(CMOCKA_CFLAGS)
 DETERMINISM_LDADD = libengkit.la libengine.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
 

@@ -49,7 +49,7 @@ struct answer {
     uint64_t count;
     uint32_t record_bytes;
     uint64_t hash[2];
-    enum eng_verdict verdict;
+    enum pccd_verdict verdict;
     void *records;
 };
 
@@ -71,13 +71,13 @@ static struct eng_scene_settings some_scene(struct fuzz *fuzz)
     static const double ratios[] = {0, 0.5, 0.9, 0.9, 1};
     static const uint32_t regions[] = {1, 8, 16, 20, 30, 40, 100, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum eng_quality)draw(fuzz, 2);
+    made.quality = (enum pccd_quality)(1 + draw(fuzz, 2));
     made.rebuild_ratio = ratios[draw(fuzz, 5)];
     made.rebuild_triangles_max = regions[draw(fuzz, 8)];
     return made;
 }
 
-static struct eng_step_settings some_settings(struct fuzz *fuzz, enum eng_mode mode)
+static struct eng_step_settings some_settings(struct fuzz *fuzz, enum pccd_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
@@ -88,20 +88,20 @@ static struct eng_step_settings some_settings(struct fuzz *fuzz, enum eng_mode m
 }
 
 /* What a fresh scene, one thread and default settings answer. */
-static void find_reference(struct fuzz *fuzz, enum eng_mode mode, struct answer *answer)
+static void find_reference(struct fuzz *fuzz, enum pccd_mode mode, struct answer *answer)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
     struct player copy;
     settings.mode = mode;
     player_copy(&fuzz->player, NULL, &copy);
-    CHECK(fuzz, player_step(&copy, &settings, &result) == ENG_OK);
-    CHECK(fuzz, result.incomplete == ENG_COMPLETE);
+    CHECK(fuzz, player_step(&copy, &settings, &result) == PCCD_OK);
+    CHECK(fuzz, result.incomplete == PCCD_COMPLETE);
     size_t bytes = result.count * result.record_bytes;
     answer->count = result.count;
     answer->record_bytes = result.record_bytes;
-    answer->hash[0] = result.hash_hi;
-    answer->hash[1] = result.hash_lo;
+    answer->hash[0] = result.hash[0];
+    answer->hash[1] = result.hash[1];
     answer->verdict = result.verdict;
     answer->records = malloc(bytes + 1);
     assert_non_null(answer->records);
@@ -115,24 +115,24 @@ static void tally(const struct eng_step_result *result)
 {
     sums.steps++;
     sums.team_steps += result->threads > 1;
-    sums.early += result->incomplete != ENG_COMPLETE;
+    sums.early += result->incomplete != PCCD_COMPLETE;
     sums.records += result->count;
     sums.rebuilds += result->counters.rebuilds;
     sums.swaps += result->counters.swaps;
 }
 
-static void take_whole_step(struct fuzz *fuzz, enum eng_mode mode,
+static void take_whole_step(struct fuzz *fuzz, enum pccd_mode mode,
                             const struct answer *want)
 {
     struct eng_step_settings settings = some_settings(fuzz, mode);
     struct eng_step_result result;
-    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == ENG_OK);
+    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == PCCD_OK);
     tally(&result);
-    CHECK(fuzz, result.incomplete == ENG_COMPLETE);
+    CHECK(fuzz, result.incomplete == PCCD_COMPLETE);
     CHECK(fuzz, result.verdict == want->verdict);
     CHECK(fuzz, result.count == want->count);
-    CHECK(fuzz, result.hash_hi == want->hash[0]);
-    CHECK(fuzz, result.hash_lo == want->hash[1]);
+    CHECK(fuzz, result.hash[0] == want->hash[0]);
+    CHECK(fuzz, result.hash[1] == want->hash[1]);
     CHECK(fuzz, want->count == 0 || memcmp(result.records, want->records,
                                            want->count * want->record_bytes) == 0);
     CHECK(fuzz, way_tree_is_sound(fuzz->player.scene, &result));
@@ -158,32 +158,32 @@ static bool is_part_of(const struct eng_step_result *result, const struct answer
 
 /* The step that is staged, in mode `all` or `pairs`, but it may not end: too late,
  * cancelled, or too many records. */
-static void take_cut_step(struct fuzz *fuzz, enum eng_mode mode,
+static void take_cut_step(struct fuzz *fuzz, enum pccd_mode mode,
                           const struct answer *whole)
 {
     struct eng_step_settings settings = some_settings(fuzz, mode);
     struct eng_step_result result;
     atomic_bool cancel = true;
-    enum eng_incomplete reason = ENG_INCOMPLETE_DEADLINE;
+    enum pccd_incomplete reason = PCCD_INCOMPLETE_DEADLINE;
     uint32_t why = draw(fuzz, 3);
     if (why == 0) {
         settings.cancel = &cancel;
-        reason = ENG_INCOMPLETE_CANCELLED;
+        reason = PCCD_INCOMPLETE_CANCELLED;
     } else if (why == 1) {
         settings.contact_max = draw(fuzz, (uint32_t)whole->count + 20);
-        reason = ENG_INCOMPLETE_CONTACT_LIMIT;
+        reason = PCCD_INCOMPLETE_CONTACT_LIMIT;
     } else {
-        settings.deadline_ns = eng_now_ns() + draw(fuzz, 400) * 1000;
+        settings.deadline_ns = common_now_ns() + draw(fuzz, 400) * 1000;
     }
-    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == ENG_OK);
+    CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == PCCD_OK);
     tally(&result);
-    CHECK(fuzz, result.incomplete == ENG_COMPLETE || result.incomplete == reason);
-    CHECK(fuzz, result.incomplete != ENG_COMPLETE || result.count == whole->count);
+    CHECK(fuzz, result.incomplete == PCCD_COMPLETE || result.incomplete == reason);
+    CHECK(fuzz, result.incomplete != PCCD_COMPLETE || result.count == whole->count);
     CHECK(fuzz, is_part_of(&result, whole));
     if (why == 1) { /* the first ones */
         uint64_t most = settings.contact_max;
         CHECK(fuzz, result.count == (whole->count < most ? whole->count : most));
-        CHECK(fuzz, (result.incomplete == ENG_COMPLETE) == (whole->count <= most));
+        CHECK(fuzz, (result.incomplete == PCCD_COMPLETE) == (whole->count <= most));
         CHECK(fuzz, result.count == 0 || memcmp(result.records, whole->records,
                                                 result.count * whole->record_bytes) == 0);
     }
@@ -193,8 +193,8 @@ static void take_cut_step(struct fuzz *fuzz, enum eng_mode mode,
 /* Everything to other places, in too little time for it. */
 static void take_detour(struct fuzz *fuzz)
 {
-    struct eng_step_settings settings = some_settings(fuzz, ENG_MODE_ALL);
-    settings.deadline_ns = eng_now_ns() + 1000000;
+    struct eng_step_settings settings = some_settings(fuzz, PCCD_MODE_ALL);
+    settings.deadline_ns = common_now_ns() + 1000000;
     if (draw(fuzz, 2) == 0) {
         player_scramble(&fuzz->player, &settings);
     } else {
@@ -212,7 +212,8 @@ static void try_and_take_back(struct fuzz *fuzz)
         &player->objects[draw(fuzz, player->object_count)];
     const struct player_object *other =
         &player->objects[draw(fuzz, player->object_count)];
-    CHECK(fuzz, eng_scene_try_replace(player->scene, object->idx, other->mesh) == ENG_OK);
+    CHECK(fuzz,
+          eng_scene_try_replace(player->scene, object->idx, other->mesh) == PCCD_OK);
     eng_scene_take_back(player->scene);
     CHECK(fuzz,
           eng_scene_vertex_count(player->scene, object->idx) == object->vertex_count);
@@ -222,9 +223,9 @@ static void try_and_take_back(struct fuzz *fuzz)
 static void fuzz_step(struct fuzz *fuzz)
 {
     /* The first step is taken as the play staged it, the others from the copies. */
-    static const enum eng_mode modes[] = {ENG_MODE_ALL, ENG_MODE_FIRST, ENG_MODE_ANY,
-                                          ENG_MODE_PAIRS};
-    enum eng_mode mode = modes[draw(fuzz, 4)];
+    static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
+                                           PCCD_MODE_PAIRS};
+    enum pccd_mode mode = modes[draw(fuzz, 4)];
     struct answer want;
     if (draw(fuzz, 4) == 0) {
         player_draw_filters(&fuzz->player, &fuzz->prng);
@@ -237,7 +238,7 @@ static void fuzz_step(struct fuzz *fuzz)
     if (draw(fuzz, 6) == 0) {
         take_detour(fuzz);
     }
-    if (draw(fuzz, 4) == 0 && (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS)) {
+    if (draw(fuzz, 4) == 0 && (mode == PCCD_MODE_ALL || mode == PCCD_MODE_PAIRS)) {
         take_cut_step(fuzz, mode, &want);
         player_stage_copies(&fuzz->player);
     }
@@ -257,7 +258,7 @@ static void fuzz_case(uint64_t seed)
     struct play play;
     uint32_t size = draw(&fuzz, 3) == 0 ? 40 : 400;
     fuzz.thread_max = 1 + draw(&fuzz, 9);
-    assert_int_equal(eng_trace_init(&fuzz.trace, 4, 64, 0), ENG_OK);
+    assert_int_equal(eng_trace_init(&fuzz.trace, 4, 64, 0), PCCD_OK);
     play_wild(&play, 3 + draw(&fuzz, 20), size, prng_next(&fuzz.prng));
     player_init(&fuzz.player, &made);
     for (uint32_t i = 0; i < play.act_count; i++) {
@@ -279,10 +280,10 @@ static void fuzz__answers_as_a_fresh_scene(void **state)
 {
     const char *seconds = getenv("PCCD_FUZZ_SECONDS");
     struct prng prng = {prng_seed()};
-    uint64_t end_ns = eng_now_ns();
+    uint64_t end_ns = common_now_ns();
     (void)state;
     end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
-    for (uint32_t i = 0; seconds ? eng_now_ns() < end_ns : i < ROUNDS; i++) {
+    for (uint32_t i = 0; seconds ? common_now_ns() < end_ns : i < ROUNDS; i++) {
         fuzz_case(i == 0 ? prng.state : prng_next(&prng));
     }
     print_message("# %llu cases, %llu steps, %llu by a team, %llu ended early; %llu "

@@ -19,6 +19,7 @@
 #include "eng_player.h"
 #include "eng_way.h"
 #include "golden.h"
+#include "record_hash.h"
 
 /* ---- settings -------------------- */
 
@@ -67,7 +68,7 @@ struct row {
 static struct eng_scene_settings scene_settings(const struct row *row)
 {
     struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
-    settings.quality = (enum eng_quality)row->level[QUALITY];
+    settings.quality = (enum pccd_quality)(1 + row->level[QUALITY]);
     settings.rebuild_ratio = ratios[row->level[RATIO]];
     settings.rebuild_triangles_max = regions[row->level[REGION]];
     return settings;
@@ -76,14 +77,14 @@ static struct eng_scene_settings scene_settings(const struct row *row)
 static struct eng_step_settings step_settings(const struct row *row)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.mode = (enum eng_mode)row->level[MODE];
+    settings.mode = (enum pccd_mode)row->level[MODE];
     settings.method = way_methods[row->level[METHOD]];
     settings.kernels = way_kernels(row->level[KERNELS]);
     settings.threads = thread_counts[row->level[THREADS]];
     settings.team_always = true;
-    settings.scheduler = (enum eng_scheduler)row->level[SCHEDULER];
-    settings.high_level = (enum eng_high_level)row->level[HIGH_LEVEL];
-    settings.refit = (enum eng_refit_scheme)row->level[REFIT];
+    settings.tuning.scheduler = (enum eng_scheduler)(row->level[SCHEDULER]);
+    settings.tuning.high_level = (enum eng_high_level)(row->level[HIGH_LEVEL]);
+    settings.tuning.refit = (enum eng_refit_scheme)(row->level[REFIT]);
     return settings;
 }
 
@@ -160,9 +161,9 @@ static void cover_make(struct cover *cover, uint64_t seed)
 struct answer {
     uint64_t count;
     uint64_t bytes;
-    uint64_t hash_hi;
-    uint64_t hash_lo;
-    enum eng_verdict verdict;
+    uint64_t hash[2];     /* of the engine, version 2 */
+    uint64_t hash_one[2]; /* version 1, as in golden.c */
+    enum pccd_verdict verdict;
     void *records;
 };
 
@@ -179,8 +180,9 @@ static void keep(struct answer *answer, const struct eng_step_result *result)
 {
     answer->count = result->count;
     answer->bytes = result->count * result->record_bytes;
-    answer->hash_hi = result->hash_hi;
-    answer->hash_lo = result->hash_lo;
+    answer->hash[0] = result->hash[0];
+    answer->hash[1] = result->hash[1];
+    record_hash_1(result->records, result->count, result->record_bytes, answer->hash_one);
     answer->verdict = result->verdict;
     answer->records = malloc(answer->bytes + 1);
     assert_non_null(answer->records);
@@ -205,11 +207,11 @@ static void fixture_init(struct fixture *f, const struct golden *golden)
         for (uint32_t mode = 0; mode < 4; mode++) {
             struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
             struct eng_step_result result;
-            settings.mode = (enum eng_mode)mode;
+            settings.mode = (enum pccd_mode)mode;
             if (mode > 0) {
                 player_stage_copies(&player);
             }
-            assert_int_equal(player_step(&player, &settings, &result), ENG_OK);
+            assert_int_equal(player_step(&player, &settings, &result), PCCD_OK);
             keep(&f->answers[step][mode], &result);
         }
         step++;
@@ -226,8 +228,8 @@ static void fixture_deinit(struct fixture *f)
     memset(f, 0, sizeof *f);
 }
 
-static const enum eng_mode columns[GOLDEN_MODES] = {ENG_MODE_ALL, ENG_MODE_FIRST,
-                                                    ENG_MODE_PAIRS};
+static const enum pccd_mode columns[GOLDEN_MODES] = {PCCD_MODE_ALL, PCCD_MODE_FIRST,
+                                                     PCCD_MODE_PAIRS};
 
 static void print_golden(const struct fixture *f)
 {
@@ -239,11 +241,17 @@ static void print_golden(const struct fixture *f)
                       (unsigned long long)a[1].count, (unsigned long long)a[3].count);
         for (int m = 0; m < GOLDEN_MODES; m++) {
             print_message("# %s{0x%016llx, 0x%016llx}%s\n", m == 0 ? " {" : "  ",
-                          (unsigned long long)a[columns[m]].hash_hi,
-                          (unsigned long long)a[columns[m]].hash_lo,
+                          (unsigned long long)a[columns[m]].hash_one[0],
+                          (unsigned long long)a[columns[m]].hash_one[1],
                           m == 2 ? "}}," : ",");
         }
     }
+}
+
+static uint32_t record_bytes_of(enum pccd_mode mode)
+{
+    return mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                                   : sizeof(struct pccd_contact);
 }
 
 static bool is_golden(const struct fixture *f)
@@ -252,8 +260,11 @@ static bool is_golden(const struct fixture *f)
         uint32_t mode = i % GOLDEN_MODES;
         const struct golden_step *want = &f->golden->steps[i / GOLDEN_MODES];
         const struct answer *have = &f->answers[i / GOLDEN_MODES][columns[mode]];
-        if (have->count != want->count[mode] || have->hash_hi != want->hash[mode][0] ||
-            have->hash_lo != want->hash[mode][1]) {
+        uint64_t sum[2];
+        record_hash_2(have->records, have->count, record_bytes_of(columns[mode]), sum);
+        if (have->count != want->count[mode] ||
+            memcmp(have->hash_one, want->hash[mode], sizeof have->hash_one) != 0 ||
+            memcmp(have->hash, sum, sizeof sum) != 0) {
             return false;
         }
     }
@@ -286,11 +297,11 @@ static void compare(struct fixture *f, const struct row *row, uint32_t step,
     if (result->method != way_methods[row->level[METHOD]]) {
         fail_row(f, row, step, "by another method");
     }
-    if (result->incomplete != ENG_COMPLETE) {
+    if (result->incomplete != PCCD_COMPLETE) {
         fail_row(f, row, step, "incomplete");
     }
     if (result->count != want->count || result->verdict != want->verdict ||
-        result->hash_hi != want->hash_hi || result->hash_lo != want->hash_lo) {
+        result->hash[0] != want->hash[0] || result->hash[1] != want->hash[1]) {
         fail_row(f, row, step, "another answer");
     }
     if (want->bytes > 0 && memcmp(result->records, want->records, want->bytes) != 0) {
@@ -311,18 +322,18 @@ static void take_step(struct fixture *f, const struct row *row, uint32_t step,
     if (row->level[HISTORY] == FRESH) {
         struct player copy;
         player_copy(player, &made, &copy);
-        assert_int_equal(player_step(&copy, &settings, &result), ENG_OK);
+        assert_int_equal(player_step(&copy, &settings, &result), PCCD_OK);
         compare(f, row, step, copy.scene, &result);
         player_deinit(&copy);
         player_drop(player);
         return;
     }
-    assert_int_equal(player_step(player, &settings, &result), ENG_OK);
+    assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
     compare(f, row, step, player->scene, &result);
     if (row->level[HISTORY] == BACK) {
         player_go_back(player, &settings);
         player_stage_copies(player);
-        assert_int_equal(player_step(player, &settings, &result), ENG_OK);
+        assert_int_equal(player_step(player, &settings, &result), PCCD_OK);
         compare(f, row, step, player->scene, &result);
     }
 }
@@ -358,8 +369,8 @@ static void golden__answers_are_as_written_down(void **state)
             different++;
         }
         for (uint32_t step = 0; step < f.play.step_count; step++) {
-            assert_true(f.answers[step][ENG_MODE_ALL].count > 0);
-            assert_int_equal(f.answers[step][ENG_MODE_ANY].verdict, ENG_VERDICT_YES);
+            assert_true(f.answers[step][PCCD_MODE_ALL].count > 0);
+            assert_int_equal(f.answers[step][PCCD_MODE_ANY].verdict, PCCD_VERDICT_YES);
         }
         fixture_deinit(&f);
     }
@@ -427,9 +438,9 @@ static void golden__traffic_has_the_same_bytes_under_all_settings(void **state)
  * high-level nodes, and wide trees have neither those nor a choice of refits. */
 static bool is_a_combination(const struct row *row)
 {
-    bool by_paper = row->level[SCHEDULER] == ENG_SCHEDULER_PAPER;
+    bool by_paper = (enum eng_scheduler)row->level[SCHEDULER] == ENG_SCHEDULER_PAPER;
     bool is_alone = row->level[THREADS] == 0;
-    bool is_wide = way_methods[row->level[METHOD]] == ENG_METHOD_WIDE;
+    bool is_wide = way_methods[row->level[METHOD]] == PCCD_METHOD_WIDE;
     return (by_paper || row->level[HIGH_LEVEL] == 0) &&
            (!is_wide || (row->level[HIGH_LEVEL] == 0 && row->level[REFIT] == 0)) &&
            (!is_alone || (!by_paper && row->level[REFIT] == 0));
@@ -445,7 +456,7 @@ static void under_all_step_settings(struct fixture *f, struct row row, uint32_t 
     player_init(&player, &settings);
     for (uint32_t i = 0; steps < 2; i++) {
         if (f->play.acts[i].what == PLAY_STEP) {
-            row.level[MODE] = ENG_MODE_ALL;
+            row.level[MODE] = PCCD_MODE_ALL;
             take_step(f, &row, steps++, &player);
         } else {
             player_act(&player, &f->play.acts[i]);

@@ -19,6 +19,7 @@
 #include "data.h"
 #include "kernel.h"
 #include "ply.h"
+#include "record_hash.h"
 #include "step.h"
 
 struct row {
@@ -26,39 +27,39 @@ struct row {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
-    enum eng_quality quality;
+    enum pccd_quality quality;
     double ratio;
     uint32_t region;
     uint32_t detours; /* steps back and forth before */
-    enum eng_method method;
+    enum pccd_method method;
     enum eng_isa isa; /* or the best, where this processor does not have it */
 };
 
 static const struct row rows[] = {
-    {1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0,
-     1024, 0, ENG_METHOD_PAPER, ENG_ISA_AVX512},
-    {3, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_QUALITY_MEDIAN, 1,
-     64, 1, ENG_METHOD_PAPER, ENG_ISA_AVX2},
-    {4, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0.9,
-     8, 1, ENG_METHOD_PAPER, ENG_ISA_SCALAR},
-    {1, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN,
-     0.9, 1024, 1, ENG_METHOD_WIDE, ENG_ISA_SSE4},
-    {2, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER, ENG_QUALITY_SAH, 0.9,
-     1024, 1, ENG_METHOD_PAPER, ENG_ISA_SCALAR},
-    {8, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_SAH, 1,
-     1024, 0, ENG_METHOD_PAPER, ENG_ISA_SSE4},
-    {16, ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN, 0.9,
-     64, 0, ENG_METHOD_PAPER, ENG_ISA_AVX2},
-    {2, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN,
-     0.9, 1024, 1, ENG_METHOD_WIDE, ENG_ISA_AVX512},
-    {4, ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN,
-     0.9, 1024, 0, ENG_METHOD_WIDE, ENG_ISA_AVX2},
-    {16, ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN, ENG_QUALITY_MEDIAN,
-     0.9, 1024, 0, ENG_METHOD_WIDE, ENG_ISA_SCALAR},
+    {1, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0, 1024, 0, PCCD_METHOD_PAPER, ENG_ISA_AVX512},
+    {3, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER,
+     PCCD_QUALITY_MEDIAN, 1, 64, 1, PCCD_METHOD_PAPER, ENG_ISA_AVX2},
+    {4, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_EVEN, PCCD_QUALITY_MEDIAN,
+     0.9, 8, 1, PCCD_METHOD_PAPER, ENG_ISA_SCALAR},
+    {1, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0.9, 1024, 1, PCCD_METHOD_WIDE, ENG_ISA_SSE4},
+    {2, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER,
+     PCCD_QUALITY_SAH, 0.9, 1024, 1, PCCD_METHOD_PAPER, ENG_ISA_SCALAR},
+    {8, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN, PCCD_QUALITY_SAH,
+     1, 1024, 0, PCCD_METHOD_PAPER, ENG_ISA_SSE4},
+    {16, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0.9, 64, 0, PCCD_METHOD_PAPER, ENG_ISA_AVX2},
+    {2, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0.9, 1024, 1, PCCD_METHOD_WIDE, ENG_ISA_AVX512},
+    {4, ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0.9, 1024, 0, PCCD_METHOD_WIDE, ENG_ISA_AVX2},
+    {16, ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,
+     PCCD_QUALITY_MEDIAN, 0.9, 1024, 0, PCCD_METHOD_WIDE, ENG_ISA_SCALAR},
 };
 #define ROWS (sizeof rows / sizeof *rows)
 
-/* What is known of a scene: its contacts, and the hash of their records. */
+/* What is known of a scene: its contacts, and the hash of their records, version 1. */
 struct known {
     enum data_scene_name scene;
     size_t first_row; /* of those that it is run under */
@@ -71,13 +72,14 @@ static struct eng_mesh *make_mesh(const struct ply *frame)
     struct eng_mesh *mesh = NULL;
     uint32_t bad;
     assert_int_equal(eng_mesh_new(frame->vertex_count, frame->triangle_count, &mesh),
-                     ENG_OK);
+                     PCCD_OK);
     assert_int_equal(
-        eng_mesh_write_vertices(mesh, ENG_F64, 0, frame->vertex_count, frame->x), ENG_OK);
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, frame->vertex_count, frame->x),
+        PCCD_OK);
     assert_int_equal(
         eng_mesh_write_triangles(mesh, 0, frame->triangle_count, frame->triangles, &bad),
-        ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+        PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     return mesh;
 }
 
@@ -88,18 +90,18 @@ static void step(struct eng_scene *scene, uint32_t object_idx, const struct ply 
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.threads = row->threads;
     settings.team_always = true;
-    settings.scheduler = row->scheduler;
-    settings.high_level = row->high_level;
-    settings.refit = row->refit;
+    settings.tuning.scheduler = row->scheduler;
+    settings.tuning.high_level = row->high_level;
+    settings.tuning.refit = row->refit;
     settings.method = row->method;
     settings.kernels = eng_kernels_of(row->isa);
     eng_stage_begin(scene);
-    assert_int_equal(
-        eng_stage_x0x1(scene, object_idx, ENG_F64, 0, from->vertex_count, from->x, to->x),
-        ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, result), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(scene, object_idx, PCCD_FORMAT_F64, 0,
+                                    from->vertex_count, from->x, to->x),
+                     PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, result), PCCD_OK);
     assert_int_equal(result->threads, row->threads);
-    assert_int_equal(result->incomplete, ENG_COMPLETE);
+    assert_int_equal(result->incomplete, PCCD_COMPLETE);
 }
 
 static void check_row(const struct known *known, const struct ply frames[2],
@@ -109,18 +111,24 @@ static void check_row(const struct known *known, const struct ply frames[2],
     struct eng_scene *scene = NULL;
     struct eng_step_result result;
     uint32_t object_idx;
-    assert_int_equal(eng_scene_new(&made, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
+    assert_int_equal(eng_scene_new(&made, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), PCCD_OK);
     for (uint32_t i = 0; i < row->detours; i++) {
         step(scene, object_idx, &frames[0], &frames[1], row, &result);
         step(scene, object_idx, &frames[1], &frames[0], row, &result);
     }
     step(scene, object_idx, &frames[0], &frames[1], row, &result);
-    if (result.hash_hi != known->hash[0] || result.hash_lo != known->hash[1]) {
+    uint64_t one[2];
+    uint64_t two[2];
+    record_hash_1(result.records, result.count, result.record_bytes, one);
+    record_hash_2(result.records, result.count, result.record_bytes, two);
+    if (one[0] != known->hash[0] || one[1] != known->hash[1]) {
         fail_msg("method %d, %u threads: %llu records, {0x%016llx, 0x%016llx}",
                  (int)row->method, row->threads, (unsigned long long)result.count,
-                 (unsigned long long)result.hash_hi, (unsigned long long)result.hash_lo);
+                 (unsigned long long)one[0], (unsigned long long)one[1]);
     }
+    assert_int_equal(result.hash[0], two[0]);
+    assert_int_equal(result.hash[1], two[1]);
     assert_int_equal(result.count, known->truths);
     eng_scene_free(scene);
 }

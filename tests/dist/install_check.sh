@@ -96,7 +96,7 @@ int main()
     }
     const std::uint32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
     std::uint32_t scene, mesh, object;
-    pccd_answer answer;
+    pccd_answer answer{};
     if (pccd_scene_create(made, nullptr, &scene) != PCCD_OK ||
         pccd_mesh_create(made, x0.data(), PCCD_FORMAT_F64, 6, triangles, 2, &mesh,
                          nullptr) != PCCD_OK ||
@@ -215,12 +215,14 @@ if command -v python3 >/dev/null; then
     python3 -c 'import importlib.util
 print(importlib.util.find_spec("pccd").origin)' || exit 1
 fi
-if python3 -c 'import msgpack, numpy'; then
-    PCCD_DAEMON=$prefix/bin/pccdd python3 -c 'import pccd
-print(pccd.__file__)
+for url in '' direct:; do
+    if python3 -c 'import numpy'; then
+        PCCD_URL=$url PCCD_DAEMON=$prefix/bin/pccdd python3 -c 'import pccd
+print(pccd.__file__, pccd.library.lib._name)
 with pccd.connect(private=True) as client:
-    print(client.scene_create())' || exit 1
-fi
+    print(client, client.scene_create())' || exit 1
+    fi
+done
 END
 name=install__last_line_is_all_there_is_to_do
 as_root=-m

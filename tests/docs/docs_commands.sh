@@ -2,8 +2,8 @@
 # docs_commands.sh - every command of the documents works as it is written (TAP).
 #
 # Room:     tests/docs.
-# Does:     take the command blocks of README.md and tests/README.md (four blanks, after an
-#           empty line), the commands in their tables, and the commands of every EXAMPLES
+# Does:     take the command blocks of README.md, client/README.md and tests/README.md (four blanks,
+#           after an empty line), the commands in the table of tests/README.md, and the commands of every EXAMPLES
 #           section (a tab); run each as it is written, where its files are: frames of a mesh,
 #           build/, a daemon of the user's own with a client that plays. Compile and run the
 #           programs of README.md and libpccd(3).
@@ -62,9 +62,10 @@ PATH=$work/bin:$PATH
 awk '/^```/ { fence = !fence }
     fence { next }
     /^    [^ ]/ && (empty || block) { print substr($0, 5); block = 1; next }
-    { empty = $0 == ""; block = 0 }' "$top_srcdir/README.md" "$top_srcdir/tests/README.md" \
+    { empty = $0 == ""; block = 0 }' "$top_srcdir/README.md" "$top_srcdir/client/README.md" \
+    "$top_srcdir/tests/README.md" \
     >"$work/readme"
-sed -n 's/^| `\([^`]*\)` |.*/\1/p' "$top_srcdir/README.md" | grep -E '^(make|build/|pccd|\./)' \
+sed -n 's/^| `\([^`]*\)` |.*/\1/p' "$top_srcdir/tests/README.md" | grep -E '^(make|build/|pccd|\./)' \
     >>"$work/readme"
 # Examples: a tab before each; "++" ends a line, a backslash escapes.
 for page in "$top_srcdir"/client/man/*.scd; do

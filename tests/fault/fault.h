@@ -1,9 +1,9 @@
-/* fault.h - a world that fails on order.
+/* fault.h - makes chosen system or library calls fail, to test how the program copes.
  *
  * Room:     tests/fault. May include: the C library.
- * Does:     let one call among those that a program makes of the C library fail: which
- *           kind, the how-maniest, for how long, with which errno. What is ordered stands
- *           in a page that another process may share (PCCD_FAULT_PAGE names its file).
+ * Does:     let one of the calls that a program makes to the C library fail: which kind,
+ *           the how-many-th, for how long, with which errno. The order stands in a page
+ *           that another process may share (PCCD_FAULT_PAGE names its file).
  * Does not: see calls that the C library makes of itself, nor those of shared libraries.
  * Threads:  any; one orders at a time.
  * Source:   the linker's --wrap; wrap_memory.c and wrap_calls.c stand in for the calls.
@@ -27,6 +27,7 @@
     X(epoll_ctl)                                                                         \
     X(epoll_wait)                                                                        \
     X(eventfd)                                                                           \
+    X(fchmod)                                                                            \
     X(fcntl)                                                                             \
     X(flock)                                                                             \
     X(fork)                                                                              \

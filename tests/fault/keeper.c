@@ -59,8 +59,8 @@ int keeper_connect(void)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", keeper_socket());
-    if (connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", keeper_socket());
+    if (connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
         (void)close(fd);
         return -1;
     }
@@ -77,19 +77,19 @@ uint64_t keeper_stride(uint64_t sample)
 bool keeper_make_page(void)
 {
     char program[4096];
-    (void)snprintf(page_path, sizeof(page_path), "/tmp/pccd-fault-XXXXXX");
+    (void)snprintf(page_path, sizeof page_path, "/tmp/pccd-fault-XXXXXX");
     int fd = mkstemp(page_path);
-    if (fd < 0 || ftruncate(fd, sizeof(*keeper_page)) != 0) {
+    if (fd < 0 || ftruncate(fd, sizeof *keeper_page) != 0) {
         return false;
     }
     void *page =
-        mmap(NULL, sizeof(*keeper_page), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+        mmap(NULL, sizeof *keeper_page, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
     (void)close(fd);
     if (page == MAP_FAILED) {
         return false;
     }
     keeper_page = page;
-    (void)snprintf(program, sizeof(program), "%s/tests/fault/pccdd-faulty",
+    (void)snprintf(program, sizeof program, "%s/tests/fault/pccdd-faulty",
                    getenv("top_builddir"));
     /* With the spin count set the daemon does not start itself anew. */
     return setenv("PCCD_FAULT_PAGE", page_path, 1) == 0 &&
@@ -99,7 +99,7 @@ bool keeper_make_page(void)
 void keeper_drop_page(void)
 {
     (void)unlink(page_path);
-    (void)munmap(keeper_page, sizeof(*keeper_page));
+    (void)munmap(keeper_page, sizeof *keeper_page);
 }
 
 static int count_mappings(void)
@@ -107,9 +107,9 @@ static int count_mappings(void)
     char path[64];
     char line[512];
     int count = 0;
-    (void)snprintf(path, sizeof(path), "/proc/%d/maps", keeper_pid());
+    (void)snprintf(path, sizeof path, "/proc/%d/maps", keeper_pid());
     FILE *maps = fopen(path, "r");
-    while (maps != NULL && fgets(line, sizeof(line), maps) != NULL) {
+    while (maps != NULL && fgets(line, sizeof line, maps) != NULL) {
         count += strstr(line, "/memfd:pccd-") != NULL;
     }
     if (maps != NULL) {
@@ -157,7 +157,7 @@ void keeper_expect_peace(const char *what)
     }
     do { /* what the last client left is freed behind its back */
         look(&now);
-        if (memcmp(&now, &before, sizeof(now)) == 0) {
+        if (memcmp(&now, &before, sizeof now) == 0) {
             return;
         }
         test_sleep_ms(1);
@@ -203,7 +203,7 @@ uint64_t keeper_try(enum fault_call call, uint64_t first, uint64_t length, int e
 {
     struct life life;
     char what[96];
-    (void)snprintf(what, sizeof(what), "%s %llu.. (%llu), errno %d", fault_name(call),
+    (void)snprintf(what, sizeof what, "%s %llu.. (%llu), errno %d", fault_name(call),
                    (unsigned long long)first, (unsigned long long)length, error);
     await_sleep();
     fault_order(keeper_page, call, first, length, error);

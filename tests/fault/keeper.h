@@ -1,7 +1,7 @@
-/* keeper.h - a daemon in a world that fails on order, and whoever looks after it.
+/* keeper.h - runs a daemon whose calls fail on order, and checks that it keeps serving.
  *
  * Room:     tests/fault. May include: fault.h, life.h, witness.h.
- * Does:     start pccdd-faulty with a page of faults; after each fault see that the
+ * Does:     start pccdd-faulty with a page of faults; after each fault check that the
  *           daemon still serves an honest client, and holds what it held before.
  * Threads:  one.
  */

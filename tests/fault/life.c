@@ -23,7 +23,7 @@ static const uint32_t floor_triangle[1][3] = {{0, 1, 2}};
 static void blame(struct life *life, const char *what, int method, int status)
 {
     if (life->wrong[0] == '\0') {
-        (void)snprintf(life->wrong, sizeof(life->wrong), "%s: %s (%s: %.60s)",
+        (void)snprintf(life->wrong, sizeof life->wrong, "%s: %s (%s: %.60s)",
                        proto_messages[method].name, what, proto_status_name(status),
                        life->raw.error.text);
     }
@@ -168,7 +168,7 @@ static void sheet_triangles(uint32_t triangles[TRIANGLES][3])
             uint32_t a = i * SIDE + j;
             const uint32_t both[2][3] = {{a, a + 1, a + SIDE},
                                          {a + 1, a + SIDE + 1, a + SIDE}};
-            memcpy(triangles[count], both, sizeof(both));
+            memcpy(triangles[count], both, sizeof both);
             count += 2;
         }
     }
@@ -193,14 +193,14 @@ static uint64_t write_step(struct life *life, const struct belongings *has,
                                           .kind = is_repeated ? PROTO_SEGMENT_X0X1
                                                               : PROTO_SEGMENT_X1,
                                           .count = VERTICES,
-                                          .offset0 = is_repeated ? sizeof(segment) : 0,
-                                          .offset1 = sizeof(segment) + bytes};
+                                          .offset0 = is_repeated ? sizeof segment : 0,
+                                          .offset1 = sizeof segment + bytes};
     uint8_t *payload = test_raw_payload(&life->raw, 1);
-    memcpy(payload, &segment, sizeof(segment));
+    memcpy(payload, &segment, sizeof segment);
     for (size_t end = 0; end < 2; end++) {
         float x[VERTICES][3];
         sheet_positions(x, z[end]);
-        memcpy(payload + sizeof(segment) + end * bytes, x, sizeof(x));
+        memcpy(payload + sizeof segment + end * bytes, x, sizeof x);
     }
     return test_raw_publish(&life->raw, 1);
 }
@@ -336,7 +336,7 @@ static bool set_filters(struct life *life, const struct belongings *has)
     bool all = ask(life, PROTO_METHOD_OBJECT_SET, &set, &now) &&
                ask(life, PROTO_METHOD_SCENE_IGNORE, &ignore, NULL) &&
                ask(life, PROTO_METHOD_SCENE_IGNORE, &heed, NULL);
-    if (all && (now.group != 2 || now.mask != UINT64_MAX || now.self)) {
+    if (all && (now.group != 2 || now.mask != UINT64_MAX || now.self_collision)) {
         blame(life, "has set something else", PROTO_METHOD_OBJECT_SET, 0);
     }
     return all;
@@ -522,7 +522,7 @@ static bool leave(struct life *life, const struct belongings *has)
 void life_run(struct life *life, const char *socket_path, enum life_kind kind)
 {
     struct belongings has = {0};
-    memset(life, 0, sizeof(*life));
+    memset(life, 0, sizeof *life);
     life->kind = kind;
     life->socket_path = socket_path;
     if (!test_raw_open(&life->raw, socket_path)) {

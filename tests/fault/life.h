@@ -1,4 +1,4 @@
-/* life.h - everything a client may ask for, once, from hello to the end.
+/* life.h - a client that uses every method once, from hello to bye.
  *
  * Room:     tests/fault. May include: raw.h.
  * Does:     ask for each method, with steps whose contacts are known; ask again for what

@@ -9,7 +9,7 @@ FAULT_WRAP_MEMORY = \
     -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 FAULT_WRAP_CALLS = \
     -Wl,--wrap=accept4,--wrap=bind,--wrap=close,--wrap=epoll_create1,--wrap=epoll_ctl \
-    -Wl,--wrap=epoll_wait,--wrap=eventfd,--wrap=fcntl,--wrap=flock,--wrap=fork,--wrap=getrandom \
+    -Wl,--wrap=epoll_wait,--wrap=eventfd,--wrap=fchmod,--wrap=fcntl,--wrap=flock,--wrap=fork,--wrap=getrandom \
     -Wl,--wrap=getsockopt,--wrap=listen,--wrap=lstat,--wrap=madvise,--wrap=memfd_create,--wrap=mkdir \
     -Wl,--wrap=mmap,--wrap=open,--wrap=pipe2,--wrap=poll,--wrap=posix_fallocate \
     -Wl,--wrap=pthread_create,--wrap=read,--wrap=recvfrom,--wrap=recvmsg,--wrap=sendmsg \

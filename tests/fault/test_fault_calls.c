@@ -30,11 +30,13 @@ static const struct plausible all[] = {
     {FAULT_close, {EINTR, EIO}},
     {FAULT_epoll_ctl, {ENOMEM, ENOSPC}},
     {FAULT_epoll_wait, {EINTR}},
+    {FAULT_fchmod, {EPERM}},
     {FAULT_fcntl, {ENOMEM, EBUSY}},
     {FAULT_getsockopt, {ENOMEM}},
     {FAULT_madvise, {ENOMEM, EFAULT}},
     {FAULT_memfd_create, {EMFILE, ENFILE, ENOMEM}},
     {FAULT_mmap, {ENOMEM, EAGAIN, ENFILE}},
+    {FAULT_open, {ENOENT, ENFILE}}, /* of the result region, anew, to be read */
     {FAULT_poll, {EINTR, ENOMEM}},
     {FAULT_posix_fallocate, {EINTR, ENOMEM, ENOSPC}},
     {FAULT_read, {EINTR, EAGAIN}},
@@ -54,7 +56,7 @@ static void calls__fail_once(void **state)
     uint64_t stride = keeper_stride(7);
     uint64_t tried = 0;
     (void)state;
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         for (size_t e = 0; e < ERRORS_MAX && all[i].errors[e] != 0; e++) {
             for (uint64_t first = 1; first < CALLS_MAX; first += stride) {
                 if (keeper_try(all[i].call, first, 1, all[i].errors[e]) == 0) {

@@ -45,7 +45,7 @@ static int next_descriptor(void)
     char path[64];
     int fd = -1;
     do {
-        (void)snprintf(path, sizeof(path), "/proc/%d/fd/%d", keeper_pid(), ++fd);
+        (void)snprintf(path, sizeof path, "/proc/%d/fd/%d", keeper_pid(), ++fd);
     } while (access(path, F_OK) == 0);
     return fd;
 }
@@ -94,7 +94,7 @@ static rlim_t address_space(void)
 {
     char path[64];
     unsigned long long pages = 0;
-    (void)snprintf(path, sizeof(path), "/proc/%d/statm", keeper_pid());
+    (void)snprintf(path, sizeof path, "/proc/%d/statm", keeper_pid());
     FILE *file = fopen(path, "r");
     assert_non_null(file);
     assert_int_equal(fscanf(file, "%llu", &pages), 1);

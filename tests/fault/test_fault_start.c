@@ -124,7 +124,7 @@ static bool try_start(enum fault_call call, uint64_t first, int error)
     char what[96];
     struct life life;
     int status = 0;
-    (void)snprintf(what, sizeof(what), "start, %s %llu, errno %d", fault_name(call),
+    (void)snprintf(what, sizeof what, "start, %s %llu, errno %d", fault_name(call),
                    (unsigned long long)first, error);
     fault_order(keeper_page, call, first, 1, error);
     pid_t pid = spawn();
@@ -156,7 +156,7 @@ static void start__serves_or_says_why_not(void **state)
     uint64_t stride = keeper_stride(3);
     uint64_t tried = 0;
     (void)state;
-    for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); i++) {
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
         for (size_t e = 0; e < ERRORS_MAX && all[i].errors[e] != 0; e++) {
             uint64_t first = 1;
             while (first < CALLS_MAX && try_start(all[i].call, first, all[i].errors[e])) {

@@ -48,8 +48,9 @@ static void bound(pid_t pid, rlim_t most)
 /* A step with so many threads. Returns how many it had; 0: no or a wrong answer. */
 static uint32_t step(struct test_grid *grid, uint32_t threads)
 {
-    struct pccd_step_settings settings = {.threads = threads};
-    struct pccd_answer answer;
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = threads};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number = 0;
     uint32_t had = 0;
     if (test_grid_submit(grid, &settings, &number) == 0 &&

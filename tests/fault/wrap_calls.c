@@ -37,6 +37,7 @@ WRAP(int, epoll_create1, (int flags), (flags))
 WRAP(int, epoll_wait, (int fd, struct epoll_event *events, int count, int timeout_ms),
      (fd, events, count, timeout_ms))
 WRAP(int, eventfd, (unsigned value, int flags), (value, flags))
+WRAP(int, fchmod, (int fd, mode_t mode), (fd, mode))
 WRAP(int, flock, (int fd, int operation), (fd, operation))
 WRAP(pid_t, fork, (void), ())
 WRAP(ssize_t, getrandom, (void *at, size_t bytes, unsigned flags), (at, bytes, flags))

@@ -67,12 +67,12 @@ static void make_coplanar(struct prng *prng, struct eng_query *query)
 static void make_sliver(struct prng *prng, struct eng_query *query)
 {
     make_random(prng, query);
-    int from = query->kind == ENG_VF ? 1 : 2;
+    int from = query->kind == PCCD_VF ? 1 : 2;
     for (int end = 0; end < 2; end++) {
         double(*x)[3] = query->x[end];
         double share = between(prng, -1, 2);
         for (int k = 0; k < 3; k++) {
-            if (query->kind == ENG_VF) {
+            if (query->kind == PCCD_VF) {
                 x[3][k] = x[1][k] + share * (x[2][k] - x[1][k]) + small(prng);
             } else { /* along the other edge, or hardly longer than nothing */
                 x[3][k] = x[from][k] + share * (x[1][k] - x[0][k]) + small(prng);
@@ -83,14 +83,14 @@ static void make_sliver(struct prng *prng, struct eng_query *query)
 
 /* The points at the time of a contact at `beta`, `gamma`; the rest is by chance. `step`
  * is what coordinates are multiples of: 0 for any. */
-static void place_contact(struct prng *prng, enum eng_kind kind, double beta,
+static void place_contact(struct prng *prng, enum pccd_kind kind, double beta,
                           double gamma, double step, double x[4][3])
 {
     for (int k = 0; k < 3; k++) {
         for (int point = 0; point < 4; point++) {
             x[point][k] = step > 0 ? step * integer(prng, 8) : between(prng, -1, 1);
         }
-        if (kind == ENG_VF) {
+        if (kind == PCCD_VF) {
             x[0][k] = x[1][k] + beta * (x[2][k] - x[1][k]) + gamma * (x[3][k] - x[1][k]);
         } else { /* b0 such that the edges meet */
             double at_a = x[0][k] + beta * (x[1][k] - x[0][k]);
@@ -118,7 +118,7 @@ static void make_planted(struct prng *prng, struct eng_query *query)
     double x[4][3];
     double t = (double)prng_below(prng, 9) / 8;
     double beta = (double)prng_below(prng, 9) / 8;
-    double rest = query->kind == ENG_VF ? 1 - beta : 1;
+    double rest = query->kind == PCCD_VF ? 1 - beta : 1;
     double gamma = rest * (double)prng_below(prng, 9) / 8;
     place_contact(prng, query->kind, beta, gamma, 1, x);
     move_through(prng, (const double(*)[3])x, t, 1, query);
@@ -142,7 +142,7 @@ static void make_crossing(struct prng *prng, bool on_rim, struct eng_query *quer
 {
     double x[4][3];
     double beta = between(prng, 0, 1);
-    double rest = query->kind == ENG_VF ? 1 - beta : 1;
+    double rest = query->kind == PCCD_VF ? 1 - beta : 1;
     double gamma = rest * between(prng, 0, 1);
     if (on_rim) {
         switch (prng_below(prng, 4)) {
@@ -153,11 +153,11 @@ static void make_crossing(struct prng *prng, bool on_rim, struct eng_query *quer
             gamma = 0;
             break;
         case 2:
-            gamma = query->kind == ENG_VF ? 1 - beta : 1;
+            gamma = query->kind == PCCD_VF ? 1 - beta : 1;
             break;
         default:
             beta = 1;
-            gamma = query->kind == ENG_VF ? 0 : 1;
+            gamma = query->kind == PCCD_VF ? 0 : 1;
         }
         beta += prng_below(prng, 3) == 0 ? small(prng) : 0;
     }
@@ -177,13 +177,13 @@ static void make_grazing(struct prng *prng, struct eng_query *query)
     const double v[2][3] = {{0, y0, 0.25 + c}, {1, y1, -0.75 + c}};
     for (int end = 0; end < 2; end++) {
         double(*x)[3] = query->x[end];
-        int face = query->kind == ENG_VF ? 1 : 0;
-        int vertex = query->kind == ENG_VF ? 0 : 2;
+        int face = query->kind == PCCD_VF ? 1 : 0;
+        int vertex = query->kind == PCCD_VF ? 0 : 2;
         memset(x, 0, sizeof query->x[end]);
         memcpy(x[vertex], v[end], sizeof x[vertex]);
         x[face + 1][0] = 1;
         x[face + 1][2] = -end;
-        if (query->kind == ENG_VF) {
+        if (query->kind == PCCD_VF) {
             x[3][1] = 1;
         } else {
             memcpy(x[3], v[end], sizeof x[3]);
@@ -334,7 +334,7 @@ static void swap(struct eng_query *query, int a, int b)
 
 void fuzz_query_reorder(struct prng *prng, struct eng_query *query)
 {
-    bool is_vf = query->kind == ENG_VF;
+    bool is_vf = query->kind == PCCD_VF;
     if (prng_below(prng, 2)) {
         swap(query, is_vf ? 1 : 0, is_vf ? 2 : 1);
     }
@@ -357,7 +357,7 @@ void fuzz_query_reverse(struct eng_query *query)
     memcpy(query->x[1], keep, sizeof keep);
 }
 
-void fuzz_query_make(struct prng *prng, enum fuzz_family family, enum eng_kind kind,
+void fuzz_query_make(struct prng *prng, enum fuzz_family family, enum pccd_kind kind,
                      struct eng_query *query)
 {
     query->kind = kind;
@@ -411,7 +411,7 @@ enum fuzz_family fuzz_family_some(struct prng *prng)
 void fuzz_query_write(FILE *file, const struct eng_query *query, double tolerance,
                       double t_end)
 {
-    fprintf(file, "%s %a %a", query->kind == ENG_VF ? "vf" : "ee", tolerance, t_end);
+    fprintf(file, "%s %a %a", query->kind == PCCD_VF ? "vf" : "ee", tolerance, t_end);
     for (int i = 0; i < 24; i++) {
         fprintf(file, " %a", query->x[i / 12][i / 3 % 4][i % 3]);
     }
@@ -425,7 +425,7 @@ bool fuzz_query_read(FILE *file, struct eng_query *query, double *tolerance,
     if (fscanf(file, "%2s %la %la", kind, tolerance, t_end) != 3) {
         return false;
     }
-    query->kind = strcmp(kind, "vf") == 0 ? ENG_VF : ENG_EE;
+    query->kind = strcmp(kind, "vf") == 0 ? PCCD_VF : PCCD_EE;
     for (int i = 0; i < 24; i++) {
         if (fscanf(file, "%la", &query->x[i / 12][i / 3 % 4][i % 3]) != 1) {
             return false;

@@ -1,14 +1,15 @@
-/* fuzz_query.h - queries that are hard for an elementary test.
+/* fuzz_query.h - makes random elementary tests that are hard to decide.
  *
  * Room:     tests/fuzz. May include: engine headers, prng.h.
- * Does:     make random queries of many families; turn one into others whose answer
- *           follows from its own; write one as text and read it again.
+ * Does:     make queries of many families; turn one into others whose answer follows from
+ *           its own; write one as text and read it again.
  * Does not: know any answer.
  * Threads:  one for one generator.
  */
 #ifndef FUZZ_QUERY_H
 #define FUZZ_QUERY_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "prng.h"
@@ -36,7 +37,7 @@ enum fuzz_family fuzz_family_some(struct prng *prng);
 
 /* A query of the family, then by chance moved far away, scaled by a power of two, turned,
  * in another order, backwards. Every coordinate is finite and at most 1e18. */
-void fuzz_query_make(struct prng *prng, enum fuzz_family family, enum eng_kind kind,
+void fuzz_query_make(struct prng *prng, enum fuzz_family family, enum pccd_kind kind,
                      struct eng_query *query);
 
 /* Whether there is a contact stays the same for all three. */

@@ -1,4 +1,5 @@
-/* fuzz_range.h - arithmetic on ranges of numbers, rounded outward.
+/* fuzz_range.h - interval arithmetic: sums and products of ranges of numbers, rounded
+ * outward.
  *
  * Room:     tests/fuzz. May include: the C library.
  * Does:     sum, difference and product of ranges of FUZZ_REAL, which is double or what

@@ -18,7 +18,7 @@
 /* A chunk of one kind, with what belongs to each query. */
 struct chunk {
     uint32_t count;
-    enum eng_kind kind;
+    enum pccd_kind kind;
     double tolerance;
     double t_end;
     enum fuzz_family family[ENG_CHUNK_MAX];
@@ -313,7 +313,9 @@ void fuzz_run_init(struct fuzz_run *run, uint64_t seed, FILE *log)
     memset(run, 0, sizeof *run);
     run->prng.state = seed;
     run->log = log;
-    eng_exact_init(&run->exact);
+    if (eng_exact_init(&run->exact) != PCCD_OK) {
+        abort();
+    }
 }
 
 void fuzz_run_deinit(struct fuzz_run *run)
@@ -328,7 +330,7 @@ void fuzz_run_more(struct fuzz_run *run, uint64_t count)
     uint64_t end = run->queries + count;
     while (run->queries < end && run->failures < FAILURES_MAX) {
         struct prng *prng = &run->prng;
-        chunk.kind = prng_below(prng, 2) ? ENG_VF : ENG_EE;
+        chunk.kind = prng_below(prng, 2) ? PCCD_VF : PCCD_EE;
         chunk.count = prng_below(prng, 4) ? ENG_CHUNK_MAX
                                           : 1 + (uint32_t)prng_below(prng, ENG_CHUNK_MAX);
         chunk.tolerance =

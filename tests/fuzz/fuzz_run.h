@@ -1,9 +1,10 @@
-/* fuzz_run.h - many elementary tests at every instruction set, each answer judged.
+/* fuzz_run.h - runs many random elementary tests with every instruction set, and checks
+ * each answer.
  *
  * Room:     tests/fuzz. May include: fuzz_query.h, fuzz_truth.h, batch.h.
- * Does:     put chunks of random queries to batch and sieve of every set that this
- *           processor has and to the scalar call; hold the answers against the truth,
- *           against each other, and against those of the same query scaled, reordered
+ * Does:     put chunks of random queries to batch and sieve of every instruction set that
+ *           this processor has, and to the scalar call; compare the answers with the
+ *           truth, with each other, and with those of the same query scaled, reordered
  *           and reversed.
  * Threads:  one.
  */

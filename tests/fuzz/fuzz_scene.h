@@ -1,4 +1,5 @@
-/* fuzz_scene.h - the contacts of a few objects of one shape, by brute force.
+/* fuzz_scene.h - the contacts of a few objects, found by brute force and exact
+ * arithmetic.
  *
  * Room:     tests/fuzz. May include: the C library.
  * Does:     put all pairs to exact arithmetic, and count those that no axis separates.

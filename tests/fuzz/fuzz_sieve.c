@@ -62,10 +62,10 @@ static bool place(struct prng *prng, const struct eng_query *query,
 }
 
 static uint32_t sift(struct fuzz_sieve *sieve, const struct eng_kernels *kernels,
-                     enum eng_kind kind, struct eng_sieve *job)
+                     enum pccd_kind kind, struct eng_sieve *job)
 {
     for (uint32_t i = 0; i < sieve->count; i++) {
-        sieve->a[i] = kind == ENG_VF ? sieve->corner[0][i] : i;
+        sieve->a[i] = kind == PCCD_VF ? sieve->corner[0][i] : i;
         sieve->b[i] = i;
     }
     return kernels->sift(kind, job, sieve->a, sieve->b, sieve->count);
@@ -82,7 +82,7 @@ static const char *check_kept(const struct fuzz_sieve *sieve,
         uint32_t pair = sieve->pair[i];
         *wrong = pair;
         if (at < kept && sieve->b[at] == i) {
-            uint32_t a = chunk->kind == ENG_VF ? sieve->corner[0][i] : i;
+            uint32_t a = chunk->kind == PCCD_VF ? sieve->corner[0][i] : i;
             if (sieve->a[at++] != a) {
                 return "the sieve keeps another pair";
             }
@@ -96,7 +96,7 @@ static const char *check_kept(const struct fuzz_sieve *sieve,
 const char *fuzz_sieve_check(struct fuzz_sieve *sieve, struct prng *prng,
                              const struct fuzz_answered *chunk, uint32_t *wrong)
 {
-    bool is_vf = chunk->kind == ENG_VF;
+    bool is_vf = chunk->kind == PCCD_VF;
     bool differ = false;
     sieve->count = 0;
     for (uint32_t i = 0; i < chunk->count; i++) {

@@ -1,9 +1,9 @@
-/* fuzz_sieve.h - does the sieve reject only what has no contact?
+/* fuzz_sieve.h - checks that the sieve (sieve.h) rejects only pairs without a contact.
  *
  * Room:     tests/fuzz. May include: engine headers, prng.h.
  * Does:     put each query of a chunk on a grid of its own, fine or coarse, and sift them
- *           all by every instruction set; hold what is rejected against the answers,
- *           and the sets against each other.
+ *           all by every instruction set; compare what is rejected with the answers, and
+ *           the instruction sets with each other.
  * Threads:  one for one scratch.
  */
 #ifndef FUZZ_SIEVE_H
@@ -26,7 +26,7 @@ struct fuzz_sieve {
 
 /* A chunk and the true answers to it. */
 struct fuzz_answered {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     uint32_t count;
     const struct eng_query *queries;
     const bool *found;

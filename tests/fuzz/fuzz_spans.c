@@ -31,7 +31,7 @@ struct triple {
 
 /* A query's differences at both ends of the step. */
 struct ends {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     int gap_count;
     struct triple p[2];
     struct triple b[2];
@@ -62,7 +62,7 @@ static struct triple between(const struct eng_query *query, int end, int from, i
 /* Differences are taken of the ends, where they are nearly exact, and then moved. */
 static void set_ends(const struct eng_query *query, struct ends *ends)
 {
-    bool is_vf = query->kind == ENG_VF;
+    bool is_vf = query->kind == PCCD_VF;
     int first_count = is_vf ? 1 : 2;
     ends->kind = query->kind;
     for (int end = 0; end < 2; end++) {
@@ -171,7 +171,7 @@ static int domain(const struct ends *ends, const struct place *l, const struct p
     m = cross(&b, &p);
     struct range gamma = dot(&m, &n);
     struct range rest[2];
-    if (ends->kind == ENG_VF) {
+    if (ends->kind == PCCD_VF) {
         rest[0] = rest[1] = range_sub(range_sub(nn, beta), gamma);
     } else {
         rest[0] = range_sub(nn, beta);
@@ -363,7 +363,7 @@ bool FUZZ_NAME(fuzz_is_crossing)(const struct eng_query *query, double l, double
 
 bool fuzz_is_apart(const struct eng_query *query)
 {
-    int first_count = query->kind == ENG_VF ? 1 : 2;
+    int first_count = query->kind == PCCD_VF ? 1 : 2;
     for (int k = 0; k < 3; k++) {
         bool before = true;
         bool after = true;

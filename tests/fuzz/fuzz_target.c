@@ -64,28 +64,28 @@ size_t fuzz_take_bytes(struct fuzz_input *input, void *to, size_t bytes)
 uint8_t fuzz_take_u8(struct fuzz_input *input)
 {
     uint8_t value = 0;
-    fuzz_take_bytes(input, &value, sizeof(value));
+    fuzz_take_bytes(input, &value, sizeof value);
     return value;
 }
 
 uint16_t fuzz_take_u16(struct fuzz_input *input)
 {
     uint16_t value = 0;
-    fuzz_take_bytes(input, &value, sizeof(value));
+    fuzz_take_bytes(input, &value, sizeof value);
     return value;
 }
 
 uint32_t fuzz_take_u32(struct fuzz_input *input)
 {
     uint32_t value = 0;
-    fuzz_take_bytes(input, &value, sizeof(value));
+    fuzz_take_bytes(input, &value, sizeof value);
     return value;
 }
 
 uint64_t fuzz_take_u64(struct fuzz_input *input)
 {
     uint64_t value = 0;
-    fuzz_take_bytes(input, &value, sizeof(value));
+    fuzz_take_bytes(input, &value, sizeof value);
     return value;
 }
 

@@ -1,12 +1,12 @@
-/* fuzz_target.h - what a fuzzer calls with bytes of its own making.
+/* fuzz_target.h - the functions that a fuzzer calls with random bytes.
  *
  * Room:     tests/fuzz. May include: the C library.
  * Does:     name the targets; take an input apart; end the process when something is
  *           wrong, which fuzzers notice.
  * Threads:  one calls; a target may have threads of its own.
  *
- * Every input begins with a byte for the allocator: 0, none fails; 1 .. 127, that one
- * fails; 128 .. 255, all from the one of that number less 127 on fail.
+ * Every input begins with a byte for the allocator: 0, none fails; 1 .. 127, the
+ * allocation of that number fails; 128 .. 255, all from number (byte - 127) on fail.
  */
 #ifndef FUZZ_FUZZ_TARGET_H
 #define FUZZ_FUZZ_TARGET_H

@@ -36,7 +36,7 @@ static void points_of(const struct eng_query *query, double p[8][3])
 
 static enum oracle_kind kind_of(const struct eng_query *query)
 {
-    return query->kind == ENG_VF ? ORACLE_VF : ORACLE_EE;
+    return query->kind == PCCD_VF ? ORACLE_VF : ORACLE_EE;
 }
 
 /* *early: as for fuzz_judge if it is 0. */
@@ -84,7 +84,7 @@ static double extent(const struct eng_query *query)
 
 static bool is_nearly_a_line(const struct eng_query *query, double t)
 {
-    bool is_vf = query->kind == ENG_VF;
+    bool is_vf = query->kind == PCCD_VF;
     double b[3];
     double c[3];
     double n2 = 0;
@@ -115,7 +115,7 @@ static bool is_one_place(const struct eng_query *query, const struct eng_hit *hi
     double u = (double)hit->param[0];
     double v = (double)hit->param[1];
     double t = 0.5 * (hit->toi + hit->toi_hi);
-    bool is_vf = query->kind == ENG_VF;
+    bool is_vf = query->kind == PCCD_VF;
     double size = 0;
     double off = 0;
     if (!(u >= 0 && v >= 0 && (is_vf ? u + v <= 1 + 0x1p-22 : u <= 1 && v <= 1))) {
@@ -151,18 +151,18 @@ static bool is_formed(const struct eng_query *query, const struct eng_hit *hit,
     for (int k = 0; k < 3; k++) {
         length2 += (double)hit->normal[k] * (double)hit->normal[k];
     }
-    bool good = (hit->flags & ENG_PROVED) &&
-                !(hit->flags & ~(uint32_t)(ENG_PROVED | ENG_INITIAL)) && 0 <= hit->toi &&
-                hit->toi <= hit->toi_hi && hit->toi_hi <= 1 &&
+    bool good = (hit->flags & PCCD_PROVED) &&
+                !(hit->flags & ~(uint32_t)(PCCD_PROVED | PCCD_INITIAL)) &&
+                0 <= hit->toi && hit->toi <= hit->toi_hi && hit->toi_hi <= 1 &&
                 hit->toi_hi - hit->toi <= tolerance &&
                 (length2 == 0 || fabs(length2 - 1) < 1e-6) &&
                 is_one_place(query, hit, tally);
-    if (!good || (hit->toi > 0 && !(hit->flags & ENG_INITIAL))) {
+    if (!good || (hit->toi > 0 && !(hit->flags & PCCD_INITIAL))) {
         return good; /* a contact at the start would be before toi: judged elsewhere */
     }
     points_of(query, p);
     return oracle_touching_at(kind_of(query), (const double(*)[3])p, 0) ==
-           ((hit->flags & ENG_INITIAL) != 0);
+           ((hit->flags & PCCD_INITIAL) != 0);
 }
 
 const char *fuzz_judgement_text(enum fuzz_judgement judgement)

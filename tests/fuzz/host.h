@@ -1,4 +1,4 @@
-/* host.h - the daemon's server as a thread of the fuzzer's process.
+/* host.h - runs the daemon's server as a thread of the fuzzer's process.
  *
  * Room:     tests/fuzz. May include: the C library.
  * Does:     run the whole event loop on a listening socket of its own, with quotas that

@@ -132,7 +132,7 @@ static void take_text(uint64_t number, struct fuzz_input *input, char *member)
     static const char *const words[] = {"",   "grace", "threads",  "0",
                                         "-1", "8",     "\xc3\xa9", "\n\x7f%s"};
     if (number == UINT64_MAX) {
-        strcpy(member, words[fuzz_take_u8(input) % (sizeof(words) / sizeof(words[0]))]);
+        strcpy(member, words[fuzz_take_u8(input) % (sizeof words / sizeof words[0])]);
         return;
     }
     memset(member, 'x', number % PROTO_STR_MAX);
@@ -148,12 +148,12 @@ static void take_field(struct fuzz_peer *peer, const struct proto_field *field,
         memcpy(member, &(uint32_t){(uint32_t)number}, sizeof(uint32_t));
         break;
     case PROTO_TYPE_u64:
-        memcpy(member, &number, sizeof(number));
+        memcpy(member, &number, sizeof number);
         break;
     case PROTO_TYPE_f64:
         real = (double)number;
         memcpy(member, number > UINT32_MAX ? (const void *)&number : (const void *)&real,
-               sizeof(real));
+               sizeof real);
         break;
     case PROTO_TYPE_bool:
         memcpy(member, &(bool){number % 2 == 1}, sizeof(bool));
@@ -169,8 +169,8 @@ void fuzz_peer_ask(struct fuzz_peer *peer, int method, struct fuzz_input *input)
     static struct proto_encoder encoder;
     static _Alignas(8) char body[4096];
     const struct proto_fields *fields = &proto_messages[method].request;
-    memset(body, 0, sizeof(body));
-    FUZZ_CHECK(fields->struct_bytes <= sizeof(body));
+    memset(body, 0, sizeof body);
+    FUZZ_CHECK(fields->struct_bytes <= sizeof body);
     for (uint32_t i = 0; i < fields->count; i++) {
         take_field(peer, &fields->items[i], input, body + fields->items[i].offset);
     }
@@ -257,7 +257,7 @@ static void take_answer(struct fuzz_peer *peer, bool *is_ping)
     int fd_count = 0;
     size_t bytes = 0;
     int status =
-        proto_receive(peer->socket, buffer, sizeof(buffer), &bytes, fds, &fd_count);
+        proto_receive(peer->socket, buffer, sizeof buffer, &bytes, fds, &fd_count);
     if (status != 0) {
         FUZZ_CHECK(status == PCCD_E_DISCONNECTED);
         peer->is_over = true;

@@ -26,7 +26,7 @@ static void replay_file(const char *path)
         perror(path);
         exit(2);
     }
-    size_t bytes = fread(data, 1, sizeof(data), file);
+    size_t bytes = fread(data, 1, sizeof data, file);
     fclose(file);
     fprintf(stderr, "%s\n", path); /* the last one is whose fault a crash is */
     fuzz_call(target, data, bytes);
@@ -40,7 +40,7 @@ static void replay_folder(const char *path)
     for (int i = 0; i < count; i++) {
         char file[4096];
         if (entries[i]->d_name[0] != '.') {
-            snprintf(file, sizeof(file), "%s/%s", path, entries[i]->d_name);
+            snprintf(file, sizeof file, "%s/%s", path, entries[i]->d_name);
             replay_file(file);
         }
         free(entries[i]);

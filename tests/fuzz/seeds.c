@@ -29,7 +29,7 @@ static void begin(void)
 
 static void put(const void *bytes, size_t count)
 {
-    if (count <= sizeof(seed) - length) {
+    if (count <= sizeof seed - length) {
         memcpy(seed + length, bytes, count);
         length += count;
     }
@@ -48,9 +48,9 @@ static void put_u16(unsigned value)
 static void save(const char *target, const char *name)
 {
     char path[4096];
-    snprintf(path, sizeof(path), "%s/%s", root, target);
+    snprintf(path, sizeof path, "%s/%s", root, target);
     mkdir(path, 0777);
-    snprintf(path, sizeof(path), "%s/%s/%s", root, target, name);
+    snprintf(path, sizeof path, "%s/%s/%s", root, target, name);
     FILE *file = fopen(path, "wb");
     if (file == NULL || fwrite(seed, 1, length, file) != length || fclose(file) != 0) {
         perror(path);
@@ -108,12 +108,12 @@ static void make_decoder_seeds(void)
         } else {
             proto_encode_notification(&encoder, method, body);
         }
-        snprintf(name, sizeof(name), "%s.request", info->name);
+        snprintf(name, sizeof name, "%s.request", info->name);
         save_message(&encoder, method, name);
         if (method < PROTO_METHOD_COUNT) {
             fill(&info->result, body);
             proto_encode_result(&encoder, 1, method, body);
-            snprintf(name, sizeof(name), "%s.result", info->name);
+            snprintf(name, sizeof name, "%s.result", info->name);
             save_message(&encoder, method, name);
         }
     }
@@ -175,10 +175,10 @@ static void enter_scene(uint8_t letters)
     settle();
     ASK(SCENE_CREATE, 0, 0, 0, 0, letters, letters > 0);
     ASK(MESH_CREATE, 4, 2);
-    write_ring(0x1000, x, sizeof(x));
+    write_ring(0x1000, x, sizeof x);
     ASK(MESH_DATA, HANDLE, 0, PUBLISH_0, 0, 0, 0, 4);
     settle();
-    write_ring(0x1000, triangles, sizeof(triangles));
+    write_ring(0x1000, triangles, sizeof triangles);
     ASK(MESH_DATA, HANDLE, 0, PUBLISH_0, 1, 0, 0, 2);
     settle();
     ASK(MESH_COMMIT, HANDLE);
@@ -202,8 +202,8 @@ static void write_step(uint32_t object)
     const struct proto_segment segment = {
         .object = object, .kind = PROTO_SEGMENT_X1, .count = 4, .offset1 = 32};
     static const float x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    write_ring(0x1000, &segment, sizeof(segment));
-    write_ring(0x1020, x, sizeof(x));
+    write_ring(0x1000, &segment, sizeof segment);
+    write_ring(0x1020, x, sizeof x);
 }
 
 /* Two clients in a scene; the second holds a frame with that deadline, in nanoseconds. */
@@ -342,8 +342,8 @@ static void make_dispatch_seeds(void)
     make_empty_seed();
     begin();
     put_u8(0);
-    put_u16(sizeof(nonsense));
-    put(nonsense, sizeof(nonsense));
+    put_u16(sizeof nonsense);
+    put(nonsense, sizeof nonsense);
     ASK(PING, 1);
     put_u8(246);
     put_u16(1);
@@ -382,7 +382,7 @@ static void make_slot_seeds(void)
         put_u8(kind % 3 == 0 ? 0 : 1);        /* start: right behind the table */
         put_u8(1 + 4 * 27);                   /* end */
         put_noise(0, 0);
-        save("slot", (snprintf(name, sizeof(name), "segment%u", kind), name));
+        save("slot", (snprintf(name, sizeof name, "segment%u", kind), name));
     }
     for (unsigned part = 0; part < 4; part++) {
         begin();
@@ -391,14 +391,14 @@ static void make_slot_seeds(void)
         put_u8(9);
         put_u8(0);
         put_noise(part, part % 2 == 1 ? 0 : 40);
-        save("slot", (snprintf(name, sizeof(name), "chunk%u", part), name));
+        save("slot", (snprintf(name, sizeof name, "chunk%u", part), name));
     }
     for (unsigned choice = 0; choice < 3; choice++) {
         begin();
         put_u8(1 + choice * 28);
         put_u16(0x200);
         put_noise(choice, 60);
-        save("slot", (snprintf(name, sizeof(name), "header%u", choice), name));
+        save("slot", (snprintf(name, sizeof name, "header%u", choice), name));
     }
 }
 
@@ -414,7 +414,7 @@ static void make_mesh_seeds(void)
             put_u8(vertices);
             put_noise(width, 3 * (vertices + 1) + 9 * (vertices + 1) * 8);
             save("mesh",
-                 (snprintf(name, sizeof(name), "noise%u.%u", width, vertices), name));
+                 (snprintf(name, sizeof name, "noise%u.%u", width, vertices), name));
         }
     }
 }
@@ -432,7 +432,7 @@ static void make_travel_seeds(void)
             put_u8((moves + choices) % 4);
             put_noise(choices + moves, 3 + 15);
         }
-        save("travel", (snprintf(name, sizeof(name), "noise%u", choices), name));
+        save("travel", (snprintf(name, sizeof name, "noise%u", choices), name));
     }
 }
 
@@ -444,7 +444,7 @@ static void make_query_seeds(void)
         put_u8(choices % 8);
         put_u8(choices / 8 * 40);
         put_noise(choices, choices % 3 == 0 ? 24 * 4 : 24 * 8);
-        save("query", (snprintf(name, sizeof(name), "noise%u", choices), name));
+        save("query", (snprintf(name, sizeof name, "noise%u", choices), name));
     }
 }
 
@@ -458,7 +458,7 @@ static void save_text(unsigned is_obj, const char *text, size_t bytes, const cha
     save("reader", name);
 }
 
-#define SAVE_TEXT(is_obj, text, name) save_text(is_obj, text, sizeof(text) - 1, name)
+#define SAVE_TEXT(is_obj, text, name) save_text(is_obj, text, sizeof text - 1, name)
 
 static void make_reader_seeds(void)
 {
@@ -533,23 +533,23 @@ static void make_record_seeds(void)
                {1}};
     begin();
     put_u8(2);
-    put_chunk(RECORD_BEGIN, &hello, sizeof(hello), "", 0);
-    put_chunk(RECORD_SCENE, &scene, sizeof(scene), "", 0);
+    put_chunk(RECORD_BEGIN, &hello, sizeof hello, "", 0);
+    put_chunk(RECORD_SCENE, &scene, sizeof scene, "", 0);
     put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
-    put_chunk(RECORD_OBJECT, &object, sizeof(object), "", 0);
+    put_chunk(RECORD_OBJECT, &object, sizeof object, "", 0);
     put_chunk(RECORD_PLACE, &place.head, 16, place.m, 96);
-    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
+    put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
     frame.segment =
         (struct record_segment){9, RECORD_X0X1, PCCD_FORMAT_F64, 0, 2, 32, 80};
-    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
+    put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
     frame.segment =
         (struct record_segment){9, RECORD_RIGID, PCCD_FORMAT_F64, 0, 4, 32, 128};
-    put_chunk(RECORD_FRAME, &frame.head, sizeof(frame.head), &frame.segment, 224);
-    put_chunk(RECORD_ANSWER, &answer, sizeof(answer), "", 0);
+    put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
+    put_chunk(RECORD_ANSWER, &answer, sizeof answer, "", 0);
     put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
-    put_chunk(RECORD_MESH_GONE, &gone, sizeof(gone), "", 0);
-    put_chunk(RECORD_OBJECT_GONE, &gone, sizeof(gone), "", 0);
-    put_chunk(RECORD_SCENE_GONE, &gone, sizeof(gone), "", 0);
+    put_chunk(RECORD_MESH_GONE, &gone, sizeof gone, "", 0);
+    put_chunk(RECORD_OBJECT_GONE, &gone, sizeof gone, "", 0);
+    put_chunk(RECORD_SCENE_GONE, &gone, sizeof gone, "", 0);
     save("record", "session");
 }
 

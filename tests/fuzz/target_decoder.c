@@ -77,8 +77,8 @@ static bool is_same_field(const struct proto_field *field, const char *a, const 
     case PROTO_TYPE_f64: { /* -0 may come back as 0, which is left out */
         double x;
         double y;
-        memcpy(&x, a, sizeof(x));
-        memcpy(&y, b, sizeof(y));
+        memcpy(&x, a, sizeof x);
+        memcpy(&y, b, sizeof y);
         return x == y || (x != x && y != y);
     }
     case PROTO_TYPE_bool:

@@ -19,8 +19,7 @@
 static void send_raw(struct fuzz_peer *peer, struct fuzz_input *input, int fd_count)
 {
     static uint8_t message[4096];
-    size_t bytes =
-        fuzz_take_bytes(input, message, fuzz_take_u16(input) % sizeof(message));
+    size_t bytes = fuzz_take_bytes(input, message, fuzz_take_u16(input) % sizeof message);
     fuzz_peer_send(peer, message, bytes, fd_count);
 }
 

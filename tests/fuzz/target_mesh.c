@@ -19,7 +19,7 @@
 #define TRIANGLES_MAX 48u
 
 struct shape {
-    enum eng_format format;
+    enum pccd_format format;
     uint32_t vertex_count;
     uint32_t triangle_count;
     uint8_t width;
@@ -36,11 +36,11 @@ static double take_coordinate(struct fuzz_input *input, uint8_t width)
     switch (width % 4) {
     case 0:
         bits = fuzz_take_u64(input);
-        memcpy(&value, &bits, sizeof(value));
+        memcpy(&value, &bits, sizeof value);
         return value;
     case 1:
         half = fuzz_take_u32(input);
-        memcpy(&narrow, &half, sizeof(narrow));
+        memcpy(&narrow, &half, sizeof narrow);
         return (double)narrow;
     case 2:
         return (int16_t)fuzz_take_u16(input);
@@ -53,7 +53,7 @@ static void take_shape(struct fuzz_input *input, struct shape *shape)
 {
     uint8_t choices = fuzz_take_u8(input);
     shape->width = choices;
-    shape->format = choices / 4 % 2 == 0 ? ENG_F64 : ENG_F32;
+    shape->format = choices / 4 % 2 == 0 ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
     shape->vertex_count = fuzz_take_u8(input) % VERTICES_MAX + 1;
     shape->triangle_count = fuzz_take_u8(input) % TRIANGLES_MAX + 1;
     for (uint32_t i = 0; i < shape->triangle_count * 3; i++) {
@@ -73,7 +73,7 @@ static void take_shape(struct fuzz_input *input, struct shape *shape)
 static const void *positions(const struct shape *shape, int which)
 {
     static float narrow[3][VERTICES_MAX][3];
-    if (shape->format == ENG_F64) {
+    if (shape->format == PCCD_FORMAT_F64) {
         return shape->x[which];
     }
     for (uint32_t i = 0; i < shape->vertex_count * 3; i++) {
@@ -86,8 +86,8 @@ static const void *positions(const struct shape *shape, int which)
 
 static bool is_refusal(int status)
 {
-    FUZZ_CHECK(status != ENG_E_NOMEM || fuzz_scarcity_hits() > 0);
-    return status != ENG_OK;
+    FUZZ_CHECK(status != PCCD_E_NOMEM || fuzz_scarcity_hits() > 0);
+    return status != PCCD_OK;
 }
 
 /* Register. Returns whether there is a mesh now. */
@@ -100,11 +100,11 @@ static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
     }
     int status = eng_mesh_write_vertices(*mesh, shape->format, 0, shape->vertex_count,
                                          positions(shape, 0));
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_mesh_write_triangles(*mesh, 0, shape->triangle_count,
                                           shape->triangles, &bad);
     }
-    if (status == ENG_E_INDEX) {
+    if (status == PCCD_E_INDEX) {
         FUZZ_CHECK(bad < shape->triangle_count);
     }
     if (!is_refusal(status)) {
@@ -122,10 +122,10 @@ static int stage(struct eng_scene *scene, const struct shape *shape,
     eng_stage_begin(scene);
     int status = eng_stage_x0x1(scene, idx[0], shape->format, 0, shape->vertex_count,
                                 positions(shape, 1), positions(shape, 2));
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_stage_rigid(scene, idx[1], 0, shape->vertex_count, still, turned);
     }
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         eng_stage_abort(scene);
     }
     return status;
@@ -139,8 +139,8 @@ static bool run(struct eng_scene *scene, const struct shape *shape, const uint32
         is_refusal(eng_step(scene, settings, result))) {
         return false;
     }
-    FUZZ_CHECK(result->incomplete == ENG_COMPLETE || fuzz_scarcity_hits() > 0);
-    return result->incomplete == ENG_COMPLETE;
+    FUZZ_CHECK(result->incomplete == PCCD_COMPLETE || fuzz_scarcity_hits() > 0);
+    return result->incomplete == PCCD_COMPLETE;
 }
 
 static void compare(struct eng_scene *scene, const struct shape *shape,
@@ -154,19 +154,19 @@ static void compare(struct eng_scene *scene, const struct shape *shape,
         return;
     }
     settings.kernels = NULL;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     if (run(scene, shape, idx, &settings, &other)) {
-        FUZZ_CHECK(other.hash_lo == all.hash_lo && other.hash_hi == all.hash_hi);
+        FUZZ_CHECK(other.hash[1] == all.hash[1] && other.hash[0] == all.hash[0]);
     }
-    settings.method = choices / 8 % 2 == 0 ? ENG_METHOD_WIDE : ENG_METHOD_PAPER;
-    settings.mode = ENG_MODE_FIRST;
+    settings.method = choices / 8 % 2 == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
+    settings.mode = PCCD_MODE_FIRST;
     if (run(scene, shape, idx, &settings, &other)) {
         FUZZ_CHECK((other.count > 0) == (all.count > 0) && other.count <= all.count);
         FUZZ_CHECK(other.toi_first == all.toi_first);
     }
-    settings.mode = ENG_MODE_ANY;
+    settings.mode = PCCD_MODE_ANY;
     if (run(scene, shape, idx, &settings, &other)) {
-        FUZZ_CHECK(other.verdict == (all.count > 0 ? ENG_VERDICT_YES : ENG_VERDICT_NO));
+        FUZZ_CHECK(other.verdict == (all.count > 0 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO));
     }
 }
 
@@ -179,7 +179,7 @@ void fuzz_mesh(const uint8_t *data, size_t bytes)
     uint32_t idx[2];
     uint64_t bytes_before = eng_alloc_bytes();
     uint8_t choices = fuzz_take_u8(&input);
-    memset(&shape, 0, sizeof(shape));
+    memset(&shape, 0, sizeof shape);
     take_shape(&input, &shape);
     if (make_mesh(&shape, &mesh) && !is_refusal(eng_scene_new(NULL, &scene)) &&
         !is_refusal(eng_scene_add(scene, mesh, 7, &idx[0])) &&

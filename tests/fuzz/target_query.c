@@ -26,12 +26,12 @@ static double take_coordinate(struct fuzz_input *input, unsigned width)
     switch (width) {
     case 0:
         bits = fuzz_take_u64(input);
-        memcpy(&value, &bits, sizeof(value));
+        memcpy(&value, &bits, sizeof value);
         break;
     case 1: {
         float narrow;
         uint32_t half = fuzz_take_u32(input);
-        memcpy(&narrow, &half, sizeof(narrow));
+        memcpy(&narrow, &half, sizeof narrow);
         value = (double)narrow;
         break;
     }
@@ -51,6 +51,9 @@ static void judge(const struct eng_query *query)
     struct fuzz_tally tally = {0};
     struct eng_hit hit;
     double early;
+    if (exact.block == NULL && eng_exact_init(&exact) != PCCD_OK) {
+        abort();
+    }
     bool hits = eng_solve(query, TOLERANCE, 1, &exact, &hit);
     FUZZ_CHECK(fuzz_judge(query, hits ? &hit : NULL, TOLERANCE, &tally, &early) ==
                FUZZ_RIGHT);
@@ -69,7 +72,7 @@ void fuzz_query(const uint8_t *data, size_t bytes)
     }
     uint8_t choices = fuzz_take_u8(&input);
     int scale = (int8_t)fuzz_take_u8(&input) / 4;
-    query.kind = choices % 2 == 0 ? ENG_VF : ENG_EE;
+    query.kind = choices % 2 == 0 ? PCCD_VF : PCCD_EE;
     double *coordinates = &query.x[0][0][0];
     for (size_t i = 0; i < COORDINATES; i++) {
         double value = ldexp(take_coordinate(&input, choices / 2 % 4), scale);

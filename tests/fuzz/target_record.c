@@ -21,12 +21,12 @@ static size_t compose(struct fuzz_input *input, uint8_t *file)
 {
     static const uint8_t head[RECORD_HEAD_BYTES] = {'p', 'c', 'c', 'd', 'r', 'e', 'c',
                                                     0,   2,   0,   0,   0,   1};
-    size_t at = sizeof(head);
+    size_t at = sizeof head;
 
-    memcpy(file, head, sizeof(head));
+    memcpy(file, head, sizeof head);
     while (input->left > 3) {
         struct record_chunk chunk = {.magic = RECORD_CHUNK_MAGIC};
-        uint8_t *body = file + at + sizeof(chunk);
+        uint8_t *body = file + at + sizeof chunk;
 
         chunk.kind = fuzz_take_u8(input);
         chunk.encoding = chunk.kind >> 7;
@@ -34,20 +34,20 @@ static size_t compose(struct fuzz_input *input, uint8_t *file)
         chunk.stored_bytes = fuzz_take_u16(input) % 4096;
         chunk.bytes =
             chunk.encoding == RECORD_ZSTD ? fuzz_take_u16(input) : chunk.stored_bytes;
-        if (at + sizeof(chunk) + 4096 + 8 > FILE_BYTES) {
+        if (at + sizeof chunk + 4096 + 8 > FILE_BYTES) {
             break;
         }
         memset(body, 0, chunk.stored_bytes + 8);
         (void)fuzz_take_bytes(input, body, chunk.stored_bytes);
         chunk.stored_sum = XXH3_64bits(body, chunk.stored_bytes);
         chunk.header_sum = XXH3_64bits(&chunk, offsetof(struct record_chunk, header_sum));
-        memcpy(file + at, &chunk, sizeof(chunk));
-        at += sizeof(chunk) + (chunk.stored_bytes + 7) / 8 * 8;
+        memcpy(file + at, &chunk, sizeof chunk);
+        at += sizeof chunk + (chunk.stored_bytes + 7) / 8 * 8;
     }
     return at;
 }
 
-static int follow(struct world *world, const struct record_view *view)
+static int follow(struct registry *world, const struct record_view *view)
 {
     const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
     struct ctl_error error = {.text = ""};
@@ -56,19 +56,19 @@ static int follow(struct world *world, const struct record_view *view)
     if (view->kind != RECORD_FRAME) {
         return world_follow(world, view, &error);
     }
-    memcpy(&frame, view->payload, sizeof(frame));
+    memcpy(&frame, view->payload, sizeof frame);
     return world_step(world, &frame, slot, &error);
 }
 
 /* The sum of all positions: memory that is not there would be noticed. */
-static double sum_of(const struct world *world)
+static double sum_of(const struct registry *world)
 {
     double sum = 0;
 
-    for (const struct world_scene *scene = world->scenes; scene != NULL;
+    for (const struct registry_scene *scene = world->scenes; scene != NULL;
          scene = scene->next) {
         for (uint32_t i = 0; i < scene->object_count; i++) {
-            const struct world_object *object = &scene->objects[i];
+            const struct registry_object *object = &scene->objects[i];
 
             for (uint32_t v = 0; v < object->mesh->vertex_count; v++) {
                 sum += object->x0[v][0] + object->x1[v][2];
@@ -85,25 +85,25 @@ void fuzz_record(const uint8_t *data, size_t bytes)
     struct fuzz_input input = {data, bytes};
     struct record_reader reader;
     struct record_view view;
-    struct world world = {.meshes = NULL};
+    struct registry world = {.meshes = NULL};
     bool is_raw = fuzz_take_u8(&input) % 2 == 1;
     size_t file_bytes = input.left;
     volatile double sum = 0;
-    int rc;
+    int status;
 
     if (is_raw) {
-        file_bytes = fuzz_take_bytes(&input, file, sizeof(file));
+        file_bytes = fuzz_take_bytes(&input, file, sizeof file);
     } else {
         file_bytes = compose(&input, file);
     }
-    rc = record_reader_open_memory(&reader, file, file_bytes);
-    while (rc == 0 && record_reader_next(&reader, &view) == 1) {
+    status = record_reader_open_memory(&reader, file, file_bytes);
+    while (status == 0 && record_reader_next(&reader, &view) == 1) {
         FUZZ_CHECK(view.payload != NULL && view.offset < file_bytes);
-        rc = follow(&world, &view);
+        status = follow(&world, &view);
         sum = sum + sum_of(&world);
     }
-    FUZZ_CHECK(rc <= 0);
-    FUZZ_CHECK(rc != PCCD_E_FORMAT || reader.ending != RECORD_ENDING_WHOLE);
-    world_deinit(&world);
+    FUZZ_CHECK(status <= 0);
+    FUZZ_CHECK(status != PCCD_E_FORMAT || reader.ending != RECORD_ENDING_WHOLE);
+    registry_deinit(&world);
     record_reader_deinit(&reader);
 }

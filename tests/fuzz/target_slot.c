@@ -164,7 +164,7 @@ static void disturb_header(struct fuzz_input *input, uint8_t choices)
     if (choices % 4 == 1) {
         size_t at = fuzz_take_u16(input) % offsetof(struct proto_upload, slots);
         uint8_t bytes[32];
-        size_t count = fuzz_take_bytes(input, bytes, sizeof(bytes));
+        size_t count = fuzz_take_bytes(input, bytes, sizeof bytes);
         memcpy((uint8_t *)raw.upload.base + at, bytes, count);
     }
     if (choices / 4 % 8 == 7) {
@@ -184,10 +184,10 @@ static void submit(struct fuzz_input *input, uint8_t choices)
     request.segments = count < 240 ? count % (SEGMENTS_MAX + 1) : fuzz_take_u32(input);
     uint32_t written = request.segments < SEGMENTS_MAX ? request.segments : SEGMENTS_MAX;
     for (uint32_t i = 0; i < written; i++) {
-        take_segment(input, request.segments * sizeof(table[0]), &table[i]);
+        take_segment(input, request.segments * sizeof table[0], &table[i]);
     }
-    memcpy(payload, table, written * sizeof(table[0]));
-    size_t at = written * sizeof(table[0]);
+    memcpy(payload, table, written * sizeof table[0]);
+    size_t at = written * sizeof table[0];
     at += fuzz_take_bytes(input, payload + at, SLOT_BYTES - at);
     memset(payload + at, 0, SLOT_BYTES - at);
     request.mode = fuzz_take_u8(input) % PCCD_MODE_COUNT;

@@ -33,8 +33,8 @@ struct tour {
 
 static bool is_refusal(int status)
 {
-    FUZZ_CHECK(status == ENG_OK || fuzz_scarcity_hits() > 0);
-    return status != ENG_OK;
+    FUZZ_CHECK(status == PCCD_OK || fuzz_scarcity_hits() > 0);
+    return status != PCCD_OK;
 }
 
 /* 0, or a power of two up to 2^59 of either sign. */
@@ -58,16 +58,16 @@ static int add_object(struct eng_scene *scene, const double (*x)[3], uint32_t id
     struct eng_mesh *mesh = NULL;
     uint32_t bad;
     int status = eng_mesh_new(VERTICES, TRIANGLES, &mesh);
-    if (status == ENG_OK) {
-        status = eng_mesh_write_vertices(mesh, ENG_F64, 0, VERTICES, x);
+    if (status == PCCD_OK) {
+        status = eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, VERTICES, x);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_mesh_write_triangles(mesh, 0, TRIANGLES, strip, &bad);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_mesh_commit(mesh);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_scene_add(scene, mesh, id, object);
     }
     eng_mesh_release(mesh);
@@ -89,12 +89,12 @@ static void move_object(struct fuzz_input *input, struct tour *tour, uint32_t i,
         for (int k = 0; k < 3; k++) {
             double shake = (int8_t)fuzz_take_u8(input) / 16.0;
             double x = tour->x0[i][v][k] + by[k] + tour->scale * shake;
-            tour->x1[i][v][k] = fabs(x) <= ENG_COORDINATE_MAX ? x : tour->x0[i][v][k];
+            tour->x1[i][v][k] = fabs(x) <= PROTO_COORDINATE_MAX ? x : tour->x0[i][v][k];
         }
     }
 }
 
-static int step(struct eng_scene *scene, enum eng_method method, enum eng_mode mode,
+static int step(struct eng_scene *scene, enum pccd_method method, enum pccd_mode mode,
                 struct eng_step_result *result)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
@@ -104,27 +104,29 @@ static int step(struct eng_scene *scene, enum eng_method method, enum eng_mode m
 }
 
 /* The same step of a scene made anew. */
-static int step_fresh(const struct tour *tour, enum eng_method method, enum eng_mode mode,
-                      struct eng_scene **scene, struct eng_step_result *result)
+static int step_fresh(const struct tour *tour, enum pccd_method method,
+                      enum pccd_mode mode, struct eng_scene **scene,
+                      struct eng_step_result *result)
 {
     int status = eng_scene_new(NULL, scene);
     uint32_t objects[OBJECTS_MAX];
-    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
+    for (uint32_t i = 0; i < tour->count && status == PCCD_OK; i++) {
         status = add_object(*scene, (const double(*)[3])tour->x0[i], i, &objects[i]);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         eng_stage_begin(*scene);
     }
-    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
-        status = eng_stage_x1(*scene, objects[i], ENG_F64, 0, VERTICES, tour->x1[i]);
+    for (uint32_t i = 0; i < tour->count && status == PCCD_OK; i++) {
+        status =
+            eng_stage_x1(*scene, objects[i], PCCD_FORMAT_F64, 0, VERTICES, tour->x1[i]);
     }
-    return status == ENG_OK ? step(*scene, method, mode, result) : status;
+    return status == PCCD_OK ? step(*scene, method, mode, result) : status;
 }
 
 static void check_contacts(const struct eng_step_result *result,
                            const struct fuzz_scene_truth *truth)
 {
-    const struct eng_contact *found = result->records;
+    const struct pccd_contact *found = result->records;
     FUZZ_CHECK(result->count == truth->count);
     for (size_t i = 0; i < truth->count; i++) {
         const uint32_t *name = truth->contacts[i];
@@ -135,29 +137,29 @@ static void check_contacts(const struct eng_step_result *result,
 }
 
 /* One step of the scene that stays; returns whether it was answered. */
-static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method method)
+static bool drive(struct fuzz_input *input, struct tour *tour, enum pccd_method method)
 {
     struct eng_step_result resident;
     struct eng_step_result fresh;
     struct eng_scene *scene = NULL;
     struct fuzz_scene_truth truth;
-    enum eng_method other =
-        method == ENG_METHOD_WIDE ? ENG_METHOD_PAPER : ENG_METHOD_WIDE;
-    int status = ENG_OK;
+    enum pccd_method other =
+        method == PCCD_METHOD_WIDE ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
+    int status = PCCD_OK;
     eng_stage_begin(tour->scene);
     memcpy(tour->x1, tour->x0, sizeof tour->x1);
-    for (uint32_t i = 0; i < tour->count && status == ENG_OK; i++) {
+    for (uint32_t i = 0; i < tour->count && status == PCCD_OK; i++) {
         uint32_t first;
         uint32_t count;
         move_object(input, tour, i, &first, &count);
         if (count > 0) {
-            status = eng_stage_x1(tour->scene, tour->objects[i], ENG_F64, first, count,
-                                  tour->x1[i] + first);
+            status = eng_stage_x1(tour->scene, tour->objects[i], PCCD_FORMAT_F64, first,
+                                  count, tour->x1[i] + first);
         }
     }
     if (is_refusal(status) ||
-        is_refusal(step(tour->scene, method, ENG_MODE_ALL, &resident)) ||
-        resident.incomplete != ENG_COMPLETE) {
+        is_refusal(step(tour->scene, method, PCCD_MODE_ALL, &resident)) ||
+        resident.incomplete != PCCD_COMPLETE) {
         return false;
     }
     fuzz_scarcity_pause();
@@ -169,11 +171,11 @@ static bool drive(struct fuzz_input *input, struct tour *tour, enum eng_method m
                                          (const double(*)[3])tour->x1[0]};
     fuzz_scene_find(&scene_now, &truth);
     check_contacts(&resident, &truth);
-    FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_PAIRS, &scene, &fresh) == ENG_OK);
+    FUZZ_CHECK(step_fresh(tour, other, PCCD_MODE_PAIRS, &scene, &fresh) == PCCD_OK);
     FUZZ_CHECK(fresh.count == truth.beside);
     eng_scene_free(scene);
-    FUZZ_CHECK(step_fresh(tour, other, ENG_MODE_ALL, &scene, &fresh) == ENG_OK);
-    FUZZ_CHECK(fresh.hash_hi == resident.hash_hi && fresh.hash_lo == resident.hash_lo);
+    FUZZ_CHECK(step_fresh(tour, other, PCCD_MODE_ALL, &scene, &fresh) == PCCD_OK);
+    FUZZ_CHECK(fresh.hash[0] == resident.hash[0] && fresh.hash[1] == resident.hash[1]);
     eng_scene_free(scene);
     fuzz_scene_forget(&truth);
     fuzz_scarcity_resume();
@@ -199,7 +201,7 @@ void fuzz_travel(const uint8_t *data, size_t bytes)
     }
     for (uint32_t i = 0; i < choices / 4 % STEPS_MAX + 1 && goes_on; i++) {
         goes_on = drive(&input, &tour,
-                        choices / 16 >> i & 1 ? ENG_METHOD_PAPER : ENG_METHOD_WIDE);
+                        choices / 16 >> i & 1 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE);
     }
     eng_scene_free(tour.scene);
     FUZZ_CHECK(eng_alloc_bytes() == bytes_before);

@@ -27,7 +27,7 @@ static bool ask(struct prng *prng, uint32_t round, struct eng_query *query,
                 struct eng_hit *hit)
 {
     enum fuzz_family family = (enum fuzz_family)(round / 2 % FUZZ_FAMILIES);
-    fuzz_query_make(prng, family, round % 2 ? ENG_VF : ENG_EE, query);
+    fuzz_query_make(prng, family, round % 2 ? PCCD_VF : PCCD_EE, query);
     return eng_solve(query, TOLERANCE, 1, &exact, hit);
 }
 
@@ -50,7 +50,7 @@ static void judge__finds_wrong_answers(void **state)
         struct eng_hit hit;
         if (!ask(&prng, round, &query, &hit)) {
             const struct eng_hit invented = {
-                .flags = ENG_PROVED, .toi = 0.25, .toi_hi = 0.25};
+                .flags = PCCD_PROVED, .toi = 0.25, .toi_hi = 0.25};
             assert_int_equal(judge(&query, NULL), FUZZ_RIGHT);
             assert_int_equal(judge(&query, &invented), FUZZ_INVENTED);
             misses++;
@@ -89,7 +89,7 @@ static void judge__finds_misformed_answers(void **state)
         wrong.flags = 0;
         assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
         wrong = hit;
-        wrong.flags ^= ENG_INITIAL;
+        wrong.flags ^= PCCD_INITIAL;
         assert_int_equal(judge(&query, &wrong), FUZZ_MISFORMED);
         wrong = hit;
         wrong.param[1] = -0.5f;
@@ -172,7 +172,9 @@ int main(void)
         cmocka_unit_test(elementary__names_one_place_where_features_are_nearly_in_a_line),
         cmocka_unit_test(elementary__answers_are_exact_at_every_instruction_set),
     };
-    eng_exact_init(&exact);
+    if (eng_exact_init(&exact) != PCCD_OK) {
+        return 1;
+    }
     int status = cmocka_run_group_tests_name("eng_elementary", tests, NULL, NULL);
     eng_exact_deinit(&exact);
     return status;

@@ -118,7 +118,7 @@ stack_frame 3 >s1.ply
 ctl check t0.ply t1.ply &&
     says '^mesh +6 vertices, 6 edges, 2 triangles$' '^contacts +1: 1 vertex-face, 0 edge-edge$' \
         '1 proved, 0 possible; 0 touch at the start' '^first at +t = 0\.(5|4999)' \
-        '^answer +complete$' '^hash +[0-9a-f]{32}$' 'median of 1 after one to warm up' \
+        '^answer +complete$' '^hash +2:[0-9a-f]{32}$' 'median of 1 after one to warm up' \
         '^  build ' '^  ingest ' '^  refit ' '^  traversal ' '^  tests ' '^  merge ' '^  step '
 report "check prints the summary"
 
@@ -143,7 +143,7 @@ ctl check --json --repeat 3 t0.ply t1.ply &&
     [ "$(json_value possible)" = 0 ] && [ "$(json_value complete)" = true ] &&
     [ "$(json_value repeat)" = 3 ] && [ "$(json_value allocs)" = 0 ] &&
     [ "$(json_value builds)" = 0 ] &&
-    says '"toi_first": 0\.(5|4999)' '"hash": "[0-9a-f]{32}"' '"build": [0-9]' \
+    says '"toi_first": 0\.(5|4999)' '"hash": "2:[0-9a-f]{32}"' '"build": [0-9]' \
         '"ingest": [0-9]' '"refit": [0-9]' '"traversal": [0-9]' '"tests": [0-9]' \
         '"merge": [0-9]' '"step": [0-9]'
 report "check --json has the promised keys, and a warm step builds and allocates nothing"
@@ -162,18 +162,19 @@ ctl check --json --threads 1 t0.ply t1.ply && [ "$(json_value threads)" = 1 ] &&
     [ "$(json_value method)" = '"wide"' ]
 report "threads and method do not change the hash"
 
-ctl check --json --threads 2 --scheduler paper --high-level disjoint --refit paper \
+ctl check --json --threads 2 --tuning scheduler=paper,high-level=disjoint,refit=paper \
     --quality sah --rebuild-ratio 0.5 s0.ply s1.ply && whole=$(json_value hash) &&
     says '"quality": "sah"' '"rebuild_ratio": 0\.5' &&
-    ctl check --json --scheduler steal --rebuild-ratio 0 s0.ply s1.ply &&
+    ctl check --json --tuning scheduler=steal --rebuild-ratio 0 s0.ply s1.ply &&
     [ "$(json_value hash)" = "$whole" ] && [ -n "$whole" ] &&
-    says '"quality": "default"' '"rebuild_ratio": 0\.0' '"scheduler": ' '"high_level": ' \
-        '"refit": ' '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
+    says '"quality": "default"' '"rebuild_ratio": 0\.0' '"tuning": ' \
+        '"low": [0-9]' '"high": [0-9]' '"rebuild": [0-9]' &&
     ctl check t0.ply t1.ply && says '^trees +quality default, rebuild ratio default$' &&
     ctl check --rebuild-ratio 0 t0.ply t1.ply && says '^trees .* never rebuilt$' &&
-    fails 2 '"slow" is none of default, steal, paper' check --scheduler slow t0.ply t1.ply &&
+    fails 4 'scheduler: "slow" is not steal or paper' \
+        check --json --tuning scheduler=slow t0.ply t1.ply &&
     fails 2 'is not a number from 0 to 1' check --rebuild-ratio 2 t0.ply t1.ply
-report "scheduler, quality and reconstruction are chosen and told, and change no hash"
+report "tuning, quality and reconstruction are chosen and told, and change no hash"
 
 ctl check --mode any t0.ply t1.ply && says '^contact +yes$' &&
     ctl check --mode any t0.ply t0.ply && says '^contact +no$'
@@ -295,7 +296,7 @@ ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
         '^thread +refit +low +high +tests +rebuild +wait +merge   \(ms\)$' '^     0 ' &&
     ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 1 ] &&
     [ "$(json_value task_units)" -gt 0 ] && [ "$(json_value ns_step)" -gt 0 ] &&
-    [ "$(json_value scheduler)" = null ] && [ "$(json_value high_level)" = null ]
+    [ "$(json_value tuning)" = null ]
 report "stats --threads tells what the threads of the last step did"
 
 # Triangles beside each other, so many that a team is worth while.
@@ -303,15 +304,14 @@ awk 'BEGIN { for (i = 0; i < 6000; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\n",
     for (i = 0; i < 6000; i++) printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3 }' \
     >many.obj
 if [ "$(nproc)" -gt 1 ]; then
-    ctl check --url "unix:$dir/s" --threads 2 --repeat 3 --method paper --scheduler paper \
-        --high-level disjoint --refit paper many.obj many.obj &&
+    ctl check --url "unix:$dir/s" --threads 2 --repeat 3 --method paper \
+        --tuning refit=paper,scheduler=paper,high-level=disjoint many.obj many.obj &&
         ctl stats --threads --json --socket "$dir/s" && [ "$(json_value threads)" = 2 ] &&
-        [ "$(json_value scheduler)" = '"paper"' ] && [ "$(json_value refit)" = '"paper"' ] &&
-        [ "$(json_value high_level)" = '"disjoint"' ]
-    report "stats --threads --json has the names of what was chosen"
+        [ "$(json_value tuning)" = '"scheduler=paper,high-level=disjoint,refit=paper"' ]
+    report "stats --threads --json tells the tuning that was chosen"
 else
     number=$((number + 1))
-    echo "ok $number - stats --threads --json has names # SKIP one processor"
+    echo "ok $number - stats --threads --json tells the tuning # SKIP one processor"
 fi
 
 { sleep 0.3; "$PCCDCTL" check --url "unix:$dir/s" --repeat 0 s0.ply s1.ply >/dev/null; } &

@@ -106,7 +106,7 @@ ctl list && says "^ *[0-9]+ +$player " && ctl list --json sessions && json 'len(
 print([s["session"] for s in json.load(open("out")) if s["pid"] == '"$player"'][0])' 2>/dev/null ||
         echo 1) &&
     ctl list scenes --json && json 'len(j) == 1 and j[0]["objects"] == 1' &&
-    json 'j[0]["steps"] > 0 and len(j[0]["last_hash"]) == 32' &&
+    json 'j[0]["steps"] > 0 and len(j[0]["last_hash"]) == 34' &&
     ctl list objects --json --session "$session" && json 'len(j) == 1 and j[0]["triangles"] == 2' &&
     json 'j[0]["owner"] == '"$session"' and j[0]["group"] == "0x1" and j[0]["self_collision"]' &&
     ctl list objects && says ' +2 +'"$session"' +1 +ffffffffffffffff self$' &&
@@ -131,7 +131,7 @@ done
 ctl load --scene "$both" --hold --times 3 --json a.obj b.obj && json 'j["steps"] == 3' &&
     ctl list scenes && says ' "bo\\x1b\[2Jth" of .* rw-------, 1 takes part, 0 held$' &&
     ctl list scenes --json &&
-    json '[(s["seats"], s["rights"], s["writable"]) for s in j if s["name"] == "bo\u001b[2Jth"] == [(1, 384, True)]' &&
+    json '[(s["members"], s["rights"], s["writable"]) for s in j if s["name"] == "bo\u001b[2Jth"] == [(1, 384, True)]' &&
     ctl load --scene alone --hold --seconds 0.3 a.obj && says '^steps +0 in 0' &&
     timeout -s INT 1 "$PCCDCTL" load --scene alone --hold a.obj >out 2>err
 [ $? -eq 124 ] && says '^steps +0 in ' && fails 2 'only in a shared scene' load --hold a.obj
@@ -199,7 +199,7 @@ else
 fi
 
 # If it failed, who watches would not see the steps.
-ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ [0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
+ctl watch --count 3 && [ "$(grep -cE '^ +[0-9]+ s[0-9]+ 0x[0-9a-f]+ 2:[0-9a-f]{32} +[0-9]+ ' out)" = 3 ] &&
     ctl watch --session "$session" --count 1 --json &&
     json 'j["session"] == '"$session"' and j["status"] == "OK" and j["ms"] > 0' &&
     fails 4 'no session 999; pccdctl list shows them' watch --session 999 --count 1 &&
@@ -480,7 +480,7 @@ done < <(grep -vxE 'metrics|completion|record' commands) >"$log"
 tap_result $? commands__have_json_where_a_program_may_read "$log"
 
 ctl demo --steps 3 --output demo.png --json && json 'j["steps"] == 3 and j["incomplete"] == 0' &&
-    json 'j["mean_ms"]["step"] > 0 and len(j["hash"]) == 32 and j["picture"] == "demo.png"' &&
+    json 'j["mean_ms"]["step"] > 0 and len(j["hash"]) == 34 and j["hash"][:2] == "2:" and j["picture"] == "demo.png"' &&
     ctl trace -o trace.json --seconds 0.1 --json && json 'j["file"] == "trace.json" and j["lost"] == 0' &&
     ctl config set log-level warn --json && json 'j["name"] == "log-level" and j["value"] == "warn"'
 # If it failed, a program could not tell what was done.

@@ -20,6 +20,7 @@ integration_names = \
     tests/integration/test_int_long \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
+    tests/integration/test_int_motions \
     tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
@@ -123,7 +124,11 @@ tests_integration_test_int_filter_LDADD = $(integration_libs)
 
 tests_integration_test_int_flow_SOURCES = tests/integration/test_int_flow.c
 tests_integration_test_int_flow_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)
-tests_integration_test_int_flow_LDADD = $(integration_libs) $(XXHASH_LIBS)
+tests_integration_test_int_flow_LDADD = $(integration_libs)
+
+tests_integration_test_int_motions_SOURCES = tests/integration/test_int_motions.c
+tests_integration_test_int_motions_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_motions_LDADD = $(integration_libs)
 
 tests_integration_test_int_backlog_SOURCES = tests/integration/test_int_backlog.c
 tests_integration_test_int_backlog_CPPFLAGS = $(integration_cppflags)
@@ -248,7 +253,7 @@ tests_integration_test_int_threads_LDADD = $(integration_libs)
 
 tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
 tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
-tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs) $(XXHASH_LIBS)
+tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs)
 
 tests_integration_test_int_version_SOURCES = tests/integration/test_int_version.c
 tests_integration_test_int_version_CPPFLAGS = $(integration_cppflags)

@@ -29,18 +29,19 @@
 static int hello_as(const struct test_daemon *daemon, uid_t uid, gid_t gid, gid_t further)
 {
     static struct test_raw raw;
-    int rc;
+    int status;
 
     if (setgroups(1, &further) != 0 || setgid(gid) != 0 || setuid(uid) != 0 ||
         !test_raw_open(&raw, daemon->socket)) {
         return 100;
     }
-    rc = test_raw_hello(&raw);
-    if (rc != 0 && (!raw.error.fatal || strstr(raw.error.text, "--allow-uid") == NULL ||
-                    test_raw_receive(&raw) != PCCD_E_DISCONNECTED)) {
+    status = test_raw_hello(&raw);
+    if (status != 0 &&
+        (!raw.error.fatal || strstr(raw.error.text, "--allow-uid") == NULL ||
+         test_raw_receive(&raw) != PCCD_E_DISCONNECTED)) {
         return 101;
     }
-    return -rc;
+    return -status;
 }
 
 /* The status that a client of that user and these groups hears. */
@@ -136,7 +137,7 @@ static unsigned lines_with(const struct test_daemon *daemon, const char *text)
     FILE *file = fopen(daemon->log, "r");
 
     assert_non_null(file);
-    while (fgets(line, sizeof(line), file) != NULL) {
+    while (fgets(line, sizeof line, file) != NULL) {
         count += strstr(line, text) != NULL;
     }
     (void)fclose(file);

@@ -40,7 +40,7 @@ static int run_autostart_child(int pid_fd)
     if (test_crossing_make(client, &crossing) != 0 || !test_crossing_turn(&crossing))
         return 2;
     pccd_close(client);
-    return write(pid_fd, &pid, sizeof(pid)) == (ssize_t)sizeof(pid) ? 0 : 3;
+    return write(pid_fd, &pid, sizeof pid) == (ssize_t)sizeof pid ? 0 : 3;
 }
 
 /* End a daemon that a client has started, and remove its folder. */
@@ -51,9 +51,9 @@ static void end_autostarted(uint32_t pid, const char *runtime)
     assert_int_equal(kill((pid_t)pid, SIGTERM), 0);
     for (int i = 0; i < 2000 && kill((pid_t)pid, 0) == 0; i++)
         test_sleep_ms(5);
-    (void)snprintf(path, sizeof(path), "%s/pccd/pccd.sock", runtime);
+    (void)snprintf(path, sizeof path, "%s/pccd/pccd.sock", runtime);
     assert_int_not_equal(access(path, F_OK), 0);
-    (void)snprintf(path, sizeof(path), "rm -rf %s", runtime);
+    (void)snprintf(path, sizeof path, "rm -rf %s", runtime);
     assert_int_equal(system(path), 0);
 }
 
@@ -84,7 +84,7 @@ static void autostart__clients_that_start_together_share_one_daemon(void **state
         assert_int_equal(waitpid(children[i], &status, 0), children[i]);
         assert_true(WIFEXITED(status));
         assert_int_equal(WEXITSTATUS(status), 0);
-        assert_int_equal(read(fds[0], &pids[i], sizeof(pids[i])), sizeof(pids[i]));
+        assert_int_equal(read(fds[0], &pids[i], sizeof pids[i]), sizeof pids[i]);
     }
     for (int i = 1; i < CHILDREN; i++)
         assert_int_equal(pids[i], pids[0]);
@@ -112,9 +112,9 @@ static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
     (void)state;
     assert_non_null(mkdtemp(runtime));
     assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
-    (void)snprintf(path, sizeof(path), "%s/pccd", runtime);
+    (void)snprintf(path, sizeof path, "%s/pccd", runtime);
     assert_int_equal(mkdir(path, 0700), 0);
-    (void)snprintf(path, sizeof(path), "%s/pccd/pccd.sock.lock", runtime);
+    (void)snprintf(path, sizeof path, "%s/pccd/pccd.sock.lock", runtime);
     lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     assert_true(lock >= 0);
     assert_int_equal(flock(lock, LOCK_EX), 0);
@@ -130,7 +130,7 @@ static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
     assert_int_equal(waitpid(waiting, &status, 0), waiting);
     assert_true(WIFEXITED(status));
     assert_int_equal(WEXITSTATUS(status), 0);
-    assert_int_equal(read(fds[0], &pid, sizeof(pid)), sizeof(pid));
+    assert_int_equal(read(fds[0], &pid, sizeof pid), sizeof pid);
     (void)close(fds[0]);
     (void)close(fds[1]);
     end_autostarted(pid, runtime);

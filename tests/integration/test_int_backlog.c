@@ -56,7 +56,7 @@ static int leave_lingering(struct test_raw *raw)
     int peer = -1;
     int fd = test_lingering_new(LINGER_S, &peer);
     assert_true(test_raw_open(raw, daemon_.socket));
-    assert_true(test_raw_send_fd(raw, ping, sizeof(ping) - 1, fd));
+    assert_true(test_raw_send_fd(raw, ping, sizeof ping - 1, fd));
     (void)close(fd); /* the message has the last one */
     return peer;
 }
@@ -81,7 +81,7 @@ static void backlog__that_does_not_close_holds_up_nobody(void **state)
     for (uint32_t i = 1; i < CONNECTIONS - 1; i++) {
         assert_true(test_raw_open(&hostile[i], daemon_.socket));
         assert_true(
-            test_raw_send(&hostile[i], ping, sizeof(ping) - 1, PROTO_FDS_RECEIVED_MAX));
+            test_raw_send(&hostile[i], ping, sizeof ping - 1, PROTO_FDS_RECEIVED_MAX));
     }
     peers[1] = leave_lingering(&hostile[CONNECTIONS - 1]);
     assert_int_equal(kill(daemon_.pid, SIGCONT), 0);

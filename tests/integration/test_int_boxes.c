@@ -32,9 +32,10 @@ struct fallen {
 
 static void fall(struct fallen *fallen, enum pccd_method method)
 {
-    const struct pccd_step_settings settings = {.method = method};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .method = method};
     struct pccd_options options;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     pccd_options_init(&options);
     options.url = test_shared.url;
@@ -113,7 +114,7 @@ static uint32_t check_tree(struct fallen *fallen, enum pccd_tree tree, uint32_t 
     for (; level < LEVELS_MAX && read_level(fallen, tree, level) > 0; level++) {
         struct pccd_box around = hull(fallen);
         if (tree != PCCD_TREE_TRIANGLES || fallen->count == 1u << level) {
-            assert_memory_equal(&around, &root, sizeof(root));
+            assert_memory_equal(&around, &root, sizeof root);
             for (uint32_t i = 0; i < fallen->grid.vertex_count; i += 7) {
                 assert_true(is_covered(fallen, fallen->grid.x[i]));
             }
@@ -130,7 +131,7 @@ static uint32_t check_tree(struct fallen *fallen, enum pccd_tree tree, uint32_t 
  * would be lost. */
 static void boxes__of_wide_cover_what_is_below(void **state)
 {
-    struct fallen *fallen = calloc(1, sizeof(*fallen));
+    struct fallen *fallen = calloc(1, sizeof *fallen);
     (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_WIDE);
@@ -146,7 +147,7 @@ static void boxes__of_wide_cover_what_is_below(void **state)
 /* If it failed, the same of the paper's tree. */
 static void boxes__of_paper_cover_what_is_below(void **state)
 {
-    struct fallen *fallen = calloc(1, sizeof(*fallen));
+    struct fallen *fallen = calloc(1, sizeof *fallen);
     (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_PAPER);
@@ -159,7 +160,7 @@ static void boxes__of_paper_cover_what_is_below(void **state)
 /* If it failed, a hierarchy of objects that are gone would be walked, or shown. */
 static void boxes__of_paper_go_when_objects_do(void **state)
 {
-    struct fallen *fallen = calloc(1, sizeof(*fallen));
+    struct fallen *fallen = calloc(1, sizeof *fallen);
     (void)state;
     assert_non_null(fallen);
     fall(fallen, PCCD_METHOD_PAPER);
@@ -173,7 +174,7 @@ static void boxes__of_paper_go_when_objects_do(void **state)
 /* If it failed, a wrong question would be answered, or end a session. */
 static void boxes__are_refused_where_there_are_none(void **state)
 {
-    struct fallen *fallen = calloc(1, sizeof(*fallen));
+    struct fallen *fallen = calloc(1, sizeof *fallen);
     uint32_t count = 77;
     (void)state;
     assert_non_null(fallen);

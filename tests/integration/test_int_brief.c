@@ -34,14 +34,15 @@ static void rest(void)
 
 static struct pccd_step_settings by(enum pccd_method method)
 {
-    return (struct pccd_step_settings){.method = method};
+    return (struct pccd_step_settings){.struct_bytes = sizeof(struct pccd_step_settings),
+                                       .method = method};
 }
 
 /* What a step says that takes the triangle to a height; its answer is released. */
 static struct pccd_answer move(struct test_crossing *crossing, float z,
                                const struct pccd_step_settings *settings)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x[3][3];
 
     crossing->z = z;
@@ -61,14 +62,14 @@ static struct pccd_answer move_by_both(struct test_crossing *crossing, float z)
     struct pccd_step_settings paper = by(PCCD_METHOD_PAPER);
     float from = crossing->z;
     struct pccd_answer a = move(crossing, z, &wide);
-    struct pccd_answer b;
+    struct pccd_answer b = PCCD_ANSWER_INIT;
 
     move(crossing, from, &wide);
     b = move(crossing, z, &paper);
     assert_int_equal(a.incomplete, PCCD_COMPLETE);
     assert_int_equal(b.incomplete, PCCD_COMPLETE);
     assert_true(a.total == b.total);
-    assert_memory_equal(a.hash, b.hash, sizeof(a.hash));
+    assert_memory_equal(a.hash, b.hash, sizeof a.hash);
     return a;
 }
 
@@ -103,7 +104,7 @@ static void brief__what_takes_longer_goes_on_elsewhere(void **state)
 
     for (int i = 0; i < TURNS / 10; i++) {
         uint64_t before;
-        struct pccd_answer rests;
+        struct pccd_answer rests = PCCD_ANSWER_INIT;
 
         for (int k = 0; k < 8; k++) { /* known to be short once more */
             move(crossing, 1 + (float)(k % 2), &wide);
@@ -127,7 +128,7 @@ static void brief__large_scenes_are_never_the_loops(void **state)
 
     assert_int_equal(test_grid_make(crossing->client, 12, &grid), 0);
     for (int i = 0; i < TURNS; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step;
 
         assert_int_equal(pccd_submit_still(grid.client, grid.scene, &still, &step), 0);
@@ -157,7 +158,7 @@ static void brief__nothing_is_the_loops_while_another_step_runs(void **state)
     /* On a busy machine the large step may have ended when we go on. */
     for (int i = 0; i < (test_is_direct() ? 3 : 100) && behind == 0; i++) {
         uint64_t before = brief(crossing);
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
 
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         answer = move(crossing, -crossing->z, &wide);
@@ -179,7 +180,7 @@ static void brief__deadlines_and_cancels_end_them(void **state)
     struct test_crossing *crossing = *state;
     struct pccd_step_settings late = by(PCCD_METHOD_WIDE);
     struct pccd_step_settings wide = late;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
     late.deadline_ns = 1;

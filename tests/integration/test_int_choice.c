@@ -1,8 +1,8 @@
 /* test_int_choice.c - the ways to compute that a client may choose between.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     every method, scheduler, way with high-level nodes, refit scheme, quality and
- *           rebuild ratio gives the same bytes, and every answer says which were used.
+ * Does:     every method, tuning, quality and rebuild ratio gives the same bytes, and
+ *           every answer says which were used.
  * Threads:  one.
  */
 #include <math.h>
@@ -10,6 +10,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -48,33 +49,47 @@ static void turn(struct pccd_client *client, const struct pccd_scene_settings *s
     test_grid_free(&grid);
 }
 
+/* Append one of them to a tuning, or nothing. */
+static void choose(char tuning[PCCD_TUNING_BYTES], const char *first, const char *second,
+                   uint32_t which)
+{
+    size_t used = strlen(tuning);
+    if (which > 0) {
+        snprintf(tuning + used, PCCD_TUNING_BYTES - used, "%s%s", used > 0 ? "," : "",
+                 which == 1 ? first : second);
+    }
+}
+
 /* The records of different scenes differ in the handles of the objects, so each hash is
  * compared with one of the same scene: turns down, and turns up again. */
 static void expect_same_hash(struct pccd_client *client,
                              const struct pccd_scene_settings *scene)
 {
-    struct pccd_step_settings settings = {.threads = 1};
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
     struct test_grid grid;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     uint64_t hash[2][2];
 
     assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
     for (uint32_t i = 0; i < 2 + 3 * 3 * 3 * 3 * 2; i++) {
+        char tuning[PCCD_TUNING_BYTES] = "";
         uint32_t choice = i < 2 ? 0 : (i - 2) / 2;
 
         settings.threads = i < 2 ? 1 : THREADS;
-        settings.scheduler = (enum pccd_scheduler)(choice % 3);
-        settings.high_level = (enum pccd_high_level)(choice / 3 % 3);
-        settings.refit = (enum pccd_refit)(choice / 9 % 3);
+        choose(tuning, "scheduler=steal", "scheduler=paper", choice % 3);
+        choose(tuning, "high-level=round-robin", "high-level=disjoint", choice / 3 % 3);
+        choose(tuning, "refit=even", "refit=paper", choice / 9 % 3);
+        settings.tuning = choice % 27 == 0 ? NULL : tuning;
         settings.method = (enum pccd_method)(choice / 27);
         assert_int_equal(test_grid_submit(&grid, &settings, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
         assert_true(test_grid_is_right(&grid, &answer));
         if (i < 2) {
-            memcpy(hash[i], answer.hash, sizeof(hash[i]));
+            memcpy(hash[i], answer.hash, sizeof hash[i]);
         }
-        assert_memory_equal(hash[i % 2], answer.hash, sizeof(answer.hash));
+        assert_memory_equal(hash[i % 2], answer.hash, sizeof answer.hash);
         pccd_answer_release(client, &answer);
     }
     assert_int_equal(pccd_scene_destroy(client, grid.scene), 0);
@@ -94,7 +109,7 @@ static void choice__no_way_to_compute_changes_the_hash(void **state)
     };
 
     expect_same_hash(crossing->client, NULL);
-    for (size_t i = 0; i < sizeof(scenes) / sizeof(scenes[0]); i++) {
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         expect_same_hash(crossing->client, &scenes[i]);
     }
 }
@@ -104,42 +119,36 @@ static void choice__the_answer_says_what_was_used(void **state)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
-    struct pccd_step_settings settings = {.threads = THREADS};
-    struct pccd_answer answer;
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = THREADS};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     turn(client, NULL, &settings, &answer);
     assert_int_equal(answer.threads, THREADS);
-    assert_int_not_equal(answer.scheduler, PCCD_SCHEDULER_DEFAULT);
-    assert_int_not_equal(answer.refit, PCCD_REFIT_DEFAULT);
+    assert_string_equal(answer.tuning, "scheduler=steal,refit=even");
 
-    settings.scheduler = PCCD_SCHEDULER_STEAL;
-    settings.refit = PCCD_REFIT_EVEN;
-    settings.high_level = PCCD_HIGH_LEVEL_DISJOINT;
+    settings.tuning = "refit=even,high-level=disjoint,scheduler=steal";
+    turn(client, NULL, &settings, &answer); /* stealing has no high-level nodes */
+    assert_string_equal(answer.tuning, "scheduler=steal,refit=even");
+
+    settings.tuning = "scheduler=paper,high-level=disjoint,refit=paper";
     turn(client, NULL, &settings, &answer);
-    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_STEAL);
-    assert_int_equal(answer.refit, PCCD_REFIT_EVEN);
-    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT); /* no such phase */
-
-    settings.scheduler = PCCD_SCHEDULER_PAPER;
-    settings.refit = PCCD_REFIT_PAPER;
+    assert_string_equal(answer.tuning, settings.tuning);
+    settings.tuning = "scheduler=paper";
     turn(client, NULL, &settings, &answer);
-    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_PAPER);
-    assert_int_equal(answer.refit, PCCD_REFIT_PAPER);
-    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DISJOINT);
+    assert_string_equal(answer.tuning,
+                        "scheduler=paper,high-level=round-robin,refit=even");
 
+    settings.tuning = "scheduler=paper,high-level=disjoint,refit=paper";
     settings.method = PCCD_METHOD_WIDE; /* refits in one way, has no high-level nodes */
     turn(client, NULL, &settings, &answer);
-    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_PAPER);
-    assert_int_equal(answer.refit, PCCD_REFIT_EVEN);
-    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT);
+    assert_string_equal(answer.tuning, "scheduler=paper,refit=even");
     settings.method = PCCD_METHOD_DEFAULT;
 
     settings.threads = 1;
     turn(client, NULL, &settings, &answer);
     assert_int_equal(answer.threads, 1);
-    assert_int_equal(answer.scheduler, PCCD_SCHEDULER_DEFAULT);
-    assert_int_equal(answer.refit, PCCD_REFIT_DEFAULT);
-    assert_int_equal(answer.high_level, PCCD_HIGH_LEVEL_DEFAULT);
+    assert_string_equal(answer.tuning, "");
     for (int method = PCCD_METHOD_PAPER; method < PCCD_METHOD_COUNT; method++) {
         settings.method = (enum pccd_method)method;
         turn(client, NULL, &settings, &answer);
@@ -156,18 +165,28 @@ static void choice__unknown_values_are_refused_by_name(void **state)
         struct pccd_step_settings settings;
         const char *text;
     } wrong[] = {
-        {{.scheduler = PCCD_SCHEDULER_COUNT}, "unknown scheduler 3"},
-        {{.scheduler = (enum pccd_scheduler)UINT32_MAX}, "scheduler 4294967295"},
-        {{.high_level = PCCD_HIGH_LEVEL_COUNT}, "unknown high_level 3"},
-        {{.refit = (enum pccd_refit)77}, "unknown refit 77"},
+        {{.mode = PCCD_MODE_COUNT}, "unknown mode 4"},
+        {{.tuning = "scheduler=fast"},
+         "tuning: scheduler: \"fast\" is not steal or paper"},
+        {{.tuning = "refit=paper,high-level="}, "high-level: \"\" is not round-robin or"},
+        {{.tuning = "refit"}, "\"refit\" is none of scheduler=, high-level=, refit="},
+        {{.tuning = "refit=even,"}, "tuning: it ends with a comma"},
+        {{.tuning = ",refit=even"}, "tuning: \"\" is none of"},
+        {{.tuning = "refit=even,refit=even"}, "refit: \"even\" is a second value, of"},
+        {{.tuning = "speed=\xc3\xbc!"}, "tuning: \"speed=\?\?!\" is none of"},
+        {{.tuning = "scheduler=paper,high-level=disjoint,refit=paper,scheduler=steal,"},
+         "tuning: longer than 63 bytes"},
     };
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x1[3][3];
 
     test_crossing_positions(x1, -1);
-    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        struct pccd_step_settings settings = wrong[i].settings;
+
+        settings.struct_bytes = sizeof settings;
         assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, &wrong[i].settings, &answer),
+                                      PCCD_FORMAT_F32, 3, &settings, &answer),
                          PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(client), wrong[i].text));
     }
@@ -192,7 +211,7 @@ static void choice__scene_settings_out_of_range_are_refused(void **state)
     uint64_t scenes = test_stat(client, "scenes_now");
     uint32_t scene = 99;
 
-    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         assert_int_equal(pccd_scene_create(client, &wrong[i].settings, &scene),
                          PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(client), wrong[i].text));

@@ -81,7 +81,7 @@ static void rotation(double angle, double m[12])
 {
     const double rows[12] = {cos(angle), -sin(angle), 0, 0, sin(angle), cos(angle),
                              0,          0,           0, 0, 1,          0};
-    memcpy(m, rows, sizeof(rows));
+    memcpy(m, rows, sizeof rows);
 }
 
 /* Contacts of the arm, over so many steps, with a box whose inner face is so far from the
@@ -102,7 +102,7 @@ static uint64_t turn_arm(uint32_t steps, double inner, double angle)
     (void)add(scene, (const float(*)[3])x, 8, box_triangles, 12, NULL);
     uint32_t arm = add(scene, arm_x, 4, arm_triangles, 4, NULL);
     for (uint32_t i = 0; i < steps; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         struct pccd_frame frame;
         uint64_t step = 0;
         double m0[12];
@@ -204,8 +204,9 @@ static void records__are_all_proved(void **state)
     uint64_t initial = 0;
     (void)state;
     for (uint32_t round = 0; round < 60; round++) {
-        struct pccd_step_settings settings = {.method = 1 + round % 2};
-        struct pccd_answer answer;
+        struct pccd_step_settings settings = {
+            .struct_bytes = sizeof(struct pccd_step_settings), .method = 1 + round % 2};
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         struct soup soup;
         soup_fill(&soup, &prng, 3 + round % 5);
         soup_register(&soup, 0);
@@ -235,9 +236,10 @@ static void first__has_the_contacts_that_begin_before_any_must_have(void **state
     uint64_t ties = 0;
     (void)state;
     for (uint32_t round = 0; round < 40; round++) {
-        struct pccd_step_settings settings = {.mode = PCCD_MODE_FIRST};
-        struct pccd_answer all;
-        struct pccd_answer first;
+        struct pccd_step_settings settings = {
+            .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_FIRST};
+        struct pccd_answer all = PCCD_ANSWER_INIT;
+        struct pccd_answer first = PCCD_ANSWER_INIT;
         struct soup soup;
         double bound = 2;
         uint64_t found = 0;
@@ -252,7 +254,7 @@ static void first__has_the_contacts_that_begin_before_any_must_have(void **state
             if (all.contacts[i].toi <= bound) {
                 assert_true(found < first.count);
                 assert_memory_equal(&first.contacts[found++], &all.contacts[i],
-                                    sizeof(all.contacts[i]));
+                                    sizeof all.contacts[i]);
             }
         }
         assert_int_equal(first.count, found);
@@ -279,16 +281,18 @@ static void tolerance__bounds_brackets_from_above_and_changes_no_contact(void **
     (void)state;
     soup_fill(&soup, &prng, 1000);
     soup_register(&soup, 0);
-    for (size_t i = 0; i < sizeof(tolerances) / sizeof(tolerances[0]); i++) {
-        struct pccd_step_settings settings = {.tolerance = tolerances[i]};
-        struct pccd_answer answer;
+    for (size_t i = 0; i < sizeof tolerances / sizeof tolerances[0]; i++) {
+        struct pccd_step_settings settings = {.struct_bytes =
+                                                  sizeof(struct pccd_step_settings),
+                                              .tolerance = tolerances[i]};
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         soup_step(&soup, &settings, &answer);
         assert_true(answer.count > 50);
         if (first == NULL) {
             count = answer.count;
-            first = malloc(count * sizeof(*first));
+            first = malloc(count * sizeof *first);
             assert_non_null(first);
-            memcpy(first, answer.contacts, count * sizeof(*first));
+            memcpy(first, answer.contacts, count * sizeof *first);
         }
         assert_int_equal(answer.count, count);
         for (uint64_t k = 0; k < count; k++) {
@@ -335,7 +339,7 @@ static void name_all(const struct soup *soup, const struct pccd_answer *answer,
     good(pccd_mesh_replace(client, soup->mesh, soup->x0, PCCD_FORMAT_F32, VERTICES,
                            soup->triangles, TRIANGLES, &info));
     good(pccd_mesh_edges(client, soup->mesh, edges, info.edge_count));
-    memset(named, 0, answer->count * sizeof(*named));
+    memset(named, 0, answer->count * sizeof *named);
     for (uint64_t i = 0; i < answer->count; i++) {
         const struct pccd_contact *contact = &answer->contacts[i];
         uint32_t *v = named[i].v;
@@ -345,21 +349,21 @@ static void name_all(const struct soup *soup, const struct pccd_answer *answer,
             for (int k = 0; k < 3; k++) {
                 v[1 + k] = old[soup->triangles[contact->feature_b][k]];
             }
-            qsort(v + 1, 3, sizeof(*v), compare_numbers);
+            qsort(v + 1, 3, sizeof *v, compare_numbers);
             continue;
         }
         v[0] = old[edges[contact->feature_a].a];
         v[1] = old[edges[contact->feature_a].b];
         v[2] = old[edges[contact->feature_b].a];
         v[3] = old[edges[contact->feature_b].b];
-        qsort(v, 2, sizeof(*v), compare_numbers);
-        qsort(v + 2, 2, sizeof(*v), compare_numbers);
-        if (memcmp(v, v + 2, 2 * sizeof(*v)) > 0) {
+        qsort(v, 2, sizeof *v, compare_numbers);
+        qsort(v + 2, 2, sizeof *v, compare_numbers);
+        if (memcmp(v, v + 2, 2 * sizeof *v) > 0) {
             uint32_t swapped[4] = {v[2], v[3], v[0], v[1]};
-            memcpy(v, swapped, sizeof(swapped));
+            memcpy(v, swapped, sizeof swapped);
         }
     }
-    qsort(named, answer->count, sizeof(*named), compare_named);
+    qsort(named, answer->count, sizeof *named, compare_named);
 }
 
 /* The same surface with its vertices and triangles in the reverse order, and each
@@ -367,8 +371,8 @@ static void name_all(const struct soup *soup, const struct pccd_answer *answer,
 static void soup_renumber(const struct soup *from, struct soup *to)
 {
     for (uint32_t v = 0; v < VERTICES; v++) {
-        memcpy(to->x0[v], from->x0[VERTICES - 1 - v], sizeof(to->x0[v]));
-        memcpy(to->x1[v], from->x1[VERTICES - 1 - v], sizeof(to->x1[v]));
+        memcpy(to->x0[v], from->x0[VERTICES - 1 - v], sizeof to->x0[v]);
+        memcpy(to->x1[v], from->x1[VERTICES - 1 - v], sizeof to->x1[v]);
     }
     for (uint32_t i = 0; i < 3 * TRIANGLES; i++) {
         to->triangles[i / 3][i % 3] =
@@ -382,7 +386,8 @@ static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
 {
     struct prng prng = {prng_seed()};
     struct soup soups[3];
-    struct pccd_answer answers[3];
+    struct pccd_answer answers[3] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT,
+                                     PCCD_ANSWER_INIT};
     struct named *named[3];
     uint32_t same[VERTICES];
     uint32_t reversed[VERTICES];
@@ -397,7 +402,7 @@ static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
     for (int i = 0; i < 3; i++) {
         soup_register(&soups[i], i == 0 ? 0 : soups[0].object);
         soup_step(&soups[i], NULL, &answers[i]);
-        named[i] = calloc(answers[i].count + 1, sizeof(*named[i]));
+        named[i] = calloc(answers[i].count + 1, sizeof *named[i]);
         assert_non_null(named[i]);
         name_all(&soups[i], &answers[i], i == 2 ? reversed : same, named[i]);
     }
@@ -405,10 +410,10 @@ static void numbering__decides_the_bytes_and_not_the_contacts(void **state)
     assert_int_equal(answers[1].count, answers[0].count);
     assert_memory_equal(answers[1].contacts, answers[0].contacts,
                         answers[0].count * sizeof(struct pccd_contact));
-    assert_memory_equal(answers[1].hash, answers[0].hash, sizeof(answers[0].hash));
+    assert_memory_equal(answers[1].hash, answers[0].hash, sizeof answers[0].hash);
     assert_int_equal(answers[2].count, answers[0].count);
-    assert_memory_equal(named[2], named[0], answers[0].count * sizeof(*named[0]));
-    assert_memory_not_equal(answers[2].hash, answers[0].hash, sizeof(answers[0].hash));
+    assert_memory_equal(named[2], named[0], answers[0].count * sizeof *named[0]);
+    assert_memory_not_equal(answers[2].hash, answers[0].hash, sizeof answers[0].hash);
     for (int i = 0; i < 3; i++) {
         free(named[i]);
         pccd_answer_release(client, &answers[i]);
@@ -429,7 +434,7 @@ static void triangles__that_name_a_vertex_twice_are_segments_and_points(void **s
     static const float below[3][3] = {{.5f, 0, 0}, {0, 1, 0}, {-1, -1, 0}};
     static const float above[3][3] = {{.5f, 0, 2}, {0, 1, 2}, {-1, -1, 2}};
     struct pccd_mesh_info info;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t faces_hit[2] = {0, 0}; /* bits: by each vertex */
     uint32_t scene = 0;
     (void)state;

@@ -53,7 +53,7 @@ static uint64_t read_all(const struct test_grid *grid, struct pccd_answer *answe
     enum pccd_incomplete incomplete = answer->incomplete;
     uint64_t got = 0;
     for (;;) {
-        memcpy(records + got, answer->contacts, answer->count * sizeof(*records));
+        memcpy(records + got, answer->contacts, answer->count * sizeof *records);
         got += answer->count;
         uint64_t step = answer->step;
         uint64_t cursor = answer->cursor;
@@ -75,7 +75,8 @@ static uint64_t read_all(const struct test_grid *grid, struct pccd_answer *answe
 static void fall(struct test_grid *grid, enum pccd_method method,
                  struct pccd_answer *answer)
 {
-    const struct pccd_step_settings settings = {.method = method};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .method = method};
     uint64_t step = 0;
     good(test_grid_submit(grid, &settings, &step));
     good(pccd_wait(grid->client, step, -1, answer));
@@ -85,11 +86,11 @@ static void fall(struct test_grid *grid, enum pccd_method method,
  * could not be read to its end, or the scene would not have moved on. */
 static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **state)
 {
-    struct pccd_contact *whole = malloc(SIDE * SIDE * sizeof(*whole));
-    struct pccd_contact *kept = malloc(LIMIT * sizeof(*kept));
+    struct pccd_contact *whole = malloc(SIDE * SIDE * sizeof *whole);
+    struct pccd_contact *kept = malloc(LIMIT * sizeof *kept);
     struct pccd_options options;
     struct pccd_client *usual = client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     (void)state;
     assert_true(whole != NULL && kept != NULL);
@@ -110,9 +111,9 @@ static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **sta
         good(pccd_config_set(client, "contacts-max", "16777216"));
         assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(answer.total, LIMIT);
-        assert_int_equal(answer.vf + answer.ee, LIMIT);
+        assert_int_equal(answer.counts[PCCD_VF] + answer.counts[PCCD_EE], LIMIT);
         assert_int_equal(read_all(&grid, &answer, kept), LIMIT);
-        assert_memory_equal(kept, whole, LIMIT * sizeof(*kept));
+        assert_memory_equal(kept, whole, LIMIT * sizeof *kept);
         fall(&grid, method, &answer); /* it had moved on: this is the way back */
         assert_int_equal(read_all(&grid, &answer, whole), SIDE * SIDE);
     }
@@ -127,10 +128,11 @@ static void incomplete__at_the_limit_keeps_the_first_records_in_order(void **sta
  * take itself for whole. */
 static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
 {
-    const struct pccd_step_settings settings = {.mode = PCCD_MODE_FIRST};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_FIRST};
     struct test_crossing crossing; /* its three contacts begin at the same time */
     struct pccd_contact whole[3];
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x[3][3];
     (void)state;
     good(test_crossing_make(client, &crossing));
@@ -143,7 +145,7 @@ static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
         if (turn == 0) {
             assert_int_equal(answer.incomplete, PCCD_COMPLETE);
             assert_int_equal(answer.count, 3);
-            memcpy(whole, answer.contacts, sizeof(whole));
+            memcpy(whole, answer.contacts, sizeof whole);
         }
         if (turn < 2) {
             pccd_answer_release(client, &answer);
@@ -155,7 +157,7 @@ static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
     for (uint64_t i = 0; i < answer.count; i++) {
         uint32_t vertex = answer.contacts[i].feature_a;
         assert_in_range(vertex, 0, 2);
-        assert_memory_equal(&answer.contacts[i], &whole[vertex], sizeof(whole[0]));
+        assert_memory_equal(&answer.contacts[i], &whole[vertex], sizeof whole[0]);
     }
     pccd_answer_release(client, &answer);
 }
@@ -164,8 +166,8 @@ static void incomplete__at_the_limit_keeps_some_of_the_first(void **state)
 static void answer__is_kept_until_a_step_or_until_its_objects_change(void **state)
 {
     struct test_crossing crossing;
-    struct pccd_answer answer;
-    struct pccd_answer page;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_answer page = PCCD_ANSWER_INIT;
     uint64_t still = 0;
     uint32_t more = 0;
     float x[3][3];

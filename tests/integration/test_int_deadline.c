@@ -3,7 +3,8 @@
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     deadlines and cancels at random moments of large steps, from the copy out of
  *           the slot to the answer: how long after them the answer comes, that it says
- *           what it is, and that the next step is right. DEADLINE_ROUNDS: how many of
+ *           what it is, and that the next step is right; of steps whose every decision
+ *           takes long, too. DEADLINE_ROUNDS: how many of
  *           each; with 1000 and more the distribution is worth reading.
  * Threads:  one.
  */
@@ -59,7 +60,7 @@ static int stop(void **state)
 static uint64_t whole_step(void)
 {
     uint64_t begin_us = test_now_us();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     uint64_t end_us;
 
@@ -83,7 +84,7 @@ static void report(const char *what, uint32_t count, uint64_t step_us)
 {
     uint32_t in_time = 0;
 
-    qsort(late_us, count, sizeof(*late_us), by_value);
+    qsort(late_us, count, sizeof *late_us, by_value);
     while (in_time < count && late_us[in_time] <= 2000) {
         in_time++;
     }
@@ -103,7 +104,7 @@ static uint64_t usual_step(void)
     for (int i = 0; i < 9; i++) {
         taken_us[i] = (int64_t)whole_step();
     }
-    qsort(taken_us, 9, sizeof(*taken_us), by_value);
+    qsort(taken_us, 9, sizeof *taken_us, by_value);
     return (uint64_t)taken_us[4];
 }
 
@@ -119,8 +120,10 @@ static void deadline__answers_come_soon_after_it(void **state)
     (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
         uint64_t budget_us = 1 + prng_below(&prng, step_us);
-        struct pccd_step_settings settings = {.deadline_ns = budget_us * 1000};
-        struct pccd_answer answer;
+        struct pccd_step_settings settings = {.struct_bytes =
+                                                  sizeof(struct pccd_step_settings),
+                                              .deadline_ns = budget_us * 1000};
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t begin_us;
         uint64_t step = 0;
 
@@ -158,16 +161,16 @@ static void cancel__answers_come_soon_after_it(void **state)
     (void)state;
     for (uint32_t i = 0; i < rounds; i++) {
         uint64_t pause_us = prng_below(&prng, step_us);
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t begin_us;
         uint64_t step = 0;
-        int rc;
+        int status;
 
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         (void)usleep((useconds_t)pause_us); /* not in a loop: processors are few */
         begin_us = test_now_us();
-        rc = pccd_cancel(client, step);
-        assert_true(rc == 0 || rc == PCCD_E_INVAL);
+        status = pccd_cancel(client, step);
+        assert_true(status == 0 || status == PCCD_E_INVAL);
         assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
         late_us[count] = (int64_t)(test_now_us() - begin_us);
         if (answer.incomplete == PCCD_COMPLETE) {
@@ -186,11 +189,109 @@ static void cancel__answers_come_soon_after_it(void **state)
     assert_true(late_us[count / 2] <= GENEROUS_US);
 }
 
+#define SLOW_TRIANGLES 12u
+
+/* Triangles that pass through the origin and through each other, with coordinates as far
+ * apart as they may be: every pair takes long integers. */
+static struct {
+    double x[3 * SLOW_TRIANGLES][3];
+    uint32_t scene;
+    uint32_t object;
+} slow;
+
+static void make_slow(void)
+{
+    uint32_t triangles[SLOW_TRIANGLES][3];
+    struct prng prng = {17};
+    uint32_t mesh = 0;
+
+    for (uint32_t i = 0; i < 9 * SLOW_TRIANGLES; i++) {
+        slow.x[i / 3][i % 3] =
+            prng_between(&prng, -1, 1) * (prng_below(&prng, 2) ? 0x1p59 : 0x1p-1060);
+        triangles[i / 9][i / 3 % 3] = i / 3;
+    }
+    assert_int_equal(pccd_scene_create(client, NULL, &slow.scene), 0);
+    assert_int_equal(pccd_mesh_create(client, slow.x, PCCD_FORMAT_F64, 3 * SLOW_TRIANGLES,
+                                      (const uint32_t(*)[3])triangles, SLOW_TRIANGLES,
+                                      &mesh, NULL),
+                     0);
+    assert_int_equal(pccd_scene_add(client, slow.scene, mesh, &slow.object), 0);
+}
+
+/* Every point goes to the other side of the origin. */
+static uint64_t submit_slow(uint64_t budget_us)
+{
+    struct pccd_step_settings settings = {.struct_bytes =
+                                              sizeof(struct pccd_step_settings),
+                                          .deadline_ns = budget_us * 1000};
+    struct pccd_frame frame;
+    void *x1 = NULL;
+    uint64_t step = 0;
+
+    for (uint32_t i = 0; i < 9 * SLOW_TRIANGLES; i++) {
+        slow.x[i / 3][i % 3] = -slow.x[i / 3][i % 3];
+    }
+    assert_int_equal(pccd_frame_begin(client, slow.scene, 1, sizeof slow.x, &frame), 0);
+    assert_int_equal(
+        pccd_frame_x1(&frame, slow.object, PCCD_FORMAT_F64, 0, 3 * SLOW_TRIANGLES, &x1),
+        0);
+    memcpy(x1, slow.x, sizeof slow.x);
+    assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
+    return step;
+}
+
+static void end_slow(uint64_t step, struct pccd_answer *answer)
+{
+    assert_int_equal(pccd_wait(client, step, 60000, answer), 0);
+    pccd_answer_release(client, answer); /* the numbers in it stay */
+}
+
+/* If it failed, whoever sends such numbers would hold up all others for as long as a
+ * decision takes, or a deadline would change what the next step answers. */
+static void deadline__is_seen_whatever_the_numbers(void **state)
+{
+    struct pccd_answer whole = PCCD_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct prng prng = {prng_seed()};
+    uint64_t step_us = test_now_us();
+    uint32_t count = 0;
+
+    (void)state;
+    make_slow();
+    end_slow(submit_slow(0), &whole);
+    step_us = test_now_us() - step_us;
+    assert_int_equal(whole.incomplete, PCCD_COMPLETE);
+    for (uint32_t i = 0; i < 20; i++) {
+        uint64_t budget_us = 1 + prng_below(&prng, step_us);
+        uint64_t step = submit_slow(i % 2 || test_is_direct() ? budget_us : 0);
+        uint64_t begin_us = test_now_us();
+
+        if (i % 2 == 0 && !test_is_direct()) {
+            (void)usleep((useconds_t)budget_us);
+            begin_us = test_now_us();
+            (void)pccd_cancel(client, step); /* or it is done */
+            budget_us = 0;
+        }
+        end_slow(step, &answer);
+        late_us[count] = (int64_t)(test_now_us() - begin_us) - (int64_t)budget_us;
+        assert_true(answer.total <= whole.total);
+        assert_true(answer.incomplete != PCCD_COMPLETE || answer.total == whole.total);
+        count += answer.incomplete != PCCD_COMPLETE;
+    }
+    assert_true(count > 0);
+    report("slow numbers", count, step_us);
+    assert_true(late_us[count / 2] <= GENEROUS_US);
+    end_slow(submit_slow(0), &answer);
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    assert_int_equal(answer.total, whole.total);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(deadline__answers_come_soon_after_it),
         cmocka_unit_test(cancel__answers_come_soon_after_it),
+        cmocka_unit_test(deadline__is_seen_whatever_the_numbers),
     };
 
     return cmocka_run_group_tests_name("deadline", tests, start, stop);

@@ -5,6 +5,7 @@
  *           programs with a private daemon.
  * Threads:  one; children are forked to be killed.
  */
+#include <dirent.h>
 #include <errno.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -15,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -35,7 +37,7 @@ static void work_until_killed(const char *url, int started_fd, unsigned seed)
     struct pccd_client *client = NULL;
     struct test_grid grid;
     struct test_grid extra;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     pccd_options_init(&options);
@@ -74,7 +76,7 @@ static void work_until_killed(const char *url, int started_fd, unsigned seed)
 static const char *const held[] = {"sessions_now",    "meshes_now",      "scenes_now",
                                    "objects_now",     "triangles_now",   "shm_bytes_now",
                                    "jobs_queued_now", "engine_bytes_now"};
-#define HELD (sizeof(held) / sizeof(held[0]))
+#define HELD (sizeof held / sizeof held[0])
 
 /* If it failed, every client that crashes would cost the daemon memory for ever. */
 static void death__of_clients_leaves_nothing_behind(void **state)
@@ -159,7 +161,7 @@ static void expect_all_disconnected(struct pccd_client *client, struct test_grid
                                     uint64_t step)
 {
     uint64_t begin_ms = test_now_ms();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_edge edges[2];
     struct pccd_frame frame;
     uint32_t handle = 0;
@@ -213,8 +215,8 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
         mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     struct test_daemon daemon;
     struct pccd_client *client;
-    struct pccd_answer kept;
-    struct pccd_answer answer;
+    struct pccd_answer kept = PCCD_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     struct test_grid grid;
     uint64_t steps[4];
@@ -227,15 +229,20 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     client = test_connect_once(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 30, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
-    assert_int_equal(pccd_wait(client, steps[0], -1, &kept), 0);
+    for (int i = 0; i < 4; i++) { /* every slot has memory then */
+        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(test_grid_await(&grid, steps[i]), 0);
+    }
+    assert_int_equal(pccd_wait(client, steps[3], -1, &kept), 0);
     assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 64, &frame), 0);
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0); /* nothing is answered from here on */
     for (int i = 0; i < 3; i++) {
         assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
     }
     killer = kill_later(daemon.pid, killed_us);
-    memset(&answer, 0, sizeof(answer));
+    memset(&answer, 0, sizeof answer);
     assert_int_equal(pccd_wait(client, steps[1], 20000, &answer), PCCD_E_DISCONNECTED);
     took_us = test_now_us() - *killed_us;
     print_message("# E_DISCONNECTED %llu us after kill -9\n",
@@ -273,9 +280,9 @@ static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
         struct pccd_client *client;
         struct test_grid grid;
         pid_t killer;
-        int rc;
+        int status;
 
-        memset(&grid, 0, sizeof(grid));
+        memset(&grid, 0, sizeof grid);
         assert_true(test_daemon_start(&daemon, NULL));
         client = test_connect_once(daemon.url);
         assert_non_null(client);
@@ -286,9 +293,10 @@ static void death__of_the_daemon_ends_a_ping_and_an_upload(void **state)
         killer = kill_later(daemon.pid, killed_us);
         do {
             test_grid_free(&grid);
-            rc = upload ? test_grid_make(client, 200, &grid) : pccd_ping(client, NULL);
-        } while (rc == 0);
-        assert_true(rc == PCCD_E_DISCONNECTED);
+            status =
+                upload ? test_grid_make(client, 200, &grid) : pccd_ping(client, NULL);
+        } while (status == 0);
+        assert_true(status == PCCD_E_DISCONNECTED);
         assert_int_equal(waitpid(killer, NULL, 0), killer);
         assert_true(test_now_us() - *killed_us < DEATH_MS * 1000u);
         assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
@@ -337,7 +345,7 @@ static bool is_running(pid_t pid)
     if (kill(pid, 0) != 0) {
         return false;
     }
-    (void)snprintf(path, sizeof(path), "/proc/%ld/stat", (long)pid);
+    (void)snprintf(path, sizeof path, "/proc/%ld/stat", (long)pid);
     file = fopen(path, "r");
     if (file != NULL && fscanf(file, "%*d (%*[^)]) %c", &state) != 1) {
         state = 'Z';
@@ -356,16 +364,21 @@ static void await_gone(pid_t pid)
     assert_false(is_running(pid));
 }
 
-static int connect_private(struct pccd_client **client)
+static int connect_private_of(const char *daemon, struct pccd_client **client)
 {
     struct pccd_options options;
 
     pccd_options_init(&options);
     options.private_daemon = true;
     options.reconnect_ms = -1;
-    options.daemon = getenv("PCCDD");
+    options.daemon = daemon;
     options.result_bytes = 65536;
     return pccd_connect(&options, client);
+}
+
+static int connect_private(struct pccd_client **client)
+{
+    return connect_private_of(getenv("PCCDD"), client);
 }
 
 /* If it failed, programs would leave daemons, folders or zombies behind. */
@@ -381,7 +394,7 @@ static void private__daemon_goes_with_its_client(void **state)
     (void)state;
     assert_int_equal(connect_private(&client), 0);
     daemon = (pid_t)pccd_daemon_pid(client);
-    (void)snprintf(socket_path, sizeof(socket_path), "%s", pccd_url(client) + 5);
+    (void)snprintf(socket_path, sizeof socket_path, "%s", pccd_url(client) + 5);
     assert_int_equal(access(socket_path, F_OK), 0);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     assert_true(test_crossing_turn(&crossing));
@@ -399,6 +412,79 @@ static void private__daemon_goes_with_its_client(void **state)
     assert_int_equal(errno, ESRCH);
     *strrchr(socket_path, '/') = '\0';
     assert_int_not_equal(access(socket_path, F_OK), 0);
+}
+
+/* If it failed, a daemon would start, find an environment that its OpenMP cannot use, and
+ * start a second time: it takes twice as long. */
+static void private__daemon_gets_the_environment_that_it_needs(void **state)
+{
+    char folder[] = "/tmp/pccd-test-XXXXXX";
+    char script[64];
+    char line[4096];
+    struct pccd_client *client = NULL;
+    bool has_spin = false;
+    FILE *file;
+
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(script, sizeof script, "%s/pccdd", folder);
+    file = fopen(script, "w");
+    assert_non_null(file);
+    fprintf(file, "#!/bin/sh\nenv > %s/environment\nexec %s \"$@\"\n", folder,
+            getenv("PCCDD"));
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(script, 0700), 0);
+    assert_int_equal(setenv("OMP_PROC_BIND", "true", 1), 0);
+    assert_int_equal(connect_private_of(script, &client), 0);
+    assert_int_equal(unsetenv("OMP_PROC_BIND"), 0);
+    pccd_close(client);
+    (void)snprintf(line, sizeof line, "%s/environment", folder);
+    file = fopen(line, "r");
+    assert_non_null(file);
+    assert_int_equal(unlink(line), 0);
+    while (fgets(line, sizeof line, file) != NULL) {
+        assert_int_not_equal(strncmp(line, "OMP_PROC_BIND=", 14), 0);
+        has_spin = has_spin || strncmp(line, "GOMP_SPINCOUNT=", 15) == 0;
+    }
+    assert_true(has_spin);
+    (void)fclose(file);
+    assert_int_equal(unlink(script), 0);
+    assert_int_equal(rmdir(folder), 0);
+}
+
+/* How many descriptors a process has whose link begins so. */
+static int count_descriptors(pid_t pid, const char *link)
+{
+    char path[300];
+    char target[64];
+    int count = 0;
+    DIR *folder;
+
+    (void)snprintf(path, sizeof path, "/proc/%ld/fd", (long)pid);
+    folder = opendir(path);
+    assert_non_null(folder);
+    for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
+        memset(target, 0, sizeof target);
+        (void)snprintf(path, sizeof path, "/proc/%ld/fd/%s", (long)pid, entry->d_name);
+        if (readlink(path, target, sizeof target - 1) > 0) {
+            count += strncmp(target, link, strlen(link)) == 0;
+        }
+    }
+    (void)closedir(folder);
+    return count;
+}
+
+/* If it failed, a client's end would wait 8 ms for the kernel to stop watching the file
+ * of a socket that nobody else looks for. */
+static void private__daemon_does_not_watch_its_socket(void **state)
+{
+    struct pccd_client *client = NULL;
+
+    (void)state;
+    assert_int_equal(connect_private(&client), 0);
+    assert_int_equal(
+        count_descriptors((pid_t)pccd_daemon_pid(client), "anon_inode:inotify"), 0);
+    pccd_close(client);
 }
 
 /* If it failed, programs that crash would leave private daemons or their folders. */
@@ -423,14 +509,14 @@ static void private__daemon_goes_when_its_client_is_killed(void **state)
             _exit(1);
         }
         daemon.pid = (pid_t)pccd_daemon_pid(client);
-        (void)snprintf(daemon.folder, sizeof(daemon.folder), "%s", pccd_url(client) + 5);
+        (void)snprintf(daemon.folder, sizeof daemon.folder, "%s", pccd_url(client) + 5);
         *strrchr(daemon.folder, '/') = '\0';
-        (void)!write(fds[1], &daemon, sizeof(daemon));
+        (void)!write(fds[1], &daemon, sizeof daemon);
         (void)pause();
         _exit(2);
     }
     (void)close(fds[1]);
-    assert_int_equal(read(fds[0], &daemon, sizeof(daemon)), sizeof(daemon));
+    assert_int_equal(read(fds[0], &daemon, sizeof daemon), sizeof daemon);
     (void)close(fds[0]);
     assert_true(is_running(daemon.pid));
     assert_int_equal(access(daemon.folder, F_OK), 0);
@@ -467,6 +553,8 @@ int main(void)
         cmocka_unit_test(death__of_the_daemon_ends_a_ping_and_an_upload),
         cmocka_unit_test(death__of_the_daemon_leaves_the_path_usable),
         cmocka_unit_test(private__daemon_goes_with_its_client),
+        cmocka_unit_test(private__daemon_gets_the_environment_that_it_needs),
+        cmocka_unit_test(private__daemon_does_not_watch_its_socket),
         cmocka_unit_test(private__daemon_goes_when_its_client_is_killed),
         cmocka_unit_test(private__daemon_that_is_killed_is_an_error),
     };

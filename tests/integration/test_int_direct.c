@@ -98,8 +98,8 @@ static void fill_triangles(uint32_t (*triangles)[3])
             uint32_t a[3] = {corner, corner + 1, corner + SIDE};
             uint32_t b[3] = {corner + 1, corner + SIDE + 1, corner + SIDE};
 
-            memcpy(triangles[at++], a, sizeof(a));
-            memcpy(triangles[at++], b, sizeof(b));
+            memcpy(triangles[at++], a, sizeof a);
+            memcpy(triangles[at++], b, sizeof b);
         }
     }
 }
@@ -108,7 +108,8 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
 {
     static float x[SIDE * SIDE][3];
     static uint32_t triangles[2 * (SIDE - 1) * (SIDE - 1)][3];
-    struct pccd_step_settings settings = {.mode = mode};
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .mode = mode};
     uint32_t scene = 0;
     uint32_t mesh[SHEETS];
     uint32_t object[SHEETS];
@@ -125,12 +126,12 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
     }
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         struct pccd_frame writing;
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
         void *x1 = NULL;
 
         assert_int_equal(pccd_frame_begin(client, scene, SHEETS,
-                                          (uint64_t)SHEETS * sizeof(x), &writing),
+                                          (uint64_t)SHEETS * sizeof x, &writing),
                          0);
         for (uint32_t i = 0; i < SHEETS; i++) {
             assert_int_equal(
@@ -141,10 +142,10 @@ static void play(struct pccd_client *client, enum pccd_mode mode, struct told *t
         assert_int_equal(pccd_frame_commit(&writing, &settings, &step), 0);
         assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
         assert_int_equal(answer.incomplete, PCCD_COMPLETE);
-        memcpy(told[frame].hash, answer.hash, sizeof(answer.hash));
+        memcpy(told[frame].hash, answer.hash, sizeof answer.hash);
         told[frame].total = answer.total;
-        told[frame].vf = answer.vf;
-        told[frame].ee = answer.ee;
+        told[frame].vf = answer.counts[PCCD_VF];
+        told[frame].ee = answer.counts[PCCD_EE];
         pccd_answer_release(client, &answer);
         if (frame == FRAMES / 2) { /* a body that is replaced, an object that goes */
             crumple(x, 0, 99);
@@ -178,13 +179,13 @@ static void direct__answers_as_a_daemon_does(void **state)
     assert_string_equal(pccd_url(here), "direct:");
     assert_int_equal(pccd_daemon_pid(here), getpid());
     assert_string_equal(pccd_daemon_cpu(here), pccd_daemon_cpu(there));
-    for (size_t i = 0; i < sizeof(modes) / sizeof(modes[0]); i++) {
+    for (size_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
         static struct told told[2][FRAMES];
 
-        memset(told, 0, sizeof(told));
+        memset(told, 0, sizeof told);
         play(here, modes[i], told[0]);
         play(there, modes[i], told[1]);
-        assert_memory_equal(told[0], told[1], sizeof(told[0]));
+        assert_memory_equal(told[0], told[1], sizeof told[0]);
         assert_true(modes[i] == PCCD_MODE_ANY || told[0][0].total > 100);
     }
     pccd_close(here);
@@ -197,10 +198,11 @@ static void direct__answers_as_a_daemon_does(void **state)
 /* The rest of this program has had a team by then, so it is looked at in a fresh one. */
 static bool has_only_its_own_thread(void)
 {
-    struct pccd_step_settings settings = {.threads = 1};
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
     uint32_t own = count_entries("/proc/self/task"); /* a thread sanitizer's, too */
     struct pccd_client *client = connect_direct();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t step = 0;
     bool good = client != NULL && test_grid_make(client, 60, &grid) == 0;
@@ -243,7 +245,7 @@ static void direct__heeds_omp_num_threads(void **state)
     } cases[] = {{"1", 1}, {"3", 3}, {"2,4", 2}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct pccd_client *client;
 
         (void)setenv("OMP_NUM_THREADS", cases[i].text, 1);
@@ -264,7 +266,7 @@ static void *work(void *context)
 {
     struct worker *worker = context;
     struct pccd_client *client = connect_direct();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t step = 0;
 
@@ -330,7 +332,7 @@ static void direct__copy_of_the_process_is_refused(void **state)
 static void direct__warm_frames_allocate_nothing(void **state)
 {
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t step = 0;
     unsigned before = 0;
@@ -364,7 +366,7 @@ static void direct__last_client_leaves_nothing(void **state)
     for (int round = 0; round < 3; round++) {
         struct pccd_client *first = connect_direct();
         struct pccd_client *second = connect_direct();
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         struct test_grid grid;
         uint64_t step = 0;
 
@@ -399,7 +401,7 @@ static bool is_readable(int fd)
 static void direct__descriptor_is_readable_while_answers_wait(void **state)
 {
     struct pccd_client *client = connect_direct();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[2];
 
@@ -430,9 +432,10 @@ static void direct__descriptor_is_readable_while_answers_wait(void **state)
 /* If it failed, a step would be cut short by the time that its program took to ask. */
 static void direct__deadline_counts_computing_alone(void **state)
 {
-    struct pccd_step_settings settings = {.deadline_ns = 20000000000u};
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = 20000000000u};
     struct pccd_client *client = connect_direct();
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[3];
 

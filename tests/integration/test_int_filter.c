@@ -66,7 +66,7 @@ static void submit(uint64_t *step)
 
 static uint64_t contacts_of(uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t total;
 
     assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
@@ -86,7 +86,7 @@ static uint64_t turn(void)
 
 static void set(uint32_t what, uint64_t group, uint64_t mask, bool self)
 {
-    struct pccd_object_settings settings = {.struct_bytes = sizeof(settings),
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
                                             .what = what,
                                             .self_collision = self,
                                             .group = group,
@@ -278,12 +278,12 @@ static void filter__refuses_what_cannot_be(void **state)
     settings.what = PCCD_OBJECT_ALL;
     settings.struct_bytes = 8;
     assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
-    newer.settings.struct_bytes = sizeof(newer);
+    newer.settings.struct_bytes = sizeof newer;
     assert_int_equal(pccd_object_set(client, scene, object, &newer.settings),
                      PCCD_E_INVAL);
     newer.of_a_newer_release = 0;
     assert_int_equal(pccd_object_set(client, scene, object, &newer.settings), 0);
-    settings.struct_bytes = sizeof(settings);
+    settings.struct_bytes = sizeof settings;
     assert_int_equal(pccd_object_set(client, scene, object + 1, &settings),
                      PCCD_E_HANDLE);
     assert_int_equal(pccd_object_set(client, scene + 1, object, &settings),
@@ -334,7 +334,7 @@ static void filter__refuses_what_the_library_would_not_send(void **state)
     request.what = PCCD_OBJECT_GROUP;
     request.group = UINT64_MAX;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &request, &now), 0);
-    assert_true(now.group == UINT64_MAX && now.mask == UINT64_MAX && now.self);
+    assert_true(now.group == UINT64_MAX && now.mask == UINT64_MAX && now.self_collision);
     /* Asked for behind its removal, before that is answered. */
     ids[0] = test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove);
     ids[1] = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &request);
@@ -353,13 +353,13 @@ static void be_old(int listener)
     struct proto_envelope envelope;
     struct proto_error error;
     int peer = accept(listener, NULL, NULL);
-    ssize_t bytes = recv(peer, message, sizeof(message), 0);
+    ssize_t bytes = recv(peer, message, sizeof message, 0);
 
     if (bytes > 0 && proto_decode(proto_decoder_new(), message, (size_t)bytes, &envelope,
                                   &error) == 0) {
         (void)proto_encode_result(&encoder, envelope.id, PROTO_METHOD_HELLO, &hello);
         (void)send(peer, encoder.data, encoder.bytes, 0);
-        (void)recv(peer, message, sizeof(message), 0);
+        (void)recv(peer, message, sizeof message, 0);
     }
     _exit(0);
 }
@@ -370,16 +370,16 @@ static void filter__is_not_asked_of_an_older_daemon(void **state)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     struct pccd_object_settings settings = {.what = PCCD_OBJECT_SELF};
-    char url[sizeof(address.sun_path) + 8];
+    char url[sizeof address.sun_path + 8];
     struct pccd_client *of_old;
     int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     pid_t old;
 
     (void)state;
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s/old",
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s/old",
                    daemon_.directory);
-    (void)snprintf(url, sizeof(url), "unix:%s", address.sun_path);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof(address)),
+    (void)snprintf(url, sizeof url, "unix:%s", address.sun_path);
+    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
                      0);
     assert_int_equal(listen(listener, 1), 0);
     old = fork();

@@ -38,7 +38,7 @@ struct malformed {
     size_t count;
 };
 
-#define BYTES(text) text, sizeof(text) - 1
+#define BYTES(text) text, sizeof text - 1
 #define TEN(text)   text text text text text text text text text text
 
 static const struct malformed malformed[] = {
@@ -80,17 +80,17 @@ static const struct malformed malformed[] = {
 /* The daemon answers with a fatal E_BADMSG and closes. */
 static void expect_refusal(const char *what, int code)
 {
-    int rc = test_raw_receive(&raw);
+    int status = test_raw_receive(&raw);
 
-    if (rc != 0 || raw.envelope.kind != PROTO_RESPONSE || !raw.envelope.failed ||
+    if (status != 0 || raw.envelope.kind != PROTO_RESPONSE || !raw.envelope.failed ||
         raw.envelope.error.code != code || !raw.envelope.error.fatal ||
         raw.envelope.error.text[0] == '\0') {
-        fail_msg("%s: status %d, error %d \"%s\"", what, rc, raw.envelope.error.code,
+        fail_msg("%s: status %d, error %d \"%s\"", what, status, raw.envelope.error.code,
                  raw.envelope.error.text);
     }
-    rc = test_raw_receive(&raw);
-    if (rc != PCCD_E_DISCONNECTED) {
-        fail_msg("%s: not closed but %d", what, rc);
+    status = test_raw_receive(&raw);
+    if (status != PCCD_E_DISCONNECTED) {
+        fail_msg("%s: not closed but %d", what, status);
     }
 }
 
@@ -99,7 +99,7 @@ static void expect_refusal(const char *what, int code)
 static void message__malformed_is_refused_one_by_one(void **state)
 {
     uint64_t dropped = test_stat(test_witness.crossing.client, "sessions_dropped");
-    size_t count = sizeof(malformed) / sizeof(malformed[0]);
+    size_t count = sizeof malformed / sizeof malformed[0];
 
     (void)state;
     for (size_t i = 0; i < 2 * count; i++) {
@@ -148,7 +148,7 @@ static void message__longer_than_the_limit_is_refused(void **state)
     static const size_t counts[] = {PROTO_MESSAGE_BYTES_MAX, PROTO_MESSAGE_BYTES_MAX + 1};
 
     (void)state;
-    memset(bytes, 0xc0, sizeof(bytes)); /* nil, many times */
+    memset(bytes, 0xc0, sizeof bytes); /* nil, many times */
     for (size_t i = 0; i < 2; i++) {
         test_witness_open_raw(&raw, 0);
         assert_true(test_raw_send(&raw, bytes, counts[i], 0));
@@ -200,10 +200,10 @@ static const struct {
     {"a field twice",
      BYTES("\x94\x00\x05\xadscene.destroy\x82\xa5scene\x01\xa5scene\x01"), PCCD_E_BADMSG},
     {"nil for a number", BYTES("\x94\x00\x05\xa4ping\x81\xa5token\xc0"), PCCD_E_BADMSG},
-    {"text for a scheduler",
+    {"a number for a tuning",
      BYTES("\x94\x00\x05\xac"
-           "frame.submit\x83\xa5scene\x01\xa8segments\x00\xa9"
-           "scheduler\xa5paper"),
+           "frame.submit\x83\xa5scene\x01\xa8segments\x00\xa6"
+           "tuning\x02"),
      PCCD_E_BADMSG},
     {"text for a rebuild ratio",
      BYTES("\x94\x00\x05\xac"
@@ -224,7 +224,7 @@ static void message__wrong_requests_are_answered_and_survived(void **state)
 
     (void)state;
     test_witness_open_raw(&raw, 0);
-    for (size_t i = 0; i < sizeof(unserved) / sizeof(unserved[0]); i++) {
+    for (size_t i = 0; i < sizeof unserved / sizeof unserved[0]; i++) {
         assert_true(test_raw_send(&raw, unserved[i].bytes, unserved[i].count, 0));
         assert_int_equal(test_raw_receive(&raw), 0);
         if (!raw.envelope.failed || raw.envelope.id != 5 ||
@@ -488,12 +488,12 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
     struct proto_SCENE_DESTROY_request destroy = {0};
     struct proto_CANCEL_request cancel = {0};
     uint32_t count = 0;
-    int rc;
+    int status;
 
     (void)state;
     test_witness_open_raw(&raw, 65536);
     cancel.id = test_witness_long_step(&raw);
-    while ((rc = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
+    while ((status = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created)) ==
                0 &&
            count < SCENES_TRIED) {
         destroy.scene = created.scene;
@@ -501,7 +501,7 @@ static void flood__of_scenes_behind_a_step_is_bounded(void **state)
                          0);
         count++;
     }
-    assert_int_equal(rc, PCCD_E_BUSY);
+    assert_int_equal(status, PCCD_E_BUSY);
     assert_true(count >= PROTO_SCENES_PER_CLIENT);
     assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel), 0);
     /* What is left: the witness's scene, and the one of the long step. */

@@ -75,15 +75,15 @@ static void step(float z)
 {
     uint8_t *payload = test_raw_payload(&raw, 0);
     struct proto_segment segment = {
-        .object = object, .count = 3, .offset1 = sizeof(segment)};
+        .object = object, .count = 3, .offset1 = sizeof segment};
     struct proto_FRAME_SUBMIT_request request = {
         .scene = scene, .segments = 1, .step = ++steps};
     struct proto_FRAME_SUBMIT_result result;
     float x[3][3];
 
     test_crossing_positions(x, z);
-    memcpy(payload, &segment, sizeof(segment));
-    memcpy(payload + sizeof(segment), x, sizeof(x));
+    memcpy(payload, &segment, sizeof segment);
+    memcpy(payload + sizeof segment, x, sizeof x);
     request.seq = test_raw_publish(&raw, 0);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &request, &result),
                      0);
@@ -115,13 +115,13 @@ static void journal__tells_what_is_done_in_order(void **state)
     gone.object = object;
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_REMOVE, &gone, NULL), 0);
     assert_int_equal(ask(0, 0, false, &result), 0); /* nothing was taken: all of it */
-    for (size_t i = 0; i < sizeof(kinds) / sizeof(kinds[0]); i++) {
-        memcpy(&entry, page(&result) + at, sizeof(entry));
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        memcpy(&entry, page(&result) + at, sizeof entry);
         assert_int_equal(entry.kind, kinds[i]);
         assert_int_equal(entry.object, kinds[i] == PROTO_JOURNAL_STEP ? 0 : object);
         if (i == 2) {
-            memcpy(&told, page(&result) + at + sizeof(entry), sizeof(told));
-            memcpy(&z, page(&result) + at + entry.bytes - sizeof(z), sizeof(z));
+            memcpy(&told, page(&result) + at + sizeof entry, sizeof told);
+            memcpy(&z, page(&result) + at + entry.bytes - sizeof z, sizeof z);
             assert_int_equal(told.step, 2);
             assert_int_equal(told.number, 2);
             assert_int_equal(told.segments, 1);

@@ -58,7 +58,7 @@ static int start(void **state)
     (void)state;
     steps = text != NULL ? (uint32_t)strtoul(text, NULL, 10) : 0;
     steps = steps < STEPS_MAX ? steps : STEPS_MAX;
-    sties = mmap(NULL, HOGS_MAX * sizeof(*sties), PROT_READ | PROT_WRITE,
+    sties = mmap(NULL, HOGS_MAX * sizeof *sties, PROT_READ | PROT_WRITE,
                  MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     return sties != MAP_FAILED ? 0 : -1;
 }
@@ -107,7 +107,7 @@ static void let_in(int number, enum hog_kind kind, uint32_t triangles, bool is_o
     struct sty *sty = &sties[number];
     pid_t pid;
 
-    memset(sty, 0, sizeof(*sty));
+    memset(sty, 0, sizeof *sty);
     pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
@@ -245,7 +245,7 @@ static void long__three_at_once_hold_up_nobody(void **state)
 /* One turn of the grid, down or up. */
 static struct pccd_answer turn(struct test_grid *grid)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
@@ -260,7 +260,7 @@ static struct pccd_answer turn(struct test_grid *grid)
 static void long__answers_beside_it_are_the_same_bytes(void **state)
 {
     struct pccd_client *client = test_connect(test_shared.url);
-    struct pccd_answer alone[2];
+    struct pccd_answer alone[2] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
     struct test_grid grid;
 
     (void)state;
@@ -274,7 +274,7 @@ static void long__answers_beside_it_are_the_same_bytes(void **state)
         struct pccd_answer beside = turn(&grid);
         const struct pccd_answer *same = &alone[i % 2];
         assert_true(is_busy(&sties[0]));
-        assert_memory_equal(beside.hash, same->hash, sizeof(same->hash));
+        assert_memory_equal(beside.hash, same->hash, sizeof same->hash);
         assert_int_equal(beside.total, same->total);
     }
     drive_out(&sties[0]);
@@ -300,14 +300,14 @@ static struct pccd_client *take_part(uint32_t *scene)
 static void add_stack(struct pccd_client *client, uint32_t scene, uint32_t triangles)
 {
     static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    float(*x)[3] = malloc(3 * triangles * sizeof(*x));
-    uint32_t(*indices)[3] = malloc(triangles * sizeof(*indices));
+    float(*x)[3] = malloc(3 * triangles * sizeof *x);
+    uint32_t(*indices)[3] = malloc(triangles * sizeof *indices);
     uint32_t mesh = 0;
     uint32_t object = 0;
 
     assert_true(x != NULL && indices != NULL);
     for (uint32_t i = 0; i < 3 * triangles; i++) {
-        memcpy(x[i], corners[i % 3], sizeof(*x));
+        memcpy(x[i], corners[i % 3], sizeof *x);
         indices[i / 3][i % 3] = i;
     }
     assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3 * triangles, indices,
@@ -321,7 +321,7 @@ static void add_stack(struct pccd_client *client, uint32_t scene, uint32_t trian
 /* Ends early, as it is told to. */
 static void cancel(struct pccd_client *client, uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     assert_int_equal(pccd_cancel(client, step), 0);
     assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
@@ -335,7 +335,7 @@ static void long__step_of_a_shared_scene_holds_up_only_its_members(void **state)
 {
     struct pccd_client *clients[2];
     struct test_crossing crossing;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t scenes[2];
     uint64_t submitted[2];
     struct pccd_client *client = test_connect(test_shared.url);
@@ -373,8 +373,10 @@ static void long__step_of_a_shared_scene_holds_up_only_its_members(void **state)
 static enum pccd_incomplete step_stack(struct pccd_client *client, uint32_t scene,
                                        uint64_t deadline_ms, uint64_t *taken_ms)
 {
-    const struct pccd_step_settings settings = {.deadline_ns = deadline_ms * 1000000};
-    struct pccd_answer answer;
+    const struct pccd_step_settings settings = {.struct_bytes =
+                                                    sizeof(struct pccd_step_settings),
+                                                .deadline_ns = deadline_ms * 1000000};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t begin_ms = test_now_ms();
     uint64_t step = 0;
 
@@ -460,7 +462,7 @@ static struct times measure(struct test_grid *grid, const struct sty *sty, uint3
         (void)usleep(1000);
     }
     assert_true(times.count > 0);
-    qsort(taken_us, times.count, sizeof(*taken_us), by_value);
+    qsort(taken_us, times.count, sizeof *taken_us, by_value);
     times.p50_ms = (double)taken_us[times.count / 2] / 1000;
     times.p99_ms = (double)taken_us[times.count - 1 - times.count / 100] / 1000;
     return times;
@@ -491,7 +493,7 @@ static void long__requests_leave_others_their_share(void **state)
     if (steps == 0) {
         skip();
     }
-    for (size_t i = 0; i < sizeof(sides) / sizeof(sides[0]); i++) {
+    for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
         struct pccd_client *client = test_connect(test_shared.url);
         struct test_grid grid;
 

@@ -121,7 +121,7 @@ static void come_back_and_hang(void)
 static void loss__the_descriptor_is_ready_until_it_is_over(void **state)
 {
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     (void)state;
     false_start(come_back_and_hang);

@@ -42,16 +42,16 @@ static void misuse__pages_that_are_held_take_no_step_its_answer(void **state)
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
     struct pccd_edge edges[3];
-    struct pccd_answer held;
-    struct pccd_answer answer;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
-    int rc = 0;
+    int status = 0;
 
     turn(crossing, &held);
-    for (int i = 0; i < PAGES && rc == 0; i++) {
-        rc = pccd_mesh_edges(client, crossing->mesh, edges, 3);
+    for (int i = 0; i < PAGES && status == 0; i++) {
+        status = pccd_mesh_edges(client, crossing->mesh, edges, 3);
     }
-    assert_int_equal(rc, PCCD_E_BUSY);
+    assert_int_equal(status, PCCD_E_BUSY);
     assert_non_null(strstr(pccd_error_text(client), "release"));
     pccd_answer_release(client, &held);
     assert_int_equal(pccd_mesh_edges(client, crossing->mesh, edges, 3), 0);
@@ -79,7 +79,7 @@ static int misuse_copy(struct test_crossing *crossing, struct pccd_frame *frame,
                        uint64_t step, struct pccd_answer *held)
 {
     struct pccd_client *client = crossing->client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame another;
     void *to = NULL;
     uint64_t number = 0;
@@ -105,8 +105,8 @@ static void misuse__a_forked_copy_touches_nothing(void **state)
 {
     struct test_crossing *crossing = *state;
     struct pccd_client *client = crossing->client;
-    struct pccd_answer held;
-    struct pccd_answer answer;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     void *to = NULL;
     uint64_t still = 0;
@@ -118,7 +118,7 @@ static void misuse__a_forked_copy_touches_nothing(void **state)
     turn(crossing, &held);
     crossing->z = -crossing->z;
     test_crossing_positions(x, crossing->z);
-    assert_int_equal(pccd_frame_begin(client, crossing->scene, 2, sizeof(x), &frame), 0);
+    assert_int_equal(pccd_frame_begin(client, crossing->scene, 2, sizeof x, &frame), 0);
     assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &to),
                      0);
     assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &still), 0);
@@ -133,7 +133,7 @@ static void misuse__a_forked_copy_touches_nothing(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
     assert_int_equal(pccd_wait(client, still, -1, &answer), 0);
     pccd_answer_release(client, &answer);
-    memcpy(to, x, sizeof(x));
+    memcpy(to, x, sizeof x);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
     assert_true(test_crossing_is_right(crossing, &answer));
@@ -154,7 +154,7 @@ static uint32_t share(struct pccd_client *client, const char *name)
 /* A step that another client is told of. */
 static void step(struct pccd_client *client, uint32_t scene)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number = 0;
 
     assert_int_equal(pccd_submit_still(client, scene, NULL, &number), 0);
@@ -200,7 +200,7 @@ static void misuse__scenes_that_are_left_while_others_step_are_forgotten(void **
         uint32_t scene;
         uint32_t theirs;
 
-        (void)snprintf(name, sizeof(name), "left %d", i);
+        (void)snprintf(name, sizeof name, "left %d", i);
         scene = share(reader, name);
         theirs = share(writer, name);
         step(writer, theirs); /* what it says is not taken in yet */

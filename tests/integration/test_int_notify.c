@@ -256,6 +256,51 @@ static int other_threads(pid_t *threads, int most)
     return count;
 }
 
+/* Clock ticks that a thread of the daemon has computed for. */
+static unsigned long ticks_of(pid_t thread)
+{
+    char path[64];
+    unsigned long ticks = 0;
+    (void)snprintf(path, sizeof path, "/proc/%ld/task/%ld/stat", (long)f.daemon,
+                   (long)thread);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file,
+                            "%*d (%*[^)]) %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u "
+                            "%lu",
+                            &ticks),
+                     1);
+    (void)fclose(file);
+    return ticks;
+}
+
+/* The younger one of the two threads that compute a step together, once both do. */
+static pid_t second_of_team(void)
+{
+    pid_t threads[16];
+    unsigned long before[16];
+    int count = other_threads(threads, 16);
+    for (int i = 0; i < count; i++) {
+        before[i] = ticks_of(threads[i]);
+    }
+    for (uint64_t until_ms = test_now_ms() + END_MS; test_now_ms() < until_ms;) {
+        int busy = 0;
+        pid_t youngest = 0;
+        for (int i = 0; i < count; i++) {
+            if (ticks_of(threads[i]) > before[i] + 2) {
+                youngest = threads[i] > youngest ? threads[i] : youngest;
+                busy++;
+            }
+        }
+        if (busy == 2) {
+            return youngest;
+        }
+        test_sleep_ms(5);
+    }
+    fail_msg("no two threads compute");
+    return 0;
+}
+
 /* Stop one thread, and no other, as nothing but a debugger can. False: we may not. */
 static bool freeze(pid_t thread)
 {
@@ -279,11 +324,17 @@ static void expect_beats(void)
     }
 }
 
+/* Beats end, soon where the machine has nothing else to do. */
 static void expect_no_beat(void)
 {
-    test_sleep_ms(4 * LOOK_MS);
-    forget_what_was_said();
-    assert_false(hear_of("WATCHDOG=1", 3 * LOOK_MS));
+    bool is_heard = true;
+
+    for (int i = 0; i < 5 && is_heard; i++) {
+        test_sleep_ms(4 * LOOK_MS);
+        forget_what_was_said();
+        is_heard = hear_of("WATCHDOG=1", 3 * LOOK_MS);
+    }
+    assert_false(is_heard);
 }
 
 /* The daemon computes a long step. */
@@ -332,12 +383,10 @@ static void notify__does_not_beat_while_a_thread_that_computes_stands(void **sta
 static void notify__does_not_beat_while_a_step_does_not_end(void **state)
 {
     static struct hog hog;
-    pid_t threads[16];
     (void)state;
     let_compute(&hog, "2", HOG_FAN);
-    int count = other_threads(threads, 16);
-    assert_true(count > 0);
-    if (!freeze(threads[count - 1])) { /* the team's second one */
+    pid_t thread = second_of_team();
+    if (!freeze(thread)) {
         print_message("# this process may not stop a thread\n");
         test_hog_close(&hog);
         expect_end();
@@ -346,7 +395,7 @@ static void notify__does_not_beat_while_a_step_does_not_end(void **state)
     const struct proto_CANCEL_request cancel = {.id = hog.id};
     assert_true(test_raw_request(&hog.raw, PROTO_METHOD_CANCEL, &cancel) != 0);
     expect_no_beat();
-    thaw(threads[count - 1]);
+    thaw(thread);
     expect_beats();
     test_hog_close(&hog);
     expect_end();

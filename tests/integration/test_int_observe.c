@@ -379,7 +379,7 @@ static int ask_as_nobody(uint64_t session)
     struct proto_WATCH_START_request one = {.session = session};
     struct proto_CONFIG_SET_request set = {.name = "grace", .value = "1"};
     struct proto_CONFIG_GET_request get = {.name = "grace"};
-    int rc = 0;
+    int status = 0;
 
     if (setgroups(0, NULL) != 0 || setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
         !test_raw_open(&raw, test_shared.socket) || test_raw_hello(&raw) != 0) {
@@ -387,26 +387,26 @@ static int ask_as_nobody(uint64_t session)
     }
     if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
         listed.session == session || listed.uid != NOBODY) {
-        rc |= 2;
+        status |= 2;
     }
     list.before = listed.session; /* its own is the only one */
     if (test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &listed) != 0 ||
         listed.session != 0) {
-        rc |= 4;
+        status |= 4;
     }
     if (test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scene, NULL) != PCCD_E_HANDLE ||
         test_raw_call(&raw, PROTO_METHOD_WATCH_START, &one, NULL) != PCCD_E_HANDLE) {
-        rc |= 8;
+        status |= 8;
     }
     if (test_raw_call(&raw, PROTO_METHOD_WATCH_START, &all, NULL) != PCCD_E_ACCESS) {
-        rc |= 16;
+        status |= 16;
     }
     if (test_raw_call(&raw, PROTO_METHOD_CONFIG_SET, &set, NULL) != PCCD_E_ACCESS ||
         test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) != 0) {
-        rc |= 32;
+        status |= 32;
     }
     test_raw_close(&raw);
-    return rc;
+    return status;
 }
 
 /* If it failed, a user could see what another one does, or change a daemon of another. */

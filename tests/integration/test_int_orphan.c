@@ -42,7 +42,7 @@ static void start_and_stop(int fd)
     }
     told.worker = (pid_t)result.pid;
     if (kill(told.worker, SIGSTOP) != 0 ||
-        write(fd, &told, sizeof(told)) != (ssize_t)sizeof(told)) {
+        write(fd, &told, sizeof told) != (ssize_t)sizeof told) {
         _exit(1);
     }
     (void)pause();
@@ -77,11 +77,11 @@ static void orphan__workers_end_with_their_test(void **state)
         start_and_stop(fds[1]);
     }
     (void)close(fds[1]);
-    ssize_t got = read(fds[0], &told, sizeof(told));
+    ssize_t got = read(fds[0], &told, sizeof told);
     (void)close(fds[0]);
     (void)kill(test, SIGKILL);
     (void)await_end(test);
-    assert_int_equal(got, sizeof(told));
+    assert_int_equal(got, sizeof told);
     int status = await_end(told.worker);
     told.daemon.pid = 0; /* not ours to end; its folder is */
     told.daemon.guard = 0;

@@ -62,7 +62,7 @@ static void take(uint64_t step, struct pccd_answer *answer)
 
 static void expect_whole(uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     take(step, &answer);
     assert_true(test_grid_is_right(&grid, &answer));
@@ -71,7 +71,7 @@ static void expect_whole(uint64_t step)
 
 static void expect_nothing(uint64_t step, enum pccd_incomplete why)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     take(step, &answer);
     assert_int_equal(answer.incomplete, why);
@@ -83,7 +83,7 @@ static void expect_nothing(uint64_t step, enum pccd_incomplete why)
 
 static bool is_answered(uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     if (pccd_wait(client, step, 0, &answer) == PCCD_E_AGAIN) {
         return false;
@@ -96,7 +96,8 @@ static bool is_answered(uint64_t step)
  * it can still use it; or would find later that a motion was lost. */
 static void overdue__step_is_answered_at_its_deadline(void **state)
 {
-    const struct pccd_step_settings settings = {.deadline_ns = DEADLINE_NS};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = DEADLINE_NS};
     uint64_t before[2];
     uint64_t overdue;
     uint64_t after;
@@ -146,11 +147,12 @@ static void overdue__step_is_answered_when_it_is_cancelled(void **state)
  * of a large step would be lost. */
 static void overdue__large_step_is_answered_in_its_turn(void **state)
 {
-    const struct pccd_step_settings settings = {.deadline_ns = DEADLINE_NS};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .deadline_ns = DEADLINE_NS};
     uint64_t before;
     uint64_t overdue;
     uint64_t after;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     (void)state;
     assert_int_equal(test_grid_submit(&grid, NULL, &before), 0);
@@ -187,8 +189,8 @@ static int submit_doomed(uint32_t scene, uint32_t object,
         .scene = scene, .segments = 1, .deadline_ns = DEADLINE_NS};
     uint32_t id;
 
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
-    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof(test_triangle_x));
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
+    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof test_triangle_x);
     submit.seq = test_raw_publish(&raw, 0);
     assert_int_not_equal(test_raw_request(&raw, PROTO_METHOD_SCENE_REMOVE, &remove), 0);
     id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
@@ -204,7 +206,7 @@ static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state
     struct proto_FRAME_SUBMIT_request still = {.segments = 0};
     struct proto_FRAME_SUBMIT_result result;
     uint32_t mesh = 0;
-    int rc = PCCD_E_HANDLE;
+    int status = PCCD_E_HANDLE;
 
     (void)state;
     assert_true(test_raw_open(&raw, test_shared.socket));
@@ -215,15 +217,15 @@ static void overdue__what_goes_wrong_later_is_said_by_the_next_step(void **state
     assert_int_equal(test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &mesh), 0);
     still.scene = created.scene;
     /* Once in a while the long step ends at once, and it is told in its turn. */
-    for (int i = 0; i < TRIES && rc == PCCD_E_HANDLE; i++) {
+    for (int i = 0; i < TRIES && status == PCCD_E_HANDLE; i++) {
         uint32_t object = add_object(created.scene, mesh);
         uint64_t step;
 
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        rc = submit_doomed(created.scene, object, &result);
+        status = submit_doomed(created.scene, object, &result);
         expect_whole(step);
     }
-    assert_int_equal(rc, 0);
+    assert_int_equal(status, 0);
     assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &still, &result),
                      PCCD_E_HANDLE);

@@ -176,13 +176,13 @@ static void peer__that_lies_about_memory_is_not_believed(void **state)
     for (lie = 0; lie < 10; lie++) {
         struct pccd_client *client;
         uint64_t step = 0;
-        int rc;
+        int status;
 
         false_start(lie_about_memory);
         client = false_connect_good();
-        rc = pccd_submit_still(client, 1, NULL, &step);
-        if (rc != PCCD_E_BADMSG) {
-            fail_msg("lie %u: status %d \"%s\"", lie, rc, pccd_error_text(client));
+        status = pccd_submit_still(client, 1, NULL, &step);
+        if (status != PCCD_E_BADMSG) {
+            fail_msg("lie %u: status %d \"%s\"", lie, status, pccd_error_text(client));
         }
         pccd_close(client);
         (void)false_stop(NULL);
@@ -212,7 +212,7 @@ static void lie_about_pages(void)
 
     false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
     false_attach(false_good_ring, 2);
-    for (size_t i = 0; i < sizeof(pages) / sizeof(pages[0]); i++) {
+    for (size_t i = 0; i < sizeof pages / sizeof pages[0]; i++) {
         (void)false_next();
         false_step(false_daemon.envelope.id, pages[i].offset, pages[i].count,
                    pages[i].bytes);
@@ -226,7 +226,7 @@ static void lie_about_pages(void)
 static void peer__that_lies_about_pages_is_not_believed(void **state)
 {
     struct pccd_client *client;
-    struct pccd_answer answered;
+    struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     (void)state;
@@ -268,7 +268,7 @@ static void answer_backwards(void)
 static void peer__that_answers_in_any_order_is_understood(void **state)
 {
     struct pccd_client *client;
-    struct pccd_answer answered;
+    struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t steps[4];
 
     (void)state;
@@ -297,7 +297,7 @@ static void stop_answering(void)
 static void peer__that_stops_answering_bounds_what_is_begun(void **state)
 {
     struct pccd_client *client;
-    struct pccd_answer answered;
+    struct pccd_answer answered = PCCD_ANSWER_INIT;
     uint64_t steps[5];
     uint64_t begin_ms;
 
@@ -336,18 +336,18 @@ static void peer__of_another_user_is_not_spoken_to(void **state)
     if (geteuid() != 0) {
         skip(); /* nobody else may act as another user */
     }
-    (void)snprintf(false_daemon.directory, sizeof(false_daemon.directory),
+    (void)snprintf(false_daemon.directory, sizeof false_daemon.directory,
                    "/tmp/pccd-test-XXXXXX");
     assert_non_null(mkdtemp(false_daemon.directory));
-    (void)snprintf(folder, sizeof(folder), "%s/pccd", false_daemon.directory);
+    (void)snprintf(folder, sizeof folder, "%s/pccd", false_daemon.directory);
     assert_int_equal(mkdir(folder, 0700), 0);
-    (void)snprintf(false_daemon.socket_path, sizeof(false_daemon.socket_path),
+    (void)snprintf(false_daemon.socket_path, sizeof false_daemon.socket_path,
                    "%s/pccd/pccd.sock", false_daemon.directory);
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s",
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s",
                    false_daemon.socket_path);
     listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     assert_true(listener >= 0);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof(address)),
+    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
                      0);
     assert_int_equal(seteuid(OTHER_USER), 0);
     assert_int_equal(listen(listener, 4), 0);
@@ -490,7 +490,8 @@ static void hold_once_more(void)
  * has taken over, and the frame be left behind. */
 static void peer__that_takes_over_holds_what_it_says_itself(void **state)
 {
-    const struct pccd_step_settings hold = {.hold = true};
+    const struct pccd_step_settings hold = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .hold = true};
     struct pccd_options options;
     struct pccd_client *client = NULL;
     struct pccd_link_info info;

@@ -27,11 +27,11 @@ static uint32_t scene, mesh, objects[2];
 
 static void call(int method, const void *request, void *result)
 {
-    int rc = test_raw_call(&raw, method, request, result);
-    if (rc != 0) {
+    int status = test_raw_call(&raw, method, request, result);
+    if (status != 0) {
         print_error("%s: %s\n", proto_messages[method].name, raw.error.text);
     }
-    assert_int_equal(rc, 0);
+    assert_int_equal(status, 0);
 }
 
 /* Refused, by a sentence that names what was wrong, and the session goes on. */
@@ -192,18 +192,18 @@ static void stats__leave_out_what_is_zero_and_not_needed(void **state)
     uint32_t absent = 0;
     (void)state;
     assert_int_equal(test_raw_hello(&raw), 0);
-    memset(raw.message, 0, sizeof(raw.message)); /* nothing of older messages */
+    memset(raw.message, 0, sizeof raw.message); /* nothing of older messages */
     call(PROTO_METHOD_STATS, &request, &result);
     for (uint32_t i = 0; i < fields->count; i++) {
         const struct proto_field *field = &fields->items[i];
         uint64_t value = 1; /* of `cpu`, which is never empty */
         uint8_t name[64] = {(uint8_t)(0xa0 | field->name_bytes)}; /* a short string */
         if (field->type == PROTO_TYPE_u64) {
-            memcpy(&value, (const char *)&result + field->offset, sizeof(value));
+            memcpy(&value, (const char *)&result + field->offset, sizeof value);
         }
         memcpy(name + 1, field->name, field->name_bytes);
-        bool is_there = memmem(raw.message, sizeof(raw.message), name,
-                               field->name_bytes + 1u) != NULL;
+        bool is_there =
+            memmem(raw.message, sizeof raw.message, name, field->name_bytes + 1u) != NULL;
         assert_int_equal(is_there, field->need == PROTO_NEED_REQ || value != 0);
         zeros += value == 0 && is_there;
         absent += !is_there;
@@ -255,11 +255,11 @@ static void fall(float z0, float z1, uint32_t mode,
         .scene = scene, .segments = 1, .mode = mode};
     uint8_t *payload = test_raw_payload(&raw, 0);
     float x[3][3];
-    memcpy(payload, &segment, sizeof(segment));
+    memcpy(payload, &segment, sizeof segment);
     test_crossing_positions(x, z0);
-    memcpy(payload + 32, x, sizeof(x));
+    memcpy(payload + 32, x, sizeof x);
     test_crossing_positions(x, z1);
-    memcpy(payload + 72, x, sizeof(x));
+    memcpy(payload + 72, x, sizeof x);
     submit.seq = test_raw_publish(&raw, 0);
     call(PROTO_METHOD_FRAME_SUBMIT, &submit, answer);
     assert_int_equal(answer->mode, mode);
@@ -299,14 +299,14 @@ static void answer__fields_outside_their_mode_are_as_said(void **state)
 static uint32_t u32_at(const uint8_t *at)
 {
     uint32_t value;
-    memcpy(&value, at, sizeof(value));
+    memcpy(&value, at, sizeof value);
     return value;
 }
 
 static uint64_t u64_at(const uint8_t *at)
 {
     uint64_t value;
-    memcpy(&value, at, sizeof(value));
+    memcpy(&value, at, sizeof value);
     return value;
 }
 
@@ -329,7 +329,7 @@ static void check_object(const uint8_t *entry)
     assert_int_equal(u64_at(entry), 0x10 + 8 + 3 * 24 + 12 + 4); /* the last are zeros */
     assert_int_equal(u32_at(entry + 0x10), 3);
     assert_int_equal(u32_at(entry + 0x14), 1);
-    memcpy(x, entry + 0x18 + 24, sizeof(x));
+    memcpy(x, entry + 0x18 + 24, sizeof x);
     assert_true(x[0] == 1 && x[1] == 0 && x[2] == 1);
     assert_int_equal(u32_at(entry + 0x18 + 3 * 24 + 4), 1);
 }
@@ -340,12 +340,13 @@ static void check_step(const uint8_t *entry)
     double z;
     assert_int_equal(u64_at(entry + 0x18), 1);
     assert_int_equal(u32_at(entry + 0x28), PCCD_MODE_ANY);
-    assert_int_equal(u32_at(entry + 0x40), 1);
-    const uint8_t *slot = entry + 0x48;
+    assert_int_equal(u32_at(entry + 0x34), 1);
+    assert_int_equal(entry[0x38], 0); /* no tuning */
+    const uint8_t *slot = entry + 0x78;
     assert_int_equal(u32_at(slot), objects[1]);
-    memcpy(&z, slot + u64_at(slot + 0x10) + 16, sizeof(z));
+    memcpy(&z, slot + u64_at(slot + 0x10) + 16, sizeof z);
     assert_true(z == 1);
-    memcpy(&z, slot + u64_at(slot + 0x18) + 16, sizeof(z));
+    memcpy(&z, slot + u64_at(slot + 0x18) + 16, sizeof z);
     assert_true(z == -1);
 }
 
@@ -427,13 +428,13 @@ static void write_rigid(struct prng *prng, uint32_t at, uint32_t first, uint32_t
                                           .offset0 = 64 + at * 192,
                                           .offset1 = 64 + at * 192 + 96};
     uint8_t *payload = test_raw_payload(&raw, 0);
-    memcpy(payload + at * sizeof(segment), &segment, sizeof(segment));
+    memcpy(payload + at * sizeof segment, &segment, sizeof segment);
     for (uint32_t end = 0; end < 2; end++) {
         double m[12];
         for (int i = 0; i < 12; i++) {
             m[i] = prng_between(prng, -2, 2);
         }
-        memcpy(payload + segment.offset0 + 96 * end, m, sizeof(m));
+        memcpy(payload + segment.offset0 + 96 * end, m, sizeof m);
         for (uint32_t i = 3 * first; i < 3 * (first + count); i++) {
             const float *x = rest_x[i / 3];
             expected[end][i / 3][i % 3] = transformed(m + 4 * (i % 3), x);
@@ -450,13 +451,13 @@ static void read_step(const struct proto_SCENE_JOURNAL_result *page, double x[2]
     struct proto_journal_entry entry = {0};
     struct proto_segment segment;
     for (; at < end; at += entry.bytes) {
-        memcpy(&entry, at, sizeof(entry));
+        memcpy(&entry, at, sizeof entry);
         if (entry.kind == PROTO_JOURNAL_STEP) {
-            const uint8_t *slot = at + sizeof(entry) + sizeof(struct proto_journal_step);
-            memcpy(&segment, slot, sizeof(segment));
+            const uint8_t *slot = at + sizeof entry + sizeof(struct proto_journal_step);
+            memcpy(&segment, slot, sizeof segment);
             assert_true(segment.object == objects[1] && segment.count == 3);
-            memcpy(x[0], slot + segment.offset0, sizeof(x[0]));
-            memcpy(x[1], slot + segment.offset1, sizeof(x[1]));
+            memcpy(x[0], slot + segment.offset0, sizeof x[0]);
+            memcpy(x[1], slot + segment.offset1, sizeof x[1]);
         }
     }
     assert_int_equal(entry.kind, PROTO_JOURNAL_STEP);
@@ -487,7 +488,7 @@ static void rigid__has_the_bits_of_the_document_part_by_part(void **state)
         ask.cursor = page.end;
         call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
         read_step(&page, found);
-        assert_memory_equal(found, expected, sizeof(found));
+        assert_memory_equal(found, expected, sizeof found);
         atomic_store(&test_raw_upload(&raw)->result_head.value, page.release);
     }
     assert_true(others > 100); /* or the order would not show */
@@ -518,7 +519,7 @@ static void rigid__leaves_the_rest_of_the_object_where_it_is(void **state)
     ask.cursor = page.end;
     call(PROTO_METHOD_SCENE_JOURNAL, &ask, &page);
     read_step(&page, found);
-    assert_memory_equal(found, expected, sizeof(found));
+    assert_memory_equal(found, expected, sizeof found);
 }
 
 #define TEST(function) cmocka_unit_test_setup_teardown(function, open_raw, close_raw)

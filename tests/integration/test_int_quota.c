@@ -60,9 +60,9 @@ static int make_stack(struct pccd_client *client, struct stack *stack)
 static int fall(struct stack *stack, struct pccd_answer *answer)
 {
     uint64_t step = 0;
-    int rc = test_grid_submit(&stack->grid, NULL, &step);
+    int status = test_grid_submit(&stack->grid, NULL, &step);
 
-    return rc != 0 ? rc : pccd_wait(stack->grid.client, step, 60000, answer);
+    return status != 0 ? status : pccd_wait(stack->grid.client, step, 60000, answer);
 }
 
 /* If it failed, the records of answers would be memory that nobody is charged for: a few
@@ -72,7 +72,7 @@ static void memory__of_answers_is_bounded(void **state)
     static const char *const options[] = {"--memory-max-mib", "24", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
     uint64_t before;
 
@@ -105,7 +105,7 @@ static void memory__within_the_quota_answers_are_whole(void **state)
     static const char *const options[] = {"--memory-max-mib", "256", NULL};
     struct test_daemon daemon;
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct stack stack;
 
     (void)state;
@@ -116,7 +116,7 @@ static void memory__within_the_quota_answers_are_whole(void **state)
     for (int i = 0; i < 2; i++) {
         assert_int_equal(fall(&stack, &answer), 0);
         assert_int_equal(answer.total, CONTACTS);
-        assert_int_equal(answer.vf, CONTACTS);
+        assert_int_equal(answer.counts[PCCD_VF], CONTACTS);
         assert_int_not_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         pccd_answer_release(client, &answer);
     }
@@ -147,15 +147,15 @@ static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
     assert_true(test_crossing_turn(&crossing));
     for (int i = 0; i < 3; i++) {
         uint64_t step = 0;
-        int rc = test_grid_make(client, 300, &grid); /* 178 802 triangles */
+        int status = test_grid_make(client, 300, &grid); /* 178 802 triangles */
 
-        if (rc == 0) {
-            struct pccd_answer answer;
+        if (status == 0) {
+            struct pccd_answer answer = PCCD_ANSWER_INIT;
 
-            rc = test_grid_submit(&grid, NULL, &step);
-            rc = rc != 0 ? rc : pccd_wait(client, step, 60000, &answer);
+            status = test_grid_submit(&grid, NULL, &step);
+            status = status != 0 ? status : pccd_wait(client, step, 60000, &answer);
         }
-        assert_int_equal(rc, PCCD_E_QUOTA);
+        assert_int_equal(status, PCCD_E_QUOTA);
         assert_non_null(strstr(pccd_error_text(client), "engine's memory"));
         assert_true(test_crossing_turn(&crossing));
         test_grid_free(&grid);
@@ -233,18 +233,18 @@ static void memory__of_all_users_is_bounded(void **state)
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     assert_true(test_crossing_turn(&crossing)); /* its ring is there */
     max_mib = (test_stat(client, "shm_bytes_now") >> 20) + 12;
-    (void)snprintf(text, sizeof(text), "%llu", (unsigned long long)max_mib);
+    (void)snprintf(text, sizeof text, "%llu", (unsigned long long)max_mib);
     assert_int_equal(pccd_config_set(client, "memory-total-mib", text), 0);
-    int rc = test_grid_make(client, 300, &grid); /* 178 802 triangles */
-    if (rc == 0) {
-        struct pccd_answer answer;
+    int status = test_grid_make(client, 300, &grid); /* 178 802 triangles */
+    if (status == 0) {
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
 
-        rc = test_grid_submit(&grid, NULL, &step);
-        rc = rc != 0 ? rc : pccd_wait(client, step, 60000, &answer);
+        status = test_grid_submit(&grid, NULL, &step);
+        status = status != 0 ? status : pccd_wait(client, step, 60000, &answer);
     }
-    assert_int_equal(rc, PCCD_E_QUOTA);
-    (void)snprintf(text, sizeof(text), "the bound of %llu MiB",
+    assert_int_equal(status, PCCD_E_QUOTA);
+    (void)snprintf(text, sizeof text, "the bound of %llu MiB",
                    (unsigned long long)max_mib);
     assert_non_null(strstr(pccd_error_text(client), text));
     assert_true(test_crossing_turn(&crossing)); /* others go on */

@@ -68,8 +68,10 @@ struct stage {
 static void take(struct stage *stage, struct pccd_frame *frame)
 {
     const struct pccd_step_settings settings = {
-        .mode = (enum pccd_mode)(stage->steps % PCCD_MODE_COUNT)};
-    struct pccd_answer answer;
+        .struct_bytes = sizeof(struct pccd_step_settings),
+        .mode = (enum pccd_mode)(stage->steps % PCCD_MODE_COUNT),
+        .tuning = stage->steps % 2 == 0 ? "scheduler=paper,refit=paper" : NULL};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     assert_int_equal(pccd_frame_commit(frame, &settings, &step), 0);
@@ -106,14 +108,14 @@ static void move_stage(struct stage *stage, float z)
     float(*x1)[3];
     double(*d0)[3], (*d1)[3];
     float at[3][3];
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     test_crossing_positions(at, z);
     assert_int_equal(pccd_frame_begin(stage->client, stage->scene, 2, 512, &frame), 0);
     assert_int_equal(
         pccd_frame_x1(&frame, stage->body, PCCD_FORMAT_F32, 0, 3, (void **)&x1), 0);
-    memcpy(x1, at, sizeof(at));
+    memcpy(x1, at, sizeof at);
     assert_int_equal(pccd_frame_x0x1(&frame, stage->second, PCCD_FORMAT_F64, 0, 3,
                                      (void **)&d0, (void **)&d1),
                      0);
@@ -155,18 +157,25 @@ static void change_stage(struct stage *stage)
     assert_int_equal(pccd_scene_destroy(stage->client, scene), 0);
 }
 
-/* A step that the daemon must refuse leaves everything where it was. */
-static void fail_step(struct stage *stage)
+/* Steps that the daemon must refuse leave everything where it was. The second is refused
+ * for its tuning, so that a replay without it would answer otherwise. */
+static void fail_steps(struct stage *stage)
 {
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .tuning = "refit=none"};
     float at[3][3];
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     test_crossing_positions(at, 1);
     at[2][1] = (float)(0.0 / (double)(at[0][0] - at[0][0]));
     assert_int_equal(pccd_step_x1(stage->client, stage->scene, stage->body, at,
                                   PCCD_FORMAT_F32, 3, NULL, &answer),
                      PCCD_E_NOTFINITE);
-    stage->steps++;
+    test_crossing_positions(at, 1);
+    assert_int_equal(pccd_step_x1(stage->client, stage->scene, stage->body, at,
+                                  PCCD_FORMAT_F32, 3, &settings, &answer),
+                     PCCD_E_INVAL);
+    stage->steps += 2;
 }
 
 /* If this failed, a kind of request would be missing in recordings, or mean something
@@ -182,7 +191,7 @@ static void record__holds_every_kind_of_request(void **state)
     assert_int_equal(pccd_record_start(client, test_recording, NULL), 0);
     make_stage(client, &stage);
     move_stage(&stage, -1);
-    fail_step(&stage);
+    fail_steps(&stage);
     move_stage(&stage, 1);
     change_stage(&stage);
     move_stage(&stage, -0.5f);
@@ -255,7 +264,7 @@ static void run_for_ever(int ready)
         _exit(1);
     }
     for (uint64_t i = 0;; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
 
         if (test_grid_submit(&grid, NULL, &step) != 0) {
@@ -295,7 +304,7 @@ static void record__survives_its_program(void **state)
         assert_int_equal(waitpid(child, NULL, 0), child);
         (void)close(ready[0]);
         (void)close(ready[1]);
-        assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof(said)),
+        assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof said),
                          0);
         assert_in_range(test_ctl_number(said, "same"), 4, 1000000);
         assert_int_equal(test_ctl_number(said, "differ"), 0);
@@ -308,7 +317,7 @@ static void record__survives_its_program(void **state)
 static void turn_grid(struct test_grid *grid, unsigned times)
 {
     for (unsigned i = 0; i < times; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
 
         assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
@@ -367,11 +376,11 @@ static void record__keeps_the_newest_segments(void **state)
     assert_int_equal(info.frames, 200);
     test_recording_repeats("--json", test_recording, 1);
     for (int age = 1; age <= 2; age++) {
-        (void)snprintf(name, sizeof(name), "%s.%d", test_recording, age);
+        (void)snprintf(name, sizeof name, "%s.%d", test_recording, age);
         assert_in_range(bytes_of(name), 65536, 65536 + 8192);
         test_recording_repeats("--json", name, 8);
     }
-    (void)snprintf(name, sizeof(name), "%s.3", test_recording);
+    (void)snprintf(name, sizeof name, "%s.3", test_recording);
     assert_int_equal(bytes_of(name), 0);
     test_grid_free(&grid);
     pccd_close(client);
@@ -384,7 +393,7 @@ static uint64_t bytes_of_ring(void)
     char name[128];
 
     for (int age = 1; age <= 3; age++) {
-        (void)snprintf(name, sizeof(name), "%s.%d", test_recording, age);
+        (void)snprintf(name, sizeof name, "%s.%d", test_recording, age);
         bytes += bytes_of(name);
     }
     return bytes;
@@ -429,7 +438,7 @@ static void record__meshes_keep_the_bound_of_a_ring(void **state)
     assert_int_equal(info.status, 0);
     assert_in_range(info.segments, 4, 20);
     test_recording_repeats("--json", test_recording, 3);
-    (void)snprintf(older, sizeof(older), "%s.1", test_recording);
+    (void)snprintf(older, sizeof older, "%s.1", test_recording);
     test_recording_repeats("--json", older, 0);
     reshape(&stage, 4096, 0); /* more than half of a segment */
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_LIMIT);
@@ -451,7 +460,7 @@ static void record__is_refused_where_it_could_not_be_whole(void **state)
 
     (void)state;
     test_recording_clear();
-    (void)snprintf(beside, sizeof(beside), "%s-beside", test_recording);
+    (void)snprintf(beside, sizeof beside, "%s-beside", test_recording);
     assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_STATE);
     assert_int_equal(pccd_record_start(client, test_recording, &too_small), PCCD_E_INVAL);
     assert_int_equal(pccd_record_start(client, test_recording, &unbounded), PCCD_E_INVAL);
@@ -504,7 +513,7 @@ static void environment__records_every_client(void **state)
         move_stage(&stages[i], i == 0 ? -1.0f : 0.5f);
         pccd_close(clients[i]);
     }
-    (void)snprintf(name, sizeof(name), "%s-2", test_recording);
+    (void)snprintf(name, sizeof name, "%s-2", test_recording);
     test_recording_repeats("--json", test_recording, stages[0].steps);
     test_recording_repeats("--json", name, stages[1].steps);
 }

@@ -50,7 +50,7 @@ static void positions(float x[6][3], uint32_t body, float z)
     const float at[6][3] = {{-1, -1, 0}, {1, -1, 0},        {0, 1, 0},
                             {0, 0, z},   {0.25f, 0, 2 * z}, {0, 0.25f, 2 * z}};
 
-    memcpy(x, at, sizeof(at));
+    memcpy(x, at, sizeof at);
     for (uint32_t v = 0; v < 6; v++) {
         x[v][0] += 0.05f * (float)body;
         x[v][2] += (v < 3 ? 0.1f : 0.2f) * z * (float)body;
@@ -93,7 +93,7 @@ static void begin_play(struct play *play, const struct pccd_record_settings *set
 static void step(struct play *play)
 {
     struct pccd_frame frame;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number;
 
     play->z = -play->z;
@@ -178,7 +178,7 @@ static void assert_repeats(const char *file, uint64_t steps)
     for (size_t i = 0; i < 2; i++) {
         int status =
             test_ctl("verify", i == 0 ? "--sample 100000" : "--repeat --method paper",
-                     file, said, sizeof(said));
+                     file, said, sizeof said);
 
         if (status != 0) {
             print_message("%s\n", said);
@@ -244,7 +244,7 @@ static void record__segments_have_masks_and_pairs(void **state)
 
     (void)state;
     test_recording_clear();
-    (void)snprintf(older, sizeof(older), "%s.1", test_recording);
+    (void)snprintf(older, sizeof older, "%s.1", test_recording);
     begin_play(&play, &settings);
     change(&play);
     do {
@@ -255,10 +255,10 @@ static void record__segments_have_masks_and_pairs(void **state)
     step(&play);
     pccd_close(play.client);
     assert_int_equal(info.segments, 4);
-    assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof(said)), 0);
-    assert_int_equal(test_ctl("replay", "--json", older, said, sizeof(said)), 0);
+    assert_int_equal(test_ctl("replay", "--json", test_recording, said, sizeof said), 0);
+    assert_int_equal(test_ctl("replay", "--json", older, said, sizeof said), 0);
     assert_in_range(test_ctl_number(said, "same"), 5, 1000);
-    assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof(said)), 0);
+    assert_int_equal(test_ctl("verify", "--repeat", older, said, sizeof said), 0);
 }
 
 int main(void)

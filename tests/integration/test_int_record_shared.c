@@ -113,7 +113,7 @@ static void write_way(struct pccd_frame *frame, uint32_t body)
         break;
     case 1:
         assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 2, 3, &x1), 0);
-        memcpy(x1, x + 2, 3 * sizeof(x[0]));
+        memcpy(x1, x + 2, 3 * sizeof x[0]);
         break;
     case 2:
         for (uint32_t i = 0; i < 3 * BODY; i++) {
@@ -122,12 +122,12 @@ static void write_way(struct pccd_frame *frame, uint32_t body)
         }
         assert_int_equal(pccd_frame_x0x1(frame, body, PCCD_FORMAT_F64, 0, BODY, &x0, &x1),
                          0);
-        memcpy(x0, wide[0], sizeof(wide[0]));
-        memcpy(x1, wide[1], sizeof(wide[1]));
+        memcpy(x0, wide[0], sizeof wide[0]);
+        memcpy(x1, wide[1], sizeof wide[1]);
         break;
     default:
         assert_int_equal(pccd_frame_x1(frame, body, PCCD_FORMAT_F32, 0, BODY, &x1), 0);
-        memcpy(x1, x, sizeof(x));
+        memcpy(x1, x, sizeof x);
         break;
     }
 }
@@ -135,6 +135,7 @@ static void write_way(struct pccd_frame *frame, uint32_t body)
 static uint64_t submit(struct member *member, bool hold)
 {
     const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings),
         .mode = hold ? PCCD_MODE_ALL : (enum pccd_mode)draw(PCCD_MODE_COUNT),
         .tolerance = hold || draw(2) == 0 ? 0 : 1e-9,
         .hold = hold};
@@ -153,14 +154,14 @@ static uint64_t submit(struct member *member, bool hold)
 
 static void collect(struct member *member, uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     assert_int_equal(pccd_wait(member->client, step, -1, &answer), 0);
     if (answer.count == 0 && answer.total > 0 && draw(2) == 0) { /* it was held */
         assert_int_equal(
             pccd_scene_read(member->client, member->scene, answer.number, 0, &answer), 0);
     }
-    member->with_contacts += answer.vf + answer.ee > 0;
+    member->with_contacts += answer.counts[PCCD_VF] + answer.counts[PCCD_EE] > 0;
     pccd_answer_release(member->client, &answer);
     member->answered++;
 }
@@ -275,11 +276,11 @@ static void assert_repeats(uint64_t least)
         "--json", "--json --url direct:", "--json --method paper"};
     char said[4096];
 
-    for (size_t i = 0; i < sizeof(options) / sizeof(options[0]); i++) {
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
         test_recording_repeats(options[i], test_recording, least);
     }
     int status =
-        test_ctl("verify", "--repeat --sample 20", test_recording, said, sizeof(said));
+        test_ctl("verify", "--repeat --sample 20", test_recording, said, sizeof said);
 
     if (status != 0) {
         print_message("%s\n", said);

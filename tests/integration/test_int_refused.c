@@ -45,23 +45,23 @@ static void refused__every_client_beyond_the_quota_hears_so(void **state)
     for (unsigned i = 0; i < BEYOND; i++) { /* the first seven have a place */
         assert_true(test_raw_open(&raws[i], daemon.socket));
         if (i % 2 == 1 || i < 7) { /* the others wait, silent */
-            int rc = test_raw_call(&raws[i], PROTO_METHOD_HELLO, &hello, NULL);
+            int status = test_raw_call(&raws[i], PROTO_METHOD_HELLO, &hello, NULL);
 
-            assert_int_equal(rc, i < 7 ? 0 : PCCD_E_QUOTA);
-            heard += rc == PCCD_E_QUOTA;
+            assert_int_equal(status, i < 7 ? 0 : PCCD_E_QUOTA);
+            heard += status == PCCD_E_QUOTA;
         }
     }
     assert_int_equal(pccd_ping(client, NULL), 0);
     for (unsigned i = 8; i < BEYOND; i += 2) {
         uint32_t id = test_raw_request(&raws[i], PROTO_METHOD_HELLO, &hello);
-        int rc = id != 0 ? test_raw_answer(&raws[i], id, PROTO_METHOD_HELLO, NULL)
-                         : test_raw_receive(&raws[i]); /* told before it had spoken */
+        int status = id != 0 ? test_raw_answer(&raws[i], id, PROTO_METHOD_HELLO, NULL)
+                             : test_raw_receive(&raws[i]); /* told before it had spoken */
 
-        if (id == 0 && rc == 0) {
-            rc = raws[i].envelope.error.code;
+        if (id == 0 && status == 0) {
+            status = raws[i].envelope.error.code;
             told++;
         }
-        assert_int_equal(rc, PCCD_E_QUOTA);
+        assert_int_equal(status, PCCD_E_QUOTA);
         heard++;
     }
     assert_int_equal(heard, BEYOND - 7);

@@ -68,7 +68,7 @@ static void move_pieces(struct test_grid *grid, uint32_t object, float z,
                      0);
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     assert_int_equal(answer->total, CORNERS);
-    assert_int_equal(answer->vf, CORNERS);
+    assert_int_equal(answer->counts[PCCD_VF], CORNERS);
     pccd_answer_release(grid->client, answer);
 }
 
@@ -83,7 +83,7 @@ static int break_mesh(struct test_grid *grid, struct pccd_mesh_info *info)
 
 static void turn(struct test_grid *grid)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
@@ -104,7 +104,7 @@ static void open_fresh(struct test_grid *grid)
     *grid = (struct test_grid){.client = client,
                                .side = SIDE,
                                .vertex_count = SIDE * SIDE,
-                               .x = calloc((size_t)SIDE * SIDE, sizeof(*grid->x))};
+                               .x = calloc((size_t)SIDE * SIDE, sizeof *grid->x)};
     assert_non_null(grid->x);
     break_grid(grid, 1, &pieces);
     assert_int_equal(pccd_scene_create(client, NULL, &grid->scene), 0);
@@ -140,8 +140,8 @@ static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
     struct test_grid grid;
     struct test_grid fresh;
     struct pccd_mesh_info info;
-    struct pccd_answer answer;
-    struct pccd_answer expected;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_answer expected = PCCD_ANSWER_INIT;
 
     (void)state;
     open_grid(&grid);
@@ -160,7 +160,7 @@ static void replace__a_broken_body_answers_as_a_fresh_one(void **state)
 
         move_pieces(&grid, grid.object, z, &answer);
         move_pieces(&fresh, fresh.object, z, &expected);
-        assert_memory_equal(answer.hash, expected.hash, sizeof(answer.hash));
+        assert_memory_equal(answer.hash, expected.hash, sizeof answer.hash);
         test_witness_turn();
     }
     /* Whole again, and broken again. */
@@ -182,7 +182,7 @@ static void replace__reaches_every_object_made_of_the_mesh(void **state)
     struct test_grid grid;
     struct test_grid scenes[SCENES];
     struct test_grid other;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t before;
     uint64_t replaced = test_stat(test_witness.crossing.client, "meshes_replaced");
     uint32_t gone = 0;
@@ -287,8 +287,8 @@ static void replace__without_quota_changes_nothing(void **state)
     assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
     assert_int_equal(test_stat(client, "triangles_now"), 3 * TRIANGLES + 2);
     break_grid(&grid, 1, &pieces);
-    memcpy(doubled, pieces.triangles, sizeof(pieces.triangles));
-    memcpy(doubled + TRIANGLES, pieces.triangles, sizeof(pieces.triangles));
+    memcpy(doubled, pieces.triangles, sizeof pieces.triangles);
+    memcpy(doubled + TRIANGLES, pieces.triangles, sizeof pieces.triangles);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(pccd_mesh_replace(client, grid.mesh, pieces.x, PCCD_FORMAT_F32,
                                            CORNERS, (const uint32_t(*)[3])doubled,
@@ -313,7 +313,7 @@ static void replace__charges_objects_once(void **state)
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t scene = 0;
     uint32_t second = 0;
 
@@ -383,10 +383,10 @@ static int announce(uint32_t mesh, uint32_t vertex_count, uint32_t triangle_coun
     struct proto_MESH_REPLACE_request replace = {
         .mesh = mesh, .vertex_count = vertex_count, .triangle_count = triangle_count};
     struct proto_MESH_REPLACE_result result = {.generation = 0};
-    int rc = test_raw_call(&raw, PROTO_METHOD_MESH_REPLACE, &replace, &result);
+    int status = test_raw_call(&raw, PROTO_METHOD_MESH_REPLACE, &replace, &result);
 
     *generation = result.generation;
-    return rc;
+    return status;
 }
 
 static int commit(uint32_t mesh, struct proto_MESH_COMMIT_result *result)
@@ -404,13 +404,13 @@ static uint32_t submit(const struct bare *bare, uint32_t slot, const float (*x)[
                                     .kind = PROTO_SEGMENT_X1,
                                     .format = PCCD_FORMAT_F32,
                                     .count = count,
-                                    .offset1 = sizeof(segment)};
+                                    .offset1 = sizeof segment};
     struct proto_FRAME_SUBMIT_request request = {
         .scene = bare->scene, .slot = slot, .segments = 1, .threads = 1};
     uint8_t *payload = test_raw_payload(&raw, slot);
 
-    memcpy(payload, &segment, sizeof(segment));
-    memcpy(payload + sizeof(segment), x, count * sizeof(*x));
+    memcpy(payload, &segment, sizeof segment);
+    memcpy(payload + sizeof segment, x, count * sizeof *x);
     request.seq = test_raw_publish(&raw, slot);
     return test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &request);
 }

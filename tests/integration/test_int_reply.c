@@ -86,7 +86,7 @@ static void reply__leaves_room_for_the_next_step(void **state)
         assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
     }
     for (int i = 0; i < 10 * TURNS; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
 
         assert_int_equal(pccd_wait(client, steps[i % 4], -1, &answer), 0);
         assert_true(test_grid_is_right(&grid, &answer));

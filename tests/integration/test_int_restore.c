@@ -89,7 +89,7 @@ static void restore__brings_many_meshes_back_through_any_ring(void **state)
 
     (void)state;
     start("4096");
-    for (size_t i = 0; i < sizeof(slots) / sizeof(slots[0]); i++) {
+    for (size_t i = 0; i < sizeof slots / sizeof slots[0]; i++) {
         struct pccd_client *client = connect_with(slots[i], 4096);
 
         make_crossings(client);
@@ -111,16 +111,16 @@ static void turn_despite_refusals(void)
     for (unsigned i = 0; i < CROSSINGS; i++) {
         struct test_crossing *crossing = &crossings[i];
         uint64_t until_ms = test_now_ms() + 10000;
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         float x1[3][3];
-        int rc;
+        int status;
 
         test_crossing_positions(x1, -crossing->z);
         do {
-            rc = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
-                              PCCD_FORMAT_F32, 3, NULL, &answer);
-        } while (rc == PCCD_E_BUSY && test_now_ms() < until_ms);
-        assert_int_equal(rc, 0);
+            status = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer);
+        } while (status == PCCD_E_BUSY && test_now_ms() < until_ms);
+        assert_int_equal(status, 0);
         crossing->z = -crossing->z;
         assert_true(test_crossing_is_right(crossing, &answer));
     }
@@ -201,12 +201,12 @@ static void restore__begins_anew_when_the_daemon_ends_meanwhile(void **state)
 static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
 {
     enum { VERTICES = 600000 };
-    float(*x)[3] = calloc(VERTICES, sizeof(*x));
-    uint32_t(*triangles)[3] = calloc(VERTICES, sizeof(*triangles));
+    float(*x)[3] = calloc(VERTICES, sizeof *x);
+    uint32_t(*triangles)[3] = calloc(VERTICES, sizeof *triangles);
     struct pccd_client *client;
     uint32_t mesh = 0;
     pid_t killer;
-    int rc;
+    int status;
 
     (void)state;
     assert_true(x != NULL && triangles != NULL);
@@ -219,11 +219,11 @@ static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
     start("4096");
     client = connect_with(4, 4096); /* slow: thousands of chunks, always some in flight */
     killer = kill_workers(daemon_.socket, 4, 60);
-    rc = pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles, VERTICES,
-                          &mesh, NULL);
+    status = pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles, VERTICES,
+                              &mesh, NULL);
     assert_int_equal(kill(killer, SIGKILL), 0);
     assert_int_equal(waitpid(killer, NULL, 0), killer);
-    assert_int_equal(rc, PCCD_E_DISCONNECTED);
+    assert_int_equal(status, PCCD_E_DISCONNECTED);
     assert_non_null(strstr(pccd_error_text(client), "daemon after daemon"));
     assert_int_equal(mesh, 0);
     assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F32, VERTICES, triangles,

@@ -97,7 +97,7 @@ static struct proto_FRAME_SUBMIT_request write_step(struct rival *rival, uint32_
     const struct proto_segment segment = {
         .object = rival->object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
 
-    memcpy(test_raw_payload(&rival->raw, slot), &segment, sizeof(segment));
+    memcpy(test_raw_payload(&rival->raw, slot), &segment, sizeof segment);
     memcpy(test_raw_payload(&rival->raw, slot) + 32, x, sizeof(float[3][3]));
     return (struct proto_FRAME_SUBMIT_request){.scene = rival->scene,
                                                .slot = slot,
@@ -315,7 +315,7 @@ static void rivals__one_who_is_looked_at_may_leave(void **state)
         struct proto_LIST_PAIR_request pairs = {.cursor = 0};
         struct proto_LIST_PAIR_result pair;
         struct proto_SCENE_CREATE_result created;
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
         uint32_t id;
         bool is_early;
@@ -387,19 +387,19 @@ static void rivals__one_who_is_not_back_keeps_its_numbers(void **state)
 static void rivals__an_error_is_told_to_whose_it_is(void **state)
 {
     struct proto_FRAME_SUBMIT_result answer;
-    int rc = PCCD_E_HANDLE;
+    int status = PCCD_E_HANDLE;
 
     (void)state;
     enter_both("owed");
     /* Once in a while the long step ends at once, and the error is told in its turn. */
-    for (int i = 0; i < ROUNDS && rc == PCCD_E_HANDLE; i++) {
+    for (int i = 0; i < ROUNDS && status == PCCD_E_HANDLE; i++) {
         struct proto_FRAME_SUBMIT_request submit = write_step(&second, 0, test_floor_x);
         const struct proto_SCENE_REMOVE_request remove = {.scene = second.scene,
                                                           .object = second.object};
         const struct proto_SCENE_ADD_request add = {.scene = second.scene,
                                                     .mesh = second.mesh};
         struct proto_SCENE_ADD_result added;
-        struct pccd_answer whole;
+        struct pccd_answer whole = PCCD_ANSWER_INIT;
         uint64_t step = 0;
         uint32_t id;
 
@@ -407,13 +407,13 @@ static void rivals__an_error_is_told_to_whose_it_is(void **state)
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         (void)request(&second, PROTO_METHOD_SCENE_REMOVE, &remove);
         id = request(&second, PROTO_METHOD_FRAME_SUBMIT, &submit);
-        rc = test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
+        status = test_raw_answer(&second.raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
         assert_int_equal(pccd_wait(grid.client, step, 60000, &whole), 0);
         pccd_answer_release(grid.client, &whole);
         assert_int_equal(call(&second, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
         second.object = added.object;
     }
-    assert_int_equal(rc, 0);
+    assert_int_equal(status, 0);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(step_still(&first, &answer), 0);
     assert_int_equal(step_still(&second, &answer), PCCD_E_HANDLE);
@@ -467,9 +467,9 @@ static void rivals__every_step_that_has_run_is_told(void **state)
     assert_int_equal(pthread_create(&spoiler, NULL, spoil, test_raw_upload(&first.raw)),
                      0);
     for (int i = 0; i < SPOILT; i++) {
-        int rc = step_still(&first, &answer);
+        int status = step_still(&first, &answer);
 
-        assert_true(rc == 0 || rc == PCCD_E_INVAL);
+        assert_true(status == 0 || status == PCCD_E_INVAL);
         take_news(&second, &told); /* came before the answer */
     }
     atomic_store(&is_over, true);

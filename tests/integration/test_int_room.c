@@ -159,8 +159,8 @@ static void room__of_the_engine_is_made(void **state)
     (void)state;
     make_grid();
     open_both("--memory-max-mib", "16");
-    assert_int_equal(test_raw_attach(&fixture.first, 2, sizeof(triangles)), 0);
-    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof(triangles)), 0);
+    assert_int_equal(test_raw_attach(&fixture.first, 2, sizeof triangles), 0);
+    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof triangles), 0);
     while (status == 0 && held < 100) {
         status = test_raw_mesh(&fixture.first, x, VERTICES, triangles, TRIANGLES, &mesh);
         held += status == 0;
@@ -171,7 +171,7 @@ static void room__of_the_engine_is_made(void **state)
     assert_int_equal(status, PCCD_E_QUOTA);
     test_raw_close(&fixture.second); /* with what the refused mesh has of data */
     open_second();
-    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof(triangles)), 0);
+    assert_int_equal(test_raw_attach(&fixture.second, 2, sizeof triangles), 0);
     lose_first();
     for (uint32_t i = 0; i < held; i++) {
         status = test_raw_mesh(&fixture.second, x, VERTICES, triangles, TRIANGLES, &mesh);

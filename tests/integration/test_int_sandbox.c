@@ -3,7 +3,7 @@
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     look at every thread of a daemon in the sandbox, and use all that a client
  *           can: rings, meshes, steps by a team, recordings, the orderly end. Have each
- *           thread try to remove a file, as whoever takes one over would.
+ *           thread try to remove and to read a file, as whoever takes one over would.
  * Threads:  one; a child for a system without Landlock.
  */
 #include <dirent.h>
@@ -111,8 +111,9 @@ static void put_string(pid_t thread, unsigned long long at, const char *text)
     }
 }
 
-/* Have a thread, which sleeps in a system call, call unlink. Returns what that did. */
-static long unlink_in(pid_t thread, const char *path)
+/* Have a thread, which sleeps in a system call, make another one: of a path alone
+ * (unlink), or openat's to read it. Returns what that did. */
+static long call_in(pid_t thread, long call, const char *path)
 {
     struct user_regs_struct before;
     int status = 0;
@@ -125,9 +126,11 @@ static long unlink_in(pid_t thread, const char *path)
     struct user_regs_struct regs = before;
     regs.rsp = (before.rsp - 1024) & ~15ull;
     regs.rip = before.rip - 2;
-    regs.rax = SYS_unlink;
+    regs.rax = (unsigned long long)call;
     regs.orig_rax = ~0ull;
-    regs.rdi = regs.rsp;
+    regs.rdi = call == SYS_openat ? (unsigned long long)AT_FDCWD : regs.rsp;
+    regs.rsi = regs.rsp;
+    regs.rdx = O_RDONLY | O_CLOEXEC;
     put_string(thread, regs.rsp, path);
     assert_int_equal(ptrace(PTRACE_SETREGS, thread, 0, &regs), 0);
     assert_int_equal(ptrace(PTRACE_SINGLESTEP, thread, 0, 0), 0);
@@ -138,9 +141,9 @@ static long unlink_in(pid_t thread, const char *path)
     return (long)regs.rax;
 }
 
-/* If it failed, whoever takes over a thread could remove any file of the daemon's user,
- * as root every one. */
-static void sandbox__lets_no_file_be_removed(void **state)
+/* If it failed, whoever takes over a thread could remove, or read, any file of the
+ * daemon's user, as root every one. */
+static void sandbox__lets_no_file_be_removed_or_read(void **state)
 {
     const struct test_daemon *daemon = *state;
     char path[64];
@@ -157,7 +160,9 @@ static void sandbox__lets_no_file_be_removed(void **state)
     for (const struct dirent *entry = readdir(threads); entry != NULL;
          entry = readdir(threads)) {
         if (entry->d_name[0] != '.') {
-            assert_int_equal(unlink_in(atoi(entry->d_name), precious), -EACCES);
+            pid_t thread = atoi(entry->d_name);
+            assert_int_equal(call_in(thread, SYS_unlink, precious), -EACCES);
+            assert_int_equal(call_in(thread, SYS_openat, precious), -EACCES);
             count++;
         }
     }
@@ -170,7 +175,7 @@ static void sandbox__lets_no_file_be_removed(void **state)
 }
 #else
 /* Registers are those of another processor. */
-static void sandbox__lets_no_file_be_removed(void **state)
+static void sandbox__lets_no_file_be_removed_or_read(void **state)
 {
     (void)state;
     skip();
@@ -218,7 +223,7 @@ static void sandbox__leaves_all_that_clients_use(void **state)
     struct pccd_options options;
     struct pccd_client *client = NULL;
     struct test_grid grid;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     pccd_options_init(&options);
     options.url = daemon->url;
@@ -244,13 +249,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sandbox__holds_every_thread),
-        cmocka_unit_test(sandbox__lets_no_file_be_removed),
+        cmocka_unit_test(sandbox__lets_no_file_be_removed_or_read),
         cmocka_unit_test(sandbox__does_without_landlock),
         cmocka_unit_test(sandbox__leaves_all_that_clients_use),
     };
     if (!HAS_SANDBOX) {
         puts("1..4\nok 1 - sandbox__holds_every_thread # SKIP no sandbox in this build\n"
-             "ok 2 - sandbox__lets_no_file_be_removed # SKIP no sandbox in this build\n"
+             "ok 2 - sandbox__lets_no_file_be_removed_or_read # SKIP no sandbox in this "
+             "build\n"
              "ok 3 - sandbox__does_without_landlock # SKIP no sandbox in this build\n"
              "ok 4 - sandbox__leaves_all_that_clients_use # SKIP no sandbox in this "
              "build");

@@ -157,7 +157,7 @@ static void session__second_daemon_says_who_holds_the_path(void **state)
 
     (void)state;
     assert_non_null(client);
-    (void)snprintf(pid, sizeof(pid), "%ld", (long)shared.pid);
+    (void)snprintf(pid, sizeof pid, "%ld", (long)shared.pid);
     assert_int_not_equal(test_daemon_start_second(&shared), 0);
     assert_true(test_daemon_logged(&shared, pid));
     assert_int_equal(pccd_ping(client, NULL), 0);
@@ -170,7 +170,7 @@ static void session__handles_of_another_client_are_refused(void **state)
     struct pccd_client *owner = test_connect(shared.url);
     struct pccd_client *stranger = test_connect(shared.url);
     struct test_crossing crossing;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t object = 0;
     uint32_t scene = 0;
 
@@ -254,7 +254,7 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
     struct pccd_client *second;
     struct pccd_client *third = NULL;
     struct test_crossing crossing;
-    int rc = 0;
+    int status = 0;
 
     (void)state;
     assert_true(test_daemon_start(&daemon, options));
@@ -273,12 +273,12 @@ static void session__clients_beyond_the_quota_are_refused(void **state)
     assert_int_equal(test_stat(first, "sessions_refused"), 20);
     pccd_close(second);
     for (int i = 0; i < 200; i++) { /* the daemon sees the end of file a little later */
-        rc = pccd_connect(&connect, &third);
-        if (rc != PCCD_E_QUOTA)
+        status = pccd_connect(&connect, &third);
+        if (status != PCCD_E_QUOTA)
             break;
         test_sleep_ms(5);
     }
-    assert_int_equal(rc, 0);
+    assert_int_equal(status, 0);
     assert_int_equal(pccd_ping(third, NULL), 0);
     assert_true(test_crossing_turn(&crossing));
     pccd_close(third);
@@ -341,7 +341,7 @@ static void session__sigterm_answers_what_is_in_flight(void **state)
     enum { STEPS = 4 };
     struct test_daemon daemon;
     struct pccd_client *client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t steps[STEPS];
     int status;
@@ -470,7 +470,7 @@ static void session__wrong_options_are_refused(void **state)
 static void session__null_arguments_are_refused(void **state)
 {
     struct pccd_client *client = test_connect(shared.url);
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     uint64_t step = 0;
     uint32_t handle = 0;

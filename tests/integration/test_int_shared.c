@@ -62,31 +62,35 @@ static int submit(struct member *member, uint32_t object, float up,
     struct pccd_frame frame;
     void *to = NULL;
     float x[3][3];
-    int rc = pccd_frame_begin(member->client, member->scene, 1, sizeof(x), &frame);
+    int status = pccd_frame_begin(member->client, member->scene, 1, sizeof x, &frame);
 
-    memcpy(x, member->rest, sizeof(x));
+    memcpy(x, member->rest, sizeof x);
     for (int i = 0; i < 3; i++) {
         x[i][2] += up;
     }
-    rc = rc != 0 ? rc : pccd_frame_x1(&frame, object, PCCD_FORMAT_F32, 0, 3, &to);
-    if (rc != 0) {
-        return rc;
+    status =
+        status != 0 ? status : pccd_frame_x1(&frame, object, PCCD_FORMAT_F32, 0, 3, &to);
+    if (status != 0) {
+        return status;
     }
-    memcpy(to, x, sizeof(x));
+    memcpy(to, x, sizeof x);
     return pccd_frame_commit(&frame, settings, step);
 }
 
 static int move(struct member *member, float up, struct pccd_answer *answer)
 {
     uint64_t step = 0;
-    int rc = submit(member, member->object, up, NULL, &step);
+    int status = submit(member, member->object, up, NULL, &step);
 
-    return rc != 0 ? rc : pccd_wait(member->client, step, -1, answer);
+    return status != 0 ? status : pccd_wait(member->client, step, -1, answer);
 }
 
 static uint64_t hold(struct member *member, float up, uint64_t deadline_ns)
 {
-    struct pccd_step_settings settings = {.hold = true, .deadline_ns = deadline_ns};
+    struct pccd_step_settings settings = {.struct_bytes =
+                                              sizeof(struct pccd_step_settings),
+                                          .hold = true,
+                                          .deadline_ns = deadline_ns};
     uint64_t step = 0;
 
     assert_int_equal(submit(member, member->object, up, &settings, &step), 0);
@@ -100,8 +104,8 @@ static void shared__held_frames_move_over_the_same_time(void **state)
 {
     struct member cloth;
     struct member obstacle;
-    struct pccd_answer answer;
-    struct pccd_answer held;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
     uint64_t step;
 
     (void)state;
@@ -124,12 +128,12 @@ static void shared__held_frames_move_over_the_same_time(void **state)
     assert_int_equal(held.total, answer.total);
     assert_int_equal(held.count, 0);
     assert_int_equal(held.incomplete, PCCD_INCOMPLETE_RESULT_FULL);
-    assert_memory_equal(held.hash, answer.hash, sizeof(held.hash));
+    assert_memory_equal(held.hash, answer.hash, sizeof held.hash);
     assert_int_equal(
         pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held), 0);
     assert_int_equal(held.count, answer.count);
     assert_memory_equal(held.contacts, answer.contacts,
-                        answer.count * sizeof(*answer.contacts));
+                        answer.count * sizeof *answer.contacts);
     pccd_answer_release(obstacle.client, &held);
     pccd_answer_release(cloth.client, &answer);
     /* Both stay where they are now. */
@@ -145,8 +149,9 @@ static void shared__an_object_has_one_writer(void **state)
 {
     struct member cloth;
     struct member obstacle;
-    struct pccd_step_settings settings = {.hold = true};
-    struct pccd_answer answer;
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .hold = true};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t held;
     uint64_t step = 0;
 
@@ -182,7 +187,7 @@ static void shared__a_held_frame_is_answered_at_its_deadline_and_cancel(void **s
 {
     struct member cloth;
     struct member obstacle;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
     (void)state;
@@ -212,7 +217,7 @@ static void shared__a_held_frames_deadline_makes_readable(void **state)
     struct member cloth;
     struct member obstacle;
     struct pollfd ready = {.events = POLLIN};
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t begin_ms;
 
     (void)state;
@@ -238,7 +243,7 @@ static void shared__a_held_frame_is_told(void **state)
 {
     struct member cloth;
     struct member obstacle;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     (void)state;
@@ -295,7 +300,7 @@ static void shared__is_listed(void **state)
     struct member obstacle;
     struct seen seen = {.scenes = 0};
     struct pccd_daemon_info daemon;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
     (void)state;
@@ -309,7 +314,7 @@ static void shared__is_listed(void **state)
     assert_int_equal(seen.info.objects, 2);
     assert_int_equal(seen.info.rights, 0600);
     assert_int_equal(seen.info.uid, geteuid());
-    assert_int_equal(seen.info.seats, 2);
+    assert_int_equal(seen.info.members, 2);
     assert_int_equal(seen.info.held, 1);
     assert_true(seen.info.writable);
     assert_int_equal(
@@ -332,7 +337,7 @@ static void shared__leaving_ends_what_is_held(void **state)
 {
     struct member cloth;
     struct member obstacle;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step;
 
     (void)state;
@@ -357,8 +362,8 @@ static void shared__readers_hear_of_every_last_step(void **state)
     struct member obstacle;
     struct pccd_client *reader = test_connect(test_shared.url);
     struct pccd_scene_news news = {.number = 0};
-    struct pccd_answer answer;
-    struct pccd_answer read;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_answer read = PCCD_ANSWER_INIT;
     uint32_t scene = 0;
 
     (void)state;
@@ -371,11 +376,11 @@ static void shared__readers_hear_of_every_last_step(void **state)
     assert_int_equal(pccd_scene_wait(reader, scene, -1, &news), 0);
     assert_int_equal(news.number, answer.number);
     assert_int_equal(news.total, answer.total);
-    assert_memory_equal(news.hash, answer.hash, sizeof(news.hash));
+    assert_memory_equal(news.hash, answer.hash, sizeof news.hash);
     assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
     assert_int_equal(read.count, answer.count);
     assert_memory_equal(read.contacts, answer.contacts,
-                        answer.count * sizeof(*answer.contacts));
+                        answer.count * sizeof *answer.contacts);
     pccd_answer_release(reader, &read);
     pccd_answer_release(cloth.client, &answer);
     assert_int_equal(pccd_scene_wait(reader, scene, 0, &news), PCCD_E_AGAIN);
@@ -391,7 +396,7 @@ static void shared__readers_hear_of_every_last_step(void **state)
     assert_int_equal(pccd_scene_read(reader, scene, news.number - 1, 0, &read),
                      PCCD_E_STATE);
     assert_int_equal(pccd_scene_read(reader, scene, news.number, 0, &read), 0);
-    assert_memory_equal(read.hash, answer.hash, sizeof(read.hash));
+    assert_memory_equal(read.hash, answer.hash, sizeof read.hash);
     pccd_answer_release(reader, &read);
     pccd_close(reader);
     pccd_close(cloth.client);
@@ -405,14 +410,14 @@ static void shared__a_scene_lives_as_long_as_anybody_takes_part(void **state)
     struct pccd_client *watcher = test_connect(test_shared.url);
     struct member maker;
     struct member other;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     static const char *const counters[] = {"scenes_now", "objects_now", "triangles_now",
                                            "shm_bytes_now"};
     uint32_t scene = 0;
 
     (void)state;
     assert_non_null(watcher);
-    for (size_t i = 0; i < sizeof(counters) / sizeof(counters[0]); i++) {
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
     }
     open_member(&maker, "home", test_triangle_x);
@@ -438,7 +443,7 @@ static void shared__a_scene_lives_as_long_as_anybody_takes_part(void **state)
     assert_int_equal(answer.total, 0);
     pccd_close(maker.client);
     pccd_close(other.client);
-    for (size_t i = 0; i < sizeof(counters) / sizeof(counters[0]); i++) {
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         assert_int_equal(test_stat_await(watcher, counters[i], 0), 0);
     }
     assert_int_equal(take_part(watcher, "home", PCCD_SHARE_ATTACH, 0, &scene),
@@ -470,7 +475,7 @@ static void shared__rights_are_as_of_a_file(void **state)
     struct pccd_client *mine;
     struct pccd_client *theirs;
     struct member member;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     uint32_t secret = 0;
     uint32_t seen = 0;
@@ -532,7 +537,7 @@ static void shared__a_killed_daemon_loses_nothing(void **state)
     struct member cloth;
     struct member obstacle;
     struct pccd_link_info link;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t held;
 
     (void)state;

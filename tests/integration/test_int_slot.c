@@ -2,8 +2,8 @@
  *
  * Room:     tests/integration. May include: proto, pccd.h, tests/support.
  * Does:     stale and torn slots, lying segment tables, bad positions and indices,
- *           scribbled headers and counters, holes. Each is answered with its named error,
- *           and an honest client gets right answers all the while.
+ *           scribbled headers and counters, holes, slots without memory. Each is answered
+ *           with its named error, and an honest client gets right answers all the while.
  * Threads:  one, and a second one that keeps writing a slot.
  */
 #include <errno.h>
@@ -82,8 +82,8 @@ static uint64_t write_good_step(void)
     const struct proto_segment segment = {
         .object = object, .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = 32};
 
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
-    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof(test_triangle_x));
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
+    memcpy(test_raw_payload(&raw, 0) + 32, test_triangle_x, sizeof test_triangle_x);
     return test_raw_publish(&raw, 0);
 }
 
@@ -187,12 +187,12 @@ static void slot__torn_while_it_is_read_is_refused(void **state)
     atomic_store(&keep_writing, true);
     assert_int_equal(pthread_create(&writer, NULL, write_for_ever, slot), 0);
     for (int i = 0; (i < 300 || torn == 0) && test_now_ms() < until_ms; i++) {
-        int rc = submit(0, seq, 1);
+        int status = submit(0, seq, 1);
 
-        if (rc != 0 && rc != PCCD_E_SLOT_STALE && rc != PCCD_E_SLOT_TORN) {
-            fail_msg("error %d \"%s\"", rc, raw.error.text);
+        if (status != 0 && status != PCCD_E_SLOT_STALE && status != PCCD_E_SLOT_TORN) {
+            fail_msg("error %d \"%s\"", status, raw.error.text);
         }
-        torn += rc == PCCD_E_SLOT_TORN;
+        torn += status == PCCD_E_SLOT_TORN;
         if (i % 50 == 0) {
             test_witness_turn();
         }
@@ -251,17 +251,17 @@ static const struct {
 static void segment__lies_are_refused_one_by_one(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof(lies) / sizeof(lies[0]); i++) {
+    for (size_t i = 0; i < sizeof lies / sizeof lies[0]; i++) {
         struct proto_segment segment = lies[i].segment;
-        int rc;
+        int status;
 
         segment.object = segment.object == GOOD   ? object
                          : segment.object == GONE ? removed
                                                   : segment.object;
-        memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
-        rc = submit(0, test_raw_publish(&raw, 0), 1);
-        if (rc != lies[i].code || raw.error.fatal || raw.error.text[0] == '\0') {
-            fail_msg("%s: status %d \"%s\"", lies[i].what, rc, raw.error.text);
+        memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
+        status = submit(0, test_raw_publish(&raw, 0), 1);
+        if (status != lies[i].code || raw.error.fatal || raw.error.text[0] == '\0') {
+            fail_msg("%s: status %d \"%s\"", lies[i].what, status, raw.error.text);
         }
         test_witness_turn();
     }
@@ -274,20 +274,20 @@ static void segment__overlaps_are_refused(void **state)
     static const uint32_t ranges[][4] = {{0, 3, 0, 3}, {0, 2, 1, 2}, {2, 1, 0, 3}};
 
     (void)state;
-    for (size_t i = 0; i < sizeof(ranges) / sizeof(ranges[0]); i++) {
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
         struct proto_segment table[2] = {
             {object, X1, 0, ranges[i][0], ranges[i][1], 0, 64},
             {object, X1, 0, ranges[i][2], ranges[i][3], 0, 64}};
 
-        memcpy(test_raw_payload(&raw, 0), table, sizeof(table));
-        memcpy(test_raw_payload(&raw, 0) + 64, test_triangle_x, sizeof(test_triangle_x));
+        memcpy(test_raw_payload(&raw, 0), table, sizeof table);
+        memcpy(test_raw_payload(&raw, 0) + 64, test_triangle_x, sizeof test_triangle_x);
         assert_int_equal(submit(0, test_raw_publish(&raw, 0), 2), PCCD_E_SEGMENT);
     }
     /* Side by side is no overlap. */
     struct proto_segment table[2] = {{object, X1, 0, 0, 2, 0, 64},
                                      {object, X1, 0, 2, 1, 0, 64}};
 
-    memcpy(test_raw_payload(&raw, 0), table, sizeof(table));
+    memcpy(test_raw_payload(&raw, 0), table, sizeof table);
     assert_int_equal(submit(0, test_raw_publish(&raw, 0), 2), 0);
 }
 
@@ -318,12 +318,12 @@ static void positions__that_are_not_finite_are_refused(void **state)
         struct proto_segment segment = {object, X1, 1, 0, 3, 0, 32};
 
         x[at % 9] = bad[at / 9];
-        memcpy(payload, &segment, sizeof(segment));
-        memcpy(payload + 32, x, sizeof(x));
+        memcpy(payload, &segment, sizeof segment);
+        memcpy(payload + 32, x, sizeof x);
         assert_int_equal(submit(0, test_raw_publish(&raw, 0), 1), PCCD_E_NOTFINITE);
         segment = (struct proto_segment){object, X0X1, 1, 0, 3, 32, 104};
-        memcpy(payload, &segment, sizeof(segment));
-        memcpy(payload + 104, test_triangle_x, sizeof(test_triangle_x));
+        memcpy(payload, &segment, sizeof segment);
+        memcpy(payload + 104, test_triangle_x, sizeof test_triangle_x);
         assert_int_equal(submit(0, test_raw_publish(&raw, 0), 1), PCCD_E_NOTFINITE);
     }
     for (uint32_t at = 0; at < 12 * 5; at++) {
@@ -332,8 +332,8 @@ static void positions__that_are_not_finite_are_refused(void **state)
                            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
         m[at % 2][at % 12] = bad[at / 12];
-        memcpy(payload, &segment, sizeof(segment));
-        memcpy(payload + 32, m, sizeof(m));
+        memcpy(payload, &segment, sizeof segment);
+        memcpy(payload + 32, m, sizeof m);
         assert_int_equal(submit(0, test_raw_publish(&raw, 0), 1), PCCD_E_NOTFINITE);
     }
     test_witness_turn();
@@ -417,7 +417,7 @@ static void memory__scribbled_headers_and_counters_do_not_matter(void **state)
 
     (void)state;
     for (int round = 0; round < 8; round++) {
-        memset(&upload->header, round % 2 == 0 ? 0xff : 0, sizeof(upload->header));
+        memset(&upload->header, round % 2 == 0 ? 0xff : 0, sizeof upload->header);
         atomic_store(&upload->head.value, UINT64_MAX - (uint64_t)round);
         atomic_store(&upload->tail.value, (uint64_t)round << 60);
         atomic_store(&upload->done_seq.value, UINT64_MAX);
@@ -438,7 +438,7 @@ static void memory__wrong_result_head_is_refused(void **state)
 
     (void)state;
     edges.mesh = mesh;
-    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         atomic_store(&upload->result_head.value, wrong[i]);
         assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_EDGES, &edges, &result),
                          PCCD_E_INVAL);
@@ -484,26 +484,68 @@ static void memory__rings_of_impossible_sizes_are_refused(void **state)
         struct proto_SHM_ATTACH_request request;
         int code;
     } rings[] = {
-        {{0, 65536, 65536}, PCCD_E_INVAL},
-        {{17, 65536, 65536}, PCCD_E_INVAL},
-        {{2, 4095, 65536}, PCCD_E_INVAL},
-        {{2, 65536, 65535}, PCCD_E_INVAL},
-        {{16, 1ull << 40, 65536}, PCCD_E_QUOTA}, /* in a process, half the machine's */
-        {{1, 65536, 1ull << 40}, PCCD_E_QUOTA},
-        {{16, UINT64_MAX, 65536}, PCCD_E_LIMIT},
-        {{1, 65536, UINT64_MAX}, PCCD_E_LIMIT},
-        {{1, UINT64_MAX - 4095, 65536}, PCCD_E_LIMIT},
+        {{.slot_count = 0, .slot_bytes = 65536, .result_bytes = 65536}, PCCD_E_INVAL},
+        {{.slot_count = 17, .slot_bytes = 65536, .result_bytes = 65536}, PCCD_E_INVAL},
+        {{.slot_count = 2, .slot_bytes = 4095, .result_bytes = 65536}, PCCD_E_INVAL},
+        {{.slot_count = 2, .slot_bytes = 65536, .result_bytes = 65535}, PCCD_E_INVAL},
+        {{.slot_count = 16, .slot_bytes = 1ull << 40, .result_bytes = 65536},
+         PCCD_E_QUOTA}, /* in a process, half the machine's */
+        {{.slot_count = 1, .slot_bytes = 65536, .result_bytes = 1ull << 40},
+         PCCD_E_QUOTA},
+        {{.slot_count = 16, .slot_bytes = UINT64_MAX, .result_bytes = 65536},
+         PCCD_E_LIMIT},
+        {{.slot_count = 1, .slot_bytes = 65536, .result_bytes = UINT64_MAX},
+         PCCD_E_LIMIT},
+        {{.slot_count = 1, .slot_bytes = UINT64_MAX - 4095, .result_bytes = 65536},
+         PCCD_E_LIMIT},
     };
     uint64_t bytes = test_stat(test_witness.crossing.client, "shm_bytes_now");
 
     (void)state;
-    for (size_t i = 0; i < sizeof(rings) / sizeof(rings[0]); i++) {
+    for (size_t i = 0; i < sizeof rings / sizeof rings[0]; i++) {
         assert_int_equal(
             test_raw_call(&raw, PROTO_METHOD_SHM_ATTACH, &rings[i].request, NULL),
             rings[i].code);
         assert_int_equal(test_stat(test_witness.crossing.client, "shm_bytes_now"), bytes);
     }
     expect_good_step(); /* the ring that was there is still the ring */
+}
+
+static int take(uint32_t slot)
+{
+    struct proto_SHM_TAKE_request request = {.slot = slot};
+
+    return test_raw_call(&raw, PROTO_METHOD_SHM_TAKE, &request, NULL);
+}
+
+/* If it failed, the daemon would read, and so fill, memory that nobody is charged for; or
+ * a client that says a slot is free, and lies, would harm anybody else. */
+static void slot__without_memory_is_refused(void **state)
+{
+    _Atomic uint64_t *memory = &test_raw_upload(&raw)->slots[1].memory;
+
+    (void)state;
+    assert_int_equal(take(2), PCCD_E_INVAL); /* there are two slots */
+    assert_int_equal(take(1), 0);            /* it has memory */
+    expect_good_step();
+    if (test_is_direct()) {
+        return; /* nobody there to give memory back while nobody calls */
+    }
+    atomic_store(&test_raw_upload(&raw)->slots[0].memory, PROTO_SLOT_FREE);
+    atomic_store(memory, PROTO_SLOT_FREE);
+    for (int i = 0; i < 1000 && atomic_load(memory) != PROTO_SLOT_EMPTY; i++) {
+        test_sleep_ms(10);
+    }
+    assert_int_equal(atomic_load(memory), PROTO_SLOT_EMPTY);
+    assert_int_equal(submit(1, 2, 1), PCCD_E_STATE);
+    atomic_store(memory, PROTO_SLOT_NEEDED); /* a lie */
+    assert_int_equal(submit(1, 2, 1), PCCD_E_STATE);
+    assert_false(raw.error.fatal);
+    expect_good_step(); /* one slot keeps its memory */
+    assert_int_equal(take(1), 0);
+    assert_int_equal(atomic_load(memory), PROTO_SLOT_NEEDED);
+    assert_int_equal(submit(1, 2, 1), PCCD_E_SLOT_STALE);
+    expect_good_step();
 }
 
 #define RAW_TEST(name) cmocka_unit_test_setup_teardown(name, open_raw, close_raw)
@@ -524,6 +566,7 @@ int main(void)
         RAW_TEST(memory__wrong_result_head_is_refused),
         RAW_TEST(memory__cannot_be_shrunk_or_written_where_it_must_not),
         RAW_TEST(memory__rings_of_impossible_sizes_are_refused),
+        RAW_TEST(slot__without_memory_is_refused),
     };
 
     return cmocka_run_group_tests_name("slot", tests, test_witness_start,

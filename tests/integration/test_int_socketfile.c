@@ -31,7 +31,7 @@
 #else
 #define SOON_MS 1000u
 #endif
-#define END_MS  10000
+#define END_MS 10000
 
 static const char *const alone[] = {"--threads", "1", NULL};
 static const char *const supervised[] = {"--supervise", "--threads", "1", NULL};
@@ -135,7 +135,7 @@ static void socketfile__removed_is_served_again(void **state)
         assert_serves(&f->first);
         test_raw_close(&f->second);
     }
-    assert_true(test_daemon_logged(&f->daemon, "listening there anew"));
+    assert_true(test_daemon_logged(&f->daemon, "listening there again"));
     test_raw_close(&f->first);
 }
 
@@ -188,7 +188,7 @@ static void let_go_and_take_over(struct fixture *f, const char *const *options)
     pid_t pid = meet(f, &f->first);
     assert_int_equal(unlink(lock), 0);
     assert_int_equal(unlink(f->daemon.socket), 0);
-    assert_logs_soon(f, "letting go of it");
+    assert_logs_soon(f, "giving up this path");
     assert_serves(&f->first);
     other.pid = 0;
     other.group = other.guard = 0;
@@ -226,7 +226,7 @@ static void socketfile__in_a_folder_that_was_renamed_is_let_go(void **state)
     int status = test_daemon_end(&f->daemon, 0, END_MS);
     assert_int_equal(rename(moved, f->daemon.directory), 0);
     assert_int_equal(status, 0);
-    assert_true(test_daemon_logged(&f->daemon, "letting go of it"));
+    assert_true(test_daemon_logged(&f->daemon, "giving up this path"));
 }
 
 /* If it failed, rm -rf would not get rid of the folder, or the daemon would stay. */
@@ -261,7 +261,7 @@ static void socketfile__replaced_is_left_to_whom_it_belongs(void **state)
     int fd = listen_at(path);
     (void)meet(f, &f->first);
     assert_int_equal(rename(path, f->daemon.socket), 0);
-    assert_logs_soon(f, "letting go of it");
+    assert_logs_soon(f, "giving up this path");
     assert_serves(&f->first);
     test_raw_close(&f->first);
     assert_int_equal(test_daemon_end(&f->daemon, 0, END_MS), 0);

@@ -3,6 +3,8 @@
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     meshes, every kind of segment, every mode. How steps flow is test_int_flow.c.
  * Threads:  one.
+ *
+ * More than 600 lines: a case each for all that a step may be asked, on one fixture.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -54,7 +56,7 @@ static void mesh__counts_and_edges_are_those_of_the_data(void **state)
     assert_int_equal(info.degenerate_count, 1); /* (0, 1, 5) lies on a line */
     assert_int_equal(info.isolated_count, 1);   /* vertex 4 */
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 8), 0);
-    assert_memory_equal(edges, expected, sizeof(expected));
+    assert_memory_equal(edges, expected, sizeof expected);
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh, edges, 0), 0);
     assert_int_equal(pccd_mesh_edges(crossing->client, mesh + 77, edges, 8),
                      PCCD_E_HANDLE);
@@ -67,7 +69,7 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
     struct test_crossing *crossing = *state;
     struct pccd_options options;
     struct pccd_client *client = NULL;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_edge *edges;
     struct pccd_mesh_info info;
     struct test_grid grid;
@@ -83,7 +85,7 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
     assert_int_equal(pccd_connect(&options, &client), 0);
     assert_int_equal(test_grid_make(client, 90, &grid), 0);
     /* The edges need several pages of the result region. */
-    edges = calloc(edge_count, sizeof(*edges));
+    edges = calloc(edge_count, sizeof *edges);
     assert_non_null(edges);
     assert_int_equal(pccd_mesh_edges(client, grid.mesh, edges, edge_count), 0);
     for (uint32_t i = 1; i < edge_count; i++) {
@@ -95,7 +97,7 @@ static void mesh__larger_than_a_slot_arrives_whole(void **state)
     assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
     assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
     assert_int_equal(answer.total, 8100);
-    assert_int_equal(answer.vf, 8100);
+    assert_int_equal(answer.counts[PCCD_VF], 8100);
     pccd_answer_release(client, &answer);
     test_grid_free(&grid);
     pccd_close(client);
@@ -115,7 +117,7 @@ static void mesh__bad_data_is_refused_and_leaves_nothing(void **state)
     float x[3][3];
     uint32_t mesh = 0;
 
-    memcpy(x, test_floor_x, sizeof(x));
+    memcpy(x, test_floor_x, sizeof x);
     assert_int_equal(
         pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, beyond, 1, &mesh, NULL),
         PCCD_E_INDEX);
@@ -149,13 +151,13 @@ static void step__x1_in_double_meets_the_floor(void **state)
 {
     const double x1[3][3] = {{0, 0, -3}, {1, 0, -3}, {0, 1, -3}};
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
                                   PCCD_FORMAT_F64, 3, NULL, &answer),
                      0);
-    assert_int_equal(answer.vf, 3);
-    assert_int_equal(answer.ee, 0);
+    assert_int_equal(answer.counts[PCCD_VF], 3);
+    assert_int_equal(answer.counts[PCCD_EE], 0);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     assert_true(answer.contacts[0].flags & PCCD_PROVED);
     /* The vertex comes from above: the normal points up, from the floor to it. */
@@ -172,7 +174,7 @@ static void step__x0x1_gives_both_ends(void **state)
     const double up0[3][3] = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}};
     const double up1[3][3] = {{0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
                                     far0, far1, PCCD_FORMAT_F64, 3, NULL, &answer),
@@ -184,7 +186,7 @@ static void step__x0x1_gives_both_ends(void **state)
     assert_int_equal(pccd_step_x0x1(crossing->client, crossing->scene, crossing->object,
                                     up0, up1, PCCD_FORMAT_F64, 3, NULL, &answer),
                      0);
-    assert_int_equal(answer.vf, 3);
+    assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     pccd_answer_release(crossing->client, &answer);
     /* The end of that step is the start of the next. */
@@ -198,7 +200,7 @@ static void step__x0x1_gives_both_ends(void **state)
 static void step__ranges_move_only_their_vertices(void **state)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     uint64_t step = 0;
     void *x1 = NULL;
@@ -211,7 +213,7 @@ static void step__ranges_move_only_their_vertices(void **state)
     memcpy(x1, (const float[3]){1, 0, -1}, 12);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
-    assert_int_equal(answer.vf, 1);
+    assert_int_equal(answer.counts[PCCD_VF], 1);
     assert_int_equal(answer.contacts[0].feature_a, 1);
     pccd_answer_release(crossing->client, &answer);
     /* Then the other two, in two segments of different formats. */
@@ -225,7 +227,7 @@ static void step__ranges_move_only_their_vertices(void **state)
     memcpy(x1, (const double[3]){0, 0, -1}, 24);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
-    assert_int_equal(answer.vf, 2);
+    assert_int_equal(answer.counts[PCCD_VF], 2);
     assert_int_equal(answer.contacts[0].feature_a, 0);
     assert_int_equal(answer.contacts[1].feature_a, 2);
     pccd_answer_release(crossing->client, &answer);
@@ -240,7 +242,7 @@ static void step__rigid_transforms_the_registered_positions(void **state)
     /* A quarter turn about z, and down by 4: the vertices end at height -3. */
     const double to[12] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, -4};
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     uint64_t step = 0;
 
@@ -249,7 +251,7 @@ static void step__rigid_transforms_the_registered_positions(void **state)
     assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, from, to), 0);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
-    assert_int_equal(answer.vf, 3);
+    assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.25 && answer.toi_first > 0.249998);
     pccd_answer_release(crossing->client, &answer);
     /* Registered, not last: the same transform again ends where it ended. */
@@ -258,7 +260,7 @@ static void step__rigid_transforms_the_registered_positions(void **state)
     assert_int_equal(pccd_frame_rigid(&frame, crossing->object, 0, 3, to, from), 0);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
-    assert_int_equal(answer.vf, 3);
+    assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.75 && answer.toi_first > 0.749998);
     pccd_answer_release(crossing->client, &answer);
     crossing->z = 1;
@@ -271,7 +273,7 @@ static void step__still_objects_stand_and_two_can_move(void **state)
     const float low[3][3] = {{-9, -9, -1}, {9, -9, -1}, {0, 9, -1}};
     const float middle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_frame frame;
     uint64_t step = 0;
     void *x1 = NULL;
@@ -288,28 +290,28 @@ static void step__still_objects_stand_and_two_can_move(void **state)
                      0);
     assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
                      0);
-    memcpy(x1, low, sizeof(low));
+    memcpy(x1, low, sizeof low);
     assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
                      0);
-    memcpy(x1, middle, sizeof(middle));
+    memcpy(x1, middle, sizeof middle);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
     assert_int_equal(answer.count, 0);
     pccd_answer_release(crossing->client, &answer);
     /* Now they swap: they meet at half time. */
-    memcpy(high, low, sizeof(high));
+    memcpy(high, low, sizeof high);
     high[0][2] = high[1][2] = high[2][2] = 0;
     assert_int_equal(pccd_frame_begin(crossing->client, crossing->scene, 2, 72, &frame),
                      0);
     assert_int_equal(pccd_frame_x1(&frame, crossing->floor, PCCD_FORMAT_F32, 0, 3, &x1),
                      0);
-    memcpy(x1, high, sizeof(high));
+    memcpy(x1, high, sizeof high);
     assert_int_equal(pccd_frame_x1(&frame, crossing->object, PCCD_FORMAT_F32, 0, 3, &x1),
                      0);
     test_crossing_positions(x1, -1);
     assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
     assert_int_equal(pccd_wait(crossing->client, step, -1, &answer), 0);
-    assert_int_equal(answer.vf, 3);
+    assert_int_equal(answer.counts[PCCD_VF], 3);
     assert_true(answer.toi_first <= 0.5 && answer.toi_first > 0.499998);
     pccd_answer_release(crossing->client, &answer);
 }
@@ -318,7 +320,7 @@ static void step__still_objects_stand_and_two_can_move(void **state)
 static void step__objects_come_and_go(void **state)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x1[3][3];
     uint32_t second = 0;
 
@@ -352,6 +354,102 @@ static void step__objects_come_and_go(void **state)
     assert_true(test_crossing_turn(crossing));
 }
 
+/* If it failed, what a program of another release asks for would be read past its end, or
+ * be ignored in silence. */
+static void step__settings_of_another_release_are_read_or_refused(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct {
+        struct pccd_step_settings known;
+        uint64_t added;
+    } settings = {.known = {.mode = PCCD_MODE_ALL}};
+    const size_t sizes[] = {1, sizeof(struct pccd_step_settings) - 1, SIZE_MAX};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    float x1[3][3];
+
+    test_crossing_positions(x1, -1);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        settings.known.struct_bytes = sizes[i];
+        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                      PCCD_FORMAT_F32, 3, &settings.known, &answer),
+                         PCCD_E_INVAL);
+        assert_non_null(
+            strstr(pccd_error_text(client), "settings of the step: struct_bytes"));
+    }
+    settings.known.struct_bytes = sizeof settings;
+    settings.added = 1;
+    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
+                     PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(client), "does not know"));
+    settings.added = 0;
+    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
+                     0);
+    pccd_answer_release(client, &answer);
+    settings.known.struct_bytes = 0;
+    settings.added = 1; /* is not looked at */
+    assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                  PCCD_FORMAT_F32, 3, &settings.known, &answer),
+                     0);
+    pccd_answer_release(client, &answer);
+}
+
+/* If it failed, a library of another release would write behind a program's answer, or
+ * leave what the program knows and the library does not as it was. */
+static void step__answers_of_another_release_are_filled_or_refused(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct {
+        struct pccd_answer known;
+        uint64_t added[2];
+    } answer;
+    const size_t wrong[] = {1, sizeof(struct pccd_answer) - 1, SIZE_MAX};
+    uint64_t step = 0;
+    float x1[3][3];
+
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        memset(&answer, 0x5a, sizeof answer);
+        answer.known.struct_bytes = wrong[i];
+        test_crossing_positions(x1, -1);
+        assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
+                                      PCCD_FORMAT_F32, 3, NULL, &answer.known),
+                         PCCD_E_INVAL); /* and nothing was submitted */
+        assert_non_null(strstr(pccd_error_text(client), "answer: struct_bytes"));
+        assert_int_equal(pccd_poll(client, &answer.known), PCCD_E_INVAL);
+        assert_int_equal(pccd_wait(client, 1, 0, &answer.known), PCCD_E_INVAL);
+        assert_int_equal(pccd_fetch(client, crossing->scene, 1, 0, &answer.known),
+                         PCCD_E_INVAL);
+        assert_int_equal(pccd_scene_read(client, crossing->scene, 1, 0, &answer.known),
+                         PCCD_E_INVAL);
+        assert_int_equal(answer.known.step, 0x5a5a5a5a5a5a5a5au);
+    }
+    for (size_t added = 0; added <= 2; added++) {
+        size_t bytes = sizeof answer.known + added * sizeof answer.added[0];
+
+        memset(&answer, 0x5a, sizeof answer);
+        answer.known.struct_bytes = added == 0 ? 0 : bytes;
+        test_crossing_positions(x1, added % 2 == 0 ? -1 : 1);
+        assert_int_equal(
+            pccd_submit(
+                client, crossing->scene,
+                &(struct pccd_motion){.object = crossing->object, .count = 3, .x1 = x1},
+                1, NULL, &step),
+            0);
+        assert_int_equal(pccd_wait(client, step, -1, &answer.known), 0);
+        assert_int_equal(answer.known.struct_bytes, added == 0 ? 0 : bytes);
+        assert_int_equal(answer.known.step, step);
+        assert_int_equal(answer.known.counts[PCCD_VF], 3);
+        assert_int_equal(answer.known.counts[PCCD_KINDS_MAX - 1], 0);
+        for (size_t i = 0; i < 2; i++) {
+            assert_int_equal(answer.added[i], i < added ? 0 : 0x5a5a5a5a5a5a5a5au);
+        }
+        pccd_answer_release(client, &answer.known);
+    }
+}
+
 /* If it failed, a step that is refused would still move something. */
 static void step__refused_steps_change_nothing(void **state)
 {
@@ -362,14 +460,18 @@ static void step__refused_steps_change_nothing(void **state)
                                                {.tolerance = NAN},
                                                {.tolerance = -1},
                                                {.tolerance = 2}};
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x1[4][3] = {{0}}; /* one more than the object has */
 
     test_crossing_positions(x1, -1);
-    for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
-        memset(&answer, 0xa5, sizeof(answer));
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        struct pccd_step_settings settings = wrong[i];
+
+        settings.struct_bytes = sizeof settings;
+        memset(&answer, 0xa5, sizeof answer);
+        answer.struct_bytes = sizeof answer;
         assert_int_equal(pccd_step_x1(client, crossing->scene, crossing->object, x1,
-                                      PCCD_FORMAT_F32, 3, &wrong[i], &answer),
+                                      PCCD_FORMAT_F32, 3, &settings, &answer),
                          PCCD_E_INVAL);
         assert_true(pccd_error_text(client)[0] != '\0');
         pccd_answer_release(client, &answer); /* safe, whatever it holds */
@@ -397,11 +499,11 @@ static void step__refused_steps_change_nothing(void **state)
 /* Heights 1, 1.5 and 2 down by 3: the vertices meet the floor at 1/3, 1/2 and 2/3. */
 static void tilted_ends(float x0[3][3], float x1[3][3])
 {
-    memcpy(x0, test_triangle_x, sizeof(test_triangle_x));
+    memcpy(x0, test_triangle_x, sizeof test_triangle_x);
     x0[0][2] = 1.0f;
     x0[1][2] = 1.5f;
     x0[2][2] = 2.0f;
-    memcpy(x1, x0, sizeof(test_triangle_x));
+    memcpy(x1, x0, sizeof test_triangle_x);
     for (int i = 0; i < 3; i++) {
         x1[i][2] -= 3.0f;
     }
@@ -411,9 +513,12 @@ static void tilted_ends(float x0[3][3], float x1[3][3])
 static void step__modes_answer_what_they_say(void **state)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_step_settings settings = {.mode = PCCD_MODE_ALL, .threads = 1};
+    struct pccd_step_settings settings = {.struct_bytes =
+                                              sizeof(struct pccd_step_settings),
+                                          .mode = PCCD_MODE_ALL,
+                                          .threads = 1};
     struct pccd_client *client = crossing->client;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     float x0[3][3];
     float x1[3][3];
@@ -458,7 +563,7 @@ static void step__modes_answer_what_they_say(void **state)
     STEP();
     assert_null(answer.contacts);
     assert_non_null(answer.pairs);
-    assert_true(answer.vf >= 3);
+    assert_true(answer.counts[PCCD_VF] >= 3);
     for (uint32_t vertex = 0; vertex < 3; vertex++) {
         bool found = false;
 
@@ -478,8 +583,9 @@ static void step__modes_answer_what_they_say(void **state)
 static void step__threads_do_not_change_the_hash(void **state)
 {
     struct test_crossing *crossing = *state;
-    struct pccd_step_settings settings = {.threads = 1};
-    struct pccd_answer answer;
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = 1};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t step = 0;
     uint64_t hash[2][2] = {{0, 0}, {0, 0}};
@@ -491,9 +597,9 @@ static void step__threads_do_not_change_the_hash(void **state)
         assert_int_equal(pccd_wait(grid.client, step, -1, &answer), 0);
         assert_true(test_grid_is_right(&grid, &answer));
         if (i < 2) {
-            memcpy(hash[i], answer.hash, sizeof(hash[i]));
+            memcpy(hash[i], answer.hash, sizeof hash[i]);
         }
-        assert_memory_equal(hash[i % 2], answer.hash, sizeof(answer.hash));
+        assert_memory_equal(hash[i % 2], answer.hash, sizeof answer.hash);
         pccd_answer_release(grid.client, &answer);
     }
     test_grid_free(&grid);
@@ -515,6 +621,8 @@ int main(void)
         STEP_TEST(step__rigid_transforms_the_registered_positions),
         STEP_TEST(step__still_objects_stand_and_two_can_move),
         STEP_TEST(step__objects_come_and_go),
+        STEP_TEST(step__settings_of_another_release_are_read_or_refused),
+        STEP_TEST(step__answers_of_another_release_are_filled_or_refused),
         STEP_TEST(step__refused_steps_change_nothing),
         STEP_TEST(step__modes_answer_what_they_say),
         STEP_TEST(step__threads_do_not_change_the_hash),

@@ -1,14 +1,15 @@
-/* test_int_taken.c - shared memory is charged as it is taken.
+/* test_int_taken.c - shared memory is charged as it is taken, and given back when idle.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     many clients with default settings within the quota of one user; answers
- *           larger than what the result region has taken; a quota that refuses more of
- *           it. What the daemon says is compared with what the kernel says. PCCD_CLIENTS
- *           is how many clients connect (100).
+ *           larger than what the result region has taken; what that and the slots
+ *           give back when the client is idle, and take again; a quota that refuses more
+ *           of either. What the daemon says is compared with what the kernel says.
+ *           PCCD_CLIENTS is how many clients connect (100).
  * Threads:  one.
  */
-#include <dirent.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -16,42 +17,22 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <sys/wait.h>
 
 #include <cmocka.h>
 
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "taken.h"
 
 #define CLIENTS     100u
 #define CLIENTS_MAX 1000u
 #define SIDE_SMALL  4u
 #define SIDE_LARGE  300u /* 90 000 contacts of 64 bytes */
-
-/* Bytes that the kernel has taken for the memories that this process holds, all of which
- * are shared with the daemon. */
-static uint64_t bytes_of_kernel(void)
-{
-    DIR *folder = opendir("/proc/self/fd");
-    uint64_t bytes = 0;
-
-    assert_non_null(folder);
-    for (struct dirent *entry = readdir(folder); entry != NULL; entry = readdir(folder)) {
-        char path[300];
-        char target[64] = "";
-        struct stat info;
-
-        (void)snprintf(path, sizeof(path), "/proc/self/fd/%s", entry->d_name);
-        if (readlink(path, target, sizeof(target) - 1) > 0 &&
-            strncmp(target, "/memfd:pccd-", 12) == 0 && stat(path, &info) == 0) {
-            bytes += (uint64_t)info.st_blocks * 512;
-        }
-    }
-    closedir(folder);
-    return bytes;
-}
+#define SOUP        1000u
+#define IDLE_MS     2000u
+#define HOARD_BYTES (70ull << 20)
 
 /* A client with default settings. */
 static struct pccd_client *connect_by_default(const char *url)
@@ -59,7 +40,7 @@ static struct pccd_client *connect_by_default(const char *url)
     struct pccd_options options;
     struct pccd_client *client = NULL;
 
-    memset(&options, 0, sizeof(options));
+    memset(&options, 0, sizeof options);
     options.url = url;
     assert_int_equal(pccd_connect(&options, &client), 0);
     return client;
@@ -77,8 +58,9 @@ static void turn(struct test_grid *grid)
  * uses. */
 static void clients__with_small_scenes_take_little(void **state)
 {
-    static const char *const options[] = {"--clients-max", "1002", "--connections-max",
-                                          "2000", "--meshes-max", "2000", NULL};
+    static const char *const options[] = {
+        "--clients-max", "1002", "--connections-max", "2000", "--meshes-max",
+        "2000",          NULL};
     static struct test_grid grids[CLIENTS_MAX];
     const char *chosen = getenv("PCCD_CLIENTS");
     uint32_t count = chosen != NULL ? (uint32_t)atoi(chosen) : CLIENTS;
@@ -104,7 +86,7 @@ static void clients__with_small_scenes_take_little(void **state)
 
     print_message("# %u clients: %llu KiB of shared memory\n", count,
                   (unsigned long long)(told >> 10));
-    assert_int_equal(told, bytes_of_kernel());
+    assert_int_equal(told, test_taken_bytes());
     assert_true(told / count < (512u << 20) / CLIENTS_MAX);
     for (uint32_t i = 0; i < count; i++) {
         struct pccd_client *client = grids[i].client;
@@ -115,13 +97,51 @@ static void clients__with_small_scenes_take_little(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* If it failed, the first frame of a mesh would attach larger slots: both rings are there
+ * for a while, and the client waits for it. */
+static void slots__hold_a_frame_of_the_first_mesh(void **state)
+{
+    static double x[3 * SOUP][3];
+    static uint32_t triangles[SOUP][3];
+    struct test_daemon daemon;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint32_t mesh = 0;
+    uint32_t scene = 0;
+    uint32_t object = 0;
+
+    (void)state;
+    for (uint32_t i = 0; i < 3 * SOUP; i++) {
+        x[i][0] = i / 3 * 4 + i % 3; /* they do not meet */
+        x[i][1] = i % 3 == 1;
+        triangles[i / 3][i % 3] = i;
+    }
+    assert_true(test_daemon_start(&daemon, NULL));
+    struct pccd_client *client = connect_by_default(daemon.url);
+
+    assert_int_equal(pccd_mesh_create(client, x, PCCD_FORMAT_F64, 3 * SOUP,
+                                      (const uint32_t(*)[3])triangles, SOUP, &mesh, NULL),
+                     0);
+    uint64_t before = test_stat(client, "shm_bytes_now");
+
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+    assert_int_equal(
+        pccd_step_x1(client, scene, object, x, PCCD_FORMAT_F64, 3 * SOUP, NULL, &answer),
+        0);
+    pccd_answer_release(client, &answer);
+    assert_int_equal(test_stat(client, "shm_bytes_now"), before);
+    assert_true(before < (512u << 20) / CLIENTS_MAX);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* If it failed, an answer that needs memory which the region has not taken would be lost,
  * or be charged to nobody. */
 static void region__takes_what_an_answer_needs(void **state)
 {
     struct test_daemon daemon;
     struct test_grid grid;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     (void)state;
@@ -140,7 +160,7 @@ static void region__takes_what_an_answer_needs(void **state)
     uint64_t told = test_stat(client, "shm_bytes_now");
 
     assert_true(told > before + (1u << 20));
-    assert_int_equal(told, bytes_of_kernel());
+    assert_int_equal(told, test_taken_bytes());
     test_grid_free(&grid);
     pccd_close(client);
     client = connect_by_default(daemon.url);
@@ -149,52 +169,109 @@ static void region__takes_what_an_answer_needs(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* If it failed, a user's quota would lose records, or end the daemon, where the region is
- * larger than what the user may take: the answer comes in pages then. */
-static void region__is_as_large_as_the_quota_allows(void **state)
+/* What is left of the shared memory when nobody has asked anything for a while. */
+static uint64_t bytes_when_idle(struct pccd_client *client)
 {
-    static const char *const options[] = {"--shm-max-mib", "72", NULL};
-    struct test_daemon daemon;
-    struct test_grid other;
-    struct test_grid grid;
-    struct pccd_answer answer;
-    struct pccd_options hoard;
-    struct pccd_client *hoarder = NULL;
+    test_sleep_ms(IDLE_MS);
+    return test_stat(client, "shm_bytes_now");
+}
+
+/* Submit a turn, and take its answer. */
+static void ask(struct test_grid *grid, struct pccd_answer *answer)
+{
     uint64_t step = 0;
-    uint64_t records = 0;
-    uint32_t pages = 0;
+
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(pccd_wait(grid->client, step, 60000, answer), 0);
+}
+
+/* If it failed, a client that once had a large answer would hold its memory for as long
+ * as it is connected. */
+static void region__gives_memory_back_when_idle(void **state)
+{
+    struct test_daemon daemon;
+    struct test_grid grid;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
 
     (void)state;
-    assert_true(test_daemon_start(&daemon, options));
-    memset(&hoard, 0, sizeof(hoard));
-    hoard.url = daemon.url;
-    hoard.slot_count = 1;
-    hoard.slot_bytes = 64u << 20;
-    hoard.result_bytes = 1u << 20;
-    assert_int_equal(pccd_connect(&hoard, &hoarder), 0);
-    assert_int_equal(test_grid_make(hoarder, SIDE_SMALL, &other), 0);
+    assert_true(test_daemon_start(&daemon, NULL));
     struct pccd_client *client = connect_by_default(daemon.url);
 
     assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
-    assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-    assert_int_equal(pccd_wait(client, step, 60000, &answer), 0);
-    records = answer.count;
-    pages = 1;
+    turn(&grid); /* slots are as large as they will be */
+    uint64_t idle = bytes_when_idle(client);
+
+    for (int round = 0; round < 3; round++) {
+        ask(&grid, &answer);
+        assert_true(test_grid_is_right(&grid, &answer));
+        pccd_answer_release(client, &answer);
+        assert_true(test_stat(client, "shm_bytes_now") > idle + (1u << 20));
+        assert_int_equal(test_stat_await(client, "shm_bytes_now", idle), idle);
+        assert_int_equal(test_taken_bytes(), idle);
+    }
+    ask(&grid, &answer);
+    test_sleep_ms(IDLE_MS);
+    assert_true(test_grid_is_right(&grid, &answer)); /* what is held stays */
+    assert_true(test_stat(client, "shm_bytes_now") > idle + (1u << 20));
+    pccd_answer_release(client, &answer);
+    test_grid_free(&grid);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* The answer to a turn, page by page. Returns how many there were. */
+static uint32_t ask_by_pages(struct test_grid *grid)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint32_t pages = 1;
+
+    ask(grid, &answer);
+    uint64_t records = answer.count;
+
     while (answer.incomplete == PCCD_INCOMPLETE_RESULT_FULL) {
         uint64_t cursor = answer.cursor;
+        uint64_t step = answer.step;
 
         assert_true(answer.count > 0);
-        pccd_answer_release(client, &answer);
-        assert_int_equal(pccd_fetch(client, grid.scene, step, cursor, &answer), 0);
+        pccd_answer_release(grid->client, &answer);
+        assert_int_equal(pccd_fetch(grid->client, grid->scene, step, cursor, &answer), 0);
         records += answer.count;
         pages++;
     }
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     assert_int_equal(records, answer.total);
+    pccd_answer_release(grid->client, &answer);
     print_message("# %llu records in %u pages\n", (unsigned long long)records, pages);
-    assert_true(pages > 1);
-    pccd_answer_release(client, &answer);
-    assert_true(test_stat(client, "shm_bytes_now") <= 72u << 20);
+    return pages;
+}
+
+/* If it failed, a user's quota would lose records, or end the daemon, where the region is
+ * larger than what the user may take: the answer comes in pages then. */
+static void region__is_as_large_as_the_quota_allows(void **state)
+{
+    static const char *const options[] = {"--shm-max-mib", "76", NULL};
+    struct test_daemon daemon;
+    struct test_grid other;
+    struct test_grid grid;
+    struct pccd_options hoard;
+    struct pccd_client *hoarder = NULL;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    struct pccd_client *client = connect_by_default(daemon.url);
+
+    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    assert_int_equal(ask_by_pages(&grid), 1);
+    assert_true(bytes_when_idle(client) < 5u << 20);
+    memset(&hoard, 0, sizeof hoard); /* takes what was given back, and more */
+    hoard.url = daemon.url;
+    hoard.slot_count = 1;
+    hoard.slot_bytes = HOARD_BYTES;
+    hoard.result_bytes = 1u << 20;
+    assert_int_equal(pccd_connect(&hoard, &hoarder), 0);
+    assert_int_equal(test_grid_make(hoarder, SIDE_SMALL, &other), 0);
+    assert_true(ask_by_pages(&grid) > 1);
+    assert_true(test_stat(client, "shm_bytes_now") <= 76u << 20);
     turn(&other);
     test_grid_free(&grid);
     test_grid_free(&other);
@@ -203,12 +280,144 @@ static void region__is_as_large_as_the_quota_allows(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define SLOTS 4u /* of a client that does not say how many (pccd.h) */
+
+/* As many turns at once as there are slots. */
+static void turn_in_all_slots(struct test_grid *grid)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t steps[SLOTS];
+
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        assert_int_equal(test_grid_submit(grid, NULL, &steps[i]), 0);
+    }
+    for (uint32_t i = 0; i < SLOTS; i++) {
+        assert_int_equal(pccd_wait(grid->client, steps[i], 60000, &answer), 0);
+        assert_int_equal(answer.total, SIDE_LARGE * SIDE_LARGE);
+        pccd_answer_release(grid->client, &answer);
+    }
+}
+
+/* If it failed, a client that once had many steps in flight would hold the memory of all
+ * its slots for as long as it is connected; or the positions that only a slot holds would
+ * be lost with its memory: another daemon would be told zeros. */
+static void slots__give_memory_back_when_idle(void **state)
+{
+    const uint64_t slot_bytes = SIDE_LARGE * SIDE_LARGE * sizeof(float[3]);
+    struct test_daemon daemon;
+    struct test_grid grid;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    struct pccd_client *client = connect_by_default(daemon.url);
+
+    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    turn(&grid);
+    uint64_t idle = bytes_when_idle(client);
+
+    assert_true(idle < 3 * slot_bytes);
+    for (int round = 0; round < 3; round++) {
+        turn_in_all_slots(&grid);
+        uint64_t told = test_stat(client, "shm_bytes_now");
+
+        assert_true(told > idle + 2 * slot_bytes);
+        assert_int_equal(test_taken_bytes(), told);
+        assert_true(bytes_when_idle(client) <= idle);
+        assert_int_equal(test_taken_bytes(), bytes_when_idle(client));
+    }
+    assert_true(WIFSIGNALED(test_daemon_end(&daemon, SIGKILL, 10000)));
+    assert_true(test_daemon_restart(&daemon, NULL));
+    ask(&grid, &answer);
+    assert_true(test_grid_is_right(&grid, &answer));
+    pccd_answer_release(client, &answer);
+    test_grid_free(&grid);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, a client would be refused a frame for want of memory, although it has
+ * slots that have some. */
+static void slots__that_have_memory_do_when_more_is_refused(void **state)
+{
+    static const char *const options[] = {"--shm-max-mib", "76", NULL};
+    struct test_daemon daemon;
+    struct test_grid other;
+    struct test_grid grid;
+    struct pccd_options hoard;
+    struct pccd_client *hoarder = NULL;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    struct pccd_client *client = connect_by_default(daemon.url);
+
+    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
+    turn(&grid);
+    uint64_t idle = bytes_when_idle(client);
+
+    memset(&hoard, 0, sizeof hoard); /* leaves less than a slot */
+    hoard.url = daemon.url;
+    hoard.slot_count = 1;
+    hoard.slot_bytes = (76u << 20) - idle - (512u << 10);
+    hoard.result_bytes = 1u << 16;
+    assert_int_equal(pccd_connect(&hoard, &hoarder), 0);
+    assert_int_equal(test_grid_make(hoarder, SIDE_SMALL, &other), 0);
+    for (int round = 0; round < 3; round++) {
+        assert_true(ask_by_pages(&grid) > 1);
+    }
+    assert_true(test_stat(client, "shm_bytes_now") <= 76u << 20);
+    turn(&other);
+    test_grid_free(&grid);
+    test_grid_free(&other);
+    pccd_close(client);
+    pccd_close(hoarder);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, a client whose frames grow would be refused larger slots, although the
+ * user may have them: old and new ones would be there at the same time. */
+static void slots__grow_into_the_memory_that_they_give_back(void **state)
+{
+    static const char *const options[] = {"--shm-max-mib", "76", NULL};
+    struct test_daemon daemon;
+    struct pccd_options asked;
+    struct pccd_frame frame;
+    struct pccd_client *client = NULL;
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    memset(&asked, 0, sizeof asked);
+    asked.url = daemon.url;
+    asked.slot_count = 2;
+    asked.result_bytes = 1u << 16;
+    assert_int_equal(pccd_connect(&asked, &client), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_frame_begin(client, scene, 1, 20u << 20, &frame), 0);
+    pccd_frame_abort(&frame);
+    assert_true(test_stat(client, "shm_bytes_now") > 40u << 20);
+    assert_int_equal(pccd_frame_begin(client, scene, 1, 30u << 20, &frame), 0);
+    pccd_frame_abort(&frame);
+    assert_true(test_stat(client, "shm_bytes_now") > 60u << 20);
+    /* What is too much is refused, and what was there can be used again. */
+    assert_int_equal(pccd_frame_begin(client, scene, 1, 40u << 20, &frame), PCCD_E_QUOTA);
+    assert_int_equal(pccd_frame_begin(client, scene, 1, 30u << 20, &frame), 0);
+    pccd_frame_abort(&frame);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clients__with_small_scenes_take_little),
+        cmocka_unit_test(slots__hold_a_frame_of_the_first_mesh),
         cmocka_unit_test(region__takes_what_an_answer_needs),
+        cmocka_unit_test(region__gives_memory_back_when_idle),
         cmocka_unit_test(region__is_as_large_as_the_quota_allows),
+        cmocka_unit_test(slots__give_memory_back_when_idle),
+        cmocka_unit_test(slots__that_have_memory_do_when_more_is_refused),
+        cmocka_unit_test(slots__grow_into_the_memory_that_they_give_back),
     };
     return cmocka_run_group_tests_name("int_taken", tests, NULL, NULL);
 }

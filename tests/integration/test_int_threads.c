@@ -20,6 +20,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "taken.h"
 
 #define TASKS_MAX 256
 #define SIDE      40u /* of a grid that a step shares among threads */
@@ -44,14 +45,14 @@ static void read_task(pid_t pid, struct task *task)
     unsigned long long runs = 0;
     FILE *file;
 
-    (void)snprintf(path, sizeof(path), "/proc/%ld/task/%ld/schedstat", (long)pid,
+    (void)snprintf(path, sizeof path, "/proc/%ld/task/%ld/schedstat", (long)pid,
                    task->id);
     file = fopen(path, "r");
     assert_non_null(file);
     assert_int_equal(fscanf(file, "%llu %llu %llu", &busy, &waited, &runs), 3);
     (void)fclose(file);
     task->runs = runs;
-    assert_int_equal(sched_getaffinity((pid_t)task->id, sizeof(cpus), &cpus), 0);
+    assert_int_equal(sched_getaffinity((pid_t)task->id, sizeof cpus, &cpus), 0);
     task->cpu_count = CPU_COUNT(&cpus);
     task->cpu = 0;
     while (!CPU_ISSET((size_t)task->cpu, &cpus)) {
@@ -67,7 +68,7 @@ static int read_tasks(pid_t pid, struct task tasks[TASKS_MAX])
     struct dirent *entry;
     int count = 0;
 
-    (void)snprintf(path, sizeof(path), "/proc/%ld/task", (long)pid);
+    (void)snprintf(path, sizeof path, "/proc/%ld/task", (long)pid);
     folder = opendir(path);
     assert_non_null(folder);
     while ((entry = readdir(folder)) != NULL) {
@@ -86,7 +87,7 @@ static int processors(void)
 {
     cpu_set_t cpus;
 
-    assert_int_equal(sched_getaffinity(0, sizeof(cpus), &cpus), 0);
+    assert_int_equal(sched_getaffinity(0, sizeof cpus, &cpus), 0);
     return CPU_COUNT(&cpus);
 }
 
@@ -97,7 +98,7 @@ static struct pccd_client *start(struct test_daemon *daemon, const char *pin, in
     const char *const options[] = {"--pin", pin, "--threads", number, NULL};
     struct pccd_client *client;
 
-    (void)snprintf(number, sizeof(number), "%d", threads);
+    (void)snprintf(number, sizeof number, "%d", threads);
     assert_true(test_daemon_start(daemon, options));
     client = test_connect(daemon->url);
     assert_non_null(client);
@@ -106,7 +107,7 @@ static struct pccd_client *start(struct test_daemon *daemon, const char *pin, in
 
 static void step(struct pccd_client *client, int threads)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct test_grid grid;
     uint64_t number = 0;
 
@@ -145,7 +146,7 @@ static int count_bound(pid_t pid)
 }
 
 /* The same after as many steps as it takes: a thread whose processor somebody else kept
- * was lent another's (seat.h), which it has until the next step. */
+ * was lent another's (member.h), which it has until the next step. */
 static int count_bound_in_calm(pid_t pid, struct pccd_client *client, int threads)
 {
     int bound = -1;
@@ -174,7 +175,7 @@ static void threads__are_bound_where_asked(void **state)
     if (all < 2 || all > 63) {
         skip();
     }
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct test_daemon daemon;
         struct pccd_client *client = start(&daemon, cases[i].pin, cases[i].threads);
         int bound = count_bound_in_calm(daemon.pid, client, cases[i].threads);
@@ -215,7 +216,8 @@ static void threads__are_there_before_the_first_step(void **state)
 }
 
 /* If it failed, a daemon that nobody asks anything would keep a processor from sleeping.
- */
+ * It may wake up twice, half a second apart, to give back the memory that the answers
+ * have taken (reclaim.h), and not once more after that. */
 static void threads__sleep_while_there_is_nothing_to_do(void **state)
 {
     struct task before[TASKS_MAX];
@@ -230,6 +232,8 @@ static void threads__sleep_while_there_is_nothing_to_do(void **state)
     }
     client = start(&daemon, "auto", processors());
     step(client, processors());
+    uint64_t taken = test_taken_bytes();
+    assert_true(test_taken_await(taken - 1) < taken);
     test_sleep_ms(300); /* whoever spins after a step does it no longer than that */
     count = read_tasks(daemon.pid, before);
     test_sleep_ms(IDLE_MS);

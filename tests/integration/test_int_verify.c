@@ -15,12 +15,12 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-#include <xxhash.h>
 
 #include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
 #include "reader.h"
+#include "record_hash.h"
 #include "run_ctl.h"
 
 #define STEPS 6u
@@ -37,8 +37,8 @@ static int set_up(void **state)
     if (mkdtemp(folder) == NULL) {
         return -1;
     }
-    (void)snprintf(honest, sizeof(honest), "%s/honest.rec", folder);
-    (void)snprintf(forged, sizeof(forged), "%s/forged.rec", folder);
+    (void)snprintf(honest, sizeof honest, "%s/honest.rec", folder);
+    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
     if (test_shared_connect(state, 0, &client) != 0 ||
         pccd_record_start(client, honest, &settings) != 0 ||
         test_grid_make(client, 8, &grid) != 0) {
@@ -46,8 +46,9 @@ static int set_up(void **state)
     }
     for (uint32_t i = 0; i < STEPS; i++) {
         const struct pccd_step_settings step_settings = {
+            .struct_bytes = sizeof(struct pccd_step_settings),
             .mode = i % 2 == 0 ? PCCD_MODE_ALL : PCCD_MODE_PAIRS};
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         uint64_t step = 0;
 
         if (test_grid_submit(&grid, &step_settings, &step) != 0 ||
@@ -85,7 +86,10 @@ enum forgery {
     FORGE_COUNT,
     FORGE_NAMES = FORGE_COUNT, /* of library and processor, which a terminal would obey */
     FORGE_PAIRS,               /* the hash of an answer in mode pairs, */
-    FORGE_OLD_PAIRS            /* and as recorded when mode pairs compared boxes */
+    FORGE_OLD_PAIRS,           /* and as recorded when mode pairs compared boxes */
+    FORGE_OLD_HASH,            /* a recording of before, with hashes of version 1, */
+    FORGE_OLD_WRONG,           /* and one of these wrong */
+    FORGE_UNKNOWN              /* a feature that nobody knows */
 };
 
 /* The answer is written after its records have been forged, so it waits here. */
@@ -115,7 +119,7 @@ static void put_answer(struct forger *forger)
 {
     if (forger->has_answer) {
         put(forger, RECORD_ANSWER, forger->answer_ns, &forger->answer,
-            sizeof(forger->answer), NULL, 0);
+            sizeof forger->answer, NULL, 0);
     }
     forger->has_answer = false;
 }
@@ -130,17 +134,17 @@ static void put_rest(struct forger *forger, const struct record_view *view)
         put(forger, view->kind, view->time_ns, view->payload, view->bytes, NULL, 0);
         return;
     }
-    assert_int_equal(view->bytes, sizeof(begin));
-    memcpy(&begin, view->payload, sizeof(begin));
+    assert_int_equal(view->bytes, sizeof begin);
+    memcpy(&begin, view->payload, sizeof begin);
     if (forger->forgery == FORGE_NAMES) {
         memcpy(begin.library, "\033[2J\233\a", 7);
-        memset(begin.cpu, '\033', sizeof(begin.cpu)); /* and no NUL */
+        memset(begin.cpu, '\033', sizeof begin.cpu); /* and no NUL */
         forger->is_done = true;
     } else {
         assert_true((begin.flags & RECORD_EXACT_PAIRS) != 0);
         begin.flags &= ~(uint32_t)RECORD_EXACT_PAIRS;
     }
-    put(forger, RECORD_BEGIN, view->time_ns, &begin, sizeof(begin), NULL, 0);
+    put(forger, RECORD_BEGIN, view->time_ns, &begin, sizeof begin, NULL, 0);
 }
 
 static void note_object(struct forger *forger, const struct record_view *view)
@@ -148,7 +152,7 @@ static void note_object(struct forger *forger, const struct record_view *view)
     struct record_object object;
 
     if (view->kind == RECORD_OBJECT) {
-        memcpy(&object, view->payload, sizeof(object));
+        memcpy(&object, view->payload, sizeof object);
         assert_in_range(forger->object_count, 0, 1);
         forger->scene = object.scene;
         forger->objects[forger->object_count++] = object.object;
@@ -167,11 +171,10 @@ static void forge_filter(struct forger *forger, const struct record_view *view)
         return;
     }
     if (forger->forgery == FORGE_MASK) {
-        put(forger, RECORD_FILTER, view->time_ns, &filter, sizeof(filter), NULL, 0);
+        put(forger, RECORD_FILTER, view->time_ns, &filter, sizeof filter, NULL, 0);
         forger->is_done = true;
     } else if (forger->forgery == FORGE_PAIR) {
-        put(forger, RECORD_PAIRS, view->time_ns, &pairs, sizeof(pairs), pair,
-            sizeof(pair));
+        put(forger, RECORD_PAIRS, view->time_ns, &pairs, sizeof pairs, pair, sizeof pair);
         forger->is_done = true;
     }
 }
@@ -180,10 +183,7 @@ static void forge_filter(struct forger *forger, const struct record_view *view)
 static void settle(struct record_answer *answer, const struct pccd_contact *contacts,
                    uint64_t count)
 {
-    XXH128_hash_t hash = XXH3_128bits(contacts, count * sizeof(*contacts));
-
-    answer->hash[0] = hash.high64;
-    answer->hash[1] = hash.low64;
+    record_hash_2(contacts, count, sizeof *contacts, answer->hash);
     answer->total = count;
     answer->toi_first = 2;
     answer->vf = answer->ee = answer->initial = 0;
@@ -204,7 +204,7 @@ static void forge_contacts(struct forger *forger, struct pccd_contact *contacts,
 
     switch (forger->forgery) {
     case FORGE_MISSING:
-        memmove(one, one + 1, (size_t)(contacts + *count - one - 1) * sizeof(*one));
+        memmove(one, one + 1, (size_t)(contacts + *count - one - 1) * sizeof *one);
         --*count;
         break;
     case FORGE_INVENTED:
@@ -239,18 +239,27 @@ static void forge_records(struct forger *forger, const struct record_view *view)
     const uint8_t *body = (const uint8_t *)view->payload + sizeof(struct record_records);
     struct record_records head;
 
-    memcpy(&head, view->payload, sizeof(head));
+    memcpy(&head, view->payload, sizeof head);
+    if (forger->forgery == FORGE_OLD_HASH || forger->forgery == FORGE_OLD_WRONG) {
+        assert_int_equal(head.count, forger->answer.total);
+        record_hash_1(body, head.count, head.record_bytes, forger->answer.hash);
+        forger->answer.hash[0] ^= forger->forgery == FORGE_OLD_WRONG && !forger->is_done;
+        forger->is_done = true;
+        put_answer(forger);
+        put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
+        return;
+    }
     if (head.record_bytes != sizeof(struct pccd_contact) || forger->is_done) {
         put_answer(forger);
         put(forger, RECORD_RECORDS, view->time_ns, view->payload, view->bytes, NULL, 0);
         return;
     }
     assert_in_range(head.count, 3, 4095);
-    memcpy(contacts, body, head.count * sizeof(*contacts));
+    memcpy(contacts, body, head.count * sizeof *contacts);
     forge_contacts(forger, contacts, &head.count);
     put_answer(forger);
-    put(forger, RECORD_RECORDS, view->time_ns, &head, sizeof(head), contacts,
-        head.count * sizeof(*contacts));
+    put(forger, RECORD_RECORDS, view->time_ns, &head, sizeof head, contacts,
+        head.count * sizeof *contacts);
 }
 
 /* Every end position of the frame mirrored: nothing goes through the floor any more. */
@@ -262,17 +271,17 @@ static void forge_frame(struct forger *forger, const struct record_view *view)
     assert_non_null(copy);
     memcpy(copy, view->payload, view->bytes);
     if (forger->forgery == FORGE_MOTION && !forger->is_done) {
-        memcpy(&segment, copy + sizeof(struct record_frame), sizeof(segment));
+        memcpy(&segment, copy + sizeof(struct record_frame), sizeof segment);
         assert_int_equal(segment.format, PCCD_FORMAT_F32);
         for (uint32_t i = 0; i < segment.count; i++) {
             uint8_t *at = copy + sizeof(struct record_frame) + segment.offset1 + i * 12;
             float x[3];
 
-            memcpy(x, at, sizeof(x));
+            memcpy(x, at, sizeof x);
             for (int k = 0; k < 3; k++) {
                 x[k] = -x[k];
             }
-            memcpy(at, x, sizeof(x));
+            memcpy(at, x, sizeof x);
         }
         forger->is_done = true;
     }
@@ -290,14 +299,22 @@ static void forge(enum forgery forgery)
     (void)unlink(forged);
     assert_int_equal(record_writer_open(&forger.writer, forged), 0);
     assert_int_equal(record_reader_open(&reader, honest), 0);
+    assert_int_equal(record_reader_hash_version(&reader), 2);
+    if (forgery != FORGE_OLD_HASH && forgery != FORGE_OLD_WRONG) {
+        assert_int_equal(record_writer_need(&forger.writer, reader.features), 0);
+    }
+    if (forgery == FORGE_UNKNOWN) {
+        assert_int_equal(record_writer_need(&forger.writer, 1u << 20), 0);
+        forger.is_done = true;
+    }
     while ((got = record_reader_next(&reader, &view)) == 1) {
         if (view.kind == RECORD_ANSWER) {
             put_answer(&forger);
-            memcpy(&forger.answer, view.payload, sizeof(forger.answer));
+            memcpy(&forger.answer, view.payload, sizeof forger.answer);
             forger.answer_ns = view.time_ns;
             forger.has_answer = true;
             bool is_chosen = forger.answer.mode == PCCD_MODE_PAIRS
-                                 ? forgery >= FORGE_PAIRS
+                                 ? forgery == FORGE_PAIRS || forgery == FORGE_OLD_PAIRS
                                  : forgery == FORGE_HASH;
             if (is_chosen && !forger.is_done) {
                 forger.answer.hash[1] ^= 1;
@@ -409,6 +426,47 @@ static void replay__shows_the_first_difference(void **state)
     assert_int_equal(run_ctl("replay", "", honest, said), 0);
 }
 
+/* If this failed, recordings of before would be called wrong, because their hashes were
+ * computed in another way; or a wrong one right. */
+static void replay__and_verify_check_old_recordings_by_version_1(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_OLD_HASH);
+    assert_int_equal(run_ctl("replay", "", forged, said), 0);
+    assert_non_null(strstr(said, "6 the same, 0 not"));
+    assert_int_equal(run_ctl("verify", "", forged, said), 0);
+    assert_non_null(strstr(said, "PASS: 6 steps"));
+    assert_int_equal(run_ctl("verify", "--repeat", forged, said), 0);
+    assert_non_null(strstr(said, "PASS: 6 steps"));
+    forge(FORGE_OLD_WRONG);
+    assert_int_equal(run_ctl("replay", "--keep-going", forged, said), 1);
+    assert_non_null(strstr(said, "5 the same, 1 not"));
+    assert_non_null(strstr(said, "has another hash"));
+    assert_non_null(strstr(said, "  expected  1:"));
+    assert_non_null(strstr(said, "  got       1:"));
+    assert_int_equal(run_ctl("verify", "", forged, said), 1);
+    assert_non_null(
+        strstr(said, "the recorded hash is not that of the recorded records"));
+}
+
+/* If this failed, a recording that this program would misread would be called wrong, or
+ * right, in the place of newer. */
+static void replay__names_a_feature_that_it_does_not_know(void **state)
+{
+    static const char *const commands[] = {"replay", "verify"};
+    char said[4096];
+
+    (void)state;
+    forge(FORGE_UNKNOWN);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_int_not_equal(run_ctl(commands[i], "", forged, said), 0);
+        assert_non_null(strstr(said, "it needs feature 20, which this program does not"));
+        assert_non_null(strstr(said, "pccd 0.1.0, which wrote it, does"));
+    }
+}
+
 /* If this failed, a recording could clear the screen of who replays it, or worse. */
 static void replay__shows_what_a_recording_says_as_text(void **state)
 {
@@ -449,6 +507,8 @@ int main(void)
         cmocka_unit_test(verify__shows_what_is_wrong),
         cmocka_unit_test(verify__names_the_features_and_where_they_are),
         cmocka_unit_test(replay__shows_the_first_difference),
+        cmocka_unit_test(replay__and_verify_check_old_recordings_by_version_1),
+        cmocka_unit_test(replay__names_a_feature_that_it_does_not_know),
         cmocka_unit_test(replay__shows_what_a_recording_says_as_text),
         cmocka_unit_test(replay__knows_by_which_rule_pairs_were_recorded),
     };

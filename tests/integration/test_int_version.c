@@ -97,10 +97,10 @@ static void requests__of_later_releases_are_answered(void **state)
     (void)state;
     assert_true(test_raw_open(&raw, daemon_.socket));
     assert_int_equal(test_raw_hello(&raw), 0);
-    assert_true(test_raw_send(&raw, ping_of_later, sizeof(ping_of_later), 0));
+    assert_true(test_raw_send(&raw, ping_of_later, sizeof ping_of_later, 0));
     assert_int_equal(test_raw_answer(&raw, 9, PROTO_METHOD_PING, &result), 0);
     assert_int_equal(result.token, 7);
-    assert_true(test_raw_send(&raw, method_of_later, sizeof(method_of_later), 0));
+    assert_true(test_raw_send(&raw, method_of_later, sizeof method_of_later, 0));
     assert_int_equal(test_raw_answer(&raw, 10, PROTO_METHOD_PING, NULL), PCCD_E_NOMETHOD);
     assert_false(raw.error.fatal);
     assert_non_null(strstr(raw.error.text, "scene.fly"));
@@ -127,7 +127,7 @@ static void serve(int listener, const struct proto_HELLO_result *hello)
     struct proto_error error;
     ssize_t bytes;
 
-    while ((bytes = recv(peer, message, sizeof(message), 0)) > 0 &&
+    while ((bytes = recv(peer, message, sizeof message, 0)) > 0 &&
            proto_decode(decoder, message, (size_t)bytes, &envelope, &error) == 0) {
         if (envelope.method == PROTO_METHOD_HELLO) {
             (void)proto_encode_result(&encoder, envelope.id, PROTO_METHOD_HELLO, hello);
@@ -151,13 +151,13 @@ static void serve(int listener, const struct proto_HELLO_result *hello)
 static void begin_script(struct script *script, const struct proto_HELLO_result *hello)
 {
     script->address = (struct sockaddr_un){.sun_family = AF_UNIX};
-    (void)snprintf(script->address.sun_path, sizeof(script->address.sun_path), "%s/other",
+    (void)snprintf(script->address.sun_path, sizeof script->address.sun_path, "%s/other",
                    daemon_.directory);
-    (void)snprintf(script->url, sizeof(script->url), "unix:%s", script->address.sun_path);
+    (void)snprintf(script->url, sizeof script->url, "unix:%s", script->address.sun_path);
     (void)unlink(script->address.sun_path); /* of a case that failed */
     script->listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
     assert_int_equal(bind(script->listener, (const struct sockaddr *)&script->address,
-                          sizeof(script->address)),
+                          sizeof script->address),
                      0);
     assert_int_equal(listen(script->listener, 1), 0);
     script->pid = fork();

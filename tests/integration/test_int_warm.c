@@ -68,7 +68,7 @@ static void read_contacts(const struct pccd_answer *answer)
 static void wait_for_one(void *context, int number)
 {
     struct test_grid *grid = context;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
 
     (void)number;
@@ -94,10 +94,11 @@ static void warm__frames_allocate_nothing(void **state)
 /* Two in flight, of several segments of each kind, collected by polling. */
 static void poll_for_two(void *context, int number)
 {
-    const struct pccd_step_settings settings = {.mode = PCCD_MODE_FIRST};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_FIRST};
     const double still[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     struct test_grid *grid = context;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     int collected = 0;
 
     for (int i = 0; i < 2; i++) {
@@ -108,25 +109,25 @@ static void poll_for_two(void *context, int number)
 
         test_grid_positions(grid, (number + i) % 2 == 0 ? 1.0f : -1.0f);
         assert_int_equal(pccd_frame_begin(grid->client, grid->scene, 3,
-                                          3 * grid->vertex_count * sizeof(*grid->x) + 192,
+                                          3 * grid->vertex_count * sizeof *grid->x + 192,
                                           &frame),
                          0);
         assert_int_equal(
             pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, half, &x1), 0);
-        memcpy(x1, grid->x, half * sizeof(*grid->x));
+        memcpy(x1, grid->x, half * sizeof *grid->x);
         assert_int_equal(pccd_frame_x0x1(&frame, grid->object, PCCD_FORMAT_F32, half,
                                          grid->vertex_count - half, &x0, &x1),
                          0);
-        memcpy(x0, grid->x + half, (grid->vertex_count - half) * sizeof(*grid->x));
-        memcpy(x1, grid->x + half, (grid->vertex_count - half) * sizeof(*grid->x));
+        memcpy(x0, grid->x + half, (grid->vertex_count - half) * sizeof *grid->x);
+        memcpy(x1, grid->x + half, (grid->vertex_count - half) * sizeof *grid->x);
         assert_int_equal(pccd_frame_rigid(&frame, grid->floor, 0, 3, still, still), 0);
         assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
     }
     while (collected < 2) {
-        int rc = pccd_poll(grid->client, &answer);
+        int status = pccd_poll(grid->client, &answer);
 
-        assert_true(rc == 0 || rc == PCCD_E_AGAIN);
-        if (rc == 0) {
+        assert_true(status == 0 || status == PCCD_E_AGAIN);
+        if (status == 0) {
             assert_int_equal(answer.status, 0);
             read_contacts(&answer);
             pccd_answer_release(grid->client, &answer);
@@ -158,7 +159,7 @@ static void warm__recorded_frames_allocate_nothing(void **state)
 
     (void)state;
     assert_non_null(mkdtemp(folder));
-    (void)snprintf(path, sizeof(path), "%s/rec", folder);
+    (void)snprintf(path, sizeof path, "%s/rec", folder);
     assert_int_equal(pccd_record_start(client, path, &settings), 0);
     assert_int_equal(test_grid_make(client, 20, &grid), 0);
     assert_asks_for_nothing(wait_for_one, &grid);
@@ -176,7 +177,8 @@ struct pair {
 
 static uint64_t submit(struct pair *pair, int who, float z, bool hold)
 {
-    const struct pccd_step_settings settings = {.hold = hold};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .hold = hold};
     struct pccd_frame frame;
     float x[3][3];
     uint64_t step;
@@ -184,10 +186,10 @@ static uint64_t submit(struct pair *pair, int who, float z, bool hold)
 
     test_crossing_positions(x, z);
     assert_int_equal(
-        pccd_frame_begin(pair->client[who], pair->scene[who], 1, sizeof(x), &frame), 0);
+        pccd_frame_begin(pair->client[who], pair->scene[who], 1, sizeof x, &frame), 0);
     assert_int_equal(pccd_frame_x1(&frame, pair->object[who], PCCD_FORMAT_F32, 0, 3, &x1),
                      0);
-    memcpy(x1, x, sizeof(x));
+    memcpy(x1, x, sizeof x);
     assert_int_equal(pccd_frame_commit(&frame, &settings, &step), 0);
     return step;
 }
@@ -197,7 +199,7 @@ static void share(void *context, int number)
     float z = number % 2 == 0 ? -1.0f : 1.0f;
     struct pair *pair = context;
     struct pccd_scene_news news;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t held = submit(pair, 0, z, true);
     uint64_t step;
 

@@ -53,7 +53,9 @@ static void close_grid(void)
 static void turn(uint32_t threads, struct pccd_answer *answer)
 {
     /* The method with many small task units. */
-    const struct pccd_step_settings settings = {.threads = threads,
+    const struct pccd_step_settings settings = {.struct_bytes =
+                                                    sizeof(struct pccd_step_settings),
+                                                .threads = threads,
                                                 .method = PCCD_METHOD_PAPER};
     uint64_t step = 0;
 
@@ -88,7 +90,7 @@ static void add(void *context, const char *name, uint64_t value, const char *tex
 /* If it failed, the records would tell of other work than the step's. */
 static void threads__records_add_up_to_the_answer(void **state)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t number = 0;
 
     (void)state;
@@ -98,8 +100,8 @@ static void threads__records_add_up_to_the_answer(void **state)
 
         turn(threads, &answer);
         for (uint32_t i = 0; i < threads; i++) {
-            assert_int_equal(pccd_stats_thread(grid.client, i % 2 == 1, i, add, &sums),
-                             0);
+            assert_int_equal(
+                pccd_stats_thread(grid.client, i % 2 == 1, i, add, &sums, NULL), 0);
         }
         assert_int_equal(sums.threads, threads * threads);
         assert_int_equal(sums.number % threads, 0);
@@ -110,10 +112,11 @@ static void threads__records_add_up_to_the_answer(void **state)
         assert_true(sums.task_units > 0);
         assert_true(sums.ns_step >= answer.times.low * threads);
         assert_true(sums.low_ns > 0);
-        assert_int_equal(pccd_stats_thread(grid.client, false, threads, add, &sums),
+        assert_int_equal(pccd_stats_thread(grid.client, false, threads, add, &sums, NULL),
                          PCCD_E_INVAL);
-        assert_int_equal(pccd_stats_thread(grid.client, true, UINT32_MAX, add, &sums),
-                         PCCD_E_INVAL);
+        assert_int_equal(
+            pccd_stats_thread(grid.client, true, UINT32_MAX, add, &sums, NULL),
+            PCCD_E_INVAL);
     }
     close_grid();
 }
@@ -123,7 +126,7 @@ static void threads__records_add_up_to_the_answer(void **state)
 static void threads__records_are_of_the_session_that_asks(void **state)
 {
     struct pccd_client *stranger = test_connect(test_shared.url);
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct sums own = {.threads = 0};
     struct sums others = {.threads = 0};
 
@@ -131,19 +134,21 @@ static void threads__records_are_of_the_session_that_asks(void **state)
     assert_non_null(stranger);
     open_grid();
     turn(2, &answer);
-    assert_int_equal(pccd_stats_thread(stranger, false, 0, add, &own), 0);
+    assert_int_equal(pccd_stats_thread(stranger, false, 0, add, &own, NULL), 0);
     assert_int_equal(own.threads, 0);
     assert_int_equal(own.number, 0);
     assert_int_equal(own.ns_step, 0);
-    assert_int_equal(pccd_stats_thread(stranger, false, 1, add, &own), PCCD_E_INVAL);
-    assert_int_equal(pccd_stats_thread(stranger, true, 0, add, &others), 0);
+    assert_int_equal(pccd_stats_thread(stranger, false, 1, add, &own, NULL),
+                     PCCD_E_INVAL);
+    assert_int_equal(pccd_stats_thread(stranger, true, 0, add, &others, NULL), 0);
     assert_int_equal(others.threads, 2); /* the daemon's user may see it */
-    assert_int_equal(pccd_stats_thread(NULL, false, 0, add, &own), PCCD_E_INVAL);
-    assert_int_equal(pccd_stats_thread(stranger, false, 0, NULL, &own), PCCD_E_INVAL);
+    assert_int_equal(pccd_stats_thread(NULL, false, 0, add, &own, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_stats_thread(stranger, false, 0, NULL, &own, NULL),
+                     PCCD_E_INVAL);
     /* It outlives the session that made it. */
     close_grid();
     others.threads = 0;
-    assert_int_equal(pccd_stats_thread(stranger, true, 1, add, &others), 0);
+    assert_int_equal(pccd_stats_thread(stranger, true, 1, add, &others, NULL), 0);
     assert_int_equal(others.threads, 2);
     pccd_close(stranger);
 }
@@ -175,8 +180,8 @@ static void collect(void *context, const struct pccd_trace_event *events, uint32
 
 static void start_recording(struct recording *recording, uint32_t events)
 {
-    memset(recording, 0, sizeof(*recording));
-    recording->events = calloc(EVENTS_MAX, sizeof(*recording->events));
+    memset(recording, 0, sizeof *recording);
+    recording->events = calloc(EVENTS_MAX, sizeof *recording->events);
     assert_non_null(recording->events);
     assert_int_equal(pccd_trace_start(grid.client, events, 0, &recording->info), 0);
 }
@@ -220,7 +225,7 @@ static void expect_nesting(struct recording *recording)
     uint32_t depth = 0;
     uint64_t track = UINT64_MAX;
 
-    qsort(recording->events, recording->count, sizeof(*recording->events),
+    qsort(recording->events, recording->count, sizeof *recording->events,
           by_track_and_begin);
     for (uint64_t i = 0; i < recording->count; i++) {
         const struct pccd_trace_event *event = &recording->events[i];
@@ -262,17 +267,18 @@ static uint64_t count_high_nodes(const struct recording *recording)
 /* If it failed, the picture of a step would leave out work, or show it twice. */
 static void trace__has_one_event_for_each_task_unit(void **state)
 {
-    static const enum pccd_scheduler schedulers[] = {PCCD_SCHEDULER_STEAL,
-                                                     PCCD_SCHEDULER_PAPER};
+    static const char *const tunings[] = {"scheduler=steal", "scheduler=paper"};
 
     (void)state;
     open_grid();
     for (uint32_t threads = 1; threads <= THREADS; threads++) {
         for (int i = 0; i < 2; i++) {
-            const struct pccd_step_settings settings = {.threads = threads,
-                                                        .scheduler = schedulers[i]};
+            const struct pccd_step_settings settings = {
+                .struct_bytes = sizeof(struct pccd_step_settings),
+                .threads = threads,
+                .tuning = tunings[i]};
             struct recording recording;
-            struct pccd_answer answer;
+            struct pccd_answer answer = PCCD_ANSWER_INIT;
             uint64_t step = 0;
 
             start_recording(&recording, 0);
@@ -306,7 +312,7 @@ static void trace__has_every_request_of_every_client(void **state)
     struct pccd_client *other = test_connect(test_shared.url);
     struct test_crossing crossing;
     struct recording recording;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint32_t submits = 0;
     uint32_t pings = 0;
 
@@ -352,7 +358,7 @@ static void trace__ring_that_overflows_keeps_the_newest_and_counts_the_lost(void
 {
     struct recording whole;
     struct recording cut;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t newest = 0;
 
     (void)state;
@@ -388,8 +394,8 @@ static void trace__is_one_at_a_time_and_of_its_session(void **state)
 {
     struct pccd_client *other = test_connect(test_shared.url);
     struct recording recording;
-    struct pccd_answer answer;
-    int rc = PCCD_E_BUSY;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    int status = PCCD_E_BUSY;
 
     (void)state;
     assert_non_null(other);
@@ -420,11 +426,11 @@ static void trace__is_one_at_a_time_and_of_its_session(void **state)
     turn(2, &answer);
     free(recording.events);
     close_grid();
-    for (int i = 0; i < 1000 && rc == PCCD_E_BUSY; i++) {
-        rc = pccd_trace_start(other, 0, 0, NULL);
+    for (int i = 0; i < 1000 && status == PCCD_E_BUSY; i++) {
+        status = pccd_trace_start(other, 0, 0, NULL);
         test_sleep_ms(2);
     }
-    assert_int_equal(rc, 0);
+    assert_int_equal(status, 0);
     pccd_close(other);
     other = test_connect(test_shared.url);
     assert_non_null(other);
@@ -475,29 +481,29 @@ static int ask_as_nobody(void)
     struct proto_STATS_THREAD_request any = {.thread = 0, .any = true};
     struct proto_STATS_THREAD_request own = {.thread = 0, .any = false};
     struct proto_TRACE_START_request record = {.events = 16};
-    int rc = 0;
+    int status = 0;
 
     if (setgid(NOBODY) != 0 || setuid(NOBODY) != 0 ||
         !test_raw_open(&raw, test_shared.socket) || test_raw_hello(&raw) != 0) {
         return 1;
     }
     if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &any, NULL) != PCCD_E_ACCESS) {
-        rc |= 2;
+        status |= 2;
     }
     if (test_raw_call(&raw, PROTO_METHOD_STATS_THREAD, &own, NULL) != 0) {
-        rc |= 4;
+        status |= 4;
     }
     if (test_raw_call(&raw, PROTO_METHOD_TRACE_START, &record, NULL) != PCCD_E_ACCESS) {
-        rc |= 8;
+        status |= 8;
     }
     test_raw_close(&raw);
-    return rc;
+    return status;
 }
 
 /* If it failed, a user could watch what another one computes. */
 static void watch__other_users_are_refused(void **state)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status = 0;
     pid_t child;
 

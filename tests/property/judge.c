@@ -37,24 +37,24 @@ static const struct judge_object *object_of(const struct judge *judge, uint32_t 
 }
 
 /* Does the record name features that there are? */
-static bool has_features(const struct judge *judge, const struct eng_contact *contact)
+static bool has_features(const struct judge *judge, const struct pccd_contact *contact)
 {
     const struct judge_object *a = object_of(judge, contact->object_a);
     const struct judge_object *b = object_of(judge, contact->object_b);
-    bool is_vf = contact->kind == ENG_VF;
-    return a && b && (is_vf || contact->kind == ENG_EE) &&
+    bool is_vf = contact->kind == PCCD_VF;
+    return a && b && (is_vf || contact->kind == PCCD_EE) &&
            contact->feature_a < (is_vf ? a->mesh.vertex_count : a->edge_count) &&
            contact->feature_b < (is_vf ? b->mesh.triangle_count : b->edge_count);
 }
 
-static void load_points(const struct judge *judge, const struct eng_contact *contact,
+static void load_points(const struct judge *judge, const struct pccd_contact *contact,
                         double p[8][3])
 {
     const struct judge_object *a = object_of(judge, contact->object_a);
     const struct judge_object *b = object_of(judge, contact->object_b);
     struct oracle_object view_a = view(a);
     struct oracle_object view_b = view(b);
-    if (contact->kind == ENG_VF) {
+    if (contact->kind == PCCD_VF) {
         oracle_vf_points(&view_a, contact->feature_a, &view_b, contact->feature_b, p);
     } else {
         oracle_ee_points(&view_a, a->edges[contact->feature_a], &view_b,
@@ -63,14 +63,14 @@ static void load_points(const struct judge *judge, const struct eng_contact *con
 }
 
 void judge_fail(const struct judge *judge, const char *what,
-                const struct eng_contact *about)
+                const struct pccd_contact *about)
 {
     char way[WAY_TEXT_MAX];
     way_tell(&judge->settings, way);
     print_message("# %s\n# %s\n", judge->context, judge->scene ? way : "");
     if (about) {
         print_message("# %s %u/%u %u/%u flags %u toi %a toi_hi %a param %g %g\n",
-                      about->kind == ENG_VF ? "vf" : "ee", about->object_a,
+                      about->kind == PCCD_VF ? "vf" : "ee", about->object_a,
                       about->feature_a, about->object_b, about->feature_b, about->flags,
                       about->toi, about->toi_hi, (double)about->param[0],
                       (double)about->param[1]);
@@ -87,7 +87,7 @@ void judge_fail(const struct judge *judge, const char *what,
 }
 
 static void must(const struct judge *judge, bool holds, const char *what,
-                 const struct eng_contact *about)
+                 const struct pccd_contact *about)
 {
     if (!holds) {
         judge_fail(judge, what, about);
@@ -118,7 +118,7 @@ void judge_init(struct judge *judge, struct judge_sums *sums, double tolerance)
     static uint64_t judges;
     judge_watch_init(judge, sums, tolerance);
     judge->ways.state = prng_seed() + ++judges;
-    assert_int_equal(eng_scene_new(NULL, &judge->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &judge->scene), PCCD_OK);
 }
 
 static void object_deinit(struct judge_object *object)
@@ -171,21 +171,21 @@ static void register_mesh(struct judge *judge, struct judge_object *object)
     struct eng_mesh_info info;
     uint32_t bad = 0;
     assert_int_equal(eng_mesh_new(mesh->vertex_count, mesh->triangle_count, &registered),
-                     ENG_OK);
-    assert_int_equal(
-        eng_mesh_write_vertices(registered, ENG_F64, 0, mesh->vertex_count, mesh->x0),
-        ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_mesh_write_vertices(registered, PCCD_FORMAT_F64, 0,
+                                             mesh->vertex_count, mesh->x0),
+                     PCCD_OK);
     assert_int_equal(eng_mesh_write_triangles(registered, 0, mesh->triangle_count,
                                               mesh->triangles, &bad),
-                     ENG_OK);
-    assert_int_equal(eng_mesh_commit(registered), ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_mesh_commit(registered), PCCD_OK);
     eng_mesh_get_info(registered, &info);
     assert_int_equal(info.edge_count, object->edge_count);
     assert_memory_equal(eng_mesh_edges(registered), object->edges,
                         object->edge_count * sizeof *object->edges);
     assert_int_equal(
         eng_scene_add(judge->scene, registered, object->object_id, &object->object_idx),
-        ENG_OK);
+        PCCD_OK);
     eng_mesh_release(registered);
 }
 
@@ -211,7 +211,7 @@ void judge_add(struct judge *judge, const struct scenes_mesh *mesh, uint32_t obj
 void judge_remove(struct judge *judge, uint32_t at)
 {
     assert_int_equal(eng_scene_remove(judge->scene, judge->objects[at].object_idx),
-                     ENG_OK);
+                     PCCD_OK);
     filters_forget(&judge->filters, judge->objects[at].object_id);
     object_deinit(&judge->objects[at]);
     judge->objects[at] = judge->objects[--judge->object_count];
@@ -232,22 +232,22 @@ void judge_stage_whole(struct judge *judge)
     eng_stage_begin(judge->scene);
     for (uint32_t i = 0; i < judge->object_count; i++) {
         const struct judge_object *object = &judge->objects[i];
-        assert_int_equal(eng_stage_x0x1(judge->scene, object->object_idx, ENG_F64, 0,
-                                        object->mesh.vertex_count, object->mesh.x0,
+        assert_int_equal(eng_stage_x0x1(judge->scene, object->object_idx, PCCD_FORMAT_F64,
+                                        0, object->mesh.vertex_count, object->mesh.x0,
                                         object->mesh.x1),
-                         ENG_OK);
+                         PCCD_OK);
     }
 }
 
-void judge_step(struct judge *judge, enum eng_mode mode, struct eng_step_result *result)
+void judge_step(struct judge *judge, enum pccd_mode mode, struct eng_step_result *result)
 {
     judge->settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
     judge->settings.mode = mode;
     judge->settings.tolerance = judge->tolerance;
     way_draw(&judge->ways, 4, &judge->settings);
-    assert_int_equal(eng_step(judge->scene, &judge->settings, result), ENG_OK);
+    assert_int_equal(eng_step(judge->scene, &judge->settings, result), PCCD_OK);
     judge->sums->team_steps += result->threads > 1;
-    must(judge, result->incomplete == ENG_COMPLETE, "the answer is incomplete", NULL);
+    must(judge, result->incomplete == PCCD_COMPLETE, "the answer is incomplete", NULL);
     must(judge, result->mode == mode, "the answer is of another mode", NULL);
 }
 
@@ -266,7 +266,7 @@ void judge_find(const struct judge *judge, struct oracle_contacts *truth)
     judge->sums->queries += truth->queries;
 }
 
-static struct oracle_pair name_of(const struct eng_contact *contact)
+static struct oracle_pair name_of(const struct pccd_contact *contact)
 {
     return (struct oracle_pair){contact->kind, contact->object_a, contact->feature_a,
                                 contact->object_b, contact->feature_b};
@@ -274,10 +274,10 @@ static struct oracle_pair name_of(const struct eng_contact *contact)
 
 /* The points of a pair, after a check that there are such features and that they share no
  * vertex. */
-static void points_of(const struct judge *judge, const struct eng_contact *contact,
+static void points_of(const struct judge *judge, const struct pccd_contact *contact,
                       double p[8][3])
 {
-    bool is_vf = contact->kind == ENG_VF;
+    bool is_vf = contact->kind == PCCD_VF;
     must(judge, has_features(judge, contact), "no such features", contact);
     const struct judge_object *a = object_of(judge, contact->object_a);
     const struct judge_object *b = object_of(judge, contact->object_b);
@@ -294,10 +294,10 @@ static void points_of(const struct judge *judge, const struct eng_contact *conta
 }
 
 /* Of any record, true or not. */
-static void check_form(const struct judge *judge, const struct eng_contact *contact)
+static void check_form(const struct judge *judge, const struct pccd_contact *contact)
 {
     double length2 = 0;
-    must(judge, contact->flags <= (ENG_PROVED | ENG_INITIAL), "unknown flag", contact);
+    must(judge, contact->flags <= (PCCD_PROVED | PCCD_INITIAL), "unknown flag", contact);
     must(judge,
          contact->toi >= 0 && contact->toi <= contact->toi_hi && contact->toi_hi <= 1,
          "times are out of order", contact);
@@ -312,29 +312,29 @@ static void check_form(const struct judge *judge, const struct eng_contact *cont
              "parameter outside 0 .. 1", contact);
     }
     must(judge,
-         contact->kind != ENG_VF ||
+         contact->kind != PCCD_VF ||
              (double)contact->param[0] + (double)contact->param[1] <= 1 + 0x1p-22,
          "barycentric weights are more than 1", contact);
-    if (contact->flags & ENG_PROVED) {
+    if (contact->flags & PCCD_PROVED) {
         must(judge, contact->toi_hi - contact->toi <= judge->tolerance,
              "proved, but not within the tolerance", contact);
     }
-    if (contact->flags & ENG_INITIAL) {
+    if (contact->flags & PCCD_INITIAL) {
         must(judge,
-             contact->flags & ENG_PROVED && contact->toi == 0 && contact->toi_hi == 0,
+             contact->flags & PCCD_PROVED && contact->toi == 0 && contact->toi_hi == 0,
              "initial, but not proved at 0", contact);
     }
 }
 
 /* The points that the parameters name meet at the contact, up to rounding and the
  * motion during toi .. toi_hi. */
-static void check_params(const struct judge *judge, const struct eng_contact *contact,
+static void check_params(const struct judge *judge, const struct pccd_contact *contact,
                          const double p[8][3])
 {
     double w[4] = {1, 0, 0, 0};
     double s = (double)contact->param[0];
     double r = (double)contact->param[1];
-    if (contact->kind == ENG_VF) {
+    if (contact->kind == PCCD_VF) {
         w[1] = -(1 - s - r);
         w[2] = -s;
         w[3] = -r;
@@ -361,28 +361,28 @@ static void check_params(const struct judge *judge, const struct eng_contact *co
     }
 }
 
-static void check_true(const struct judge *judge, const struct eng_contact *contact)
+static void check_true(const struct judge *judge, const struct pccd_contact *contact)
 {
     double moving[8][3];
     points_of(judge, contact, moving);
     points_t p = (points_t)moving;
-    enum oracle_kind kind = contact->kind == ENG_VF ? ORACLE_VF : ORACLE_EE;
+    enum oracle_kind kind = contact->kind == PCCD_VF ? ORACLE_VF : ORACLE_EE;
     struct oracle_first *first = oracle_first_new(kind, p);
     must(judge, first != NULL, "brute force and query differ", contact);
     bool late = oracle_first_compare(first, contact->toi) < 0;
     bool early = oracle_first_compare(first, contact->toi_hi) > 0;
     oracle_first_free(first);
     must(judge, !late, "toi is after the first contact", contact);
-    must(judge, !(contact->flags & ENG_PROVED) || !early,
+    must(judge, !(contact->flags & PCCD_PROVED) || !early,
          "proved, but the first contact is after toi_hi", contact);
-    must(judge, oracle_touching_at(kind, p, 0) == ((contact->flags & ENG_INITIAL) != 0),
+    must(judge, oracle_touching_at(kind, p, 0) == ((contact->flags & PCCD_INITIAL) != 0),
          "touching at t = 0 and the flag differ", contact);
-    if (contact->flags & ENG_PROVED) {
+    if (contact->flags & PCCD_PROVED) {
         check_params(judge, contact, p);
     }
 }
 
-static void check_extra(const struct judge *judge, const struct eng_contact *contact)
+static void check_extra(const struct judge *judge, const struct pccd_contact *contact)
 {
     double p[8][3];
     points_of(judge, contact, p);
@@ -391,21 +391,21 @@ static void check_extra(const struct judge *judge, const struct eng_contact *con
 
 static void check_counts(const struct judge *judge, const struct eng_step_result *result)
 {
-    const struct eng_contact *contacts = result->records;
+    const struct pccd_contact *contacts = result->records;
     uint64_t vf = 0;
     uint64_t possible = 0;
     uint64_t initial = 0;
     double first = 2;
     for (uint64_t i = 0; i < result->count; i++) {
-        vf += contacts[i].kind == ENG_VF;
-        possible += !(contacts[i].flags & ENG_PROVED);
-        initial += (contacts[i].flags & ENG_INITIAL) != 0;
+        vf += contacts[i].kind == PCCD_VF;
+        possible += !(contacts[i].flags & PCCD_PROVED);
+        initial += (contacts[i].flags & PCCD_INITIAL) != 0;
         first = fmin(first, contacts[i].toi);
     }
     must(judge,
-         result->vf == vf && result->ee == result->count - vf &&
+         result->counts[PCCD_VF] == vf && result->counts[PCCD_EE] == result->count - vf &&
              result->possible == possible && result->initial == initial &&
-             result->toi_first == first && result->verdict == ENG_VERDICT_NONE,
+             result->toi_first == first && result->verdict == PCCD_VERDICT_NONE,
          "counts and records differ", NULL);
 }
 
@@ -413,7 +413,7 @@ static void check_counts(const struct judge *judge, const struct eng_step_result
 void judge_check_all(struct judge *judge, const struct eng_step_result *result,
                      const struct oracle_contacts *truth)
 {
-    const struct eng_contact *contacts = result->records;
+    const struct pccd_contact *contacts = result->records;
     size_t at = 0;
     must(judge, result->record_bytes == sizeof *contacts, "size of a record", NULL);
     for (uint64_t i = 0; i < result->count; i++) {
@@ -447,18 +447,18 @@ void judge_check_all(struct judge *judge, const struct eng_step_result *result,
 struct judge_records judge_copy(const struct eng_step_result *result)
 {
     return (struct judge_records){
-        copy_of(result->records, result->count, sizeof(struct eng_contact)),
+        copy_of(result->records, result->count, sizeof(struct pccd_contact)),
         result->count};
 }
 
 void judge_check_first(const struct judge *judge, const struct eng_step_result *result,
                        const struct judge_records *all)
 {
-    const struct eng_contact *contacts = result->records;
+    const struct pccd_contact *contacts = result->records;
     double bound = INFINITY;
     uint64_t at = 0;
     for (uint64_t i = 0; i < all->count; i++) {
-        if (all->items[i].flags & ENG_PROVED) {
+        if (all->items[i].flags & PCCD_PROVED) {
             bound = fmin(bound, all->items[i].toi_hi);
         }
     }
@@ -479,10 +479,10 @@ void judge_check_first(const struct judge *judge, const struct eng_step_result *
 void judge_check_any(const struct judge *judge, const struct eng_step_result *result,
                      const struct judge_records *all)
 {
-    enum eng_verdict verdict = all->count > 0 ? ENG_VERDICT_POSSIBLE : ENG_VERDICT_NO;
+    enum pccd_verdict verdict = all->count > 0 ? PCCD_VERDICT_POSSIBLE : PCCD_VERDICT_NO;
     for (uint64_t i = 0; i < all->count; i++) {
-        if (all->items[i].flags & ENG_PROVED) {
-            verdict = ENG_VERDICT_YES;
+        if (all->items[i].flags & PCCD_PROVED) {
+            verdict = PCCD_VERDICT_YES;
         }
     }
     must(judge, result->verdict == verdict && result->count == 0,
@@ -499,32 +499,33 @@ void judge_check_pairs(const struct judge *judge, const struct eng_step_result *
                        const struct oracle_contacts *truth,
                        const struct judge_records *all)
 {
-    const struct eng_pair *pairs = result->records;
+    const struct pccd_pair *pairs = result->records;
     uint64_t vf = 0;
-    assert_int_equal(sizeof(struct eng_pair), sizeof(struct oracle_pair));
+    assert_int_equal(sizeof(struct pccd_pair), sizeof(struct oracle_pair));
     must(judge, result->record_bytes == sizeof *pairs, "size of a pair", NULL);
     for (uint64_t i = 0; i < result->count; i++) {
         must(judge, i == 0 || oracle_pair_compare(&pairs[i - 1], &pairs[i]) < 0,
              "mode pairs: out of order", NULL);
-        struct eng_contact named = {pairs[i].kind,
-                                    0,
-                                    pairs[i].object_a,
-                                    pairs[i].feature_a,
-                                    pairs[i].object_b,
-                                    pairs[i].feature_b,
-                                    0,
-                                    0,
-                                    {0, 0},
-                                    {0, 0, 0},
-                                    0};
+        struct pccd_contact named = {pairs[i].kind,
+                                     0,
+                                     pairs[i].object_a,
+                                     pairs[i].feature_a,
+                                     pairs[i].object_b,
+                                     pairs[i].feature_b,
+                                     0,
+                                     0,
+                                     {0, 0},
+                                     {0, 0, 0},
+                                     0};
         double p[8][3];
         points_of(judge, &named, p);
         must(judge,
              !oracle_is_apart((enum oracle_kind)pairs[i].kind, (const double(*)[3])p),
              "mode pairs: an axis separates a pair", &named);
-        vf += pairs[i].kind == ENG_VF;
+        vf += pairs[i].kind == PCCD_VF;
     }
-    must(judge, result->vf == vf && result->ee == result->count - vf,
+    must(judge,
+         result->counts[PCCD_VF] == vf && result->counts[PCCD_EE] == result->count - vf,
          "mode pairs: counts and pairs differ", NULL);
     must(judge, result->count == truth->beside,
          "mode pairs: another number of pairs than no axis separates", NULL);
@@ -543,24 +544,24 @@ void judge_everything(struct judge *judge)
 {
     struct oracle_contacts truth;
     struct eng_step_result result;
-    judge_step(judge, ENG_MODE_ALL, &result);
-    uint64_t hash[2] = {result.hash_hi, result.hash_lo};
+    judge_step(judge, PCCD_MODE_ALL, &result);
+    uint64_t hash[2] = {result.hash[0], result.hash[1]};
     judge_find(judge, &truth);
     judge_check_all(judge, &result, &truth);
     struct judge_records all = judge_copy(&result);
     judge_stage_whole(judge);
-    judge_step(judge, ENG_MODE_FIRST, &result);
+    judge_step(judge, PCCD_MODE_FIRST, &result);
     judge_check_first(judge, &result, &all);
     judge_stage_whole(judge);
-    judge_step(judge, ENG_MODE_ANY, &result);
+    judge_step(judge, PCCD_MODE_ANY, &result);
     judge_check_any(judge, &result, &all);
     judge_stage_whole(judge);
-    judge_step(judge, ENG_MODE_PAIRS, &result);
+    judge_step(judge, PCCD_MODE_PAIRS, &result);
     judge_check_pairs(judge, &result, &truth, &all);
     judge_stage_whole(judge);
-    judge_step(judge, ENG_MODE_ALL, &result);
+    judge_step(judge, PCCD_MODE_ALL, &result);
     must(judge,
-         result.hash_hi == hash[0] && result.hash_lo == hash[1] &&
+         result.hash[0] == hash[0] && result.hash[1] == hash[1] &&
              result.count == all.count &&
              (all.count == 0 ||
               memcmp(result.records, all.items, all.count * sizeof *all.items) == 0),

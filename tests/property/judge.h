@@ -1,10 +1,10 @@
-/* judge.h - a scene of the engine, and what an independent observer knows about it.
+/* judge.h - compares the engine's answers on a scene with brute force in exact
+ * arithmetic.
  *
  * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
- * Does:     keep a copy of every object's positions beside the engine's; compare the
- *           engine's answers with brute force in exact arithmetic. A difference fails the
- *           running test and says how to repeat it.
+ * Does:     keep a copy of every object's positions beside the engine's. A difference
+ *           fails the running test and says how to repeat it.
  * Threads:  one; the engine's steps by one to four.
  */
 #ifndef JUDGE_H
@@ -73,14 +73,14 @@ void judge_draw_filters(struct judge *judge, struct prng *prng);
 void judge_stage_whole(struct judge *judge);
 
 /* eng_step with what is staged; complete, or the test fails. */
-void judge_step(struct judge *judge, enum eng_mode mode, struct eng_step_result *result);
+void judge_step(struct judge *judge, enum pccd_mode mode, struct eng_step_result *result);
 
 /* All contacts of the copies. */
 void judge_find(const struct judge *judge, struct oracle_contacts *truth);
 
 /* The laws of an answer. `all` is a copy of the records of mode ALL. */
 struct judge_records {
-    struct eng_contact *items;
+    struct pccd_contact *items;
     uint64_t count;
 };
 void judge_check_all(struct judge *judge, const struct eng_step_result *result,
@@ -100,6 +100,6 @@ struct judge_records judge_copy(const struct eng_step_result *result);
 void judge_everything(struct judge *judge);
 
 void judge_fail(const struct judge *judge, const char *what,
-                const struct eng_contact *about) __attribute__((noreturn));
+                const struct pccd_contact *about) __attribute__((noreturn));
 
 #endif

@@ -8,7 +8,7 @@ TESTS += $(property_names)
 
 PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support -I$(top_srcdir)/tests/property \
-    -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+    -I$(top_srcdir)/tests/unit $(XXHASH_CFLAGS) $(CMOCKA_CFLAGS)
 PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
 property_judge = \

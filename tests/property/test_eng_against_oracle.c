@@ -172,13 +172,14 @@ static struct oracle_pair map_pair(const struct split *split,
 {
     uint32_t a = pair->object_a;
     uint32_t b = pair->object_b;
-    if (pair->kind == ENG_VF) {
-        return (struct oracle_pair){ENG_VF, 0, split->parts[a].vertex_of[pair->feature_a],
-                                    0, split->parts[b].triangle_of[pair->feature_b]};
+    if (pair->kind == PCCD_VF) {
+        return (struct oracle_pair){PCCD_VF, 0,
+                                    split->parts[a].vertex_of[pair->feature_a], 0,
+                                    split->parts[b].triangle_of[pair->feature_b]};
     }
     uint32_t first = split->edge_of[a][pair->feature_a];
     uint32_t second = split->edge_of[b][pair->feature_b];
-    return (struct oracle_pair){ENG_EE, 0, first < second ? first : second, 0,
+    return (struct oracle_pair){PCCD_EE, 0, first < second ? first : second, 0,
                                 first < second ? second : first};
 }
 
@@ -191,10 +192,10 @@ static struct oracle_pair *map_records(const struct split *split,
     for (uint64_t i = 0; i < result->count; i++) {
         struct oracle_pair pair;
         const char *record = (const char *)result->records + i * result->record_bytes;
-        if (result->mode == ENG_MODE_PAIRS) {
+        if (result->mode == PCCD_MODE_PAIRS) {
             memcpy(&pair, record, sizeof pair);
         } else {
-            struct eng_contact contact;
+            struct pccd_contact contact;
             memcpy(&contact, record, sizeof contact);
             pair = (struct oracle_pair){contact.kind, contact.object_a, contact.feature_a,
                                         contact.object_b, contact.feature_b};
@@ -207,7 +208,7 @@ static struct oracle_pair *map_records(const struct split *split,
 }
 
 static void compare_split(struct judge *whole, struct judge *parts,
-                          const struct split *split, enum eng_mode mode)
+                          const struct split *split, enum pccd_mode mode)
 {
     struct eng_step_result one;
     struct eng_step_result many;
@@ -259,14 +260,14 @@ static void engine__does_not_depend_on_objects(void **state)
             }
             judge_stage_whole(&parts);
             judge_everything(&parts);
-            compare_split(&whole, &parts, &split, ENG_MODE_ALL);
-            compare_split(&whole, &parts, &split, ENG_MODE_PAIRS);
+            compare_split(&whole, &parts, &split, PCCD_MODE_ALL);
+            compare_split(&whole, &parts, &split, PCCD_MODE_PAIRS);
             judge_stage_whole(&parts);
             judge_stage_whole(&turned);
-            judge_step(&parts, ENG_MODE_ALL, &results[0]);
-            judge_step(&turned, ENG_MODE_ALL, &results[1]);
-            assert_int_equal(results[0].hash_hi, results[1].hash_hi);
-            assert_int_equal(results[0].hash_lo, results[1].hash_lo);
+            judge_step(&parts, PCCD_MODE_ALL, &results[0]);
+            judge_step(&turned, PCCD_MODE_ALL, &results[1]);
+            assert_int_equal(results[0].hash[0], results[1].hash[0]);
+            assert_int_equal(results[0].hash[1], results[1].hash[1]);
             judge_deinit(&whole);
             judge_deinit(&parts);
             judge_deinit(&turned);
@@ -352,11 +353,11 @@ static void stage_range(struct judge *judge, const struct judge_object *object,
 {
     const double(*x0)[3] = (const double(*)[3])object->mesh.x0 + first;
     const double(*x1)[3] = (const double(*)[3])object->mesh.x1 + first;
-    enum eng_format format = object->mesh.is_f32 ? ENG_F32 : ENG_F64;
+    enum pccd_format format = object->mesh.is_f32 ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
     void *floats[2] = {NULL, NULL};
     const void *ends[2] = {x0, x1};
     int status;
-    if (format == ENG_F32) {
+    if (format == PCCD_FORMAT_F32) {
         ends[0] = floats[0] = to_floats(x0, count);
         ends[1] = floats[1] = to_floats(x1, count);
     }
@@ -369,7 +370,7 @@ static void stage_range(struct judge *judge, const struct judge_object *object,
     }
     free(floats[0]);
     free(floats[1]);
-    assert_int_equal(status, ENG_OK);
+    assert_int_equal(status, PCCD_OK);
 }
 
 /* A turn about z and a shift of about a unit; on a lattice it is exact. */
@@ -408,7 +409,7 @@ static void stage_rigid(struct judge *judge, struct judge_object *object, uint32
     object->mesh.is_f32 = false; /* from now on */
     assert_int_equal(
         eng_stage_rigid(judge->scene, object->object_idx, first, count, m[0], m[1]),
-        ENG_OK);
+        PCCD_OK);
 }
 
 /* The whole object, some of its ranges, or nothing; ends, both ends or transforms. */
@@ -511,13 +512,13 @@ static void engine__gives_the_same_bytes_again(void **state)
                 begin_judge(&judges[k], &recipe, 1e-6);
                 judge_add(&judges[k], &mesh, 3);
                 judge_stage_whole(&judges[k]);
-                judge_step(&judges[k], ENG_MODE_ALL, &results[k]);
+                judge_step(&judges[k], PCCD_MODE_ALL, &results[k]);
             }
             assert_int_equal(results[0].count, results[1].count);
             assert_memory_equal(results[0].records, results[1].records,
-                                results[0].count * sizeof(struct eng_contact));
-            assert_int_equal(results[0].hash_hi, results[1].hash_hi);
-            assert_int_equal(results[0].hash_lo, results[1].hash_lo);
+                                results[0].count * sizeof(struct pccd_contact));
+            assert_int_equal(results[0].hash[0], results[1].hash[0]);
+            assert_int_equal(results[0].hash[1], results[1].hash[1]);
             judge_deinit(&judges[0]);
             judge_deinit(&judges[1]);
             scenes_deinit(&mesh);

@@ -21,6 +21,7 @@
 #include "eng_way.h"
 #include "golden.h"
 #include "judge.h"
+#include "record_hash.h"
 
 #define ROUNDS          20
 #define SMALL_TRIANGLES 60
@@ -57,38 +58,38 @@ static struct eng_step_settings some_settings(struct manner *manner)
 }
 
 static void take_step(struct player *player, enum play_kind kind, struct manner *manner,
-                      enum eng_mode mode, struct eng_step_result *result)
+                      enum pccd_mode mode, struct eng_step_result *result)
 {
     struct eng_step_settings settings = some_settings(manner);
     settings.mode = mode;
-    assert_int_equal(player_step(player, &settings, result), ENG_OK);
-    assert_int_equal(result->incomplete, ENG_COMPLETE);
+    assert_int_equal(player_step(player, &settings, result), PCCD_OK);
+    assert_int_equal(result->incomplete, PCCD_COMPLETE);
     assert_true(way_tree_is_sound(player->scene, result));
     team_steps[kind] += result->threads > 1;
     rebuilds[kind] += result->counters.rebuilds + result->counters.swaps;
 }
 
-/* What is staged, in every mode. Returns the hash of mode ALL. */
+/* What is staged, in every mode. Sets `hash` to that of mode ALL, version 1,
+ * as in golden.c. */
 static void judge_step_of(struct judge *judge, struct player *player, enum play_kind kind,
                           struct manner *manner, uint64_t hash[2])
 {
     struct eng_step_result result;
     struct oracle_contacts truth;
-    take_step(player, kind, manner, ENG_MODE_ALL, &result);
-    hash[0] = result.hash_hi;
-    hash[1] = result.hash_lo;
+    take_step(player, kind, manner, PCCD_MODE_ALL, &result);
+    record_hash_1(result.records, result.count, result.record_bytes, hash);
     judge_watch(judge, player);
     judge_find(judge, &truth);
     judge_check_all(judge, &result, &truth);
     struct judge_records all = judge_copy(&result);
     player_stage_copies(player);
-    take_step(player, kind, manner, ENG_MODE_FIRST, &result);
+    take_step(player, kind, manner, PCCD_MODE_FIRST, &result);
     judge_check_first(judge, &result, &all);
     player_stage_copies(player);
-    take_step(player, kind, manner, ENG_MODE_ANY, &result);
+    take_step(player, kind, manner, PCCD_MODE_ANY, &result);
     judge_check_any(judge, &result, &all);
     player_stage_copies(player);
-    take_step(player, kind, manner, ENG_MODE_PAIRS, &result);
+    take_step(player, kind, manner, PCCD_MODE_PAIRS, &result);
     judge_check_pairs(judge, &result, &truth, &all);
     free(all.items);
     oracle_contacts_deinit(&truth);
@@ -145,7 +146,7 @@ static struct eng_scene_settings some_scene(struct prng *prng)
     static const double ratios[] = {0, 0.9, 0.9, 1};
     static const uint32_t regions[] = {1, 8, 16, 40, 1024};
     struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum eng_quality)prng_below(prng, 2);
+    made.quality = (enum pccd_quality)(1 + prng_below(prng, 2));
     made.rebuild_ratio = ratios[prng_below(prng, 4)];
     made.rebuild_triangles_max = regions[prng_below(prng, 5)];
     return made;

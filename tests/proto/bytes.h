@@ -1,7 +1,7 @@
-/* bytes.h - MessagePack written by hand, so that the tests do not trust the encoder.
+/* bytes.h - writes MessagePack by hand, so that the tests do not trust the encoder.
  *
  * Room:     tests/proto. May include: the C library.
- * Does:     appends headers and scalars, well-formed or not, to a buffer.
+ * Does:     append headers and scalars, well-formed or not, to a buffer.
  * Does not: check anything; a buffer that would overflow ends the test program.
  * Threads:  one per buffer.
  */
@@ -19,7 +19,7 @@ struct bytes {
 
 static inline void put(struct bytes *bytes, const void *from, size_t count)
 {
-    if (count > sizeof(bytes->data) - bytes->count) {
+    if (count > sizeof bytes->data - bytes->count) {
         abort();
     }
     memcpy(bytes->data + bytes->count, from, count);

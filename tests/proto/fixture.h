@@ -1,8 +1,8 @@
-/* fixture.h - decode bytes that a peer could send.
+/* fixture.h - decodes bytes that a peer could send, for the tests of the codec.
  *
  * Room:     tests/proto. May include: proto, cmocka.
- * Does:     one decoder for the program, and a decode of envelope and body that reads
- *           from an allocation of exactly the message's size.
+ * Does:     keep one decoder for the program; decode envelope and body from an allocation
+ *           of exactly the message's size.
  * Threads:  one.
  */
 #ifndef TEST_PROTO_FIXTURE_H
@@ -56,10 +56,10 @@ static inline int decode(struct fixture *fixture, const uint8_t *data, size_t co
     const struct proto_fields *fields;
     assert_non_null(copy);
     memcpy(copy, data, count);
-    memset(&fixture->error, 0, sizeof(fixture->error));
-    int rc =
+    memset(&fixture->error, 0, sizeof fixture->error);
+    int status =
         proto_decode(fixture->decoder, copy, count, &fixture->envelope, &fixture->error);
-    if (rc == 0 && fixture->envelope.body != NULL) {
+    if (status == 0 && fixture->envelope.body != NULL) {
         if (fixture->envelope.kind == PROTO_RESPONSE) {
             fields = &proto_messages[method].result;
         } else if (fixture->envelope.method >= 0) {
@@ -68,11 +68,11 @@ static inline int decode(struct fixture *fixture, const uint8_t *data, size_t co
             fields = NULL;
         }
         if (fields != NULL) {
-            rc = proto_decode_body(&fixture->envelope, fields, body, &fixture->error);
+            status = proto_decode_body(&fixture->envelope, fields, body, &fixture->error);
         }
     }
     free(copy);
-    return rc;
+    return status;
 }
 
 #endif

@@ -154,7 +154,7 @@ static void decode_same(const struct proto_envelope *envelope,
 {
     union any_body got;
     struct proto_error error;
-    memset(&got, 0xa5, sizeof(got));
+    memset(&got, 0xa5, sizeof got);
     assert_int_equal(proto_decode_body(envelope, fields, got.bytes, &error), 0);
     assert_same_body(fields, sent, got.bytes);
 }
@@ -170,7 +170,7 @@ static void request__comes_back_with_the_same_fields(void **state)
             struct proto_envelope envelope;
             void *copy;
             uint32_t id = (uint32_t)random_magnitude(&fixture->random);
-            assert_true(fields->struct_bytes <= sizeof(sent));
+            assert_true(fields->struct_bytes <= sizeof sent);
             random_body(&fixture->random, fields, sent.bytes);
             assert_int_equal(proto_encode_request(&fixture->encoder, id, method, &sent),
                              0);
@@ -196,7 +196,7 @@ static void result__comes_back_with_the_same_fields(void **state)
             struct proto_envelope envelope;
             void *copy;
             uint32_t id = (uint32_t)random_magnitude(&fixture->random);
-            assert_true(fields->struct_bytes <= sizeof(sent));
+            assert_true(fields->struct_bytes <= sizeof sent);
             random_body(&fixture->random, fields, sent.bytes);
             assert_int_equal(proto_encode_result(&fixture->encoder, id, method, &sent),
                              0);
@@ -242,7 +242,7 @@ static void error__comes_back_with_code_text_and_fatal(void **state)
         PCCD_STATUS_LIST(CODE)
 #undef CODE
             INT32_MIN};
-    for (size_t i = 0; i < sizeof(codes) / sizeof(codes[0]); i++) {
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {
         struct proto_error sent;
         struct proto_envelope envelope;
         void *copy;
@@ -296,8 +296,8 @@ static void optional__is_left_out_only_when_zero(void **state)
     static const uint8_t expected[] = "\x94\x00\x01\xac"
                                       "frame.submit"
                                       "\x82\xa5scene\x00\xa8segments";
-    assert_int_equal(bare, sizeof(expected)); /* the string's NUL is the last 0 */
-    assert_memory_equal(fixture->encoder.data, expected, sizeof(expected));
+    assert_int_equal(bare, sizeof expected); /* the string's NUL is the last 0 */
+    assert_memory_equal(fixture->encoder.data, expected, sizeof expected);
 
     request.tolerance = DBL_TRUE_MIN;
     assert_int_equal(
@@ -315,7 +315,7 @@ static void text__that_is_not_utf8_is_cleaned(void **state)
         {"\xe2\x82", "??"},       {"\xff", "?"},
         {"\xc3\xa9", "\xc3\xa9"}, {"\x80\xc3\xa9", "?\xc3\xa9"}};
     struct fixture *fixture = *state;
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct proto_error sent = {PCCD_E_INVAL, false, ""};
         struct proto_envelope envelope;
         void *copy;
@@ -335,9 +335,9 @@ static void error_set__cuts_the_text(void **state)
     struct proto_envelope envelope;
     char longer[2 * PROTO_STR_MAX];
     void *copy;
-    memset(longer, 'x', sizeof(longer));
+    memset(longer, 'x', sizeof longer);
     memcpy(longer + PROTO_STR_MAX - 1, "\xc3\xa9", 2); /* cut in two */
-    longer[sizeof(longer) - 1] = '\0';
+    longer[sizeof longer - 1] = '\0';
     assert_int_equal(proto_error_set(&error, PCCD_E_INVAL, "%s", longer), PCCD_E_INVAL);
     assert_int_equal(strlen(error.text), PROTO_STR_MAX);
     assert_int_equal(error.code, PCCD_E_INVAL);
@@ -361,11 +361,11 @@ static void example__of_the_document_is_what_is_sent(void **state)
     struct proto_PING_request ping = {.token = 42};
     struct proto_PING_result pong = {.token = 42, .uptime_ns = 12345};
     assert_int_equal(proto_encode_request(encoder, 7, PROTO_METHOD_PING, &ping), 0);
-    assert_int_equal(encoder->bytes, sizeof(request));
-    assert_memory_equal(encoder->data, request, sizeof(request));
+    assert_int_equal(encoder->bytes, sizeof request);
+    assert_memory_equal(encoder->data, request, sizeof request);
     assert_int_equal(proto_encode_result(encoder, 7, PROTO_METHOD_PING, &pong), 0);
-    assert_int_equal(encoder->bytes, sizeof(result));
-    assert_memory_equal(encoder->data, result, sizeof(result));
+    assert_int_equal(encoder->bytes, sizeof result);
+    assert_memory_equal(encoder->data, result, sizeof result);
 }
 
 /* If this failed, a method could not be called by its name. */

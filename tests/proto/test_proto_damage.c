@@ -14,7 +14,7 @@ static bool encode_nth(struct fixture *fixture, int which, int *method)
 {
     uint64_t ones[128]; /* u32 and u64 0x01..01, doubles small, strings of one byte */
     struct proto_error error = {PCCD_E_QUOTA, true, "quota of 64 clients reached"};
-    memset(ones, 0, sizeof(ones));
+    memset(ones, 0, sizeof ones);
     *method = which % PROTO_METHOD_COUNT;
     bool is_result = which / PROTO_METHOD_COUNT == 1;
     if (which >= 2 * PROTO_METHOD_COUNT) {
@@ -80,14 +80,14 @@ static void damage__every_byte_to_every_value_is_taken_or_refused(void **state)
             uint8_t right = fixture->encoder.data[at];
             for (unsigned value = 0; value < 256; value++) {
                 fixture->encoder.data[at] = (uint8_t)value;
-                int rc = decode(fixture, fixture->encoder.data, fixture->encoder.bytes,
-                                method);
-                if (rc == 0) {
+                int status = decode(fixture, fixture->encoder.data,
+                                    fixture->encoder.bytes, method);
+                if (status == 0) {
                     taken++;
-                } else if (rc == PCCD_E_BADMSG && fixture->error.text[0] != '\0') {
+                } else if (status == PCCD_E_BADMSG && fixture->error.text[0] != '\0') {
                     refused++;
                 } else {
-                    fail_msg("message %d, byte %zu = %u: %d", which, at, value, rc);
+                    fail_msg("message %d, byte %zu = %u: %d", which, at, value, status);
                 }
             }
             fixture->encoder.data[at] = right;
@@ -110,8 +110,8 @@ static void damage__random_bytes_are_taken_or_refused(void **state)
                                           ? 0x80 + (unsigned)random_below(&random, 0x14)
                                           : (unsigned)random_below(&random, 256));
         }
-        int rc = decode(fixture, fixture->bytes.data, count, 0);
-        assert_true(rc == 0 || rc == PCCD_E_BADMSG);
+        int status = decode(fixture, fixture->bytes.data, count, 0);
+        assert_true(status == 0 || status == PCCD_E_BADMSG);
     }
 }
 

@@ -12,8 +12,8 @@
 /* The bytes are refused, and the text of the error says `about`. */
 static void assert_refused(struct fixture *fixture, const char *about)
 {
-    int rc = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
-    assert_int_equal(rc, PCCD_E_BADMSG);
+    int status = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
+    assert_int_equal(status, PCCD_E_BADMSG);
     assert_int_equal(fixture->error.code, PCCD_E_BADMSG);
     if (strstr(fixture->error.text, about) == NULL) {
         fail_msg("\"%s\" does not say \"%s\"", fixture->error.text, about);
@@ -22,8 +22,8 @@ static void assert_refused(struct fixture *fixture, const char *about)
 
 static void assert_taken(struct fixture *fixture)
 {
-    int rc = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
-    if (rc != 0) {
+    int status = decode(fixture, fixture->bytes.data, fixture->bytes.count, 0);
+    if (status != 0) {
         fail_msg("refused: %s", fixture->error.text);
     }
 }
@@ -31,7 +31,7 @@ static void assert_taken(struct fixture *fixture)
 #define SET(fixture, literal)                                                            \
     do {                                                                                 \
         (fixture)->bytes.count = 0;                                                      \
-        put(&(fixture)->bytes, literal, sizeof(literal) - 1);                            \
+        put(&(fixture)->bytes, literal, sizeof literal - 1);                             \
     } while (0)
 
 /* ---- the prescan ------------------------------------------------------------------ */
@@ -90,7 +90,7 @@ static void prescan__refuses_cut_headers(void **state)
                    {0xcc, 1}, {0xcd, 2}, {0xce, 4}, {0xcf, 8}, {0xd0, 1},
                    {0xd1, 2}, {0xd2, 4}, {0xd3, 8}, {0xd9, 1}, {0xda, 2},
                    {0xdb, 4}, {0xdc, 2}, {0xdd, 4}, {0xde, 2}, {0xdf, 4}};
-    for (size_t i = 0; i < sizeof(headers) / sizeof(headers[0]); i++) {
+    for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
         for (int width = 0; width < headers[i].width; width++) {
             fixture->bytes.count = 0;
             put_number(&fixture->bytes, headers[i].type, 0, width);
@@ -105,12 +105,12 @@ static void prescan__refuses_ext_and_unused_types(void **state)
     struct fixture *fixture = *state;
     static const unsigned types[] = {0xc1, 0xc7, 0xc8, 0xc9, 0xd4,
                                      0xd5, 0xd6, 0xd7, 0xd8};
-    for (size_t i = 0; i < sizeof(types) / sizeof(types[0]); i++) {
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
         static const uint8_t rest[32] = {0};
         fixture->bytes.count = 0;
         put_array(&fixture->bytes, 2);
         put_byte(&fixture->bytes, types[i]);
-        put(&fixture->bytes, rest, sizeof(rest));
+        put(&fixture->bytes, rest, sizeof rest);
         assert_refused(fixture, "not allowed");
     }
     SET(fixture, "\xc9\xff\xff\xff\xff\x01"); /* ext 32 of 4 GiB */
@@ -190,8 +190,8 @@ static void prescan__bounds_the_bytes(void **state)
         fixture->bytes.count = 0;
         put_number(&fixture->bytes, 0xc6, body, 4);
         put(&fixture->bytes, zeros, body);
-        int rc = proto_prescan(fixture->bytes.data, fixture->bytes.count, &error);
-        assert_int_equal(rc, extra == 0 ? 0 : PCCD_E_BADMSG);
+        int status = proto_prescan(fixture->bytes.data, fixture->bytes.count, &error);
+        assert_int_equal(status, extra == 0 ? 0 : PCCD_E_BADMSG);
     }
 }
 
@@ -371,7 +371,7 @@ static void body__needs_every_required_field(void **state)
                     put_byte(&fixture->bytes, 1);
                 }
             }
-            snprintf(about, sizeof(about), "\"%s\" is missing",
+            snprintf(about, sizeof about, "\"%s\" is missing",
                      fields->items[left_out].name);
             if (fields->items[left_out].need == PROTO_NEED_REQ) {
                 assert_refused(fixture, about);
@@ -408,12 +408,12 @@ static void put_field(struct fixture *fixture, const char *method, const char *f
 
 #define REFUSED(method, field, literal)                                                  \
     do {                                                                                 \
-        put_field(fixture, method, field, literal, sizeof(literal) - 1);                 \
+        put_field(fixture, method, field, literal, sizeof literal - 1);                  \
         assert_refused(fixture, "\"" field "\" is not");                                 \
     } while (0)
 #define TAKEN(method, field, literal)                                                    \
     do {                                                                                 \
-        put_field(fixture, method, field, literal, sizeof(literal) - 1);                 \
+        put_field(fixture, method, field, literal, sizeof literal - 1);                  \
         assert_taken(fixture);                                                           \
     } while (0)
 
@@ -465,9 +465,9 @@ static void text__is_short_utf8_without_nul(void **state)
     char longer[3 + PROTO_STR_MAX + 1] = "\xda\x01\x00";
     memset(longest + 2, 'x', PROTO_STR_MAX);
     memset(longer + 3, 'x', PROTO_STR_MAX + 1);
-    put_field(fixture, "hello", "client", longest, sizeof(longest));
+    put_field(fixture, "hello", "client", longest, sizeof longest);
     assert_taken(fixture);
-    put_field(fixture, "hello", "client", longer, sizeof(longer));
+    put_field(fixture, "hello", "client", longer, sizeof longer);
     assert_refused(fixture, "\"client\" is not");
     TAKEN("hello", "client", "\xa0");
     TAKEN("hello", "client", "\xa4\xf0\x9f\x98\x80");
@@ -501,10 +501,10 @@ static void truth__is_a_boolean(void **state)
                                       fixture->bytes.count, &fixture->envelope,
                                       &fixture->error),
                          0);
-        int rc = proto_decode_body(&fixture->envelope,
-                                   &proto_messages[PROTO_METHOD_CANCEL].result, &result,
-                                   &fixture->error);
-        assert_int_equal(rc, i == 0 ? 0 : PCCD_E_BADMSG);
+        int status = proto_decode_body(&fixture->envelope,
+                                       &proto_messages[PROTO_METHOD_CANCEL].result,
+                                       &result, &fixture->error);
+        assert_int_equal(status, i == 0 ? 0 : PCCD_E_BADMSG);
         assert_int_equal(result.found, i == 0);
     }
 }
@@ -514,7 +514,7 @@ static void body__is_zeroed_when_refused(void **state)
 {
     struct fixture *fixture = *state;
     struct proto_SCENE_ADD_request request = {0};
-    memset(&request, 0xa5, sizeof(request));
+    memset(&request, 0xa5, sizeof request);
     put_request(&fixture->bytes, 1, "scene.add");
     put_map(&fixture->bytes, 1);
     put_str(&fixture->bytes, "scene");

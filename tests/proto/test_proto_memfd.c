@@ -1,4 +1,4 @@
-/* test_proto_memfd.c - sealed memory keeps its size and its writer.
+/* test_proto_memfd.c - shared memory keeps its size and its writer.
  *
  * Room:     tests/proto. May include: proto, cmocka.
  * Does:     what either side could try against the other, on real memfds.
@@ -6,16 +6,19 @@
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -54,12 +57,20 @@ static void memory__cannot_change_its_size(void **state)
     struct proto_memory memory = PROTO_MEMORY_NONE;
     (void)state;
     for (int read_only = 0; read_only < 2; read_only++) {
-        assert_int_equal(
-            proto_memory_create(&memory, "test", BYTES, BYTES, read_only), 0);
+        assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, read_only),
+                         0);
+        char path[32];
+        (void)snprintf(path, sizeof path, "/proc/self/fd/%d", memory.fd);
+        assert_int_equal(chmod(path, S_IRUSR | S_IWUSR), 0); /* we own it */
+        int writer = open(path, O_RDWR);
+        assert_true(writer >= 0);
+        assert_int_equal(ftruncate(writer, (off_t)BYTES - 1), -1);
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(ftruncate(writer, (off_t)BYTES + 1), -1);
+        assert_int_equal(errno, EPERM);
+        assert_int_equal(close(writer), 0);
         assert_int_equal(ftruncate(memory.fd, (off_t)BYTES - 1), -1);
-        assert_int_equal(errno, EPERM);
-        assert_int_equal(ftruncate(memory.fd, (off_t)BYTES + 1), -1);
-        assert_int_equal(errno, EPERM);
+        assert_int_equal(errno, read_only ? EINVAL : EPERM);
         assert_int_equal(fcntl(memory.fd, F_ADD_SEALS, F_SEAL_WRITE), -1);
         assert_int_equal(errno, EPERM);
         assert_int_equal(fcntl(memory.fd, F_GETFD), FD_CLOEXEC);
@@ -89,25 +100,98 @@ static void memory__is_shared(void **state)
     }
 }
 
+/* 0: as ever; or the error of every fchmod, as where /proc is missing. */
+static int fchmod_error;
+
+int fchmod(int fd, mode_t mode)
+{
+    if (fchmod_error != 0) {
+        errno = fchmod_error;
+        return -1;
+    }
+    return (int)syscall(SYS_fchmod, fd, mode);
+}
+
 /* If this failed, one client could rewrite the results that it reads. */
 static void result__cannot_be_made_writable(void **state)
 {
     struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
     (void)state;
-    assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
-    assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
-    assert_int_equal(mprotect(theirs.base, BYTES, PROT_READ | PROT_WRITE), -1);
-    assert_int_equal(errno, EACCES);
-    assert_ptr_equal(mmap(NULL, BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, theirs.fd, 0),
-                     MAP_FAILED);
-    assert_int_equal(errno, EPERM);
-    assert_int_equal(pwrite(theirs.fd, "x", 1, 0), -1);
-    assert_int_equal(errno, EPERM);
-    /* The mapping that stood before the seal still writes. */
-    memcpy(ours.base, "ok", 2);
-    assert_memory_equal(theirs.base, "ok", 2);
-    proto_memory_deinit(&theirs);
-    proto_memory_deinit(&ours);
+    for (int is_sealed = 0; is_sealed < 2; is_sealed++) {
+        fchmod_error = is_sealed ? EPERM : 0;
+        assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
+        fchmod_error = 0;
+        assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
+        assert_int_equal(mprotect(theirs.base, BYTES, PROT_READ | PROT_WRITE), -1);
+        assert_int_equal(errno, EACCES);
+        assert_ptr_equal(
+            mmap(NULL, BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, theirs.fd, 0),
+            MAP_FAILED);
+        assert_int_equal(errno, is_sealed ? EPERM : EACCES);
+        assert_int_equal(pwrite(theirs.fd, "x", 1, 0), -1);
+        assert_int_equal(errno, is_sealed ? EPERM : EBADF);
+        assert_int_equal(fallocate(theirs.fd, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+                                   0, (off_t)BYTES),
+                         -1);
+        /* Our mapping still writes. */
+        memcpy(ours.base, "ok", 2);
+        assert_memory_equal(theirs.base, "ok", 2);
+        proto_memory_deinit(&theirs);
+        proto_memory_deinit(&ours);
+    }
+}
+
+/* If this failed, another user who has the descriptor could open one that writes. */
+static void result__is_not_opened_anew_by_others(void **state)
+{
+    struct proto_memory memory = PROTO_MEMORY_NONE;
+    struct stat info;
+    (void)state;
+    assert_int_equal(proto_memory_create(&memory, "test", BYTES, BYTES, true), 0);
+    assert_int_equal(fstat(memory.fd, &info), 0);
+    assert_int_equal(info.st_mode & 07777, S_IRUSR);
+    assert_int_equal(info.st_uid, geteuid());
+    if (geteuid() == 0) {
+        char path[32];
+        int status = 0;
+        (void)snprintf(path, sizeof path, "/proc/self/fd/%d", memory.fd);
+        pid_t child = fork();
+        if (child == 0) {
+            bool is_other =
+                setgroups(0, NULL) == 0 && setgid(65534) == 0 && setuid(65534) == 0;
+            _exit(is_other && open(path, O_RDWR) < 0 && errno == EACCES ? 0 : 1);
+        }
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_int_equal(status, 0);
+    }
+    proto_memory_deinit(&memory);
+}
+
+/* If this failed, memory that nobody uses would stay taken; or, where it cannot be given
+ * back, it would be thought free. */
+static void result__gives_memory_back(void **state)
+{
+    struct proto_memory ours = PROTO_MEMORY_NONE, theirs = PROTO_MEMORY_NONE;
+    struct stat info;
+    (void)state;
+    for (int is_sealed = 0; is_sealed < 2; is_sealed++) {
+        fchmod_error = is_sealed ? EPERM : 0;
+        assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, true), 0);
+        fchmod_error = 0;
+        assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), BYTES, true), 0);
+        memset(ours.base, 'x', BYTES);
+        assert_int_equal(proto_memory_give_back(&ours, 4096, BYTES),
+                         is_sealed ? PCCD_E_SYSTEM : 0);
+        assert_int_equal(fstat(ours.fd, &info), 0);
+        assert_int_equal(info.st_size, BYTES);
+        assert_int_equal((size_t)info.st_blocks * 512, is_sealed ? BYTES : 4096);
+        assert_memory_equal((char *)theirs.base + 4095, is_sealed ? "xx" : "x", 2);
+        assert_int_equal(proto_memory_take(&ours, 4096, BYTES), 0);
+        memcpy((char *)ours.base + BYTES - 5, "again", 5);
+        assert_memory_equal((char *)theirs.base + BYTES - 5, "again", 5);
+        proto_memory_deinit(&theirs);
+        proto_memory_deinit(&ours);
+    }
 }
 
 /* If this failed, a read beyond the end of a short memory would be a SIGBUS. */
@@ -119,7 +203,7 @@ static void map__refuses_another_size(void **state)
     (void)state;
     assert_int_equal(proto_memory_create(&ours, "test", BYTES, BYTES, false), 0);
     int open_before = count_open();
-    for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         assert_int_equal(proto_memory_map(&theirs, dup(ours.fd), sizes[i], false),
                          PCCD_E_BADMSG);
     }
@@ -137,7 +221,7 @@ static void map__refuses_missing_seals(void **state)
                                 F_SEAL_GROW | F_SEAL_SEAL, F_SEAL_SHRINK | F_SEAL_SEAL};
     (void)state;
     int open_before = count_open();
-    for (size_t i = 0; i < sizeof(seals) / sizeof(seals[0]); i++) {
+    for (size_t i = 0; i < sizeof seals / sizeof seals[0]; i++) {
         for (int read_only = 0; read_only < 2; read_only++) {
             assert_int_equal(proto_memory_map(&theirs, make_memfd((off_t)BYTES, seals[i]),
                                               BYTES, read_only),
@@ -188,7 +272,7 @@ static void memory__is_there_from_the_start(void **state)
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_true((size_t)info.st_blocks * 512 >= BYTES);
     assert_int_equal(mincore(memory.base, BYTES, resident), 0);
-    for (size_t i = 0; i < sizeof(resident); i++) {
+    for (size_t i = 0; i < sizeof resident; i++) {
         assert_int_equal(resident[i] & 1, 1);
     }
     proto_memory_deinit(&memory);
@@ -240,6 +324,8 @@ static void results__are_there_from_the_start_on_an_old_kernel(void **state)
     assert_int_equal(proto_memory_create(&memory, "test", BYTES, PROTO_SHM_PAGE, true),
                      0);
     assert_int_equal(proto_memory_take(&memory, PROTO_SHM_PAGE, BYTES), 0);
+    assert_int_equal(proto_memory_give_back(&memory, PROTO_SHM_PAGE, BYTES),
+                     PCCD_E_SYSTEM); /* it could not be taken again */
     populate_error = 0;
     assert_int_equal(fstat(memory.fd, &info), 0);
     assert_int_equal((size_t)info.st_blocks * 512, BYTES);
@@ -267,17 +353,17 @@ static void create__leaves_nothing_behind_on_failure(void **state)
     none.rlim_cur = 4096; /* posix_fallocate fails: the file may not be that large */
     assert_true(signal(SIGXFSZ, SIG_IGN) != SIG_ERR);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
-    int rc = proto_memory_create(&memory, "test", BYTES, BYTES, false);
+    int status = proto_memory_create(&memory, "test", BYTES, BYTES, false);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
-    assert_true(rc == PCCD_E_SYSTEM || rc == PCCD_E_NOMEM);
+    assert_true(status == PCCD_E_SYSTEM || status == PCCD_E_NOMEM);
 
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);
     none = before;
     none.rlim_cur = 0;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
-    rc = proto_memory_create(&memory, "test", BYTES, BYTES, false);
+    status = proto_memory_create(&memory, "test", BYTES, BYTES, false);
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &before), 0);
-    assert_int_equal(rc, PCCD_E_SYSTEM);
+    assert_int_equal(status, PCCD_E_SYSTEM);
 
     assert_int_equal(count_open(), open_before);
     assert_int_equal(memory.fd, -1);
@@ -306,6 +392,8 @@ int main(void)
         cmocka_unit_test(memory__cannot_change_its_size),
         cmocka_unit_test(memory__is_shared),
         cmocka_unit_test(result__cannot_be_made_writable),
+        cmocka_unit_test(result__is_not_opened_anew_by_others),
+        cmocka_unit_test(result__gives_memory_back),
         cmocka_unit_test(map__refuses_another_size),
         cmocka_unit_test(map__refuses_missing_seals),
         cmocka_unit_test(map__refuses_what_is_no_memfd),

@@ -77,7 +77,7 @@ static bool try_send_fds(int socket, const char *message, size_t bytes, int coun
     } control;
     struct iovec iov = {(void *)message, bytes};
     struct msghdr header = {.msg_iov = &iov, .msg_iovlen = 1};
-    memset(&control, 0, sizeof(control));
+    memset(&control, 0, sizeof control);
     header.msg_control = control.bytes;
     header.msg_controllen = CMSG_SPACE((size_t)count * sizeof(int));
     struct cmsghdr *cmsg = CMSG_FIRSTHDR(&header);
@@ -86,7 +86,7 @@ static bool try_send_fds(int socket, const char *message, size_t bytes, int coun
     cmsg->cmsg_len = CMSG_LEN((size_t)count * sizeof(int));
     for (int i = 0; i < count; i++) {
         int fd = STDERR_FILENO;
-        memcpy(CMSG_DATA(cmsg) + (size_t)i * sizeof(int), &fd, sizeof(fd));
+        memcpy(CMSG_DATA(cmsg) + (size_t)i * sizeof(int), &fd, sizeof fd);
     }
     return sendmsg(socket, &header, 0) == (ssize_t)bytes;
 }
@@ -103,19 +103,19 @@ static void message__keeps_its_bounds(void **state)
     static char longest[PROTO_MESSAGE_BYTES_MAX];
     size_t bytes = 0;
     int fd_count = -1;
-    memset(longest, 'l', sizeof(longest));
+    memset(longest, 'l', sizeof longest);
     assert_int_equal(proto_send(fixture->near, "a", 1, NULL, 0), 0);
-    assert_int_equal(proto_send(fixture->near, longest, sizeof(longest), NULL, 0), 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_send(fixture->near, longest, sizeof longest, NULL, 0), 0);
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      0);
     assert_int_equal(bytes, 1);
     assert_int_equal(fd_count, 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      0);
-    assert_int_equal(bytes, sizeof(longest));
-    assert_memory_equal(fixture->buffer, longest, sizeof(longest));
+    assert_int_equal(bytes, sizeof longest);
+    assert_memory_equal(fixture->buffer, longest, sizeof longest);
 }
 
 /* If this failed, an attach would arrive without its memories. */
@@ -127,7 +127,7 @@ static void descriptors__arrive_as_the_same_files(void **state)
     struct stat before, after;
     assert_int_equal(pipe2(sent, O_CLOEXEC), 0);
     assert_int_equal(proto_send(fixture->near, "x", 1, sent, 2), 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, got, &fd_count),
                      0);
     assert_int_equal(fd_count, 2);
@@ -152,7 +152,7 @@ static void descriptors__unwanted_ones_are_closed_and_counted(void **state)
         int fd_count = -1;
         send_fds(fixture->near, "x", 1, counts[i]);
         assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof(fixture->buffer), &bytes, NULL, &fd_count),
+                                       sizeof fixture->buffer, &bytes, NULL, &fd_count),
                          0);
         assert_int_equal(fd_count, counts[i]);
         assert_int_equal(count_open(), fixture->open_before);
@@ -171,7 +171,7 @@ static void descriptors__surplus_ones_are_closed_and_counted(void **state)
         int stored = counts[i] < 2 ? counts[i] : 2;
         send_fds(fixture->near, "x", 1, counts[i]);
         assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof(fixture->buffer), &bytes, fds, &fd_count),
+                                       sizeof fixture->buffer, &bytes, fds, &fd_count),
                          0);
         assert_int_equal(fd_count, counts[i]);
         assert_int_equal(count_open(), fixture->open_before + stored);
@@ -210,11 +210,11 @@ static void empty__datagram_reads_as_the_end(void **state)
     size_t bytes = 99;
     int fd_count = -1;
     assert_int_equal(send(fixture->near, "", 0, 0), 0);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_DISCONNECTED);
     send_fds(fixture->near, "", 0, 2);
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_DISCONNECTED);
     assert_int_equal(bytes, 99);
@@ -239,18 +239,18 @@ static void await__waits_and_nothing_else_does(void **state)
     int flags = fcntl(fixture->far, F_GETFL);
     assert_int_equal(fcntl(fixture->far, F_SETFL, flags & ~O_NONBLOCK), 0);
     assert_int_equal(
-        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)), 0);
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout), 0);
     uint64_t begin_ns = now_ns();
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
     assert_true(now_ns() - begin_ns < 20000000);
-    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                  &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
     assert_true(now_ns() - begin_ns >= 29000000);
     assert_int_equal(proto_send(fixture->near, "x", 1, NULL, 0), 0);
-    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_await(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                  &bytes, NULL, &fd_count),
                      0);
     assert_int_equal(bytes, 1);
@@ -263,15 +263,15 @@ static void bare__is_the_same_but_for_descriptors(void **state)
     static char longest[PROTO_MESSAGE_BYTES_MAX];
     const struct timeval timeout = {.tv_usec = 30000};
     size_t bytes = 0;
-    memset(longest, 'l', sizeof(longest));
-    send_fds(fixture->near, longest, sizeof(longest), 3);
+    memset(longest, 'l', sizeof longest);
+    send_fds(fixture->near, longest, sizeof longest, 3);
     send_fds(fixture->near, "ab", 2, 1);
     assert_int_equal(proto_send(fixture->near, "ab", 2, NULL, 0), 0);
-    assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer,
-                                        sizeof(fixture->buffer), &bytes),
-                     0);
-    assert_int_equal(bytes, sizeof(longest));
-    assert_memory_equal(fixture->buffer, longest, sizeof(longest));
+    assert_int_equal(
+        proto_receive_bare(fixture->far, fixture->buffer, sizeof fixture->buffer, &bytes),
+        0);
+    assert_int_equal(bytes, sizeof longest);
+    assert_memory_equal(fixture->buffer, longest, sizeof longest);
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 1, &bytes),
                      PCCD_E_BADMSG);
     assert_int_equal(proto_await_bare(fixture->far, fixture->buffer, 2, &bytes), 0);
@@ -280,7 +280,7 @@ static void bare__is_the_same_but_for_descriptors(void **state)
     assert_int_equal(count_open(), fixture->open_before);
     assert_int_equal(fcntl(fixture->far, F_SETFL, 0), 0); /* it blocks */
     assert_int_equal(
-        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout)), 0);
+        setsockopt(fixture->far, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout), 0);
     uint64_t begin_ns = now_ns();
     assert_int_equal(proto_receive_bare(fixture->far, fixture->buffer, 2, &bytes),
                      PCCD_E_AGAIN);
@@ -324,23 +324,23 @@ static void socket__that_would_block_says_again(void **state)
     struct fixture *fixture = *state;
     static char block[PROTO_MESSAGE_BYTES_MAX];
     size_t bytes;
-    int fd_count, rc = 0, sent = 0;
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    int fd_count, status = 0, sent = 0;
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
     while (sent < 10000 &&
-           (rc = proto_send(fixture->near, block, sizeof(block), NULL, 0)) == 0) {
+           (status = proto_send(fixture->near, block, sizeof block, NULL, 0)) == 0) {
         sent++;
     }
-    assert_int_equal(rc, PCCD_E_AGAIN);
+    assert_int_equal(status, PCCD_E_AGAIN);
     assert_true(sent >= 1);
     /* What was sent before is whole, and nothing of the refused message came. */
     for (int i = 0; i < sent; i++) {
         assert_int_equal(proto_receive(fixture->far, fixture->buffer,
-                                       sizeof(fixture->buffer), &bytes, NULL, &fd_count),
+                                       sizeof fixture->buffer, &bytes, NULL, &fd_count),
                          0);
     }
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_AGAIN);
 }
@@ -354,7 +354,7 @@ static void peer__that_is_gone_reads_as_disconnected(void **state)
     int fd_count;
     close(fixture->near);
     fixture->near = -1;
-    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof(fixture->buffer),
+    assert_int_equal(proto_receive(fixture->far, fixture->buffer, sizeof fixture->buffer,
                                    &bytes, NULL, &fd_count),
                      PCCD_E_DISCONNECTED);
     assert_int_equal(proto_send(fixture->far, "x", 1, NULL, 0), PCCD_E_DISCONNECTED);
@@ -379,19 +379,19 @@ static void default_path__follows_the_runtime_directory(void **state)
     char path[512], expected[64], directory[108];
     (void)state;
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "/run/user/7", 1), 0);
-    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof path), 0);
     assert_string_equal(path, "/run/user/7/pccd/pccd.sock");
     assert_int_equal(proto_default_socket_path(path, strlen(path)), PCCD_E_LIMIT);
     assert_int_equal(
         proto_default_socket_path(path, strlen("/run/user/7/pccd/pccd.sock") + 1), 0);
 
-    snprintf(expected, sizeof(expected), "/tmp/pccd-%lu/pccd.sock",
+    snprintf(expected, sizeof expected, "/tmp/pccd-%lu/pccd.sock",
              (unsigned long)getuid());
     assert_int_equal(setenv("XDG_RUNTIME_DIR", "relative", 1), 0);
-    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof path), 0);
     assert_string_equal(path, expected);
     assert_int_equal(unsetenv("XDG_RUNTIME_DIR"), 0);
-    assert_int_equal(proto_default_socket_path(path, sizeof(path)), 0);
+    assert_int_equal(proto_default_socket_path(path, sizeof path), 0);
     assert_string_equal(path, expected);
 
     /* 107 bytes fit a sockaddr_un with their NUL, 108 do not. */
@@ -401,7 +401,7 @@ static void default_path__follows_the_runtime_directory(void **state)
         directory[0] = '/';
         directory[room] = '\0';
         assert_int_equal(setenv("XDG_RUNTIME_DIR", directory, 1), 0);
-        assert_int_equal(proto_default_socket_path(path, sizeof(path)),
+        assert_int_equal(proto_default_socket_path(path, sizeof path),
                          bytes == 107 ? 0 : PCCD_E_LIMIT);
     }
 }

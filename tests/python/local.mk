@@ -1,4 +1,4 @@
-# tests/python/local.mk - the Python client; skipped by name without python3-numpy and
+# tests/python/local.mk - the Python module; skipped by name without python3-numpy and
 # python3-msgpack.
 
 python_tests = \
@@ -7,10 +7,13 @@ python_tests = \
 TESTS += $(python_tests)
 dist_check_SCRIPTS += $(python_tests)
 EXTRA_DIST += \
+    tests/python/check_abi.py \
+    tests/python/check_arrays.py \
     tests/python/check_client.py \
     tests/python/check_link.py \
+    tests/python/check_raw.py \
     tests/python/check_scenes.py \
-    tests/python/check_wire.py \
     tests/python/find.sh \
+    tests/python/raw_client.py \
     tests/python/support.py \
     tests/python/tap.py

@@ -1,21 +1,21 @@
 #!/bin/bash
-# test_python_client.sh - the Python client against real daemons (TAP).
+# test_python_client.sh - the Python module against real daemons (TAP).
 #
 # Room:     tests/python.
 # Does:     run the cases of check_*.py with the first Python that has msgpack and numpy;
 #           without one, skip them by name.
-# Needs:    PCCDD, PCCD_DAEMON, PCCDCTL and top_srcdir, set by `make check`.
+# Needs:    PCCDD, PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
 set -u
-: "${top_srcdir:?is set by make check}" "${PCCDD:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDD:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 
-cases="check_wire check_client check_scenes check_link"
+cases="check_abi check_raw check_client check_arrays check_scenes check_link"
 if [ -z "$python" ]; then
     for case in $cases; do
-        tap_skip "$case" "no python3 with msgpack and numpy"
+        tap_skip "$case" "$no_python"
     done
     tap_end
     exit

@@ -1,5 +1,5 @@
 #!/bin/bash
-# test_python_use.sh - what a user of the Python client sees (TAP).
+# test_python_use.sh - what a user of the Python module sees (TAP).
 #
 # Room:     tests/python.
 # Does:     the example, the lines of README.md as written, an installation, the types.
@@ -21,7 +21,7 @@ run() {
     local name=$1
     shift
     if [ -z "$python" ]; then
-        tap_skip "$name" "no python3 with msgpack and numpy"
+        tap_skip "$name" "$no_python"
         return
     fi
     timeout 400 "$@" >"$work/log" 2>&1
@@ -40,15 +40,17 @@ if [ -n "$python" ]; then
     [ "$(wc -l <"$work/readme.py")" -ge 5 ] && grep -q '[1-9] contacts' "$work/log"
     tap_result $? readme__finds_contacts "$work/log"
 else
-    tap_skip readme__finds_contacts "no python3 with msgpack and numpy"
+    tap_skip readme__finds_contacts "$no_python"
 fi
+awk '/^```python$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/client/README.md" >"$work/guide.py"
+run guide__works_as_written "$python" "$work/guide.py"
 
 # If this failed, the installed module would lack a part, or not find what it needs.
 cat >"$work/installed.sh" <<'SH'
-make -C "$top_builddir" install-dist_pythonDATA install-dist_python_partsDATA \
-    pythondir="$1/python" python_partsdir="$1/python/_pccd" || exit 1
+make -C "$top_builddir" install-dist_python_moduleDATA install-nodist_python_moduleDATA \
+    pythondir="$1/python" python_moduledir="$1/python/pccd" || exit 1
 cd / || exit 1
-PYTHONPATH=$1/python "$2" -c '
+PYTHONPATH=$1/python PCCD_LIBRARY=$top_builddir/.libs/libpccd.so.0 "$2" -c '
 import sys, pccd
 assert pccd.__file__.startswith(sys.argv[1]), pccd.__file__
 with pccd.connect(private=True, result_bytes=1 << 16) as client:
@@ -64,7 +66,7 @@ for tool in mypy pyflakes; do
         tap_skip $name "no $tool (Debian: python3-mypy, pyflakes3)"
     elif [ $tool = mypy ]; then
         run $name "$python" -m mypy --strict --cache-dir="$work/mypy" \
-            "$top_srcdir/client/python/pccd.py" "$top_srcdir/client/python/_pccd"
+            "$top_builddir/python/pccd"
     else
         run $name "$python" -m pyflakes "$top_srcdir/client/python" "$top_srcdir/tests/python"
     fi

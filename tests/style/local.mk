@@ -2,6 +2,8 @@
 
 style_tests = \
     tests/style/test_style_files.sh \
-    tests/style/test_style_rooms.sh
+    tests/style/test_style_rooms.sh \
+    tests/style/test_style_words.sh
 dist_check_SCRIPTS += $(style_tests)
 TESTS += $(style_tests)
+EXTRA_DIST += tests/style/words.txt

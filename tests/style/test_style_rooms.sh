@@ -2,9 +2,10 @@
 # test_style_rooms.sh - a folder is a layer, and includes point only downwards.
 #
 # Reads every include of every source file. A quoted include must stand in the file's own
-# folder or in one that its room may see; an angled one must be of the C library or of a
-# library that the room may use. Then each header is compiled alone, with only these folders
-# on its path.
+# folder or in one that the tables below let it see; an angled one must be of the C library
+# or of a library that the room may use. A header and its source are one node of the graph
+# of includes, which may have no circle. Then each header is compiled alone, with only the
+# folders that it may see on its path.
 
 set -u
 : "${top_srcdir:?is set by make check}"
@@ -16,40 +17,76 @@ trap 'rm -rf "$work"' EXIT
 cd "$top_srcdir" || exit 99
 
 # Folder, then the folders whose headers it may include. "client/lib+" is the public header
-# alone, with the types that it includes.
+# alone, with the types that it includes; "daemon/engine+" is engine.h alone. Every room may
+# include those of proto/common/; the examples are the users', who have only what is
+# installed.
 rooms='
+proto/common
 proto
 proto/text          proto
 client/oracle
 daemon/engine
-daemon/service      proto proto/text daemon/engine
-daemon/direct       proto daemon/engine daemon/service
-daemon/server       proto proto/text daemon/engine daemon/service
+daemon/service      proto proto/text daemon/engine+
+daemon/direct       proto daemon/engine+ daemon/service
+daemon/server       proto proto/text daemon/engine+ daemon/service
 client/record       client/lib+
-client/lib          proto client/record
+client/registry
+client/lib          proto client/record client/registry
 client/tool         proto/text
-client/ctl          client/lib+ client/record client/oracle client/tool proto/text
+client/ctl          client/lib+ client/record client/registry client/oracle client/tool proto/text
 client/load         client/lib+ client/tool proto/text
 client/examples     client/lib+
 bench/scenes        tests/support
-bench               proto daemon/engine client/lib+ tests/support bench/scenes
+bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
 bench/growth        bench daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes
 bench/redis         bench proto client/lib+
-bench/run           bench daemon/engine client/lib+ bench/scenes
+bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ tests/support client/oracle
-tests/unit          proto daemon/engine daemon/service daemon/server client/record client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
-tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/ctl tests/support client/oracle tests/fault
+tests/unit          proto daemon/engine daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
+tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/registry client/ctl tests/support client/oracle tests/fault
 tests/fault         proto client/lib+ tests/support client/oracle
 tests/zoo           proto client/lib+ tests/support
 tests/determinism   daemon/engine tests/support client/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support client/oracle tests/unit
 tests/truth         proto daemon/engine client/lib+ tests/support client/oracle tests/unit
+'
+
+# A room of several folders has a line for each of them, from the bottom layer to the top:
+# the room, the folder ("." is what lies in the room's own), and the folders of the room,
+# from lines above it, whose headers it may include. What it may include of other rooms, the
+# table above says. In such a room every name is given once.
+layers='
+daemon/engine base
+daemon/engine kernel      base
+daemon/engine elementary  base kernel
+daemon/engine result      base
+daemon/engine team        base kernel elementary result
+daemon/engine scene       base kernel team
+daemon/engine paper       base kernel elementary team scene
+daemon/engine wide        base kernel elementary team scene
+daemon/engine .           base kernel elementary result team scene paper wide
+daemon/service base
+daemon/service queue      base
+daemon/service memory     base queue
+daemon/service sessions   base queue memory
+daemon/service scenes     base queue memory sessions
+daemon/service requests   base queue memory sessions scenes
+daemon/service .          base sessions requests
+client/ctl .
+client/ctl mesh           .
+client/ctl check          . mesh
+client/ctl observe        . check
+client/ctl record         . check
+client/ctl export         record
+client/ctl inspect        . check record export
+client/ctl picture        . record export
+client/ctl commands       . check observe record export inspect picture
 '
 
 # Folder prefix, then the libraries beside the C library.
@@ -89,22 +126,59 @@ service_not='dirent.h fcntl.h grp.h netinet/in.h pwd.h sys/epoll.h sys/eventfd.h
     sys/un.h sys/wait.h spawn.h glob.h'
 
 find proto daemon client bench tests -name '*.[ch]' -o -name '*.cc' | LC_ALL=C sort >"$work/paths"
-# The engine's folders are one room, in which every name is given once; so are pccdctl's.
-one_room='s|^\(daemon/engine\)/[a-z]*/|\1/|; s|^\(client/ctl\)/[a-z]*/|\1/|'
-sed "$one_room" "$work/paths" | LC_ALL=C sort >"$work/files"
+# The room that a folder belongs to, for awk scripts that are given the layers.
+room_of='
+    function read_layers(layers,   lines, word, count, words, i, w, folder) {
+        count = split(layers, lines, "\n")
+        for (i = 1; i <= count; i++) {
+            words = split(lines[i], word, " ")
+            if (words == 0)
+                continue
+            is_layered[word[1]] = 1
+            folder = word[2] == "." ? word[1] : word[1] "/" word[2]
+            line_of[folder] = i
+            for (w = 3; w <= words; w++)
+                below[folder] = below[folder] " " \
+                    (word[w] == "." ? word[1] : word[1] "/" word[w])
+        }
+    }
+    function folder_of(path) { sub(/\/[^\/]*$/, "", path); return path }
+    function room_of(folder,   above) {
+        above = folder_of(folder)
+        return above in is_layered ? above : folder
+    }'
+# Paths as if a room was one folder.
+awk -v layers="$layers" "$room_of"'
+    BEGIN { read_layers(layers) }
+    {
+        name = $1
+        sub(/.*\//, "", name)
+        print room_of(folder_of($1)) "/" name
+    }' "$work/paths" | LC_ALL=C sort >"$work/files"
+# Of every include: the room of the file, what it includes, the file.
 while read -r file; do
     sed -n 's/^ *# *include *\([<"][^>"]*[>"]\).*/\1/p' "$file" |
         while read -r include; do
             printf '%s %s %s\n' "${file%/*}" "$include" "$file"
         done
-done <"$work/paths" | sed "$one_room
-    s|^\(daemon/engine\)/[a-z]* |\1 |; s|^\(client/ctl\)/[a-z]* |\1 |" >"$work/includes"
+done <"$work/paths" | awk -v layers="$layers" "$room_of"'
+    BEGIN { read_layers(layers) }
+    { print room_of($1), $2, $3 }' >"$work/includes"
 [ -s "$work/files" ] && [ -s "$work/includes" ] || exit 99
 
 awk '{ print $1 }' "$work/includes" | sort -u >"$work/folders"
 printf '%s' "$rooms" | awk 'NF { print $1 }' | sort >"$work/known"
 comm -23 "$work/folders" "$work/known" | sed 's/^/no rule for /' >"$work/log"
 uniq -d "$work/files" | sed 's/^/given twice: /' >>"$work/log"
+awk -v layers="$layers" "$room_of"'
+    BEGIN { read_layers(layers) }
+    {
+        folder = folder_of($1)
+        if (room_of(folder) in is_layered && !(folder in line_of) && !(folder in told)) {
+            print "no line among the layers for " folder
+            told[folder] = 1
+        }
+    }' "$work/paths" >>"$work/log"
 [ ! -s "$work/log" ]
 # If this failed, a new folder could include anything, or a header's name could mean two.
 tap_result $? rooms__have_a_rule_each "$work/log"
@@ -123,12 +197,16 @@ awk -v rooms="$rooms" '
     NR == FNR { has[$1] = 1; next }
     $2 ~ /^"/ {
         name = substr($2, 2, length($2) - 2)
-        if (has[$1 "/" name] || name == "messages.def" && $1 == "proto")
+        if (has[$1 "/" name] || name == "messages.def" && $1 == "proto" ||
+            has["proto/common/" name] && $1 != "client/examples")
             next
         count = split(sees[$1], folder, " ")
         for (i = 1; i <= count; i++) {
             if (folder[i] == "client/lib+") {
                 if (public(name))
+                    next
+            } else if (folder[i] == "daemon/engine+") {
+                if (name == "engine.h")
                     next
             } else if (has[folder[i] "/" name] || public(name) && folder[i] == "client/lib")
                 next
@@ -136,6 +214,68 @@ awk -v rooms="$rooms" '
         print $3 " includes " $2
     }' "$work/files" "$work/includes" >"$work/log" && [ ! -s "$work/log" ]
 tap_result $? rooms__include_only_what_stands_below "$work/log"
+
+# If this failed, a folder of a room would depend on one above it, or the table of layers
+# would let it.
+awk -v layers="$layers" "$room_of"'
+    BEGIN {
+        read_layers(layers)
+        for (folder in line_of) {
+            count = split(below[folder], seen, " ")
+            for (i = 1; i <= count; i++) {
+                may[folder " " seen[i]] = 1
+                if (!(seen[i] in line_of))
+                    print "the line of " folder " names " seen[i] ", which is not there"
+                else if (line_of[seen[i]] >= line_of[folder])
+                    print "the line of " folder " names " seen[i] ", which is not below it"
+            }
+        }
+    }
+    NR == FNR {
+        name = folder = $1
+        sub(/.*\//, "", name)
+        folder = folder_of(folder)
+        where[room_of(folder) " " name] = folder
+        next
+    }
+    $2 ~ /^"/ {
+        name = substr($2, 2, length($2) - 2)
+        from = folder_of($3)
+        to = where[$1 " " name]
+        if (to != "" && to != from && $1 in is_layered && !((from " " to) in may))
+            print $3 " includes " $2 " of " to
+    }' "$work/paths" "$work/includes" | LC_ALL=C sort >"$work/log"
+[ ! -s "$work/log" ]
+tap_result $? folders__include_only_what_stands_below "$work/log"
+
+# Of a tree: what each pair of a header and its source includes of it. tsort tells circles.
+pairs_of() {
+    awk -v tree="$1/" '
+        function folder_of(path) { sub(/\/[^\/]*$/, "", path); return path }
+        function pair_of(path) { sub(/[.][a-z]*$/, "", path); return path }
+        index($1, tree) == 1 && NF == 1 {
+            name = $1
+            sub(/.*\//, "", name)
+            is_file[$1] = 1
+            any[name] = $1
+        }
+        NF == 3 && $2 ~ /^"/ && $3 in is_file {
+            name = substr($2, 2, length($2) - 2)
+            to = folder_of($3) "/" name
+            if (!(to in is_file))
+                to = any[name]
+            if (to != "" && pair_of(to) != pair_of($3))
+                print pair_of($3), pair_of(to)
+        }' "$work/paths" "$work/includes" | LC_ALL=C sort -u
+}
+
+# If this failed, neither of two files could be read, tested or changed without the other.
+for tree in proto/common proto daemon/engine daemon/service daemon/direct daemon/server client/record \
+    client/registry client/lib client/tool client/ctl client/load bench; do
+    pairs_of "$tree" | tsort 2>&1 >/dev/null | sed "s|^tsort: -|$tree|"
+done >"$work/log"
+[ ! -s "$work/log" ]
+tap_result $? files__include_nothing_that_includes_them "$work/log"
 
 # If this failed, a layer would need a library that it has no business with.
 awk -v libraries="$libraries" -v c_library="$c_library" -v engine_not="$engine_not" -v service_not="$service_not" '
@@ -200,30 +340,33 @@ tap_result $? tests__see_one_room_at_a_time "$work/log"
 
 # If this failed, a header would work only after another one.
 flags_of() {
-    local sees=$1 flags='' folder
+    local sees=$1 flags="-iquote proto/common" folder inner
     for folder in $sees; do
         case $folder in
-        client/lib | client/lib+) flags="$flags -iquote client/lib -iquote proto" ;;
-        daemon/engine | client/ctl)
-            for folder in $(find "$folder" -type d | LC_ALL=C sort); do
-                flags="$flags -iquote $folder"
+        client/lib | client/lib+) flags="$flags -iquote client/lib" ;;
+        *)
+            folder=${folder%+}
+            flags="$flags -iquote $folder"
+            for inner in $(inner_folders "$folder"); do
+                flags="$flags -iquote $inner"
             done
             ;;
-        *) flags="$flags -iquote $folder" ;;
         esac
     done
     printf '%s' "$flags"
 }
-printf '%s' "$rooms" | while read -r folder sees; do
-    [ -n "$folder" ] || continue
+inner_folders() {
+    printf '%s' "$layers" | awk -v room="$1" '$1 == room && $2 != "." { print room "/" $2 }'
+}
+printf '%s' "$rooms" | while read -r room sees; do
+    [ -n "$room" ] || continue
     inside='[^/]*'
-    case $folder in daemon/engine | client/ctl)
+    if [ -n "$(inner_folders "$room")" ]; then
         inside='.*'
-        sees="$folder $sees"
-        ;;
-    esac
+        sees="$room $sees"
+    fi
     flags=$(flags_of "$sees")
-    for header in $(grep "^$folder/$inside\.h\$" "$work/paths"); do
+    for header in $(grep "^$room/$inside\.h\$" "$work/paths"); do
         # shellcheck disable=SC2086 # flags are words
         ${CC-cc} -std=c11 -D_GNU_SOURCE -fopenmp -fsyntax-only -x c $flags "$header" \
             >"$work/error" 2>&1 ||

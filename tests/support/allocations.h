@@ -1,8 +1,8 @@
-/* allocations.h - how often this process has asked for memory.
+/* allocations.h - counts how often this process asks for memory.
  *
  * Room:     tests/support. May include: the C library.
- * Does:     take the place of malloc, calloc and realloc in the program that it is a
- *           source of, libraries included.
+ * Does:     replace malloc, calloc and realloc in a program that is linked with it,
+ *           libraries included.
  * Does not: count where a sanitizer owns them.
  * Threads:  [any].
  */

@@ -18,7 +18,8 @@ const float test_floor_x[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
 const float test_triangle_x[3][3] = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
 const uint32_t test_triangle[1][3] = {{0, 1, 2}};
 
-static struct pccd_client *connect_to(const char *url, int reconnect_ms)
+static struct pccd_client *connect_to(const char *url, int reconnect_ms,
+                                      uint32_t slot_count)
 {
     struct pccd_options options;
     struct pccd_client *client = NULL;
@@ -27,6 +28,7 @@ static struct pccd_client *connect_to(const char *url, int reconnect_ms)
     options.url = url;
     options.timeout_ms = TIMEOUT_MS;
     options.reconnect_ms = reconnect_ms;
+    options.slot_count = slot_count;
     options.result_bytes = 4u << 20; /* several answers of a grid that wait to be taken */
     if (pccd_connect(&options, &client) != 0) {
         fprintf(stderr, "# connect: %s\n", pccd_error_text(NULL));
@@ -36,54 +38,61 @@ static struct pccd_client *connect_to(const char *url, int reconnect_ms)
 
 struct pccd_client *test_connect(const char *url)
 {
-    return connect_to(url, 0);
+    return connect_to(url, 0, 0);
 }
 
 struct pccd_client *test_connect_once(const char *url)
 {
-    return connect_to(url, -1);
+    return connect_to(url, -1, 0);
+}
+
+struct pccd_client *test_connect_slim(const char *url)
+{
+    return connect_to(url, 0, 1);
 }
 
 int test_crossing_make(struct pccd_client *client, struct test_crossing *crossing)
 {
-    int rc;
+    int status;
 
-    memset(crossing, 0, sizeof(*crossing));
+    memset(crossing, 0, sizeof *crossing);
     crossing->client = client;
     crossing->z = 1;
-    rc = pccd_scene_create(client, NULL, &crossing->scene);
-    if (rc == 0) {
-        rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
-                              &crossing->floor_mesh, NULL);
+    status = pccd_scene_create(client, NULL, &crossing->scene);
+    if (status == 0) {
+        status = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
+                                  1, &crossing->floor_mesh, NULL);
     }
-    if (rc == 0) {
-        rc = pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3, test_triangle,
-                              1, &crossing->mesh, NULL);
+    if (status == 0) {
+        status = pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                  test_triangle, 1, &crossing->mesh, NULL);
     }
-    if (rc == 0) {
-        rc = pccd_scene_add(client, crossing->scene, crossing->floor_mesh,
-                            &crossing->floor);
+    if (status == 0) {
+        status = pccd_scene_add(client, crossing->scene, crossing->floor_mesh,
+                                &crossing->floor);
     }
-    if (rc == 0) {
-        rc = pccd_scene_add(client, crossing->scene, crossing->mesh, &crossing->object);
+    if (status == 0) {
+        status =
+            pccd_scene_add(client, crossing->scene, crossing->mesh, &crossing->object);
     }
-    if (rc != 0) {
+    if (status != 0) {
         fprintf(stderr, "# scene: %s\n", pccd_error_text(client));
     }
-    return rc;
+    return status;
 }
 
 void test_crossing_positions(float x[3][3], float z)
 {
-    memcpy(x, test_triangle_x, sizeof(test_triangle_x));
+    memcpy(x, test_triangle_x, sizeof test_triangle_x);
     x[0][2] = x[1][2] = x[2][2] = z;
 }
 
 bool test_crossing_is_right(struct test_crossing *crossing, struct pccd_answer *answer)
 {
     bool right = answer->status == 0 && answer->incomplete == PCCD_COMPLETE &&
-                 answer->count == 3 && answer->total == 3 && answer->vf == 3 &&
-                 answer->ee == 0 && answer->contacts != NULL;
+                 answer->count == 3 && answer->total == 3 &&
+                 answer->counts[PCCD_VF] == 3 && answer->counts[PCCD_EE] == 0 &&
+                 answer->contacts != NULL;
 
     for (uint32_t i = 0; right && i < 3; i++) {
         const struct pccd_contact *contact = &answer->contacts[i];
@@ -99,14 +108,14 @@ bool test_crossing_is_right(struct test_crossing *crossing, struct pccd_answer *
 
 bool test_crossing_turn(struct test_crossing *crossing)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     float x1[3][3];
-    int rc;
+    int status;
 
     test_crossing_positions(x1, -crossing->z);
-    rc = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
-                      PCCD_FORMAT_F32, 3, NULL, &answer);
-    if (rc != 0) {
+    status = pccd_step_x1(crossing->client, crossing->scene, crossing->object, x1,
+                          PCCD_FORMAT_F32, 3, NULL, &answer);
+    if (status != 0) {
         fprintf(stderr, "# turn: %s\n", pccd_error_text(crossing->client));
         return false;
     }

@@ -1,8 +1,9 @@
-/* crossing.h - the smallest scene with a known answer, and a client that keeps asking.
+/* crossing.h - the smallest scene with a known answer, and a client that keeps asking for
+ * it.
  *
  * Room:     tests/support. May include: pccd.h.
- * Does:     a triangle that moves back and forth through a large floor: in every turn its
- *           three vertices meet the floor's face at t = 0.5, and nothing else happens.
+ * Does:     move a triangle back and forth through a large floor: in every turn its three
+ *           vertices meet the floor's face at t = 0.5, and nothing else happens.
  * Threads:  one test at a time.
  */
 #ifndef TEST_CROSSING_H
@@ -33,6 +34,10 @@ struct pccd_client *test_connect(const char *url);
 
 /* The same, to which the loss of the daemon is an error at once. */
 struct pccd_client *test_connect_once(const char *url);
+
+/* The same with a single slot, so that the memory it shares is always the same: a slot
+ * that nobody needs would be given back after a second. */
+struct pccd_client *test_connect_slim(const char *url);
 
 /* Build the scene in a session. Returns a status. */
 int test_crossing_make(struct pccd_client *client, struct test_crossing *crossing);

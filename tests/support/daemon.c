@@ -141,13 +141,13 @@ static bool await_ready(int fd)
 
 static bool make_directory(struct test_daemon *daemon)
 {
-    (void)snprintf(daemon->directory, sizeof(daemon->directory), "/tmp/pccd-test-XXXXXX");
+    (void)snprintf(daemon->directory, sizeof daemon->directory, "/tmp/pccd-test-XXXXXX");
     if (mkdtemp(daemon->directory) == NULL) {
         return false;
     }
-    (void)snprintf(daemon->socket, sizeof(daemon->socket), "%s/s", daemon->directory);
-    (void)snprintf(daemon->url, sizeof(daemon->url), "unix:%s", daemon->socket);
-    (void)snprintf(daemon->log, sizeof(daemon->log), "%s/log", daemon->directory);
+    (void)snprintf(daemon->socket, sizeof daemon->socket, "%s/s", daemon->directory);
+    (void)snprintf(daemon->url, sizeof daemon->url, "unix:%s", daemon->socket);
+    (void)snprintf(daemon->log, sizeof daemon->log, "%s/log", daemon->directory);
     return true;
 }
 
@@ -191,7 +191,7 @@ bool test_is_direct(void)
 
 void test_daemon_direct(struct test_daemon *daemon, const char *const *options)
 {
-    memset(daemon, 0, sizeof(*daemon));
+    memset(daemon, 0, sizeof *daemon);
     memcpy(daemon->url, TEST_DIRECT_URL, sizeof(TEST_DIRECT_URL));
     memcpy(daemon->socket, TEST_DIRECT_URL, sizeof(TEST_DIRECT_URL));
     daemon->pid = getpid();
@@ -204,7 +204,7 @@ void test_daemon_direct(struct test_daemon *daemon, const char *const *options)
 
 bool test_daemon_start(struct test_daemon *daemon, const char *const *options)
 {
-    memset(daemon, 0, sizeof(*daemon));
+    memset(daemon, 0, sizeof *daemon);
     if (!make_directory(daemon)) {
         return false;
     }
@@ -305,7 +305,7 @@ static void show_log(const struct test_daemon *daemon)
     if (file == NULL) {
         return;
     }
-    while (fgets(line, sizeof(line), file) != NULL) {
+    while (fgets(line, sizeof line, file) != NULL) {
         fprintf(stderr, "# daemon: %s", line);
     }
     (void)fclose(file);
@@ -340,7 +340,7 @@ bool test_daemon_logged(const struct test_daemon *daemon, const char *text)
     if (file == NULL) {
         return false;
     }
-    bytes = fread(log, 1, sizeof(log) - 1, file);
+    bytes = fread(log, 1, sizeof log - 1, file);
     log[bytes] = '\0';
     (void)fclose(file);
     return strstr(log, text) != NULL;
@@ -351,7 +351,7 @@ bool test_stop(pid_t pid)
     char path[64];
     char state = 'R';
 
-    (void)snprintf(path, sizeof(path), "/proc/%d/stat", (int)pid);
+    (void)snprintf(path, sizeof path, "/proc/%d/stat", (int)pid);
     if (kill(pid, SIGSTOP) != 0) {
         return false;
     }

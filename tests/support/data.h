@@ -1,4 +1,4 @@
-/* data.h - where the public scenes are, and their lists.
+/* data.h - finds the public scenes that tests use, and reads their lists of pairs.
  *
  * Room:     tests/support. May include: the C library, GMP.
  * Does:     find a file of the data folder; read pair lists with their truth, and queries

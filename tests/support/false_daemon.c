@@ -42,7 +42,7 @@ int false_next(void)
     int fd_count = 0;
 
     if (proto_await(false_daemon.socket, false_daemon.message,
-                    sizeof(false_daemon.message), &bytes, NULL, &fd_count) != 0 ||
+                    sizeof false_daemon.message, &bytes, NULL, &fd_count) != 0 ||
         proto_decode(false_daemon.decoder, false_daemon.message, bytes,
                      &false_daemon.envelope, &error) != 0) {
         _exit(0);
@@ -78,8 +78,8 @@ void false_attach(struct proto_SHM_ATTACH_result result, int fd_count)
     if (false_next() != PROTO_METHOD_SHM_ATTACH ||
         proto_memory_create(&upload, "upload", FALSE_RING_BYTES, FALSE_RING_BYTES,
                             false) != 0 ||
-        proto_memory_create(&records, "results", FALSE_RESULT_BYTES,
-                            FALSE_RESULT_BYTES, true) != 0) {
+        proto_memory_create(&records, "results", FALSE_RESULT_BYTES, FALSE_RESULT_BYTES,
+                            true) != 0) {
         _exit(0);
     }
     fds[0] = upload.fd;
@@ -114,17 +114,17 @@ void false_start(false_script script)
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
 
-    (void)snprintf(false_daemon.directory, sizeof(false_daemon.directory),
+    (void)snprintf(false_daemon.directory, sizeof false_daemon.directory,
                    "/tmp/pccd-test-XXXXXX");
     assert_non_null(mkdtemp(false_daemon.directory));
-    (void)snprintf(false_daemon.socket_path, sizeof(false_daemon.socket_path), "%s/s",
+    (void)snprintf(false_daemon.socket_path, sizeof false_daemon.socket_path, "%s/s",
                    false_daemon.directory);
-    (void)snprintf(false_daemon.url, sizeof(false_daemon.url), "unix:%s",
+    (void)snprintf(false_daemon.url, sizeof false_daemon.url, "unix:%s",
                    false_daemon.socket_path);
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s",
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s",
                    false_daemon.socket_path);
     assert_true(listener >= 0);
-    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof(address)),
+    assert_int_equal(bind(listener, (const struct sockaddr *)&address, sizeof address),
                      0);
     assert_int_equal(listen(listener, 4), 0);
     false_daemon.child = fork();

@@ -1,8 +1,8 @@
-/* false_daemon.h - a daemon that is played from a script.
+/* false_daemon.h - a fake daemon that answers from a script.
  *
  * Room:     tests/support. May include: pccd.h, proto.
- * Does:     a child process that listens and answers as a function says; what tests need
- *           to connect to it.
+ * Does:     start a child process that listens and answers as a function says; give tests
+ *           what they need to connect to it.
  * Threads:  one in each process.
  */
 #ifndef TEST_FALSE_DAEMON_H

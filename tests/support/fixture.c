@@ -47,7 +47,7 @@ int test_shared_connect(void **state, uint64_t result_bytes, struct pccd_client 
 
 int test_crossing_open(void **state)
 {
-    struct test_crossing *crossing = calloc(1, sizeof(*crossing));
+    struct test_crossing *crossing = calloc(1, sizeof *crossing);
     struct pccd_client *client = test_connect(test_shared.url);
 
     *state = crossing;

@@ -1,7 +1,8 @@
-/* fixture.h - one daemon for all tests of a program, one client for each.
+/* fixture.h - starts one daemon for all tests of a program, and one client for each test.
  *
  * Room:     tests/support. May include: crossing.h, daemon.h.
- * Does:     the set-up and tear-down functions of cmocka that several programs need.
+ * Does:     define the set-up and tear-down functions of cmocka that several programs
+ *           need.
  * Threads:  one test at a time.
  */
 #ifndef TEST_FIXTURE_H

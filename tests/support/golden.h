@@ -1,4 +1,4 @@
-/* golden.h - plays whose answers are written down.
+/* golden.h - fixed scenes whose answers are written down as hashes (golden hashes).
  *
  * Room:     tests/support. May include: play.h.
  * Does:     name the plays, and the count and hash of every step's records.
@@ -18,7 +18,7 @@ enum { GOLDEN_ALL, GOLDEN_FIRST, GOLDEN_PAIRS, GOLDEN_MODES };
 
 struct golden_step {
     uint64_t count[GOLDEN_MODES];
-    uint64_t hash[GOLDEN_MODES][2]; /* XXH3-128, high word first */
+    uint64_t hash[GOLDEN_MODES][2]; /* version 1 (record_hash.h), high word first */
 };
 
 struct golden {

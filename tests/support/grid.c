@@ -28,7 +28,7 @@ void test_grid_positions(struct test_grid *grid, float z)
 uint32_t (*test_grid_triangles(const struct test_grid *grid))[3]
 {
     uint32_t cells = grid->side - 1;
-    uint32_t(*triangles)[3] = calloc(2 * (size_t)cells * cells, sizeof(*triangles));
+    uint32_t(*triangles)[3] = calloc(2 * (size_t)cells * cells, sizeof *triangles);
 
     for (uint32_t i = 0; triangles != NULL && i < cells * cells; i++) {
         uint32_t corner = i / cells * grid->side + i % cells;
@@ -36,8 +36,8 @@ uint32_t (*test_grid_triangles(const struct test_grid *grid))[3]
         const uint32_t second[3] = {corner + 1, corner + grid->side + 1,
                                     corner + grid->side};
 
-        memcpy(triangles[2 * (size_t)i], first, sizeof(first));
-        memcpy(triangles[2 * (size_t)i + 1], second, sizeof(second));
+        memcpy(triangles[2 * (size_t)i], first, sizeof first);
+        memcpy(triangles[2 * (size_t)i + 1], second, sizeof second);
     }
     return triangles;
 }
@@ -46,35 +46,36 @@ static int add_grid(struct test_grid *grid)
 {
     uint32_t cells = grid->side - 1;
     uint32_t(*triangles)[3] = test_grid_triangles(grid);
-    int rc;
+    int status;
 
     if (triangles == NULL) {
         return PCCD_E_NOMEM;
     }
-    rc = pccd_mesh_create(grid->client, grid->x, PCCD_FORMAT_F32, grid->vertex_count,
-                          (const uint32_t(*)[3])triangles, 2 * cells * cells, &grid->mesh,
-                          NULL);
+    status = pccd_mesh_create(grid->client, grid->x, PCCD_FORMAT_F32, grid->vertex_count,
+                              (const uint32_t(*)[3])triangles, 2 * cells * cells,
+                              &grid->mesh, NULL);
     free(triangles);
-    return rc != 0 ? rc
-                   : pccd_scene_add(grid->client, grid->scene, grid->mesh, &grid->object);
+    return status != 0
+               ? status
+               : pccd_scene_add(grid->client, grid->scene, grid->mesh, &grid->object);
 }
 
 int test_grid_replace(struct test_grid *grid)
 {
     uint32_t cells = grid->side - 1;
     uint32_t(*triangles)[3] = test_grid_triangles(grid);
-    int rc;
+    int status;
 
     if (triangles == NULL) {
         return PCCD_E_NOMEM;
     }
     test_grid_positions(grid, 1);
-    rc = pccd_mesh_replace(grid->client, grid->mesh, grid->x, PCCD_FORMAT_F32,
-                           grid->vertex_count, (const uint32_t(*)[3])triangles,
-                           2 * cells * cells, NULL);
+    status = pccd_mesh_replace(grid->client, grid->mesh, grid->x, PCCD_FORMAT_F32,
+                               grid->vertex_count, (const uint32_t(*)[3])triangles,
+                               2 * cells * cells, NULL);
     free(triangles);
-    grid->z = rc == 0 ? 1 : grid->z;
-    return rc;
+    grid->z = status == 0 ? 1 : grid->z;
+    return status;
 }
 
 int test_grid_make(struct pccd_client *client, uint32_t side, struct test_grid *grid)
@@ -87,33 +88,33 @@ int test_grid_make_with(struct pccd_client *client, uint32_t side,
                         struct test_grid *grid)
 {
     uint32_t floor_mesh = 0;
-    int rc;
+    int status;
 
-    memset(grid, 0, sizeof(*grid));
+    memset(grid, 0, sizeof *grid);
     grid->client = client;
     grid->side = side;
     grid->vertex_count = side * side;
     grid->z = 1;
-    grid->x = calloc(grid->vertex_count, sizeof(*grid->x));
+    grid->x = calloc(grid->vertex_count, sizeof *grid->x);
     if (grid->x == NULL) {
         return PCCD_E_NOMEM;
     }
     test_grid_positions(grid, grid->z);
-    rc = pccd_scene_create(client, settings, &grid->scene);
-    if (rc == 0) {
-        rc = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle, 1,
-                              &floor_mesh, NULL);
+    status = pccd_scene_create(client, settings, &grid->scene);
+    if (status == 0) {
+        status = pccd_mesh_create(client, test_floor_x, PCCD_FORMAT_F32, 3, test_triangle,
+                                  1, &floor_mesh, NULL);
     }
-    if (rc == 0) {
-        rc = pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor);
+    if (status == 0) {
+        status = pccd_scene_add(client, grid->scene, floor_mesh, &grid->floor);
     }
-    if (rc == 0) {
-        rc = add_grid(grid);
+    if (status == 0) {
+        status = add_grid(grid);
     }
-    if (rc != 0) {
+    if (status != 0) {
         fprintf(stderr, "# grid: %s\n", pccd_error_text(client));
     }
-    return rc;
+    return status;
 }
 
 void test_grid_free(struct test_grid *grid)
@@ -126,16 +127,16 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
                      uint64_t *step)
 {
     struct pccd_frame frame;
-    size_t bytes = grid->vertex_count * sizeof(*grid->x);
+    size_t bytes = grid->vertex_count * sizeof *grid->x;
     void *x1 = NULL;
-    int rc = pccd_frame_begin(grid->client, grid->scene, 1, bytes, &frame);
+    int status = pccd_frame_begin(grid->client, grid->scene, 1, bytes, &frame);
 
-    if (rc == 0) {
-        rc = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0, grid->vertex_count,
-                           &x1);
+    if (status == 0) {
+        status = pccd_frame_x1(&frame, grid->object, PCCD_FORMAT_F32, 0,
+                               grid->vertex_count, &x1);
     }
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     grid->z = -grid->z;
     test_grid_positions(grid, grid->z);
@@ -145,7 +146,7 @@ int test_grid_submit(struct test_grid *grid, const struct pccd_step_settings *se
 
 int test_grid_await(struct test_grid *grid, uint64_t step)
 {
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status = pccd_wait(grid->client, step, -1, &answer);
 
     if (status == 0) {
@@ -156,8 +157,9 @@ int test_grid_await(struct test_grid *grid, uint64_t step)
 
 bool test_grid_is_right(const struct test_grid *grid, const struct pccd_answer *answer)
 {
-    if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE || answer->ee != 0 ||
-        answer->vf != grid->vertex_count || answer->count != grid->vertex_count) {
+    if (answer->status != 0 || answer->incomplete != PCCD_COMPLETE ||
+        answer->counts[PCCD_EE] != 0 || answer->counts[PCCD_VF] != grid->vertex_count ||
+        answer->count != grid->vertex_count) {
         return false;
     }
     for (uint32_t i = 0; i < grid->vertex_count; i++) {

@@ -163,15 +163,15 @@ int test_hog_end(struct hog *hog, struct proto_FRAME_SUBMIT_result *answer)
 {
     struct proto_SCENE_ADD_result added;
     uint32_t id = hog->id;
-    int rc;
+    int status;
     hog->id = 0;
     switch (hog->kind) {
     case HOG_COMMIT:
         return test_raw_answer(&hog->raw, id, PROTO_METHOD_MESH_COMMIT, NULL);
     case HOG_ADD:
-        rc = test_raw_answer(&hog->raw, id, PROTO_METHOD_SCENE_ADD, &added);
-        hog->object = rc == 0 ? added.object : 0;
-        return rc;
+        status = test_raw_answer(&hog->raw, id, PROTO_METHOD_SCENE_ADD, &added);
+        hog->object = status == 0 ? added.object : 0;
+        return status;
     default:
         return test_raw_answer(&hog->raw, id, PROTO_METHOD_FRAME_SUBMIT, answer);
     }

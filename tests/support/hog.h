@@ -1,8 +1,9 @@
-/* hog.h - requests that compute for seconds.
+/* hog.h - a client whose request computes for seconds, to test that others are still
+ * served.
  *
  * Room:     tests/support. May include: raw.h.
- * Does:     prepare one in a session of its own, so that only the long request is left to
- *           be sent.
+ * Does:     prepare the request in a session of its own, so that only the long request is
+ *           left to be sent.
  * Threads:  one.
  */
 #ifndef TEST_HOG_H

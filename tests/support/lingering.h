@@ -1,7 +1,7 @@
-/* lingering.h - a socket that does not close.
+/* lingering.h - a socket that blocks the thread that closes it.
  *
  * Room:     tests/support. May include: cmocka.
- * Does:     make what blocks whoever has its last descriptor in close(2).
+ * Does:     make a socket on which close(2) of the last descriptor blocks.
  * Threads:  any.
  * Source:   socket(7), SO_LINGER.
  */

@@ -23,6 +23,9 @@ libtestdaemon_la_SOURCES = \
     tests/support/lingering.h \
     tests/support/raw.c \
     tests/support/raw.h \
+    tests/support/record_hash.h \
+    tests/support/taken.c \
+    tests/support/taken.h \
     tests/support/witness.c \
     tests/support/witness.h
 libtestdaemon_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \

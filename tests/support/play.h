@@ -1,8 +1,8 @@
 /* play.h - fixed sequences of what a client does: objects come, go, move and break.
  *
  * Room:     tests/support. May include: prng.h.
- * Does:     the same numbers on every machine: every coordinate is a multiple of 2^-10
- *           made of integers, so no rounding, libm or compiler takes part.
+ * Does:     give the same numbers on every machine: every coordinate is a multiple of
+ *           2^-10 made of integers, so no rounding, libm or compiler takes part.
  * Does not: know the engine; its kit performs a play (tests/unit/eng_player.h).
  * Threads:  [any].
  */

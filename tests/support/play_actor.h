@@ -1,4 +1,4 @@
-/* play_actor.h - who acts in a play: meshes of integers, and what may happen to them.
+/* play_actor.h - the objects of a play: meshes of integers, and what may happen to them.
  *
  * Room:     tests/support. May include: play.h.
  * Does:     make sheets, soups and patches; move, crack, crumble and turn them; write

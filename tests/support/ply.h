@@ -1,10 +1,10 @@
-/* ply.h - the binary PLY frames of the public scenes.
+/* ply.h - reads the binary PLY files of the public scenes.
  *
  * Room:     tests/support. May include: the C library.
  * Does:     read vertices (float or double, other properties passed over) and triangles
  *           of little- and big-endian files.
- * Does not: read ascii files or polygons; the product's own reader is not used here, so
- *           that a mistake in it cannot hide.
+ * Does not: read ascii files or polygons; it is separate from the product's own reader,
+ *           so that a mistake in that one cannot hide.
  * Threads:  [any].
  */
 #ifndef TESTS_PLY_H

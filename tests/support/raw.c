@@ -29,8 +29,8 @@ static int connect_socket(const char *socket_path)
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     int fd = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
 
-    (void)snprintf(address.sun_path, sizeof(address.sun_path), "%s", socket_path);
-    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof(address)) != 0) {
+    (void)snprintf(address.sun_path, sizeof address.sun_path, "%s", socket_path);
+    if (fd >= 0 && connect(fd, (const struct sockaddr *)&address, sizeof address) != 0) {
         (void)close(fd);
         return -1;
     }
@@ -47,11 +47,11 @@ static int open_direct(struct test_raw *raw)
     void *library;
     void *symbol;
 
-    (void)snprintf(path, sizeof(path), "%s/.libs/%s", build != NULL ? build : ".",
+    (void)snprintf(path, sizeof path, "%s/.libs/%s", build != NULL ? build : ".",
                    PROTO_DIRECT_LIBRARY);
     library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     symbol = library != NULL ? dlsym(library, PROTO_DIRECT_SYMBOL) : NULL;
-    memcpy(&entrance, &symbol, sizeof(entrance));
+    memcpy(&entrance, &symbol, sizeof entrance);
     raw->host = entrance != NULL ? entrance(PROTO_DIRECT_VERSION) : NULL;
     if (raw->host == NULL || raw->host->open(&raw->line, text) != 0) {
         return -1;
@@ -68,7 +68,7 @@ bool test_raw_reopen(struct test_raw *raw, const char *socket_path)
 
 bool test_raw_open(struct test_raw *raw, const char *socket_path)
 {
-    memset(raw, 0, sizeof(*raw));
+    memset(raw, 0, sizeof *raw);
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
     raw->next_id = 1;
     raw->socket = strcmp(socket_path, "direct:") == 0 ? open_direct(raw)
@@ -113,7 +113,7 @@ static bool send_fds(struct test_raw *raw, const void *bytes, size_t count,
     if (fd_count > 0) {
         struct cmsghdr *rights;
 
-        memset(&control, 0, sizeof(control));
+        memset(&control, 0, sizeof control);
         header.msg_control = &control;
         header.msg_controllen = CMSG_SPACE((size_t)fd_count * sizeof(int));
         rights = CMSG_FIRSTHDR(&header);
@@ -150,25 +150,25 @@ static int receive_bytes(struct test_raw *raw, size_t *bytes, int fds[PROTO_FDS_
                          int *fd_count)
 {
     struct pollfd watched = {.fd = raw->socket, .events = POLLIN};
-    int rc;
+    int status;
 
     do { /* a fuzzer's alarm may ring */
-        rc = poll(&watched, 1, test_raw_wait_ms);
-    } while (rc < 0 && errno == EINTR);
-    if (rc <= 0) {
+        status = poll(&watched, 1, test_raw_wait_ms);
+    } while (status < 0 && errno == EINTR);
+    if (status <= 0) {
         return PCCD_E_TIMEOUT;
     }
     if (raw->line != NULL) {
-        return raw->host->receive(raw->line, raw->message, sizeof(raw->message), bytes,
+        return raw->host->receive(raw->line, raw->message, sizeof raw->message, bytes,
                                   fds, fd_count);
     }
-    rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
-                       fd_count);
-    if (rc == PCCD_E_DISCONNECTED) { /* a reset: what was said before it follows */
-        rc = proto_receive(raw->socket, raw->message, sizeof(raw->message), bytes, fds,
+    status = proto_receive(raw->socket, raw->message, sizeof raw->message, bytes, fds,
                            fd_count);
+    if (status == PCCD_E_DISCONNECTED) { /* a reset: what was said before it follows */
+        status = proto_receive(raw->socket, raw->message, sizeof raw->message, bytes, fds,
+                               fd_count);
     }
-    return rc;
+    return status;
 }
 
 int test_raw_receive(struct test_raw *raw)
@@ -176,12 +176,12 @@ int test_raw_receive(struct test_raw *raw)
     int fds[PROTO_FDS_MAX];
     int fd_count = 0;
     size_t bytes = 0;
-    int rc = receive_bytes(raw, &bytes, fds, &fd_count);
+    int status = receive_bytes(raw, &bytes, fds, &fd_count);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
-    rc = proto_decode(raw->decoder, raw->message, bytes, &raw->envelope, &raw->error);
+    status = proto_decode(raw->decoder, raw->message, bytes, &raw->envelope, &raw->error);
     if (fd_count == 2) { /* upload, results: mapped once their sizes are known */
         raw->upload.fd = fds[0];
         raw->result.fd = fds[1];
@@ -189,7 +189,7 @@ int test_raw_receive(struct test_raw *raw)
         (void)close(fds[0]);
         return PCCD_E_BADMSG;
     }
-    return rc;
+    return status;
 }
 
 uint32_t test_raw_request(struct test_raw *raw, int method, const void *request)
@@ -206,10 +206,10 @@ uint32_t test_raw_request(struct test_raw *raw, int method, const void *request)
 int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result)
 {
     for (int i = 0; i < DATAGRAMS_MAX; i++) {
-        int rc = test_raw_receive(raw);
+        int status = test_raw_receive(raw);
 
-        if (rc != 0) {
-            return rc;
+        if (status != 0) {
+            return status;
         }
         if (raw->envelope.kind != PROTO_RESPONSE || raw->envelope.id != id) {
             continue;
@@ -248,18 +248,19 @@ int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_byt
     struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
                                                .slot_bytes = slot_bytes,
                                                .result_bytes = PROTO_RESULT_BYTES_MIN};
-    int rc;
+    int status;
 
     proto_memory_deinit(&raw->upload);
     proto_memory_deinit(&raw->result);
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
-    rc = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, &request, &raw->ring);
-    if (rc != 0) {
-        return rc;
+    status = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, &request, &raw->ring);
+    if (status != 0) {
+        return status;
     }
-    rc = proto_memory_map(&raw->upload, raw->upload.fd, raw->ring.upload_bytes, false);
-    if (rc != 0) {
-        return rc;
+    status =
+        proto_memory_map(&raw->upload, raw->upload.fd, raw->ring.upload_bytes, false);
+    if (status != 0) {
+        return status;
     }
     return proto_memory_map(&raw->result, raw->result.fd, raw->ring.result_bytes, true);
 }
@@ -290,15 +291,15 @@ int test_raw_fill(struct test_raw *raw, uint32_t mesh, const float (*x)[3],
 {
     struct proto_MESH_DATA_request data = {
         .mesh = mesh, .slot = 0, .count = vertex_count};
-    int rc;
+    int status;
 
-    memcpy(test_raw_payload(raw, 0), x, vertex_count * sizeof(*x));
+    memcpy(test_raw_payload(raw, 0), x, vertex_count * sizeof *x);
     data.seq = test_raw_publish(raw, 0);
-    rc = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
-    if (rc != 0) {
-        return rc;
+    status = test_raw_call(raw, PROTO_METHOD_MESH_DATA, &data, NULL);
+    if (status != 0) {
+        return status;
     }
-    memcpy(test_raw_payload(raw, 0), triangles, triangle_count * sizeof(*triangles));
+    memcpy(test_raw_payload(raw, 0), triangles, triangle_count * sizeof *triangles);
     data.part = 1;
     data.count = triangle_count;
     data.seq = test_raw_publish(raw, 0);
@@ -312,12 +313,13 @@ int test_raw_mesh(struct test_raw *raw, const float (*x)[3], uint32_t vertex_cou
                                                .triangle_count = triangle_count};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_COMMIT_request commit = {0};
-    int rc = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
+    int status = test_raw_call(raw, PROTO_METHOD_MESH_CREATE, &create, &created);
 
-    if (rc != 0) {
-        return rc;
+    if (status != 0) {
+        return status;
     }
     commit.mesh = *mesh = created.mesh;
-    rc = test_raw_fill(raw, created.mesh, x, vertex_count, triangles, triangle_count);
-    return rc != 0 ? rc : test_raw_call(raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
+    status = test_raw_fill(raw, created.mesh, x, vertex_count, triangles, triangle_count);
+    return status != 0 ? status
+                       : test_raw_call(raw, PROTO_METHOD_MESH_COMMIT, &commit, NULL);
 }

@@ -1,8 +1,8 @@
-/* raw.h - a peer that speaks the protocol without the library, well or badly.
+/* raw.h - a client that speaks the protocol without the library, correctly or not.
  *
  * Room:     tests/support. May include: proto.
- * Does:     a blocking socket with a time limit; send any bytes and descriptors; decode
- *           what comes back; attach a ring and write its slots by hand.
+ * Does:     open a blocking socket with a time limit; send any bytes and descriptors;
+ *           decode what comes back; attach a ring and write its slots by hand.
  * Threads:  one test at a time.
  */
 #ifndef TEST_RAW_H
@@ -20,7 +20,7 @@
 struct test_raw {
     int socket; /* -1: none; of a service in this process, a descriptor to poll */
     const struct proto_direct *host; /* of such a one; NULL: a daemon */
-    struct proto_direct_line *line;
+    struct proto_direct_inbox *line;
     uint32_t next_id;
     struct proto_decoder *decoder;
     struct proto_envelope envelope; /* of the last message */

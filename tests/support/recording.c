@@ -27,7 +27,7 @@ bool test_recording_begin(void)
     if (mkdtemp(folder) == NULL) {
         return false;
     }
-    (void)snprintf(test_recording, sizeof(test_recording), "%s/session.rec", folder);
+    (void)snprintf(test_recording, sizeof test_recording, "%s/session.rec", folder);
     return true;
 }
 
@@ -35,7 +35,7 @@ bool test_recording_end(void)
 {
     char command[128];
 
-    (void)snprintf(command, sizeof(command), "rm -rf %s", folder);
+    (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command) == 0;
 }
 
@@ -43,14 +43,14 @@ void test_recording_clear(void)
 {
     char command[128];
 
-    (void)snprintf(command, sizeof(command), "rm -f %s/*", folder);
+    (void)snprintf(command, sizeof command, "rm -f %s/*", folder);
     assert_int_equal(system(command), 0);
 }
 
 uint64_t test_recording_repeats(const char *options, const char *file, uint64_t least)
 {
     char said[4096];
-    int status = test_ctl("replay", options, file, said, sizeof(said));
+    int status = test_ctl("replay", options, file, said, sizeof said);
 
     if (status != 0 || test_ctl_number(said, "same") < least) {
         print_message("%s, %s: %s\n", file, options, said);

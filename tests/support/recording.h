@@ -1,7 +1,7 @@
-/* recording.h - where a test's recordings are, and whether they repeat.
+/* recording.h - gives each test a folder for its recordings, and checks that they repeat.
  *
  * Room:     tests/support. May include: the C library, cmocka.
- * Does:     a folder for each program, and the judgement of pccdctl.
+ * Does:     make a folder for each program, and ask pccdctl whether a recording repeats.
  * Threads:  one test at a time.
  */
 #ifndef TEST_RECORDING_H

@@ -19,7 +19,7 @@ int test_ctl(const char *command, const char *options, const char *file, char *s
     size_t got;
     int status;
 
-    (void)snprintf(line, sizeof(line),
+    (void)snprintf(line, sizeof line,
                    "unset PCCD_URL PCCD_RECORD; timeout 120 \"$PCCDCTL\" %s %s %s 2>&1",
                    command, options, file);
     from = popen(line, "r");
@@ -37,7 +37,7 @@ uint64_t test_ctl_number(const char *said, const char *name)
     char key[64];
     const char *at;
 
-    (void)snprintf(key, sizeof(key), "\"%s\": ", name);
+    (void)snprintf(key, sizeof key, "\"%s\": ", name);
     at = strstr(said, key);
     return at != NULL ? strtoull(at + strlen(key), NULL, 10) : UINT64_MAX;
 }

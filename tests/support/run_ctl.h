@@ -1,7 +1,8 @@
-/* run_ctl.h - pccdctl, run by a test.
+/* run_ctl.h - runs pccdctl in a test.
  *
  * Room:     tests/support. May include: the C library.
- * Does:     run $PCCDCTL on a recording, without what the environment says of daemons.
+ * Does:     run $PCCDCTL on a recording, with an environment that says nothing of
+ *           daemons.
  * Threads:  one test at a time.
  */
 #ifndef TEST_RUN_CTL_H

@@ -1,7 +1,7 @@
 /* scenes.h - generated meshes with motion, small enough for brute force.
  *
  * Room:     tests/support. May include: prng.h.
- * Does:     the same bytes for the same kind, size, format and seed, with one libm.
+ * Does:     give the same bytes for the same kind, size, format and seed, with one libm.
  * Does not: know the engine.
  * Threads:  [any].
  */

@@ -32,7 +32,7 @@ int test_witness_start(void **state)
     } else if (!test_daemon_start(&test_witness.daemon, NULL)) {
         return -1;
     }
-    client = test_connect(test_witness.daemon.url);
+    client = test_connect_slim(test_witness.daemon.url);
     return client != NULL && test_crossing_make(client, &test_witness.crossing) == 0 ? 0
                                                                                      : -1;
 }
@@ -94,7 +94,7 @@ int test_witness_fd_count(void)
     DIR *entries;
     int count = 0;
 
-    (void)snprintf(path, sizeof(path), "/proc/%ld/fd", (long)test_witness.daemon.pid);
+    (void)snprintf(path, sizeof path, "/proc/%ld/fd", (long)test_witness.daemon.pid);
     entries = opendir(path);
     assert_non_null(entries);
     while (count < FDS_MAX && readdir(entries) != NULL) {

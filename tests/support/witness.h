@@ -1,7 +1,7 @@
-/* witness.h - an honest client that watches while another one misbehaves.
+/* witness.h - an honest client that must be served while another one misbehaves.
  *
  * Room:     tests/support. May include: crossing.h, daemon.h.
- * Does:     one daemon and one honest client for a whole test program; after every
+ * Does:     keep one daemon and one honest client for a whole test program; after every
  *           misdeed the client takes a turn, which must be right and prompt.
  * Threads:  one.
  */

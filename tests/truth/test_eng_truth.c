@@ -36,11 +36,12 @@ static struct eng_mesh *make_mesh(points_t x, uint32_t vertex_count,
 {
     struct eng_mesh *mesh = NULL;
     uint32_t bad = 0;
-    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), ENG_OK);
-    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, vertex_count, x), ENG_OK);
+    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), PCCD_OK);
+    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x),
+                     PCCD_OK);
     assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
-                     ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     return mesh;
 }
 
@@ -52,13 +53,13 @@ static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, point
 {
     struct eng_scene *scene = NULL;
     uint32_t object_idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), PCCD_OK);
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, object_idx, ENG_F64, 0, vertex_count, x1),
-                     ENG_OK);
-    assert_int_equal(eng_step(scene, settings, result), ENG_OK);
-    assert_int_equal(result->incomplete, ENG_COMPLETE);
+    assert_int_equal(
+        eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, vertex_count, x1), PCCD_OK);
+    assert_int_equal(eng_step(scene, settings, result), PCCD_OK);
+    assert_int_equal(result->incomplete, PCCD_COMPLETE);
     return scene;
 }
 
@@ -102,7 +103,7 @@ static struct oracle_pair *read_truth(const struct data_scene *scene,
             if (!pairs.truth[i]) {
                 continue;
             }
-            if (kind == ENG_VF) {
+            if (kind == PCCD_VF) {
                 b -= vertex_count + edge_count;
             } else {
                 uint32_t low = a < b ? a : b;
@@ -128,24 +129,24 @@ struct tally {
 
 /* A record against exact arithmetic. */
 static bool confirm(const struct oracle_object *object, const uint32_t (*edges)[2],
-                    const struct eng_contact *contact, struct tally *tally)
+                    const struct pccd_contact *contact, struct tally *tally)
 {
     double moving[8][3];
-    if (contact->kind == ENG_VF) {
+    if (contact->kind == PCCD_VF) {
         oracle_vf_points(object, contact->feature_a, object, contact->feature_b, moving);
     } else {
         oracle_ee_points(object, edges[contact->feature_a], object,
                          edges[contact->feature_b], moving);
     }
-    enum oracle_kind kind = contact->kind == ENG_VF ? ORACLE_VF : ORACLE_EE;
-    bool is_proved = (contact->flags & ENG_PROVED) != 0;
+    enum oracle_kind kind = contact->kind == PCCD_VF ? ORACLE_VF : ORACLE_EE;
+    bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     struct oracle_first *first = oracle_first_new(kind, (points_t)moving);
     if (first) {
         tally->timed++;
         assert_true(oracle_first_compare(first, contact->toi) >= 0);
         assert_true(!is_proved || oracle_first_compare(first, contact->toi_hi) <= 0);
         assert_int_equal(oracle_touching_at(kind, (points_t)moving, 0),
-                         (contact->flags & ENG_INITIAL) != 0);
+                         (contact->flags & PCCD_INITIAL) != 0);
     }
     assert_true(first || !is_proved);
     oracle_first_free(first);
@@ -157,7 +158,7 @@ static void compare(const struct oracle_object *object, const uint32_t (*edges)[
                     const struct eng_step_result *result, const struct oracle_pair *truth,
                     size_t truth_count, struct tally *tally)
 {
-    const struct eng_contact *contacts = result->records;
+    const struct pccd_contact *contacts = result->records;
     size_t at = 0;
     memset(tally, 0, sizeof *tally);
     tally->possible = result->possible;
@@ -186,7 +187,7 @@ static void compare(const struct oracle_object *object, const uint32_t (*edges)[
 static struct eng_step_settings way(uint32_t i)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = i == 0 ? ENG_METHOD_PAPER : way_methods[(i - 1) % WAY_METHODS];
+    settings.method = i == 0 ? PCCD_METHOD_PAPER : way_methods[(i - 1) % WAY_METHODS];
     settings.kernels = i == 0 ? NULL : way_kernels((i - 1) / WAY_METHODS);
     settings.threads = i == 0 ? 1 : 1 + i % 4;
     settings.team_always = true;
@@ -201,7 +202,7 @@ static void check_ways(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1
         struct eng_step_settings settings = way(i);
         struct eng_step_result result;
         eng_scene_free(run(mesh, vertex_count, x1, &settings, &result));
-        if (result.hash_hi != hash[0] || result.hash_lo != hash[1]) {
+        if (result.hash[0] != hash[0] || result.hash[1] != hash[1]) {
             char text[WAY_TEXT_MAX];
             way_tell(&settings, text);
             fail_msg("%s: another answer", text);
@@ -241,7 +242,7 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
                   scene->name, truth_count, tally.missing, (size_t)result.count,
                   tally.extra, tally.untrue, tally.possible, tally.timed);
     eng_scene_free(engine);
-    uint64_t hash[2] = {result.hash_hi, result.hash_lo};
+    uint64_t hash[2] = {result.hash[0], result.hash[1]};
     check_ways(mesh, object.vertex_count, object.x1, hash);
     eng_mesh_release(mesh);
     free(truth);
@@ -292,15 +293,15 @@ static const uint32_t ee_triangles[2][3] = {{0, 1, 4}, {2, 3, 5}};
 static const int ee_points[6] = {0, 1, 2, 3, 0, 2};
 
 /* The record of the query: vertex 0 and face 0, or edges 0-1 and 2-3. */
-static const struct eng_contact *find_record(bool is_vf, const struct eng_mesh *mesh,
-                                             const struct eng_step_result *result)
+static const struct pccd_contact *find_record(bool is_vf, const struct eng_mesh *mesh,
+                                              const struct eng_step_result *result)
 {
-    const struct eng_contact *contacts = result->records;
+    const struct pccd_contact *contacts = result->records;
     const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
     for (uint64_t i = 0; i < result->count; i++) {
         uint32_t a = contacts[i].feature_a;
         uint32_t b = contacts[i].feature_b;
-        if (contacts[i].kind == (is_vf ? ENG_VF : ENG_EE) &&
+        if (contacts[i].kind == (is_vf ? PCCD_VF : PCCD_EE) &&
             (is_vf ? a == 0 && b == 0
                    : edges[a][0] == 0 && edges[a][1] == 1 && edges[b][0] == 2 &&
                          edges[b][1] == 3)) {
@@ -328,8 +329,8 @@ static void run_handmade(void *context, bool is_vf, const char *path,
         struct eng_mesh *mesh = make_mesh((points_t)x[0], 6, triangles, 2);
         struct eng_step_settings settings = way((uint32_t)tally->queries % WAYS);
         struct eng_scene *scene = run(mesh, 6, (points_t)x[1], &settings, &result);
-        const struct eng_contact *contact = find_record(is_vf, mesh, &result);
-        bool is_proved = contact && contact->flags & ENG_PROVED;
+        const struct pccd_contact *contact = find_record(is_vf, mesh, &result);
+        bool is_proved = contact && contact->flags & PCCD_PROVED;
         tally->queries++;
         tally->truths += queries->truth[i];
         tally->possible += contact && !is_proved;

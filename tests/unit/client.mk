@@ -1,9 +1,18 @@
-# tests/unit/client.mk - parts of the library, which exports nothing of them.
+# tests/unit/client.mk - what a client has told a daemon, for those who tell it another.
 
-check_PROGRAMS += tests/unit/test_cli_pairs
-TESTS += tests/unit/test_cli_pairs
+registry_tests = \
+    tests/unit/test_reg_pairs \
+    tests/unit/test_reg_positions \
+    tests/unit/test_reg_registry
+check_PROGRAMS += $(registry_tests)
+TESTS += $(registry_tests)
 
-tests_unit_test_cli_pairs_SOURCES = tests/unit/test_cli_pairs.c client/lib/kept_pairs.c
-tests_unit_test_cli_pairs_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/lib \
-    -iquote $(top_srcdir)/proto -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
-tests_unit_test_cli_pairs_LDADD = $(CMOCKA_LIBS)
+reg_test_cppflags = $(AM_CPPFLAGS) $(registry_cppflags) -I$(top_srcdir)/tests/support \
+    $(CMOCKA_CFLAGS)
+reg_test_ldadd = libregistry.la $(CMOCKA_LIBS)
+tests_unit_test_reg_pairs_CPPFLAGS = $(reg_test_cppflags)
+tests_unit_test_reg_pairs_LDADD = $(reg_test_ldadd)
+tests_unit_test_reg_positions_CPPFLAGS = $(reg_test_cppflags)
+tests_unit_test_reg_positions_LDADD = $(reg_test_ldadd)
+tests_unit_test_reg_registry_CPPFLAGS = $(reg_test_cppflags)
+tests_unit_test_reg_registry_LDADD = $(reg_test_ldadd)

@@ -61,7 +61,7 @@ static void put(struct kit_bytes *bytes, const struct kit_variant *variant,
 {
     char text[64];
     if (strcmp(variant->encoding, "ascii") == 0) {
-        snprintf(text, sizeof(text), "%.17g ", value);
+        snprintf(text, sizeof text, "%.17g ", value);
         kit_put_text(bytes, text);
     } else {
         put_value(bytes, type, strcmp(variant->encoding, "binary_big_endian") == 0,
@@ -87,7 +87,7 @@ static void put_header(struct kit_bytes *bytes, const struct kit_variant *varian
         variant->has_extras ? "property uchar red\nproperty list ushort float weights\n"
                             : "";
     const char *extra_face = variant->has_extras ? "property int group\n" : "";
-    snprintf(text, sizeof(text),
+    snprintf(text, sizeof text,
              "ply\nformat %s 1.0\ncomment a pyramid\n%selement vertex %d\n%s"
              "property %s x\nproperty %s y\nproperty %s z\nelement face %d\n"
              "property list %s %s vertex_indices\n%send_header\n",

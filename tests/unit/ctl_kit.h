@@ -1,4 +1,4 @@
-/* tests/unit/ctl_kit.h - files of one mesh, for the tests of the mesh readers.
+/* tests/unit/ctl_kit.h - writes mesh files, for the tests of the mesh readers.
  *
  * Room:     client/ctl (meshfile.h).
  * Does:     make PLY files of a pyramid in every encoding; write files into a folder of
@@ -22,7 +22,7 @@
 
 #define KIT_PATH_BYTES     256
 #define KIT_FILE_BYTES_MAX 4096
-#define KIT_COUNT(array)   (sizeof(array) / sizeof((array)[0]))
+#define KIT_COUNT(array)   (sizeof array / sizeof((array)[0]))
 
 /* The mesh of every whole file: a pyramid whose base is one face of four corners. The
  * coordinates are exact in a float and in 16 bits. */

@@ -32,8 +32,8 @@ void blast_init(struct blast *blast, const struct eng_scene_settings *settings)
     }
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])blast->rest, BLAST_VERTICES,
                                      (const uint32_t(*)[3])triangles, BLAST_TRIANGLES);
-    assert_int_equal(eng_scene_new(settings, &blast->scene), ENG_OK);
-    assert_int_equal(eng_scene_add(blast->scene, mesh, 1, &blast->idx), ENG_OK);
+    assert_int_equal(eng_scene_new(settings, &blast->scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(blast->scene, mesh, 1, &blast->idx), PCCD_OK);
     eng_mesh_release(mesh);
 }
 
@@ -60,17 +60,17 @@ struct eng_step_result blast_run(struct blast *blast, double t0, double t1,
     place(blast, t0, x0);
     place(blast, t1, x1);
     eng_stage_begin(blast->scene);
-    assert_int_equal(
-        eng_stage_x0x1(blast->scene, blast->idx, ENG_F64, 0, BLAST_VERTICES, x0, x1),
-        ENG_OK);
-    assert_int_equal(eng_step(blast->scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(blast->scene, blast->idx, PCCD_FORMAT_F64, 0,
+                                    BLAST_VERTICES, x0, x1),
+                     PCCD_OK);
+    assert_int_equal(eng_step(blast->scene, &settings, &result), PCCD_OK);
     assert_true(eng_tree_validate(blast->scene));
     return result;
 }
 
 void blast_rebuild(struct blast *blast)
 {
-    assert_int_equal(eng_plant_objects(blast->scene), ENG_OK);
-    assert_int_equal(eng_build_object(blast->scene, blast->idx), ENG_OK);
-    blast->scene->top_is_stale = true;
+    assert_int_equal(eng_plant_objects(blast->scene), PCCD_OK);
+    assert_int_equal(eng_build_object(blast->scene, blast->idx), PCCD_OK);
+    eng_trees_of(blast->scene)->top_is_stale = true;
 }

@@ -1,10 +1,10 @@
-/* tests/unit/eng_blast.h - a sheet that flies to pieces, again and again.
+/* tests/unit/eng_blast.h - a scene that flies to pieces, so that a tree built at its
+ * start becomes useless.
  *
  * Room:     engine (private headers).
  * Does:     hold a scene of single triangles, put together like a sheet at time 0, each
  *           with a velocity of its own; run steps between any two times. Neighbours end
- *           far from each other, so that a hierarchy made at time 0 is worth nothing
- *           later.
+ *           far from each other.
  * Threads:  as many as the step asks for.
  * Source:   daemon/engine/step.h.
  */

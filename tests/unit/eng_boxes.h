@@ -1,8 +1,8 @@
-/* tests/unit/eng_boxes.h - blocks of boxes that meet now and then.
+/* tests/unit/eng_boxes.h - makes blocks of boxes, some of which overlap, for the tests of
+ * joins.
  *
  * Room:     engine (kernel.h).
- * Does:     make boxes with small whole bounds for the tests of joins, and hold the pairs
- *           that a join finds.
+ * Does:     make boxes with small whole bounds, and hold the pairs that a join finds.
  * Threads:  one. Inline only.
  */
 #ifndef TEST_ENG_BOXES_H

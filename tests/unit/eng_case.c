@@ -16,13 +16,13 @@ struct eng_exact *case_exact(void)
     static struct eng_exact exact;
     static bool ready;
     if (!ready) {
-        eng_exact_init(&exact);
+        assert_int_equal(eng_exact_init(&exact), PCCD_OK);
         ready = true;
     }
     return &exact;
 }
 
-struct eng_query case_query(enum eng_kind kind, const double x0[4][3],
+struct eng_query case_query(enum pccd_kind kind, const double x0[4][3],
                             const double x1[4][3])
 {
     struct eng_query query = {.kind = kind};
@@ -31,9 +31,9 @@ struct eng_query case_query(enum eng_kind kind, const double x0[4][3],
     return query;
 }
 
-unsigned case_order_count(enum eng_kind kind)
+unsigned case_order_count(enum pccd_kind kind)
 {
-    return kind == ENG_VF ? 6 : 8;
+    return kind == PCCD_VF ? 6 : 8;
 }
 
 struct eng_query case_order(const struct eng_query *query, unsigned order)
@@ -41,7 +41,7 @@ struct eng_query case_order(const struct eng_query *query, unsigned order)
     static const int faces[6][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
                                     {0, 1, 3, 2}, {0, 3, 2, 1}, {0, 2, 1, 3}};
     int points[4];
-    if (query->kind == ENG_VF) {
+    if (query->kind == PCCD_VF) {
         memcpy(points, faces[order], sizeof points);
     } else {
         for (int i = 0; i < 4; i++) {
@@ -88,7 +88,7 @@ static void check_params(const struct eng_query *query, const struct eng_hit *hi
     double x[4][3];
     double u = (double)hit->param[0];
     double v = (double)hit->param[1];
-    bool is_vf = query->kind == ENG_VF;
+    bool is_vf = query->kind == PCCD_VF;
     assert_true(u >= -1e-6 && v >= -1e-6);
     assert_true(is_vf ? u + v <= 1 + 1e-6 : u <= 1 + 1e-6 && v <= 1 + 1e-6);
     for (int i = 0; i < 4; i++) {
@@ -107,12 +107,12 @@ static void check_params(const struct eng_query *query, const struct eng_hit *hi
 void case_check_form(const struct eng_query *query, double tolerance,
                      const struct eng_hit *hit)
 {
-    assert_true(hit->flags & ENG_PROVED);
-    assert_int_equal(hit->flags & ~(unsigned)(ENG_PROVED | ENG_INITIAL), 0);
+    assert_true(hit->flags & PCCD_PROVED);
+    assert_int_equal(hit->flags & ~(unsigned)(PCCD_PROVED | PCCD_INITIAL), 0);
     assert_true(0 <= hit->toi && hit->toi <= hit->toi_hi && hit->toi_hi <= 1);
     assert_true(hit->toi_hi - hit->toi <= tolerance);
     bool initial = eng_exact_moment(case_exact(), query, 0).touching;
-    assert_int_equal((hit->flags & ENG_INITIAL) != 0, initial);
+    assert_int_equal((hit->flags & PCCD_INITIAL) != 0, initial);
     assert_true(!initial || hit->toi_hi == 0);
     double length2 = 0;
     for (int k = 0; k < 3; k++) {

@@ -1,4 +1,5 @@
-/* tests/unit/eng_case.h - elementary tests with known answers, from many sides.
+/* tests/unit/eng_case.h - checks an elementary test with a known answer in every order,
+ * direction and scale.
  *
  * Room:     engine (private headers).
  * Does:     ask the solver about one case in every order of its points, along every axis,
@@ -18,12 +19,12 @@
 /* A scratch for as long as the program runs. */
 struct eng_exact *case_exact(void);
 
-struct eng_query case_query(enum eng_kind kind, const double x0[4][3],
+struct eng_query case_query(enum pccd_kind kind, const double x0[4][3],
                             const double x1[4][3]);
 
 /* The same features with their points in another order: six orders of a face's corners,
  * eight of two edges and their ends. */
-unsigned case_order_count(enum eng_kind kind);
+unsigned case_order_count(enum pccd_kind kind);
 struct eng_query case_order(const struct eng_query *query, unsigned order);
 
 struct eng_query case_reversed(const struct eng_query *query);

@@ -21,12 +21,12 @@ static const struct {
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
 } ways[] = {
-    {ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
-    {ENG_SCHEDULER_STEAL, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER},
-    {ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_EVEN},
-    {ENG_SCHEDULER_PAPER, ENG_HIGH_ROUND_ROBIN, ENG_REFIT_PAPER},
-    {ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_EVEN},
-    {ENG_SCHEDULER_PAPER, ENG_HIGH_DISJOINT, ENG_REFIT_PAPER},
+    {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_PAPER},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_EVEN},
+    {ENG_SCHEDULER_PAPER, ENG_HIGH_LEVEL_DISJOINT, ENG_REFIT_PAPER},
 };
 #define WAY_COUNT (sizeof ways / sizeof *ways)
 
@@ -35,12 +35,12 @@ int crew_setup(void **state)
     struct crew *crew = malloc(sizeof *crew);
     struct kit_random random = {97};
     assert_non_null(crew);
-    assert_int_equal(eng_scene_new(NULL, &crew->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &crew->scene), PCCD_OK);
     struct eng_mesh *mesh = kit_sheet(SHEET_SIDE, 0.5);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &crew->sheet), ENG_OK);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 2, &crew->sheet), PCCD_OK);
     eng_mesh_release(mesh);
     mesh = kit_soup(&random, CREW_SOUP_TRIANGLES);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 1, &crew->soup), ENG_OK);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 1, &crew->soup), PCCD_OK);
     eng_mesh_release(mesh);
     const struct eng_object *object = eng_scene_object(crew->scene, crew->soup);
     for (uint32_t i = 0; i < CREW_SOUP_VERTICES; i++) {
@@ -67,19 +67,19 @@ struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings sett
     struct eng_step_result result;
     settings.team_always = true;
     eng_stage_begin(crew->scene);
-    assert_int_equal(eng_stage_x0x1(crew->scene, crew->soup, ENG_F64, 0,
+    assert_int_equal(eng_stage_x0x1(crew->scene, crew->soup, PCCD_FORMAT_F64, 0,
                                     CREW_SOUP_VERTICES, crew->x0, crew->x1),
-                     ENG_OK);
-    assert_int_equal(eng_step(crew->scene, &settings, &result), ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_step(crew->scene, &settings, &result), PCCD_OK);
     assert_true(eng_tree_validate(crew->scene));
     return result;
 }
 
-struct eng_step_settings crew_alone(enum eng_mode mode)
+struct eng_step_settings crew_alone(enum pccd_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
-    settings.method = ENG_METHOD_PAPER; /* whose schedulers are compared */
+    settings.method = PCCD_METHOD_PAPER; /* whose schedulers are compared */
     return settings;
 }
 
@@ -88,12 +88,12 @@ size_t crew_count(void)
     return SIZE_COUNT * WAY_COUNT;
 }
 
-struct eng_step_settings crew_team(enum eng_mode mode, size_t i)
+struct eng_step_settings crew_team(enum pccd_mode mode, size_t i)
 {
     struct eng_step_settings settings = crew_alone(mode);
     settings.threads = sizes[i % SIZE_COUNT];
-    settings.scheduler = ways[i / SIZE_COUNT].scheduler;
-    settings.high_level = ways[i / SIZE_COUNT].high_level;
-    settings.refit = ways[i / SIZE_COUNT].refit;
+    settings.tuning.scheduler = ways[i / SIZE_COUNT].scheduler;
+    settings.tuning.high_level = ways[i / SIZE_COUNT].high_level;
+    settings.tuning.refit = ways[i / SIZE_COUNT].refit;
     return settings;
 }

@@ -1,4 +1,5 @@
-/* tests/unit/eng_crew.h - a scene for more than one thread, and the teams to try on it.
+/* tests/unit/eng_crew.h - a scene for several threads, and the team settings to try on
+ * it.
  *
  * Room:     engine (private headers).
  * Does:     stage the same step of a sheet and a soup of triangles again and again; name
@@ -33,11 +34,11 @@ int crew_teardown(void **state);
 struct eng_step_result crew_run(struct crew *crew, struct eng_step_settings settings);
 
 /* One thread. */
-struct eng_step_settings crew_alone(enum eng_mode mode);
+struct eng_step_settings crew_alone(enum pccd_mode mode);
 
 /* Team `i` of crew_count(): every number of threads by every scheduler, method of
  * high-level nodes and scheme of the refit. */
-struct eng_step_settings crew_team(enum eng_mode mode, size_t i);
+struct eng_step_settings crew_team(enum pccd_mode mode, size_t i);
 size_t crew_count(void);
 
 #define CREW_TEST(name) cmocka_unit_test_setup_teardown(name, crew_setup, crew_teardown)

@@ -66,8 +66,8 @@ void filters_set(struct filters *filters, struct eng_scene *scene,
     assert_true(at < FILTERS_OBJECTS_MAX);
     filters->object_count += at == filters->object_count;
     filters->objects[at] = (struct filters_object){place.id, bits};
-    assert_int_equal(eng_scene_set_filter(scene, place.idx, &bits), ENG_OK);
-    assert_int_equal(eng_scene_get_filter(scene, place.idx, &now), ENG_OK);
+    assert_int_equal(eng_scene_set_filter(scene, place.idx, &bits), PCCD_OK);
+    assert_int_equal(eng_scene_get_filter(scene, place.idx, &now), PCCD_OK);
     assert_true(now.group == bits.group && now.mask == bits.mask &&
                 now.self == bits.self);
 }
@@ -78,7 +78,7 @@ void filters_ignore(struct filters *filters, struct eng_scene *scene,
     uint32_t at = find_ignored(filters, a.id, b.id);
     bool was_ignored = at < filters->ignored_count;
     assert_true(!ignored || at < FILTERS_IGNORED_MAX);
-    assert_int_equal(eng_scene_ignore(scene, a.idx, b.idx, ignored), ENG_OK);
+    assert_int_equal(eng_scene_ignore(scene, a.idx, b.idx, ignored), PCCD_OK);
     if (ignored && !was_ignored) {
         filters->ignored[at][0] = a.id < b.id ? a.id : b.id;
         filters->ignored[at][1] = a.id < b.id ? b.id : a.id;
@@ -147,12 +147,12 @@ void filters_apply(const struct filters *filters, struct eng_scene *scene,
 {
     for (uint32_t i = 0; i < count; i++) {
         struct eng_object_filter bits = bits_of(filters, places[i].id);
-        assert_int_equal(eng_scene_set_filter(scene, places[i].idx, &bits), ENG_OK);
+        assert_int_equal(eng_scene_set_filter(scene, places[i].idx, &bits), PCCD_OK);
         for (uint32_t k = 0; k < i; k++) {
             if (find_ignored(filters, places[i].id, places[k].id) <
                 filters->ignored_count) {
                 assert_int_equal(
-                    eng_scene_ignore(scene, places[k].idx, places[i].idx, true), ENG_OK);
+                    eng_scene_ignore(scene, places[k].idx, places[i].idx, true), PCCD_OK);
             }
         }
     }

@@ -1,4 +1,5 @@
-/* tests/unit/eng_filters.h - which objects may meet, kept beside a scene.
+/* tests/unit/eng_filters.h - remembers which objects of a scene may meet, to check the
+ * engine's masks.
  *
  * Room:     engine (scene.h), tests/support/prng.h.
  * Does:     change groups, masks, self-collision and ignored pairs of a scene at random,

@@ -17,11 +17,12 @@ struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
 {
     struct eng_mesh *mesh = NULL;
     uint32_t bad = 0;
-    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), ENG_OK);
-    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, vertex_count, x), ENG_OK);
+    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), PCCD_OK);
+    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x),
+                     PCCD_OK);
     assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
-                     ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     return mesh;
 }
 
@@ -93,21 +94,21 @@ static void random_vector(struct kit_random *random, uint32_t bound, double v[3]
     }
 }
 
-void kit_plant(struct kit_random *random, enum eng_kind kind, unsigned numerator,
+void kit_plant(struct kit_random *random, enum pccd_kind kind, unsigned numerator,
                struct eng_query *query)
 {
     double t = numerator / 8.0;
     double at[4][3];
     double way[4][3];
     unsigned beta = kit_below(random, 9);
-    unsigned gamma = kit_below(random, kind == ENG_VF ? 9 - beta : 9);
+    unsigned gamma = kit_below(random, kind == PCCD_VF ? 9 - beta : 9);
     for (int i = 0; i < 4; i++) {
         random_vector(random, 60, at[i]);
         random_vector(random, 60, way[i]);
     }
     query->kind = kind;
     for (int k = 0; k < 3; k++) {
-        if (kind == ENG_VF) {
+        if (kind == PCCD_VF) {
             at[0][k] = at[1][k] + beta / 8.0 * (at[2][k] - at[1][k]) +
                        gamma / 8.0 * (at[3][k] - at[1][k]);
         } else {

@@ -1,8 +1,9 @@
-/* tests/unit/eng_kit.h - what the engine's unit tests share.
+/* tests/unit/eng_kit.h - small meshes, queries and random numbers for the engine's unit
+ * tests.
  *
  * Room:     engine (private headers).
- * Does:     repeatable random numbers, small meshes, queries with a contact known by
- *           construction.
+ * Does:     give repeatable random numbers, small meshes, and queries with a contact
+ *           known by construction.
  * Does not: decide collisions: nothing here is an oracle.
  * Threads:  one per generator.
  * Source:   Steele, Lea, Flood: Fast splittable pseudorandom number generators.
@@ -62,7 +63,7 @@ struct eng_mesh *kit_soup(struct kit_random *random, uint32_t count);
 
 /* A query whose features meet at exactly `t` = numerator / 8, and maybe before: every
  * coordinate is a multiple of 2^-9 below 2^9, so no rounding took part in its making. */
-void kit_plant(struct kit_random *random, enum eng_kind kind, unsigned numerator,
+void kit_plant(struct kit_random *random, enum pccd_kind kind, unsigned numerator,
                struct eng_query *query);
 
 /* Times a power of two, then plus an offset along each axis. */

@@ -27,7 +27,7 @@ static void *copy_of(const void *block, size_t count, size_t bytes)
 void player_init(struct player *player, const struct eng_scene_settings *settings)
 {
     memset(player, 0, sizeof *player);
-    assert_int_equal(eng_scene_new(settings, &player->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(settings, &player->scene), PCCD_OK);
 }
 
 static void object_deinit(struct player_object *object)
@@ -74,14 +74,14 @@ static void object_init(struct player_object *object, const struct play_act *act
         copy_of(act->triangles, act->triangle_count, sizeof *act->triangles);
     assert_int_equal(
         eng_mesh_new(object->vertex_count, object->triangle_count, &object->mesh),
-        ENG_OK);
-    assert_int_equal(eng_mesh_write_vertices(object->mesh, ENG_F64, 0,
+        PCCD_OK);
+    assert_int_equal(eng_mesh_write_vertices(object->mesh, PCCD_FORMAT_F64, 0,
                                              object->vertex_count, object->registered),
-                     ENG_OK);
+                     PCCD_OK);
     assert_int_equal(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
                                               object->triangles, &bad),
-                     ENG_OK);
-    assert_int_equal(eng_mesh_commit(object->mesh), ENG_OK);
+                     PCCD_OK);
+    assert_int_equal(eng_mesh_commit(object->mesh), PCCD_OK);
 }
 
 static void add(struct player *player, const struct play_act *act)
@@ -90,13 +90,13 @@ static void add(struct player *player, const struct play_act *act)
     struct player_object *object = &player->objects[player->object_count++];
     object_init(object, act);
     assert_int_equal(eng_scene_add(player->scene, object->mesh, object->id, &object->idx),
-                     ENG_OK);
+                     PCCD_OK);
 }
 
 static void take_away(struct player *player, uint32_t id)
 {
     struct player_object *object = find(player, id);
-    assert_int_equal(eng_scene_remove(player->scene, object->idx), ENG_OK);
+    assert_int_equal(eng_scene_remove(player->scene, object->idx), PCCD_OK);
     filters_forget(&player->filters, id);
     object_deinit(object);
     *object = player->objects[--player->object_count];
@@ -108,7 +108,7 @@ static void replace(struct player *player, const struct play_act *act)
     struct player_object other;
     object_init(&other, act);
     other.idx = object->idx;
-    assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), ENG_OK);
+    assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), PCCD_OK);
     object_deinit(object);
     *object = other;
 }
@@ -169,7 +169,7 @@ static void transform(const double m[12], const double from[3], double to[3])
 static void move(struct player *player, const struct play_act *act)
 {
     struct player_object *object = find(player, act->object_id);
-    enum eng_format format = act->is_f32 ? ENG_F32 : ENG_F64;
+    enum pccd_format format = act->is_f32 ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
     uint32_t count = object->vertex_count;
     int status;
     assert_int_equal(act->vertex_count, count);
@@ -193,7 +193,7 @@ static void move(struct player *player, const struct play_act *act)
         }
         free(x1);
     }
-    assert_int_equal(status, ENG_OK);
+    assert_int_equal(status, PCCD_OK);
 }
 
 void player_act(struct player *player, const struct play_act *act)
@@ -238,9 +238,9 @@ void player_stage_copies(struct player *player)
     player->is_staging = true;
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
-        assert_int_equal(eng_stage_x0x1(player->scene, object->idx, ENG_F64, 0,
+        assert_int_equal(eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
                                         object->vertex_count, object->x0, object->x1),
-                         ENG_OK);
+                         PCCD_OK);
     }
 }
 
@@ -259,7 +259,7 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
         to->x1 = copy_of(from->x1, from->vertex_count, bytes);
         to->triangles =
             copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
-        assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), ENG_OK);
+        assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), PCCD_OK);
     }
     struct filters_place places[PLAYER_OBJECTS_MAX];
     uint32_t count = list_places(copy, places);
@@ -279,12 +279,12 @@ static void take_detour(struct player *player, const struct eng_step_settings *s
         const struct player_object *object = &player->objects[i];
         double(*x)[3] = copy_of(object->x1, object->vertex_count, sizeof *x);
         to(object, x);
-        int status = eng_stage_x0x1(player->scene, object->idx, ENG_F64, 0,
+        int status = eng_stage_x0x1(player->scene, object->idx, PCCD_FORMAT_F64, 0,
                                     object->vertex_count, object->x1, x);
         free(x);
-        assert_int_equal(status, ENG_OK);
+        assert_int_equal(status, PCCD_OK);
     }
-    assert_int_equal(eng_step(player->scene, settings, &result), ENG_OK);
+    assert_int_equal(eng_step(player->scene, settings, &result), PCCD_OK);
 }
 
 static void to_start(const struct player_object *object, double (*x)[3])

@@ -1,8 +1,8 @@
-/* tests/unit/eng_player.h - performs a play on a scene, and knows where everything is.
+/* tests/unit/eng_player.h - performs a play (tests/support/play.h) in the engine.
  *
  * Room:     engine (scene.h, step.h).
- * Does:     one act after another on a scene of the engine, with a copy of every object's
- *           motion beside it; the same motion again, or in a scene made anew.
+ * Does:     do one act after another on a scene of the engine, with a copy of every
+ *           object's motion beside it; do the same motion again, or in a scene made anew.
  * Does not: decide collisions.
  * Threads:  one.
  * Source:   tests/support/play.h for what is performed.

@@ -103,11 +103,11 @@ uint64_t eng_alloc_bytes(void)
 
 bool scarce_recovered(int status)
 {
-    if (status == ENG_E_NOMEM) {
+    if (status == PCCD_E_NOMEM) {
         assert_true(scarce.failures > 0); /* it may only say so if it is true */
     } else {
-        assert_int_equal(status, ENG_OK);
+        assert_int_equal(status, PCCD_OK);
     }
     scarce.is_failing = false;
-    return status == ENG_OK;
+    return status == PCCD_OK;
 }

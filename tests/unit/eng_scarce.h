@@ -1,10 +1,11 @@
-/* tests/unit/eng_scarce.h - memory that runs out on order.
+/* tests/unit/eng_scarce.h - replaces the engine's memory functions by ones that fail on
+ * order.
  *
  * Room:     engine (a double of memory.c, which is not linked then).
  * Does:     fail the n-th allocation, once or from then on until a call has returned;
- *           count what is held; fill what is given out and taken back with rubbish.
+ *           count what is held; fill with rubbish what is given out and taken back.
  * Threads:  eng_alloc and its kin: any; the rest: one, while no step runs.
- * Source:   daemon/engine/memory.h.
+ * Source:   daemon/engine/base/memory.h.
  */
 #ifndef TEST_ENG_SCARCE_H
 #define TEST_ENG_SCARCE_H
@@ -34,7 +35,7 @@ bool scarce_recovered(int status);
 #define RETRY(call)                                                                      \
     do {                                                                                 \
         if (!scarce_recovered(call)) {                                                   \
-            assert_int_equal(call, ENG_OK);                                              \
+            assert_int_equal(call, PCCD_OK);                                             \
         }                                                                                \
     } while (0)
 

@@ -10,7 +10,7 @@
 
 #include "build.h"
 
-const enum eng_method way_methods[WAY_METHODS] = {ENG_METHOD_PAPER, ENG_METHOD_WIDE};
+const enum pccd_method way_methods[WAY_METHODS] = {PCCD_METHOD_PAPER, PCCD_METHOD_WIDE};
 
 const struct eng_kernels *way_kernels(uint32_t i)
 {
@@ -38,15 +38,15 @@ void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *
     settings->kernels = way_kernels((uint32_t)prng_below(prng, way_kernels_count()));
     settings->threads = 1 + (uint32_t)prng_below(prng, thread_max);
     settings->team_always = true;
-    settings->scheduler = (enum eng_scheduler)prng_below(prng, 2);
-    settings->high_level = (enum eng_high_level)prng_below(prng, 2);
-    settings->refit = (enum eng_refit_scheme)prng_below(prng, 2);
+    settings->tuning.scheduler = (enum eng_scheduler)prng_below(prng, 2);
+    settings->tuning.high_level = (enum eng_high_level)prng_below(prng, 2);
+    settings->tuning.refit = (enum eng_refit_scheme)prng_below(prng, 2);
 }
 
 bool way_tree_is_sound(const struct eng_scene *scene,
                        const struct eng_step_result *result)
 {
-    return result->method == ENG_METHOD_WIDE || eng_tree_validate(scene);
+    return result->method == PCCD_METHOD_WIDE || eng_tree_validate(scene);
 }
 
 void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX])
@@ -55,6 +55,6 @@ void way_tell(const struct eng_step_settings *settings, char text[WAY_TEXT_MAX])
     snprintf(text, WAY_TEXT_MAX,
              "method %d, %s, %u threads, scheduler %d, high level %d, refit %d",
              (int)settings->method, (kernels ? kernels : eng_kernels())->name,
-             settings->threads, (int)settings->scheduler, (int)settings->high_level,
-             (int)settings->refit);
+             settings->threads, (int)settings->tuning.scheduler,
+             (int)settings->tuning.high_level, (int)settings->tuning.refit);
 }

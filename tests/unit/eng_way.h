@@ -1,7 +1,9 @@
-/* tests/unit/eng_way.h - the ways in which a step may be taken without a difference.
+/* tests/unit/eng_way.h - lists the settings that must not change the answer of a step,
+ * and draws one at random.
  *
  * Room:     engine (step.h, kernel.h), tests/support.
- * Does:     list methods and instruction sets; draw a way at random; put one into words.
+ * Does:     list methods and instruction sets; draw a combination at random; put one into
+ *           words.
  * Does not: touch what may change an answer: mode, tolerance, limits.
  * Threads:  any.
  * Source:   daemon/engine/step.h.
@@ -14,7 +16,7 @@
 #include "step.h"
 
 #define WAY_METHODS 2u
-extern const enum eng_method way_methods[WAY_METHODS];
+extern const enum pccd_method way_methods[WAY_METHODS];
 
 /* The instruction sets that this processor has, at least the scalar one: [0]. */
 uint32_t way_kernels_count(void);

@@ -1,7 +1,8 @@
 # tests/unit/engine.mk - the parts of the engine, one program a part.
 
 ENG_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) \
-    -I$(top_srcdir)/tests/unit $(CMOCKA_CFLAGS)
+    -I$(top_srcdir)/tests/unit -I$(top_srcdir)/tests/support $(XXHASH_CFLAGS) \
+    $(CMOCKA_CFLAGS)
 ENG_TEST_LDADD = libengkit.la libengine.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
 
 check_LTLIBRARIES += libengkit.la
@@ -34,7 +35,7 @@ ENG_TESTS = \
     tests/unit/test_eng_refit \
     tests/unit/test_eng_rebuild \
     tests/unit/test_eng_grow \
-    tests/unit/test_eng_aside \
+    tests/unit/test_eng_background \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_sieve \
@@ -60,11 +61,11 @@ ENG_TESTS = \
     tests/unit/test_eng_subtree \
     tests/unit/test_eng_brief \
     tests/unit/test_eng_effort \
-    tests/unit/test_eng_place \
+    tests/unit/test_eng_affinity \
     tests/unit/test_eng_refit_plan \
     tests/unit/test_eng_boxes \
     tests/unit/test_eng_rounds \
-    tests/unit/test_eng_narrow \
+    tests/unit/test_eng_quantised \
     tests/unit/test_eng_order \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide \
@@ -122,9 +123,9 @@ tests_unit_test_eng_grow_SOURCES = tests/unit/test_eng_grow.c
 tests_unit_test_eng_grow_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_grow_LDADD = $(ENG_TEST_LDADD)
 
-tests_unit_test_eng_aside_SOURCES = tests/unit/test_eng_aside.c
-tests_unit_test_eng_aside_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
-tests_unit_test_eng_aside_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_background_SOURCES = tests/unit/test_eng_background.c
+tests_unit_test_eng_background_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_background_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
 tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
@@ -229,10 +230,10 @@ tests_unit_test_eng_subtree_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_subtree_LDADD = $(ENG_TEST_LDADD)
 
 # It opens regions of its own.
-tests_unit_test_eng_place_SOURCES = tests/unit/test_eng_place.c
-tests_unit_test_eng_place_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
-tests_unit_test_eng_place_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-tests_unit_test_eng_place_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_affinity_SOURCES = tests/unit/test_eng_affinity.c
+tests_unit_test_eng_affinity_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_affinity_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_unit_test_eng_affinity_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_brief_SOURCES = tests/unit/test_eng_brief.c
 tests_unit_test_eng_brief_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
@@ -242,9 +243,9 @@ tests_unit_test_eng_effort_SOURCES = tests/unit/test_eng_effort.c
 tests_unit_test_eng_effort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_effort_LDADD = $(ENG_TEST_LDADD)
 
-tests_unit_test_eng_narrow_SOURCES = tests/unit/test_eng_narrow.c
-tests_unit_test_eng_narrow_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
-tests_unit_test_eng_narrow_LDADD = $(ENG_TEST_LDADD)
+tests_unit_test_eng_quantised_SOURCES = tests/unit/test_eng_quantised.c
+tests_unit_test_eng_quantised_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_quantised_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_rounds_SOURCES = tests/unit/test_eng_rounds.c
 tests_unit_test_eng_rounds_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

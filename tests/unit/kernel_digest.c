@@ -25,8 +25,8 @@ struct ground {
     struct eng_extents boxes[POINTS];
     struct eng_extents around[BLOCKS];
     struct eng_wide_block blocks[BLOCKS];
-    struct eng_narrow_block narrow[BLOCKS];
-    struct eng_narrow_box narrow_around[BLOCKS];
+    struct eng_quantised_block quantised[BLOCKS];
+    struct eng_quantised_box quantised_around[BLOCKS];
     uint32_t farthest;
     uint32_t corner[3][POINTS]; /* of features */
     uint32_t quads[PAIRS][4];
@@ -103,18 +103,18 @@ static void run_within(const struct eng_kernels *kernels)
 {
     struct prng prng = {5};
     double x[VALUES];
-    float narrow[VALUES];
+    float quantised[VALUES];
     double wide[VALUES];
     uint64_t within = DIGEST_BEGIN;
     uint64_t widen = DIGEST_BEGIN;
     for (uint32_t count = 0; count <= VALUES; count++) {
         for (uint32_t i = 0; i < VALUES; i++) {
             x[i] = prng_between(&prng, -1.01, 1) * LIMIT;
-            narrow[i] = (float)(x[i] * (i % 3 ? 1 : 0x1p-190));
+            quantised[i] = (float)(x[i] * (i % 3 ? 1 : 0x1p-190));
         }
         bool good[2] = {kernels->all_within(x, count, LIMIT)};
         memset(wide, 0, sizeof wide);
-        good[1] = kernels->widen_within(wide, narrow, count, LIMIT);
+        good[1] = kernels->widen_within(wide, quantised, count, LIMIT);
         within = digest(within, &good[0], sizeof good[0]);
         widen =
             digest(digest(widen, &good[1], sizeof good[1]), wide, count * sizeof *wide);
@@ -156,22 +156,23 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
 
 /* Cells in which the lattice and the cloud have much room and what is far away has none;
  * the joins below use what is written here. */
-static void run_narrow(const struct eng_kernels *kernels, struct ground *ground)
+static void run_quantised(const struct eng_kernels *kernels, struct ground *ground)
 {
-    const struct eng_narrowing narrowing = {
+    const struct eng_quantising quantising = {
         {0x1p12f, 0x1p12f, 0x1p11f, 0}, {3, -1000, 0.125f, 0}, {-1, 1002, 1, 0}};
     uint64_t all = DIGEST_BEGIN;
     ground->farthest = 0;
     for (uint32_t first = 0; first < BLOCKS; first += BLOCKS / 4) {
-        bool fits = kernels->narrow_blocks(
-            ground->blocks + first, ground->around + first, BLOCKS / 4, &narrowing,
-            ground->narrow + first, ground->narrow_around + first, &ground->farthest);
+        bool fits = kernels->quantised_blocks(
+            ground->blocks + first, ground->around + first, BLOCKS / 4, &quantising,
+            ground->quantised + first, ground->quantised_around + first,
+            &ground->farthest);
         all = digest(all, &fits, sizeof fits);
     }
-    all = digest(all, ground->narrow, sizeof ground->narrow);
-    all = digest(all, ground->narrow_around, sizeof ground->narrow_around);
+    all = digest(all, ground->quantised, sizeof ground->quantised);
+    all = digest(all, ground->quantised_around, sizeof ground->quantised_around);
     all = digest(all, &ground->farthest, sizeof ground->farthest);
-    say(kernels, "narrow_blocks", all);
+    say(kernels, "quantised_blocks", all);
 }
 
 typedef uint32_t join_fn(struct eng_join *job, struct eng_join_round *round,
@@ -186,15 +187,16 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
     static struct eng_join_round round;
     uint64_t all = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 12 * BLOCKS * BLOCKS; i++) {
-        bool is_narrow = i >= 6 * BLOCKS * BLOCKS;
+        bool is_quantised = i >= 6 * BLOCKS * BLOCKS;
         uint32_t way = i / BLOCKS / BLOCKS % 6;
-        bool is_swept = way == 5 && !is_narrow;
+        bool is_swept = way == 5 && !is_quantised;
         struct eng_join job = {.a = ground->blocks,
                                .b = ground->blocks,
                                .b_boxes = ground->around,
-                               .a_narrow = is_narrow ? ground->narrow : NULL,
-                               .b_narrow = is_narrow ? ground->narrow : NULL,
-                               .b_narrow_boxes = is_narrow ? ground->narrow_around : NULL,
+                               .a_quantised = is_quantised ? ground->quantised : NULL,
+                               .b_quantised = is_quantised ? ground->quantised : NULL,
+                               .b_quantised_boxes =
+                                   is_quantised ? ground->quantised_around : NULL,
                                .farthest = ground->farthest,
                                .boxes = way < 4    ? ENG_JOIN_MOVING
                                         : is_swept ? ENG_JOIN_SWEPT
@@ -229,7 +231,7 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     uint64_t apart = DIGEST_BEGIN;
     uint64_t filter = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 2 * 40; i++) {
-        enum eng_kind kind = i % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 2;
         uint32_t left = kernels->apart(kind, ground->points, ground->quads, count, kept);
         apart = digest(digest(apart, &left, sizeof left), kept, left * sizeof *kept);
@@ -273,7 +275,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             a[k] = ground->quads[k][0] % part;
             b[k] = ground->quads[k][1] % part;
         }
-        count = kernels->sift(i % 4 < 2 ? ENG_VF : ENG_EE, &sieve, a, b, count);
+        count = kernels->sift(i % 4 < 2 ? PCCD_VF : PCCD_EE, &sieve, a, b, count);
         sift = digest(digest(sift, &count, sizeof count), a, count * sizeof *a);
         sift = digest(sift, b, count * sizeof *b);
         sift = digest(sift, &sieve.cubic_first, sizeof sieve.cubic_first);
@@ -319,7 +321,7 @@ static void run_bracket(const struct eng_kernels *kernels, const struct ground *
     uint64_t bracket = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 4 * 20; i++) {
         struct eng_bracketed out = {0, 0, index, hits, unsure};
-        enum eng_kind kind = i % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 4;
         memcpy(pairs, ground->all, sizeof pairs);
         kernels->bracket(kind, ground->points, ground->quads, pairs, count, 1e-6,
@@ -334,7 +336,7 @@ static void run_decide(const struct eng_kernels *kernels, const struct ground *g
 {
     uint64_t decide = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 4 * PAIRS; i++) {
-        struct eng_query query = {.kind = i % 2 ? ENG_EE : ENG_VF};
+        struct eng_query query = {.kind = i % 2 ? PCCD_EE : PCCD_VF};
         uint32_t index = 0;
         uint32_t unsure = 0;
         struct eng_hit hit;
@@ -362,10 +364,10 @@ int main(void)
         }
         run_within(kernels);
         run_boxes(kernels, &ground);
-        run_narrow(kernels, &ground);
+        run_quantised(kernels, &ground);
         run_join(kernels, &ground, "join_nodes", kernels->join_nodes, 0, 0);
-        run_join(kernels, &ground, "join_edges", kernels->join_edges, 2, 2);
-        run_join(kernels, &ground, "join_faces", kernels->join_faces, 0, 3);
+        run_join(kernels, &ground, "join_edges", kernels->join_features[PCCD_EE], 2, 2);
+        run_join(kernels, &ground, "join_faces", kernels->join_features[PCCD_VF], 0, 3);
         run_sieve(kernels, &ground);
         run_tests(kernels, &ground);
         run_bracket(kernels, &ground);

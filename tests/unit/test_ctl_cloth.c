@@ -89,7 +89,7 @@ static void cloth__grid_uses_every_vertex_and_faces_up(void **state)
     static uint8_t uses[CLOTH_VERTICES];
     double area = 0.0;
     (void)state;
-    memset(uses, 0, sizeof(uses));
+    memset(uses, 0, sizeof uses);
     for (uint32_t t = 0; t < CLOTH_TRIANGLES; t++) {
         const uint32_t *v = scene->cloth_triangles[t];
         for (uint32_t k = 0; k < 3; k++) {
@@ -147,9 +147,9 @@ static void note_place(struct way *way, const struct cloth_scene *cloth, uint32_
 static struct way *walk(struct cloth_hold *hold, uint32_t count)
 {
     struct ctl_error error = {.text = ""};
-    struct way *way = calloc(1, sizeof(*way));
+    struct way *way = calloc(1, sizeof *way);
     assert_non_null(way);
-    way->cloth = malloc((count + 1) * sizeof(*way->cloth));
+    way->cloth = malloc((count + 1) * sizeof *way->cloth);
     assert_non_null(way->cloth);
     if (cloth_hold_init(hold, connect_private(), &error) != PCCD_OK) {
         fail_msg("%s", error.text);
@@ -179,10 +179,10 @@ static uint64_t met_between(const struct cloth_hold *fresh, const struct way *wa
 {
     struct pccd_client *client = fresh->client;
     struct pccd_frame slot;
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     void *x0, *x1;
     uint64_t step;
-    const uint32_t bytes = 2 * sizeof(*way->cloth) + 2 * sizeof(*way->pose);
+    const uint32_t bytes = 2 * sizeof *way->cloth + 2 * sizeof *way->pose;
     assert_int_equal(pccd_frame_begin(client, fresh->scene, 2, bytes, &slot), PCCD_OK);
     assert_int_equal(pccd_frame_x0x1(&slot, fresh->objects[0].object, PCCD_FORMAT_F32, 0,
                                      CLOTH_VERTICES, &x0, &x1),
@@ -191,8 +191,8 @@ static uint64_t met_between(const struct cloth_hold *fresh, const struct way *wa
                                       CLOTH_BALL_VERTICES, way->pose[frame],
                                       way->pose[frame + 1]),
                      PCCD_OK);
-    memcpy(x0, way->cloth[frame], sizeof(*way->cloth));
-    memcpy(x1, way->cloth[frame + 1], sizeof(*way->cloth));
+    memcpy(x0, way->cloth[frame], sizeof *way->cloth);
+    memcpy(x1, way->cloth[frame + 1], sizeof *way->cloth);
     assert_int_equal(pccd_frame_commit(&slot, NULL, &step), PCCD_OK);
     assert_int_equal(pccd_wait(client, step, -1, &answer), PCCD_OK);
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
@@ -219,7 +219,7 @@ static void cloth__holds_on_every_way_that_it_took(void **state)
     for (uint32_t frame = 0; frame < FRAMES; frame++) {
         assert_int_equal(met_between(&fresh, way, frame), 0);
         assert_memory_not_equal(way->cloth[frame], way->cloth[frame + 1],
-                                sizeof(*way->cloth));
+                                sizeof *way->cloth);
     }
     pccd_close(fresh.client);
     cloth_hold_deinit(&fresh);
@@ -262,7 +262,7 @@ static void cloth__two_runs_give_the_same_bytes(void **state)
     assert_int_equal(ways[0]->asked, ways[1]->asked);
     assert_int_equal(ways[0]->contacts, ways[1]->contacts);
     assert_memory_equal(ways[0]->cloth, ways[1]->cloth,
-                        (FEW + 1) * sizeof(*ways[0]->cloth));
+                        (FEW + 1) * sizeof *ways[0]->cloth);
     leave(&holds[0], ways[0]);
     leave(&holds[1], ways[1]);
 }
@@ -282,7 +282,7 @@ static void cloth__contact_is_pushed_apart(void **state)
                                     .normal = {0, 1, 0}};
     (void)state;
     for (uint32_t i = 5; i < 8; i++) {
-        memcpy(end[i], scene->x[i], sizeof(end[i]));
+        memcpy(end[i], scene->x[i], sizeof end[i]);
         end[i][1] = 1.0;
     }
     end[0][1] = 0.98;

@@ -26,9 +26,9 @@ static const char template[] = "<html><!--pccd:data--><script>1</script></html>"
 struct fall {
     double x0[VERTICES][3], x1[VERTICES][3];
     uint32_t triangles[1][3];
-    struct world_mesh mesh;
-    struct world_object object;
-    struct world_scene scene;
+    struct registry_mesh mesh;
+    struct registry_object object;
+    struct registry_scene scene;
     struct pccd_answer answer;
     struct pccd_contact contact;
     struct play_step step;
@@ -79,7 +79,7 @@ static char *write_page(const char *name, uint32_t step_count, uint64_t bytes_ma
     assert_non_null(file);
     assert_int_equal(inspect_init(&inspect, &settings, &page, &error), PCCD_OK);
     assert_int_equal(
-        page_file_begin(&page, file, "page", template, sizeof(template) - 1, &error),
+        page_file_begin(&page, file, "page", template, sizeof template - 1, &error),
         PCCD_OK);
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         fall_begin(&fall, i);
@@ -128,7 +128,7 @@ static void name__cannot_end_its_element(void **state)
                                         "<!--<script>", "\"};alert(1)//",
                                         "a\\\"</SCRIPT ", "&lt;\xe2\x80\xa8\x01"};
     (void)state;
-    for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         uint64_t kept, bytes;
         char *text = write_page(names[i], 1, 1 << 20, &kept, &bytes);
         json_t *meta = meta_of(text);
@@ -150,9 +150,9 @@ static void name__may_be_any_bytes(void **state)
     char name[600];
     uint64_t kept, bytes;
     (void)state;
-    memset(name, 'n', sizeof(name));
+    memset(name, 'n', sizeof name);
     name[0] = '\xff';
-    name[sizeof(name) - 1] = '\0';
+    name[sizeof name - 1] = '\0';
     char *text = write_page(name, 1, 1 << 20, &kept, &bytes);
     json_t *meta = meta_of(text);
     const char *got =
@@ -191,12 +191,12 @@ static void bytes__are_counted_as_they_are_written(void **state)
     struct ctl_error error;
     struct page_file page;
     (void)state;
-    for (size_t i = 0; i < sizeof(texts) / sizeof(texts[0]); i++) {
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         FILE *file = tmpfile();
         json_t *meta = json_pack("{s:s}", "text", texts[i]);
         assert_non_null(file);
         assert_int_equal(
-            page_file_begin(&page, file, "page", template, sizeof(template) - 1, &error),
+            page_file_begin(&page, file, "page", template, sizeof template - 1, &error),
             PCCD_OK);
         for (size_t count = 0; count < 9; count++) {
             assert_int_equal(page_file_blob(&page, "12345678", count, &error), PCCD_OK);
@@ -224,19 +224,19 @@ static void step__is_packed_as_the_page_reads_it(void **state)
     (void)state;
     assert_non_null(file);
     inspect_init(&inspect, &settings, &page, &error);
-    page_file_begin(&page, file, "page", template, sizeof(template) - 1, &error);
+    page_file_begin(&page, file, "page", template, sizeof template - 1, &error);
     fall_begin(&fall, 1);
     assert_int_equal(inspect_step(&inspect, &fall.step, &error), PCCD_OK);
     assert_int_equal(inspect.origin[0], 1e9 + 1);
     const json_t *step = json_array_get(inspect.steps, 0);
     const json_t *object = json_array_get(json_object_get(step, "objects"), 0);
     json_int_t at1 = json_integer_value(json_array_get(json_object_get(object, "x1"), 1));
-    memcpy(x, inspect.data.at + at1 + 2 * sizeof(x), sizeof(x));
+    memcpy(x, inspect.data.at + at1 + 2 * sizeof x, sizeof x);
     assert_true(x[0] == 1.0f && x[1] == -1.0f && x[2] == 0.0f);
     json_int_t at = json_integer_value(
         json_array_get(json_object_get(json_object_get(step, "contacts"), "at"), 1));
     assert_int_equal(at % BYTES_ALIGN, 0);
-    memcpy(&contact, inspect.data.at + at, sizeof(contact));
+    memcpy(&contact, inspect.data.at + at, sizeof contact);
     assert_int_equal(contact.feature_a, 1);
     assert_int_equal(contact.feature_b, 2);
     assert_true(contact.toi == 0.25f);

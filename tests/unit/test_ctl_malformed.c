@@ -283,7 +283,7 @@ static void malformed__tells_files_it_cannot_read(void **state)
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
     (void)state;
-    snprintf(path, sizeof(path), "%s/absent.ply", kit_folder);
+    snprintf(path, sizeof path, "%s/absent.ply", kit_folder);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "cannot open: No such file or directory"));
     assert_int_equal(ctl_mesh_read(kit_folder, &mesh, &error), PCCD_E_SYSTEM);

@@ -33,7 +33,7 @@ static void check_pyramid(const struct ctl_mesh *mesh, enum pccd_format format)
                                              : ((const double *)mesh->x)[i];
         assert_true(x == kit_x[i / 3][i % 3]);
     }
-    assert_memory_equal(mesh->triangles, expected_triangles, sizeof(expected_triangles));
+    assert_memory_equal(mesh->triangles, expected_triangles, sizeof expected_triangles);
 }
 
 static const struct kit_variant variants[] = {
@@ -54,7 +54,7 @@ static const struct kit_variant variants[] = {
 static void meshfile__reads_every_ply_encoding_the_same(void **state)
 {
     (void)state;
-    for (size_t i = 0; i < sizeof(variants) / sizeof(variants[0]); i++) {
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
         static struct kit_bytes bytes;
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
@@ -84,7 +84,7 @@ static void meshfile__reads_every_obj_form_the_same(void **state)
         "f 1 2 \\\n3 4\nf 1 5 2\n# f 9 9 9\nf 2 5 3\nf 3 5\\\n 4\nf 4 5 1 \\\n",
     };
     (void)state;
-    for (size_t i = 0; i < sizeof(rests) / sizeof(rests[0]); i++) {
+    for (size_t i = 0; i < sizeof rests / sizeof rests[0]; i++) {
         static struct kit_bytes bytes;
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
@@ -115,7 +115,7 @@ static void meshfile__rounds_ascii_floats_once(void **state)
     struct ctl_error error = {.text = ""};
     char path[KIT_PATH_BYTES];
     (void)state;
-    kit_write_file("floats.ply", text, sizeof(text) - 1, path);
+    kit_write_file("floats.ply", text, sizeof text - 1, path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
     const float *x = mesh.x;
     assert_true(x[0] == 0.1f);
@@ -172,7 +172,7 @@ static void meshfile__reads_the_real_frames(void **state)
     for (size_t i = 0; i < KIT_COUNT(frames); i++) {
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
-        snprintf(path, sizeof(path), "%s/%s", data != NULL ? data : "../shared/data",
+        snprintf(path, sizeof path, "%s/%s", data != NULL ? data : "../shared/data",
                  frames[i].name);
         if (access(path, R_OK) != 0) {
             skip();

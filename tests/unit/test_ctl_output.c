@@ -79,7 +79,7 @@ static void csv__names_vertices_in_file_order(void **state)
     csv.file = tmpfile();
     assert_non_null(csv.file);
     contacts_csv_page(&csv, 1, &page);
-    read_back(csv.file, text, sizeof(text));
+    read_back(csv.file, text, sizeof text);
     assert_string_equal(text, "vf,3,0,2,1,0.10000000000000001,0.25,1\n"
                               "ee,0,2,5,6,0,1,0\n");
     fclose(csv.file);
@@ -96,7 +96,7 @@ static void csv__leaves_times_of_pairs_empty_and_numbers_steps(void **state)
     csv.file = tmpfile();
     assert_non_null(csv.file);
     contacts_csv_page(&csv, 12, &page);
-    read_back(csv.file, text, sizeof(text));
+    read_back(csv.file, text, sizeof text);
     assert_string_equal(text, "12,ee,0,1,5,6,,,0\n");
     fclose(csv.file);
 }
@@ -121,8 +121,8 @@ static struct report_step made_step(uint64_t total, double toi)
     struct report_step step = {.from = "a.ply",
                                .to = "b.ply",
                                .answer = {.total = total,
-                                          .vf = 1,
-                                          .ee = total - 1,
+                                          .counts[PCCD_VF] = 1,
+                                          .counts[PCCD_EE] = total - 1,
                                           .possible = 1,
                                           .toi_first = toi,
                                           .hash = {0x123, 0xabc},
@@ -139,7 +139,7 @@ static json_t *json_of(const struct report_step *steps, uint32_t count)
     FILE *file = tmpfile();
     assert_non_null(file);
     assert_true(report_json(file, &mesh, steps, count));
-    read_back(file, text, sizeof(text));
+    read_back(file, text, sizeof text);
     fclose(file);
     json_t *object = json_loads(text, 0, &error);
     assert_non_null(object);
@@ -172,8 +172,8 @@ static void json__holds_the_promised_keys(void **state)
     assert_true(json_real_value(json_object_get(object, "toi_first")) == 0.125);
     assert_true(json_is_true(json_object_get(object, "complete")));
     assert_string_equal(json_string_value(json_object_get(object, "hash")),
-                        "00000000000001230000000000000abc");
-    for (size_t i = 0; i < sizeof(phases) / sizeof(phases[0]); i++) {
+                        "2:00000000000001230000000000000abc");
+    for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
         assert_true(json_is_real(json_object_get(ms, phases[i])));
     }
     assert_true(json_real_value(json_object_get(ms, "build")) == 0.5);
@@ -315,10 +315,10 @@ static void picture__smooths_what_is_nearly_flat(void **state)
     float normals[12][3];
     (void)state;
     assert_true(crease_normals(&ridge, 0, normals));
-    assert_memory_equal(normals[1], normals[6], sizeof(normals[1])); /* of vertex 1 */
-    assert_memory_equal(normals[1], normals[9], sizeof(normals[1]));
-    assert_memory_equal(normals[2], normals[4], sizeof(normals[2])); /* of vertex 4 */
-    assert_memory_equal(normals[2], normals[11], sizeof(normals[2]));
+    assert_memory_equal(normals[1], normals[6], sizeof normals[1]); /* of vertex 1 */
+    assert_memory_equal(normals[1], normals[9], sizeof normals[1]);
+    assert_memory_equal(normals[2], normals[4], sizeof normals[2]); /* of vertex 4 */
+    assert_memory_equal(normals[2], normals[11], sizeof normals[2]);
     assert_true(normals[1][0] > 0.0f && normals[1][0] < 0.17f); /* two of three lean so */
     assert_true(normals[0][0] < -0.17f);                        /* and all of vertex 0 */
     ridge.triangles = ridges[1];

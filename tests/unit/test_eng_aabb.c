@@ -5,7 +5,7 @@
  *           plain code and against boxes that are known to meet at some time.
  * Does not: build trees of them.
  * Threads:  one.
- * Source:   daemon/engine/aabb.h.
+ * Source:   daemon/engine/base/aabb.h.
  */
 #include "eng_kit.h"
 

@@ -13,13 +13,15 @@
 #include <string.h>
 
 #include "batch.h"
+#include "kinds.h"
+#include "solvers.h"
 
 #define PAIR_MAX  ENG_CHUNK_MAX
 #define TOLERANCE 1e-6
 
 /* Pairs without a common point, so that each is a query of its own. */
 struct chunk {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     uint32_t count;
     struct eng_point points[4 * PAIR_MAX];
     uint32_t quads[PAIR_MAX][4];
@@ -44,8 +46,27 @@ static void random_query(struct kit_random *random, struct eng_query *query)
     }
 }
 
+/* Features that pass through the origin, or through the same places as each other, with
+ * coordinates as far apart as they may be: decisions take longest. */
+static void slow_query(struct kit_random *random, struct eng_query *query)
+{
+    double pool[8];
+    for (int i = 0; i < 8; i++) {
+        pool[i] = ldexp(kit_between(random, -1, 1), i % 2 ? 59 : -1074 + 9 * i);
+    }
+    for (int i = 0; i < 24; i++) {
+        query->x[i / 12][i / 3 % 4][i % 3] = pool[kit_below(random, 8)];
+    }
+    for (int i = 0; i < 12; i++) {
+        if (kit_below(random, 2)) {
+            query->x[1][i / 3][i % 3] = -query->x[0][i / 3][i % 3];
+        }
+    }
+}
+
 /* The points of all pairs in a random order. */
-static void fill(struct kit_random *random, enum eng_kind kind, uint32_t count)
+static void fill_with(void (*make)(struct kit_random *random, struct eng_query *query),
+                      struct kit_random *random, enum pccd_kind kind, uint32_t count)
 {
     static uint32_t order[4 * PAIR_MAX];
     chunk.kind = kind;
@@ -57,7 +78,7 @@ static void fill(struct kit_random *random, enum eng_kind kind, uint32_t count)
     }
     for (uint32_t i = 0; i < count; i++) {
         chunk.queries[i].kind = kind;
-        random_query(random, &chunk.queries[i]);
+        make(random, &chunk.queries[i]);
         for (uint32_t k = 0; k < 4; k++) {
             uint32_t at = order[4 * i + k];
             chunk.quads[i][k] = at;
@@ -67,6 +88,11 @@ static void fill(struct kit_random *random, enum eng_kind kind, uint32_t count)
             chunk.points[at].word1 = UINT64_MAX;
         }
     }
+}
+
+static void fill(struct kit_random *random, enum pccd_kind kind, uint32_t count)
+{
+    fill_with(random_query, random, kind, count);
 }
 
 static uint32_t test(const struct eng_kernels *kernels, double t_end)
@@ -121,10 +147,25 @@ static void batch__answers_are_those_of_single_queries(void **state)
         struct kit_random random = {400};
         uint32_t hits = 0;
         for (uint32_t round = 0; kernels && round < 12; round++) {
-            fill(&random, round % 2 ? ENG_EE : ENG_VF, PAIR_MAX);
+            fill(&random, round % 2 ? PCCD_EE : PCCD_VF, PAIR_MAX);
             hits += check(kernels, round % 3 == 0 ? 0.5 : 1);
         }
         assert_true(!kernels || (hits > 2000 && hits < 10000));
+    }
+}
+
+/* If it failed: a kind would be announced to users, and the first step would crash. */
+static void batch__every_kind_has_its_row_in_every_table(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        assert_non_null(eng_solvers[kind].search);
+        assert_in_range(common_kinds[kind].points[0], 1, 3);
+        assert_in_range(common_kinds[kind].points[1], 1, 3);
+        for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+            const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+            assert_true(!kernels || kernels->join_features[kind]);
+        }
     }
 }
 
@@ -136,7 +177,7 @@ static void batch__any_count_is_tested(void **state)
         const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
         struct kit_random random = {401};
         for (uint32_t count = 0; kernels && count < 40; count++) {
-            fill(&random, count % 2 ? ENG_EE : ENG_VF, count);
+            fill(&random, count % 2 ? PCCD_EE : PCCD_VF, count);
             check(kernels, 1);
         }
     }
@@ -154,7 +195,7 @@ static void batch__stops_after_exact_arithmetic(void **state)
     (void)state;
     struct kit_random random = {402};
     unsigned asked = 0;
-    fill(&random, ENG_VF, PAIR_MAX);
+    fill(&random, PCCD_VF, PAIR_MAX);
     batch.owner = &asked;
     batch.should_stop = stop_now;
     test(eng_kernels(), 1);
@@ -162,12 +203,68 @@ static void batch__stops_after_exact_arithmetic(void **state)
     assert_int_equal(asked, 1);
 }
 
+struct looks {
+    uint32_t made;
+    uint32_t enough; /* this one and those after it ask for a stop */
+};
+
+static bool look(void *owner)
+{
+    struct looks *looks = owner;
+    return ++looks->made >= looks->enough;
+}
+
+static uint32_t test_with_looks(struct looks *looks, uint32_t enough)
+{
+    *looks = (struct looks){0, enough};
+    batch.owner = looks;
+    batch.should_stop = look;
+    uint32_t count = test(eng_kernels(), 1);
+    batch.should_stop = NULL;
+    return count;
+}
+
+/* If it failed: a deadline would wait for a decision, however long it takes; or a pair
+ * that was given up would have an answer; or looking would change one. */
+static void batch__stops_within_a_decision(void **state)
+{
+    (void)state;
+    static struct eng_hit hits[64];
+    static uint32_t index[64];
+    struct kit_random random = {403};
+    struct looks looks;
+    uint32_t within = 0; /* looks from inside a decision */
+    for (uint32_t round = 0; round < 20; round++) {
+        fill_with(slow_query, &random, round % 2 ? PCCD_EE : PCCD_VF, 64);
+        uint32_t count = test(eng_kernels(), 1);
+        memcpy(hits, batch.hits, count * sizeof *hits);
+        memcpy(index, batch.index, count * sizeof *index);
+        assert_int_equal(test_with_looks(&looks, UINT32_MAX), count);
+        assert_memory_equal(batch.index, index, count * sizeof *index);
+        uint32_t all = looks.made;
+        within += all > batch.unsure_count ? all - batch.unsure_count : 0;
+        for (uint32_t enough = 1; enough <= all; enough += 1 + all / 8) {
+            uint32_t part = test_with_looks(&looks, enough);
+            assert_int_equal(looks.made, enough);
+            assert_in_range(part, 0, count);
+            for (uint32_t i = 0; i < part; i++) {
+                assert_int_equal(batch.index[i], index[i]);
+                assert_same_hit(&batch.hits[i], &hits[i]);
+            }
+        }
+        assert_int_equal(test(eng_kernels(), 1), count); /* nothing is left of it */
+    }
+    assert_true(within > 100);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(batch__answers_are_those_of_single_queries),
+        cmocka_unit_test(batch__every_kind_has_its_row_in_every_table),
         cmocka_unit_test(batch__any_count_is_tested),
         cmocka_unit_test(batch__stops_after_exact_arithmetic),
+        cmocka_unit_test(batch__stops_within_a_decision),
     };
     int status = cmocka_run_group_tests_name("eng_batch", tests, NULL, NULL);
     eng_exact_deinit(case_exact());

@@ -172,9 +172,9 @@ static uint64_t run_job(const struct eng_kernels *kernels, struct fixture *f,
     } else if (which == EDGES) {
         job.a_corner[0] = f->corner[0];
         job.a_corner[1] = f->corner[1];
-        join_two(kernels->join_edges, &job, n, m, out);
+        join_two(kernels->join_features[PCCD_EE], &job, n, m, out);
     } else {
-        join_two(kernels->join_faces, &job, n, m, out);
+        join_two(kernels->join_features[PCCD_VF], &job, n, m, out);
     }
     assert_in_range(job.tests, 1, 1 + ENG_WIDE);
     return job.apart_in_time;

@@ -4,21 +4,23 @@
  * Does:     what they answer beside other steps, what they give up and what becomes of
  *           it, and which steps may be asked for as brief ones.
  * Threads:  one, but for a team of two.
- * Source:   daemon/engine/schedule/brief.h.
+ * Source:   daemon/engine/brief.h.
  */
 #include "eng_kit.h"
 
 #include <string.h>
 
 #include "brief.h"
+#include "step.h"
 #include "step_memory.h"
+#include "wide_test.h"
 #include "world.h"
 
 #define ROUNDS    400u
 #define TRIANGLES 8u
 #define V         (3 * TRIANGLES)
 
-static struct eng_step_settings settings_of(enum eng_mode mode, bool brief)
+static struct eng_step_settings settings_of(enum pccd_mode mode, bool brief)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
@@ -32,8 +34,8 @@ static struct eng_scene *soup_new(struct kit_random *random, uint32_t triangles)
     struct eng_scene *scene;
     uint32_t idx;
     struct eng_mesh *mesh = kit_soup(random, triangles);
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 7, &idx), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 7, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     return scene;
 }
@@ -41,16 +43,16 @@ static struct eng_scene *soup_new(struct kit_random *random, uint32_t triangles)
 static void move(struct eng_scene *scene, const double (*x)[3], uint32_t count)
 {
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, count, x), ENG_OK);
+    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, count, x), PCCD_OK);
 }
 
 static void check_same(const struct eng_step_result *a, const struct eng_step_result *b)
 {
-    assert_int_equal(a->incomplete, ENG_COMPLETE);
+    assert_int_equal(a->incomplete, PCCD_COMPLETE);
     assert_int_equal(a->verdict, b->verdict);
     assert_int_equal(a->count, b->count);
-    assert_int_equal(a->hash_hi, b->hash_hi);
-    assert_int_equal(a->hash_lo, b->hash_lo);
+    assert_int_equal(a->hash[0], b->hash[0]);
+    assert_int_equal(a->hash[1], b->hash[1]);
     assert_true(a->count == 0 ||
                 memcmp(a->records, b->records, a->count * a->record_bytes) == 0);
 }
@@ -82,14 +84,14 @@ static void brief__answers_are_those_of_other_steps(void **state)
         double x[V][3];
         struct eng_step_result a;
         struct eng_step_result b;
-        enum eng_mode mode = (enum eng_mode)(i / 4 % 3);
+        enum pccd_mode mode = (enum pccd_mode)(i / 4 % 3);
         choose_positions(&random, kit_below(&random, 3) == 0, x);
         move(brief, (const double(*)[3])x, V);
         move(other, (const double(*)[3])x, V);
         struct eng_step_settings settings = settings_of(mode, true);
         int status = eng_step(brief, &settings, &a);
         settings.brief = false;
-        if (status == ENG_E_LONG) {
+        if (status == PCCD_E_AGAIN) {
             given_up++;
             status = eng_step(brief, &settings, &a);
         } else {
@@ -98,8 +100,8 @@ static void brief__answers_are_those_of_other_steps(void **state)
             assert_int_equal(a.threads, 1);
             assert_int_equal(a.counters.exact, 0);
         }
-        assert_int_equal(status, ENG_OK);
-        assert_int_equal(eng_step(other, &settings, &b), ENG_OK);
+        assert_int_equal(status, PCCD_OK);
+        assert_int_equal(eng_step(other, &settings, &b), PCCD_OK);
         check_same(&a, &b);
     }
     assert_true(done >= ROUNDS / 10 && given_up >= ROUNDS / 10 && contacts > 0);
@@ -117,7 +119,7 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
                                    {0.25, 0.25, 1.25}, {0.75, 0.25, 1.25}};
     static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, true);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *crowd = soup_new(&random, TRIANGLES);
     struct eng_scene *touch;
@@ -125,23 +127,24 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
     uint32_t idx;
     (void)state;
     struct eng_mesh *mesh = kit_mesh(x, 6, faces, 2);
-    assert_int_equal(eng_scene_new(NULL, &touch), ENG_OK);
-    assert_int_equal(eng_scene_add(touch, mesh, 1, &idx), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &touch), PCCD_OK);
+    assert_int_equal(eng_scene_add(touch, mesh, 1, &idx), PCCD_OK);
     eng_mesh_release(mesh);
-    assert_int_equal(eng_step(touch, &settings, &result), ENG_E_LONG);
-    assert_int_equal(touch->memory->workers[0]->exact.queries, 0);
-    assert_true(touch->memory->workers[0]->tally.survivors > 0);
+    assert_int_equal(eng_step(touch, &settings, &result), PCCD_E_AGAIN);
+    assert_int_equal(eng_step_memory_of(touch)->workers[0]->exact.queries, 0);
+    assert_true(eng_step_memory_of(touch)->workers[0]->tally.survivors > 0);
     choose_positions(&random, true, at);
     move(crowd, (const double(*)[3])at, V);
-    assert_int_equal(eng_step(crowd, &settings, &result), ENG_E_LONG);
-    assert_int_equal(crowd->memory->workers[0]->exact.queries, 0);
-    assert_true(crowd->memory->workers[0]->record.tests <= ENG_BRIEF_TESTS);
+    assert_int_equal(eng_step(crowd, &settings, &result), PCCD_E_AGAIN);
+    assert_int_equal(eng_step_memory_of(crowd)->workers[0]->exact.queries, 0);
+    assert_true(eng_step_memory_of(crowd)->workers[0]->record.tests <= ENG_BRIEF_TESTS);
     settings.brief = false;
-    assert_int_equal(eng_step(touch, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(touch, &settings, &result), PCCD_OK);
     assert_int_equal(result.count, 1);
     assert_true(result.counters.exact > 0);
-    assert_int_equal(eng_step(crowd, &settings, &result), ENG_OK);
-    assert_true(result.counters.candidates_vf + result.counters.candidates_ee >
+    assert_int_equal(eng_step(crowd, &settings, &result), PCCD_OK);
+    assert_true(result.counters.candidates[PCCD_VF] +
+                    result.counters.candidates[PCCD_EE] >
                 ENG_BRIEF_TESTS);
     eng_scene_free(touch);
     eng_scene_free(crowd);
@@ -151,7 +154,7 @@ static void brief__ends_before_more_tests_than_it_may_do(void **state)
 static void brief__given_up_has_moved_once(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, true);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     double before[V][3];
@@ -160,22 +163,22 @@ static void brief__given_up_has_moved_once(void **state)
     memcpy(before, eng_scene_positions(scene, 0, 1), sizeof before);
     choose_positions(&random, true, x);
     move(scene, (const double(*)[3])x, V);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_LONG);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
     settings.brief = false;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     uint64_t count = result.count;
     assert_true(count > 0);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), before, sizeof before);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), x, sizeof x);
     /* The one after it stands still; and one that is staged is not the one given up. */
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
     settings.brief = true;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_LONG);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
     move(scene, (const double(*)[3])before, V);
     settings.brief = false;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.count, count);
     assert_memory_equal(eng_scene_positions(scene, 0, 0), x, sizeof x);
     assert_memory_equal(eng_scene_positions(scene, 0, 1), before, sizeof before);
@@ -184,27 +187,27 @@ static void brief__given_up_has_moved_once(void **state)
 
 static bool can(const struct eng_scene *scene)
 {
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
     return eng_step_can_be_brief(scene, &settings);
 }
 
 /* Run two steps of it. */
 static void warm(struct eng_scene *scene)
 {
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     }
     /* Whatever else the machine did meanwhile. */
-    scene->memory->effort[ENG_METHOD_WIDE].work_ns[ENG_MODE_ALL] = 1000;
+    eng_step_memory_of(scene)->effort[PCCD_METHOD_WIDE].work_ns[PCCD_MODE_ALL] = 1000;
 }
 
 /* If it failed: the loop would build hierarchies, or make boxes of thousands. */
 static void brief__only_small_scenes_that_are_warm_can_be(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     struct eng_scene *large = soup_new(&random, 65);
@@ -215,27 +218,27 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
     warm(large);
     assert_true(can(scene));
     assert_false(can(large));
-    scene->memory->effort[ENG_METHOD_WIDE].work_ns[ENG_MODE_ALL] = 1000000;
+    eng_step_memory_of(scene)->effort[PCCD_METHOD_WIDE].work_ns[PCCD_MODE_ALL] = 1000000;
     assert_false(can(scene));
     warm(scene);
-    settings.mode = ENG_MODE_FIRST; /* nothing is known of it */
+    settings.mode = PCCD_MODE_FIRST; /* nothing is known of it */
     assert_false(eng_step_can_be_brief(scene, &settings));
-    settings = settings_of(ENG_MODE_PAIRS, true);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_INVAL);
-    settings = settings_of(ENG_MODE_ALL, true);
-    settings.method = ENG_METHOD_PAPER;
+    settings = settings_of(PCCD_MODE_PAIRS, true);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
+    settings = settings_of(PCCD_MODE_ALL, true);
+    settings.method = PCCD_METHOD_PAPER;
     assert_false(eng_step_can_be_brief(scene, &settings));
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_E_INVAL);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     struct eng_mesh *mesh = kit_sheet(1, 9);
-    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), PCCD_OK);
     assert_false(can(scene)); /* its trees are to be put together */
     warm(scene);
     assert_true(can(scene));
     for (uint32_t id = 9; id < 80; id++) {
-        assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
     }
     for (uint32_t i = 1; i <= idx; i++) {
-        assert_int_equal(eng_scene_remove(scene, i), ENG_OK);
+        assert_int_equal(eng_scene_remove(scene, i), PCCD_OK);
     }
     warm(scene);
     assert_false(can(scene)); /* the places of 72 objects are looked at */
@@ -248,7 +251,7 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
 static void brief__scenes_that_had_a_team_cannot_be(void **state)
 {
     struct kit_random random = {20261122};
-    struct eng_step_settings settings = settings_of(ENG_MODE_ALL, false);
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
     struct eng_step_result result;
     struct eng_scene *scene = soup_new(&random, TRIANGLES);
     (void)state;
@@ -256,13 +259,13 @@ static void brief__scenes_that_had_a_team_cannot_be(void **state)
     assert_true(can(scene));
     settings.threads = 2;
     settings.team_always = true;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.threads, 2);
     warm(scene);
     assert_false(can(scene));
     settings.brief = true;
     int status = eng_step(scene, &settings, &result);
-    assert_true(status == ENG_E_LONG || (status == ENG_OK && result.threads == 1));
+    assert_true(status == PCCD_E_AGAIN || (status == PCCD_OK && result.threads == 1));
     eng_scene_free(scene);
 }
 

@@ -5,7 +5,7 @@
  *           objects; the validator itself.
  * Does not: check boxes in depth (test_eng_refit.c).
  * Threads:  one.
- * Source:   daemon/engine/build.h; paper sections 6.2 and 7.
+ * Source:   daemon/engine/paper/build.h; paper sections 6.2 and 7.
  */
 #include "eng_kit.h"
 
@@ -17,11 +17,12 @@
 #include "median.h"
 #include "memory.h"
 #include "refit.h"
+#include "step.h"
 
 static struct eng_scene *new_scene(void)
 {
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     return scene;
 }
 
@@ -29,7 +30,7 @@ static struct eng_scene *new_scene(void)
 static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 {
     uint32_t idx = UINT32_MAX;
-    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     return idx;
 }
@@ -37,9 +38,9 @@ static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 /* What a step does to trees. */
 static void settle(struct eng_scene *scene)
 {
-    assert_int_equal(eng_plant_objects(scene), ENG_OK);
-    assert_int_equal(eng_build_top(scene), ENG_OK);
-    assert_false(scene->top_is_stale);
+    assert_int_equal(eng_plant_objects(scene), PCCD_OK);
+    assert_int_equal(eng_build_top(scene), PCCD_OK);
+    assert_false(eng_trees_of(scene)->top_is_stale);
     eng_refit(scene);
     assert_true(eng_tree_validate(scene));
 }
@@ -56,7 +57,8 @@ static uint32_t ceil_log2(uint32_t n)
 static bool is_root(const struct eng_scene *scene, uint32_t node_idx)
 {
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh && scene->objects[i].nodes.first == node_idx) {
+        if (scene->objects[i].mesh &&
+            eng_planted_of(&scene->objects[i])->nodes.first == node_idx) {
             return true;
         }
     }
@@ -67,19 +69,19 @@ static bool is_root(const struct eng_scene *scene, uint32_t node_idx)
  * deepest leaf, the root being 0; *top_depth: of the deepest object root. */
 static uint32_t walk(const struct eng_scene *scene, uint32_t *top_depth)
 {
-    uint8_t *seen = calloc(scene->triangle_capacity + 1, 1);
+    uint8_t *seen = calloc(eng_trees_of(scene)->triangle_capacity + 1, 1);
     uint32_t stack[128][2];
     uint32_t count = 0;
     uint32_t depth = 0;
     uint32_t leaves = 0;
     assert_non_null(seen);
     *top_depth = 0;
-    stack[count][0] = scene->root;
+    stack[count][0] = eng_trees_of(scene)->root;
     stack[count++][1] = 0;
     while (count > 0) {
         uint32_t node_idx = stack[--count][0];
         uint32_t level = stack[count][1];
-        const struct eng_node *node = &scene->nodes[node_idx];
+        const struct eng_node *node = &eng_trees_of(scene)->nodes[node_idx];
         if (level > *top_depth && is_root(scene, node_idx)) {
             *top_depth = level;
         }
@@ -96,7 +98,7 @@ static uint32_t walk(const struct eng_scene *scene, uint32_t *top_depth)
         stack[count++][1] = level + 1;
     }
     free(seen);
-    assert_int_equal(leaves, scene->nodes[scene->root].count);
+    assert_int_equal(leaves, eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].count);
     return depth;
 }
 
@@ -111,9 +113,10 @@ static void build__trees_of_every_size_are_complete_and_shallow(void **state)
         uint32_t idx = add(scene, kit_soup(&random, n), n);
         uint32_t top_depth;
         settle(scene);
-        assert_int_equal(scene->root, scene->objects[idx].nodes.first);
-        assert_int_equal(scene->objects[idx].nodes.count, 2 * n - 1);
-        assert_int_equal(scene->nodes[scene->root].count, n);
+        assert_int_equal(eng_trees_of(scene)->root,
+                         eng_planted_of(&scene->objects[idx])->nodes.first);
+        assert_int_equal(eng_planted_of(&scene->objects[idx])->nodes.count, 2 * n - 1);
+        assert_int_equal(eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].count, n);
         assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1);
         assert_int_equal(top_depth, 0);
         eng_scene_free(scene);
@@ -158,8 +161,10 @@ static void build__extreme_coordinates_make_a_tree(void **state)
     add(scene, kit_mesh(x, 6, triangles, 3), 0);
     settle(scene);
     assert_true(walk(scene, &top_depth) <= 3);
-    assert_true((double)scene->nodes[scene->root].hi0[0] >= 1e18);
-    assert_true((double)scene->nodes[scene->root].lo0[0] <= -1e18);
+    assert_true((double)eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].hi0[0] >=
+                1e18);
+    assert_true((double)eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].lo0[0] <=
+                -1e18);
     eng_scene_free(scene);
 }
 
@@ -179,8 +184,9 @@ static void build__tree_over_objects_holds_each_once(void **state)
             continue;
         }
         settle(scene);
-        assert_int_equal(scene->nodes[scene->root].count, triangles);
-        assert_int_equal(scene->top.count, n - 1);
+        assert_int_equal(eng_trees_of(scene)->nodes[eng_trees_of(scene)->root].count,
+                         triangles);
+        assert_int_equal(eng_trees_of(scene)->top.count, n - 1);
         assert_true(walk(scene, &top_depth) <= ceil_log2(n) + 1 + 3 + 1);
         assert_true(top_depth <= ceil_log2(n) + 1);
     }
@@ -201,7 +207,7 @@ static void build__tree_over_objects_follows_removals(void **state)
     settle(scene);
     for (uint32_t left = 64; left > 0; left--) {
         uint32_t pick = kit_below(&random, left);
-        assert_int_equal(eng_scene_remove(scene, ids[pick]), ENG_OK);
+        assert_int_equal(eng_scene_remove(scene, ids[pick]), PCCD_OK);
         ids[pick] = ids[left - 1];
         settle(scene);
         if (left > 1) {
@@ -209,11 +215,11 @@ static void build__tree_over_objects_follows_removals(void **state)
             assert_true(top_depth <= ceil_log2(left - 1) + 1);
         }
     }
-    assert_int_equal(scene->root, ENG_NO_NODE);
-    assert_int_equal(scene->node_ranges.end, 0); /* every node came back */
+    assert_int_equal(eng_trees_of(scene)->root, ENG_NO_NODE);
+    assert_int_equal(eng_trees_of(scene)->node_ranges.end, 0); /* every node came back */
     assert_int_equal(scene->vertex_ranges.end, 0);
-    assert_int_equal(scene->edge_ranges.end, 0);
-    assert_int_equal(scene->triangle_ranges.end, 0);
+    assert_int_equal(eng_trees_of(scene)->edge_ranges.end, 0);
+    assert_int_equal(eng_trees_of(scene)->triangle_ranges.end, 0);
     eng_scene_free(scene);
 }
 
@@ -230,9 +236,11 @@ static void build__same_input_makes_the_same_bytes(void **state)
         }
         settle(scenes[i]);
     }
-    assert_int_equal(scenes[0]->node_ranges.end, scenes[1]->node_ranges.end);
-    assert_memory_equal(scenes[0]->nodes, scenes[1]->nodes,
-                        scenes[0]->node_ranges.end * sizeof *scenes[0]->nodes);
+    assert_int_equal(eng_trees_of(scenes[0])->node_ranges.end,
+                     eng_trees_of(scenes[1])->node_ranges.end);
+    assert_memory_equal(eng_trees_of(scenes[0])->nodes, eng_trees_of(scenes[1])->nodes,
+                        eng_trees_of(scenes[0])->node_ranges.end *
+                            sizeof *eng_trees_of(scenes[0])->nodes);
     eng_scene_free(scenes[0]);
     eng_scene_free(scenes[1]);
 }
@@ -246,14 +254,14 @@ static void build__validator_sees_each_kind_of_damage(void **state)
     add(scene, kit_soup(&random, 9), 1);
     add(scene, kit_soup(&random, 7), 2);
     settle(scene);
-    uint32_t end = scene->node_ranges.end;
+    uint32_t end = eng_trees_of(scene)->node_ranges.end;
     for (uint32_t i = 0; i < end; i++) {
-        struct eng_node *node = &scene->nodes[i];
+        struct eng_node *node = &eng_trees_of(scene)->nodes[i];
         struct eng_node saved = *node;
         node->count++;
         assert_false(eng_tree_validate(scene));
         *node = saved;
-        if (i == scene->root) {
+        if (i == eng_trees_of(scene)->root) {
             continue; /* nothing is above it that could notice a larger box */
         }
         node->hi1[1] += 100; /* no longer inside its parent */
@@ -263,8 +271,8 @@ static void build__validator_sees_each_kind_of_damage(void **state)
         assert_false(eng_tree_validate(scene));
         *node = saved;
         if (node->left == ENG_LEAF) {
-            uint32_t object = scene->triangles[node->right].object;
-            uint32_t first = scene->objects[object].triangles.first;
+            uint32_t object = eng_trees_of(scene)->triangles[node->right].object;
+            uint32_t first = eng_planted_of(&scene->objects[object])->triangles.first;
             node->right =
                 node->right == first ? first + 1 : first; /* another's triangle */
             assert_false(eng_tree_validate(scene));

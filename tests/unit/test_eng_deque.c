@@ -4,7 +4,7 @@
  * Does:     order for the owner and for a thief; nothing lost or doubled while thieves
  *           and the owner race; items of shares and blocks handed out once.
  * Threads:  up to four.
- * Source:   daemon/engine/deque.h, pool.h.
+ * Source:   daemon/engine/team/deque.h, pool.h.
  */
 #include "eng_kit.h"
 

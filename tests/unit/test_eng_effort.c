@@ -4,7 +4,7 @@
  * Does:     ask about scenes small and large, at the border, and after one odd step; look
  *           at what steps make of the answers.
  * Threads:  up to two.
- * Source:   daemon/engine/schedule/effort.h; design: small requests run on one thread.
+ * Source:   daemon/engine/effort.h; design: small requests run on one thread.
  */
 #include "eng_kit.h"
 
@@ -19,10 +19,10 @@ static void effort__unknown_scenes_go_by_their_size(void **state)
     struct eng_effort effort;
     (void)state;
     eng_effort_forget(&effort);
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 100));
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 10000));
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, UINT32_MAX));
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 100));
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 10000));
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, UINT32_MAX));
 }
 
 /* If it failed: a scene whose triangles are far apart, or crowded, would be taken for
@@ -32,16 +32,16 @@ static void effort__known_scenes_go_by_their_work(void **state)
     struct eng_effort effort;
     (void)state;
     eng_effort_forget(&effort);
-    eng_effort_learn(&effort, ENG_MODE_ALL, MS / 100);
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, UINT32_MAX));
+    eng_effort_learn(&effort, PCCD_MODE_ALL, MS / 100);
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, UINT32_MAX));
     eng_effort_forget(&effort);
-    eng_effort_learn(&effort, ENG_MODE_ALL, 100 * MS);
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
-    eng_effort_learn(&effort, ENG_MODE_ANY, MS / 100);
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ANY, 2));
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 100 * MS);
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
+    eng_effort_learn(&effort, PCCD_MODE_ANY, MS / 100);
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ANY, 2));
     eng_effort_forget(&effort);
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
 }
 
 /* Work from which a team pays after steps that did or did not. */
@@ -53,8 +53,8 @@ static uint64_t border(bool paid)
     do {
         work_ns += 1000;
         effort.paid = paid;
-        effort.work_ns[ENG_MODE_ALL] = work_ns;
-    } while (!eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+        effort.work_ns[PCCD_MODE_ALL] = work_ns;
+    } while (!eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
     return work_ns;
 }
 
@@ -71,13 +71,13 @@ static void effort__border_scenes_stay_with_the_last_answer(void **state)
     uint64_t middle = (up + down) / 2;
     eng_effort_forget(&effort);
     for (uint32_t i = 0; i < 100; i++) {
-        eng_effort_learn(&effort, ENG_MODE_ALL, middle + (i % 2 ? middle / 8 : 0));
-        assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+        eng_effort_learn(&effort, PCCD_MODE_ALL, middle + (i % 2 ? middle / 8 : 0));
+        assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
     }
     effort.paid = true;
     for (uint32_t i = 0; i < 100; i++) {
-        eng_effort_learn(&effort, ENG_MODE_ALL, middle - (i % 2 ? middle / 8 : 0));
-        assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+        eng_effort_learn(&effort, PCCD_MODE_ALL, middle - (i % 2 ? middle / 8 : 0));
+        assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
     }
 }
 
@@ -88,17 +88,17 @@ static void effort__one_odd_step_changes_little(void **state)
     struct eng_effort effort;
     (void)state;
     eng_effort_forget(&effort);
-    eng_effort_learn(&effort, ENG_MODE_ALL, 100000);
-    eng_effort_learn(&effort, ENG_MODE_ALL, 50 * MS);
-    assert_false(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
-    eng_effort_learn(&effort, ENG_MODE_ALL, 100000);
-    assert_int_equal(effort.work_ns[ENG_MODE_ALL], 100000);
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 100000);
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 50 * MS);
+    assert_false(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 100000);
+    assert_int_equal(effort.work_ns[PCCD_MODE_ALL], 100000);
     for (int i = 0; i < 10; i++) { /* but a change that lasts is believed */
-        eng_effort_learn(&effort, ENG_MODE_ALL, 50 * MS);
+        eng_effort_learn(&effort, PCCD_MODE_ALL, 50 * MS);
     }
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
-    eng_effort_learn(&effort, ENG_MODE_ALL, 0);
-    assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 0);
+    assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
 }
 
 /* The answers to so many steps in a row, each of which takes that long. Returns how many
@@ -108,10 +108,10 @@ static uint32_t run_steps(struct eng_effort *effort, uint64_t alone_ns, uint64_t
 {
     uint32_t teams = 0;
     for (uint32_t i = 0; i < count; i++) {
-        bool by_team = eng_effort_pays(effort, ENG_MODE_ALL, 2);
+        bool by_team = eng_effort_pays(effort, PCCD_MODE_ALL, 2);
         teams += by_team;
-        eng_effort_learn(effort, ENG_MODE_ALL, 400000);
-        eng_effort_time(effort, ENG_MODE_ALL, by_team, by_team ? team_ns : alone_ns);
+        eng_effort_learn(effort, PCCD_MODE_ALL, 400000);
+        eng_effort_time(effort, PCCD_MODE_ALL, by_team, by_team ? team_ns : alone_ns);
     }
     return teams;
 }
@@ -123,7 +123,7 @@ static void effort__near_the_border_the_clock_decides(void **state)
     struct eng_effort effort;
     (void)state;
     eng_effort_forget(&effort);
-    eng_effort_learn(&effort, ENG_MODE_ALL, 400000);
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 400000);
     assert_in_range(run_steps(&effort, 400000, 250000, 320), 300, 319);
     /* others come: the team waits for milliseconds */
     assert_in_range(run_steps(&effort, 400000, 4000000, 320), 8, 20);
@@ -131,11 +131,11 @@ static void effort__near_the_border_the_clock_decides(void **state)
     (void)run_steps(&effort, 400000, 250000, 1600);
     assert_in_range(run_steps(&effort, 400000, 250000, 320), 300, 319);
     eng_effort_forget(&effort); /* much work: whatever the clock says */
-    eng_effort_time(&effort, ENG_MODE_ALL, true, 50 * MS);
-    eng_effort_time(&effort, ENG_MODE_ALL, false, 10 * MS);
-    eng_effort_learn(&effort, ENG_MODE_ALL, 10 * MS);
+    eng_effort_time(&effort, PCCD_MODE_ALL, true, 50 * MS);
+    eng_effort_time(&effort, PCCD_MODE_ALL, false, 10 * MS);
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 10 * MS);
     for (int i = 0; i < 100; i++) {
-        assert_true(eng_effort_pays(&effort, ENG_MODE_ALL, 2));
+        assert_true(eng_effort_pays(&effort, PCCD_MODE_ALL, 2));
     }
 }
 
@@ -151,21 +151,21 @@ static void effort__steps_go_by_it(void **state)
     uint32_t small;
     uint32_t large;
     settings.threads = 2;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     struct eng_mesh *mesh = kit_soup(&random, 8);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &small), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &small), PCCD_OK);
     eng_mesh_release(mesh);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.threads, 1);
     mesh = kit_soup(&random, 20000);
-    assert_int_equal(eng_scene_add(scene, mesh, 2, &large), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 2, &large), PCCD_OK);
     eng_mesh_release(mesh);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.threads, 2);
     }
-    assert_int_equal(eng_scene_remove(scene, large), ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_scene_remove(scene, large), PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.threads, 1);
     eng_scene_free(scene);
 }

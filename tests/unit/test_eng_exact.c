@@ -5,7 +5,7 @@
  *           known contact, the polynomials below.
  * Does not: search for the first time (test_eng_solve.c).
  * Threads:  one.
- * Source:   daemon/engine/exact.h, poly.h.
+ * Source:   daemon/engine/elementary/exact.h, poly.h.
  */
 #include "eng_case.h"
 
@@ -17,7 +17,7 @@
 
 /* The configuration x at one end, in every order of its points, at several scales and at
  * both ends; the other end is somewhere else. */
-static void check(enum eng_kind kind, bool touching, const double x[4][3])
+static void check(enum pccd_kind kind, bool touching, const double x[4][3])
 {
     static const double away[4][3] = {{9, 0, 1}, {-5, 2, 7}, {3, 3, 3}, {0, 8, -6}};
     static const int exponents[] = {-960, -300, 0, 50};
@@ -36,7 +36,7 @@ static void check(enum eng_kind kind, bool touching, const double x[4][3])
 }
 
 #define VF(touching, x, y, z)                                                            \
-    check(ENG_VF, touching,                                                              \
+    check(PCCD_VF, touching,                                                             \
           (const double[4][3]){{x, y, z}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}})
 
 /* If it failed: a vertex on a face would not touch it, or one beside it would. */
@@ -62,23 +62,25 @@ static void exact__vertex_on_face_to_one_ulp(void **state)
 static void exact__collapsed_face_is_its_segment_or_point(void **state)
 {
     (void)state;
-    check(ENG_VF, true,
+    check(PCCD_VF, true,
           (const double[4][3]){{1.5, 3, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
-    check(ENG_VF, true, (const double[4][3]){{2, 4, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
-    check(ENG_VF, true,
+    check(PCCD_VF, true,
+          (const double[4][3]){{2, 4, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
+    check(PCCD_VF, true,
           (const double[4][3]){{1.5, 3, 0}, {1, 2, 0}, {1, 2, 0}, {2, 4, 0}});
-    check(ENG_VF, false,
+    check(PCCD_VF, false,
           (const double[4][3]){
               {2 + 2 * ULP, 4 + 4 * ULP, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
-    check(ENG_VF, false,
+    check(PCCD_VF, false,
           (const double[4][3]){{1.5, 3 + 2 * ULP, 0}, {0, 0, 0}, {1, 2, 0}, {2, 4, 0}});
-    check(ENG_VF, true, (const double[4][3]){{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
-    check(ENG_VF, false,
+    check(PCCD_VF, true,
+          (const double[4][3]){{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
+    check(PCCD_VF, false,
           (const double[4][3]){{1, 2, 3 + 2 * ULP}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}});
 }
 
 #define EE(touching, ...)                                                                \
-    check(ENG_EE, touching, (const double[4][3]){{0, 0, 0}, {2, 0, 0}, __VA_ARGS__})
+    check(PCCD_EE, touching, (const double[4][3]){{0, 0, 0}, {2, 0, 0}, __VA_ARGS__})
 
 /* If it failed: edges that cross or meet end to end would not touch, or near ones
  * would. */
@@ -106,8 +108,9 @@ static void exact__parallel_and_collapsed_edges(void **state)
     EE(false, {1, 0x1p-60, 0}, {3, 0x1p-60, 0});
     EE(true, {0.5, 0, 0}, {0.5, 0, 0});
     EE(false, {0.5, 0x1p-60, 0}, {0.5, 0x1p-60, 0});
-    check(ENG_EE, true, (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 3}, {3, 3, 3}});
-    check(ENG_EE, false,
+    check(PCCD_EE, true,
+          (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 3}, {3, 3, 3}});
+    check(PCCD_EE, false,
           (const double[4][3]){{3, 3, 3}, {3, 3, 3}, {3, 3, 4}, {3, 3, 4}});
 }
 
@@ -119,9 +122,9 @@ static void exact__a_common_corner_touches(void **state)
     (void)state;
     struct eng_exact *exact = case_exact();
     for (int kind = 0; kind < 2; kind++) {
-        int split = kind == ENG_VF ? 1 : 2;
+        int split = kind == PCCD_VF ? 1 : 2;
         for (int pair = 0; pair < split * (4 - split); pair++) {
-            struct eng_query query = {.kind = (enum eng_kind)kind};
+            struct eng_query query = {.kind = (enum pccd_kind)kind};
             for (int k = 0; k < 12; k++) {
                 query.x[1][k / 3][k % 3] = query.x[0][k / 3][k % 3] = 0.1 * (k * k % 7);
             }
@@ -149,8 +152,8 @@ static void exact__side_is_the_sign_of_the_determinant(void **state)
         const double vf[4][3] = {{7, 7, heights[i]}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
         const double ee[4][3] = {
             {0, 0, 0}, {1, 0, 0}, {0, 0, heights[i]}, {0, -1, heights[i]}};
-        struct eng_query face = case_query(ENG_VF, vf, vf);
-        struct eng_query edge = case_query(ENG_EE, ee, ee);
+        struct eng_query face = case_query(PCCD_VF, vf, vf);
+        struct eng_query edge = case_query(PCCD_EE, ee, ee);
         for (int end = 0; end < 2; end++) {
             assert_int_equal(eng_exact_moment(case_exact(), &face, end).side, sides[i]);
             assert_int_equal(eng_exact_moment(case_exact(), &edge, end).side, sides[i]);
@@ -168,7 +171,7 @@ static void exact__span_holds_a_known_contact_or_just_not(void **state)
         struct eng_query query;
         unsigned eighths = kit_below(&random, 9);
         double t = eighths / 8.0;
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, eighths, &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, eighths, &query);
         assert_true(eng_exact_meets(case_exact(), &query, 0, 1));
         if (t > 0) {
             assert_true(eng_exact_meets(case_exact(), &query, 0, t));
@@ -181,7 +184,7 @@ static void exact__span_holds_a_known_contact_or_just_not(void **state)
     }
     const double start[4][3] = {{0.25, 0.25, 3}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const double end[4][3] = {{0.25, 0.25, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    struct eng_query fall = case_query(ENG_VF, start, end); /* at 3/4 and never else */
+    struct eng_query fall = case_query(PCCD_VF, start, end); /* at 3/4 and never else */
     assert_true(eng_exact_meets(case_exact(), &fall, 0.75, 1));
     assert_true(eng_exact_meets(case_exact(), &fall, 0, 0.75));
     assert_false(eng_exact_meets(case_exact(), &fall, 0, nextafter(0.75, 0)));
@@ -194,13 +197,13 @@ static void exact__scratch_carries_nothing_over(void **state)
     (void)state;
     struct kit_random random = {71};
     for (int round = 0; round < 2000; round++) {
-        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         struct eng_exact fresh;
         for (int i = 0; i < 24; i++) {
             query.x[i / 12][i / 3 % 4][i % 3] =
                 ldexp(kit_integer(&random, 2), kit_below(&random, 8) ? 0 : -200);
         }
-        eng_exact_init(&fresh);
+        assert_int_equal(eng_exact_init(&fresh), PCCD_OK);
         struct eng_moment a = eng_exact_moment(case_exact(), &query, round / 2 % 2);
         struct eng_moment b = eng_exact_moment(&fresh, &query, round / 2 % 2);
         assert_int_equal(a.touching, b.touching);
@@ -212,6 +215,22 @@ static void exact__scratch_carries_nothing_over(void **state)
     }
 }
 
+/* Polynomials of numbers that GMP makes longer as needed. */
+static void poly_init(struct eng_poly *poly)
+{
+    poly->degree = -1;
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_inits(poly->c[i], poly->scratch[i], NULL);
+    }
+}
+
+static void poly_deinit(struct eng_poly *poly)
+{
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_clears(poly->c[i], poly->scratch[i], NULL);
+    }
+}
+
 /* poly = product of (a t - b), over the rational roots b / a. */
 static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int count)
 {
@@ -220,8 +239,8 @@ static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int coun
     mpz_t at0;
     mpz_t at1;
     mpz_inits(at0, at1, NULL);
-    eng_poly_init(&factor);
-    eng_poly_init(&product);
+    poly_init(&factor);
+    poly_init(&product);
     mpz_set_si(at0, 1);
     mpz_set_si(at1, 1);
     eng_poly_set_linear(poly, at0, at1); /* the constant 1 */
@@ -232,8 +251,8 @@ static void poly_of_roots(struct eng_poly *poly, const int (*roots)[2], int coun
         eng_poly_mul(&product, poly, &factor);
         eng_poly_copy(poly, &product);
     }
-    eng_poly_deinit(&factor);
-    eng_poly_deinit(&product);
+    poly_deinit(&factor);
+    poly_deinit(&product);
     mpz_clears(at0, at1, NULL);
 }
 
@@ -243,7 +262,7 @@ static void exact__variations_count_the_roots_inside(void **state)
     (void)state;
     struct kit_random random = {72};
     struct eng_poly poly;
-    eng_poly_init(&poly);
+    poly_init(&poly);
     for (int round = 0; round < 5000; round++) {
         int roots[4][2]; /* b / a with 1 <= a <= 9, b in -9 .. 9 */
         int count = (int)kit_below(&random, 5);
@@ -272,20 +291,36 @@ static void exact__variations_count_the_roots_inside(void **state)
             assert_int_equal(sign, expected0);
         }
     }
-    eng_poly_deinit(&poly);
+    poly_deinit(&poly);
 }
 
-/* If it failed: a condition that shares the root would look like one that fails there. */
+/* If it failed: an event would be missed where three polynomials share a root, or a
+ * double root would be looked for until there is no memory. */
 static void exact__common_divisors_hold_the_common_roots(void **state)
 {
     (void)state;
     const int a_roots[4][2] = {{1, 2}, {1, 2}, {2, 3}, {-5, 1}};
     const int b_roots[3][2] = {{1, 2}, {3, 1}, {-5, 1}};
     const int common[2][2] = {{1, 2}, {-5, 1}};
-    const int simple[3][2] = {{1, 2}, {2, 3}, {-5, 1}};
-    struct eng_poly p[7];
-    for (int i = 0; i < 7; i++) {
-        eng_poly_init(&p[i]);
+    static const struct {
+        int roots[3][2];
+        int count;
+        int simple[3][2];
+        int simple_count;
+    } free[] = {
+        {{{1, 2}, {2, 3}, {-5, 1}}, 3, {{1, 2}, {2, 3}, {-5, 1}}, 3},
+        {{{2, 3}, {-5, 1}, {2, 3}}, 3, {{2, 3}, {-5, 1}}, 2},
+        {{{0, 1}, {0, 1}, {7, 9}}, 3, {{0, 1}, {7, 9}}, 2},
+        {{{7, 9}, {0, 1}, {7, 9}}, 3, {{0, 1}, {7, 9}}, 2},
+        {{{4, 7}, {4, 7}, {4, 7}}, 3, {{4, 7}}, 1},
+        {{{0, 1}, {0, 1}, {0, 1}}, 3, {{0, 1}}, 1},
+        {{{4, 7}, {4, 7}}, 2, {{4, 7}}, 1},
+        {{{4, 7}, {4, 9}}, 2, {{4, 7}, {4, 9}}, 2},
+        {{{4, 7}}, 1, {{4, 7}}, 1},
+    };
+    struct eng_poly p[5];
+    for (int i = 0; i < 5; i++) {
+        poly_init(&p[i]);
     }
     poly_of_roots(&p[0], a_roots, 4);
     poly_of_roots(&p[1], b_roots, 3);
@@ -297,17 +332,20 @@ static void exact__common_divisors_hold_the_common_roots(void **state)
         mpz_mul(p[4].c[1], p[2].c[i], p[3].c[2]);
         assert_int_equal(mpz_cmp(p[4].c[0], p[4].c[1]), 0);
     }
-    poly_of_roots(&p[0], a_roots, 4);
-    eng_poly_square_free(&p[3], &p[0], &p[4], &p[5], &p[6]);
-    poly_of_roots(&p[2], simple, 3);
-    assert_int_equal(p[3].degree, 3);
-    for (int i = 0; i <= 3; i++) { /* proportional */
-        mpz_mul(p[4].c[0], p[3].c[i], p[2].c[3]);
-        mpz_mul(p[4].c[1], p[2].c[i], p[3].c[3]);
-        assert_int_equal(mpz_cmp(p[4].c[0], p[4].c[1]), 0);
+    for (size_t c = 0; c < sizeof free / sizeof *free; c++) {
+        poly_of_roots(&p[0], free[c].roots, free[c].count);
+        eng_poly_square_free(&p[3], &p[0]);
+        poly_of_roots(&p[2], free[c].simple, free[c].simple_count);
+        int degree = free[c].simple_count;
+        assert_int_equal(p[3].degree, degree);
+        for (int i = 0; i <= degree; i++) { /* proportional */
+            mpz_mul(p[4].c[0], p[3].c[i], p[2].c[degree]);
+            mpz_mul(p[4].c[1], p[2].c[i], p[3].c[degree]);
+            assert_int_equal(mpz_cmp(p[4].c[0], p[4].c[1]), 0);
+        }
     }
-    for (int i = 0; i < 7; i++) {
-        eng_poly_deinit(&p[i]);
+    for (int i = 0; i < 5; i++) {
+        poly_deinit(&p[i]);
     }
 }
 
@@ -319,9 +357,9 @@ static void exact__first_contact_is_bracketed(void **state)
     struct eng_exact exact;
     struct kit_random random = {81};
     int hits = 0;
-    eng_exact_init(&exact);
+    assert_int_equal(eng_exact_init(&exact), PCCD_OK);
     for (int round = 0; round < 6000; round++) {
-        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         uint32_t bound = 1 + (uint32_t)round % 3;
         double tolerance = ldexp(1, -(int)kit_below(&random, 44));
         double l = round % 5 == 0 ? 0.3 : 0;
@@ -348,6 +386,162 @@ static void exact__first_contact_is_bracketed(void **state)
     eng_exact_deinit(&exact);
 }
 
+static size_t gmp_calls;
+
+static void *count_alloc(size_t bytes)
+{
+    gmp_calls++;
+    return malloc(bytes);
+}
+
+static void *count_realloc(void *block, size_t before, size_t bytes)
+{
+    (void)before;
+    gmp_calls++;
+    return realloc(block, bytes);
+}
+
+static void count_free(void *block, size_t bytes)
+{
+    (void)bytes;
+    free(block);
+}
+
+/* Exponents as far apart as they may be; some coordinates are the same, or each other's
+ * negative, so that roots are, too. */
+static void extreme_query(struct kit_random *random, struct eng_query *query)
+{
+    double pool[6] = {0};
+    query->kind = kit_below(random, 2) ? PCCD_EE : PCCD_VF;
+    for (int i = 0; i < 24; i++) {
+        double *x = &query->x[i / 12][i / 3 % 4][i % 3];
+        double value = kit_below(random, 2) ? kit_integer(random, 4) / 4
+                                            : kit_between(random, -1, 1);
+        int exponent = kit_below(random, 3) == 0 ? -(int)kit_below(random, 1134)
+                       : kit_below(random, 2)    ? -1133
+                                                 : 0;
+        *x = kit_below(random, 4) == 0 ? pool[kit_below(random, 6)]
+                                       : ldexp(value, 59 + exponent);
+        pool[kit_below(random, 6)] = kit_below(random, 2) ? *x : -*x;
+    }
+}
+
+/* If it failed: GMP would end the daemon where it gets no memory for a number. */
+static void exact__decisions_allocate_nothing(void **state)
+{
+    (void)state;
+    struct eng_exact exact;
+    struct kit_random random = {74};
+    assert_int_equal(eng_exact_init(&exact), PCCD_OK);
+    mp_set_memory_functions(count_alloc, count_realloc, count_free);
+    gmp_calls = 0;
+    for (int round = 0; round < 4000; round++) {
+        struct eng_query query;
+        extreme_query(&random, &query);
+        double tolerance = ldexp(1, -(int)kit_below(&random, 44));
+        double l =
+            round % 3 ? 0 : ldexp(kit_between(&random, 0, 1), -(int)(round % 1074));
+        double r = l + (1 - l) * ldexp(1, -(int)kit_below(&random, 40));
+        struct eng_moment moment = eng_exact_moment(&exact, &query, round % 2);
+        assert_in_range(moment.side + 1, 0, 2);
+        bool found = eng_exact_meets(&exact, &query, l, r);
+        assert_int_equal(found, eng_exact_first(&exact, &query, tolerance, &l, &r));
+    }
+    /* The longest that there are: temporaries of GMP are on the stack then, too. */
+    struct eng_exact_span *span = &exact.span;
+    struct eng_poly *longest = &span->condition[0];
+    longest->degree = ENG_POLY_TERMS - 1;
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_set_ui(longest->c[i], 1);
+        mpz_mul_2exp(longest->c[i], longest->c[i], 8 * ENG_EXACT_BITS);
+        mpz_sub_ui(longest->c[i], longest->c[i], 1);
+    }
+    mpz_set_ui(span->num, 1);
+    mpz_mul_2exp(span->num, span->num, ENG_EXACT_DEPTH);
+    mpz_sub_ui(span->num, span->num, 1);
+    eng_poly_zoom(&span->sign, longest, span->num, ENG_EXACT_DEPTH);
+    int sign;
+    assert_int_equal(eng_poly_variations(&span->sign, &sign), 0);
+    assert_int_equal(gmp_calls, 0);
+    mp_set_memory_functions(NULL, NULL, NULL);
+    eng_exact_deinit(&exact);
+}
+
+/* b0 / a0 - b1 / a1, up to a positive factor. */
+static int compare(const int left[2], const int right[2])
+{
+    int difference = left[0] * right[1] - right[0] * left[1];
+    return (difference > 0) - (difference < 0);
+}
+
+/* If it failed: a contact on the rim of a triangle, or beside it, would be taken for the
+ * other. Roots of both polynomials are near each other, the same, or at the ends. */
+static void exact__a_quadratic_has_its_sign_at_a_root(void **state)
+{
+    (void)state;
+    struct kit_random random = {73};
+    struct eng_root_sign *scratch = &case_exact()->span.root_sign;
+    struct eng_poly f;
+    struct eng_poly g;
+    int signs[3] = {0};
+    poly_init(&f);
+    poly_init(&g);
+    for (int round = 0; round < 20000; round++) {
+        int roots[5][2]; /* three of f, then two of g */
+        int f_count = 1 + (int)kit_below(&random, 3);
+        int g_count = (int)kit_below(&random, 3);
+        for (int i = 0; i < 5; i++) {
+            roots[i][0] = (int)kit_below(&random, 15) - 3;
+            roots[i][1] = 1 + (int)kit_below(&random, 11);
+            if (i >= 3 && kit_below(&random, 4) == 0) { /* shared, or double */
+                memcpy(roots[i], roots[i == 3 ? 0 : 3], sizeof *roots);
+            }
+        }
+        unsigned long k = kit_below(&random, 4);
+        int num = (int)kit_below(&random, 1u << k);
+        const int ends[2][2] = {{num, 1 << k}, {num + 1, 1 << k}};
+        bool is_alone = compare(ends[0], roots[0]) < 0 && compare(roots[0], ends[1]) < 0;
+        int before = 1;
+        for (int i = 0; i < f_count; i++) {
+            is_alone &= i == 0 || compare(roots[i], ends[0]) <= 0 ||
+                        compare(ends[1], roots[i]) <= 0;
+            before *= compare(ends[0], roots[i]) >= 0 ? 1 : -1;
+        }
+        if (!is_alone) {
+            continue;
+        }
+        int expected = kit_below(&random, 2) ? 1 : -1;
+        poly_of_roots(&f, (const int(*)[2])roots, f_count);
+        poly_of_roots(&g, (const int(*)[2])(roots + 3), g_count);
+        if (g_count == 2 && kit_below(&random, 3) == 0) { /* no root, but nearly */
+            mpz_mul_2exp(g.c[0], g.c[0], 40);
+            mpz_mul_2exp(g.c[1], g.c[1], 40);
+            mpz_mul_2exp(g.c[2], g.c[2], 40);
+            if (compare(roots[3], roots[4]) == 0) {
+                mpz_add_ui(g.c[0], g.c[0], 1);
+                g_count = 0;
+            }
+        }
+        if (expected < 0) {
+            eng_poly_negate(&g);
+        }
+        for (int i = 3; i < 3 + g_count; i++) {
+            expected *= compare(roots[0], roots[i]);
+        }
+        mpz_t number;
+        mpz_init_set_si(number, num);
+        const struct eng_root root = {&f, &number, k, before};
+        assert_int_equal(eng_root_sign_of(scratch, &g, &root), expected);
+        signs[expected + 1]++;
+        mpz_clear(number);
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_true(signs[i] > 100);
+    }
+    poly_deinit(&f);
+    poly_deinit(&g);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -362,6 +556,8 @@ int main(void)
         cmocka_unit_test(exact__scratch_carries_nothing_over),
         cmocka_unit_test(exact__variations_count_the_roots_inside),
         cmocka_unit_test(exact__common_divisors_hold_the_common_roots),
+        cmocka_unit_test(exact__a_quadratic_has_its_sign_at_a_root),
+        cmocka_unit_test(exact__decisions_allocate_nothing),
     };
     int status = cmocka_run_group_tests_name("eng_exact", tests, NULL, NULL);
     eng_exact_deinit(case_exact());

@@ -5,7 +5,7 @@
  *           scene, once or from then on until the call has returned.
  * Does not: fail the allocations of GMP, which ends the process then by its own rule.
  * Threads:  one.
- * Source:   daemon/engine/memory.h; mesh.h, scene.h and step.h for what may return NOMEM.
+ * Source:   base/memory.h; mesh.h, scene.h and step.h for what may return NOMEM.
  */
 #include "eng_scarce.h"
 
@@ -13,8 +13,10 @@
 #include <string.h>
 
 #include "build.h"
+#include "paper.h"
 #include "step.h"
 #include "step_memory.h"
+#include "wide_state.h"
 #include "world.h"
 
 #define SIDE 2u
@@ -39,7 +41,7 @@ static struct eng_mesh *make_sheet(void)
         memcpy(triangles[2 * i], square, sizeof square);
     }
     RETRY(eng_mesh_new(V, 2 * SIDE * SIDE, &mesh));
-    RETRY(eng_mesh_write_vertices(mesh, ENG_F64, 0, V, x));
+    RETRY(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, V, x));
     RETRY(eng_mesh_write_triangles(mesh, 0, 2 * SIDE * SIDE, triangles, &bad));
     RETRY(eng_mesh_commit(mesh));
     return mesh;
@@ -61,19 +63,20 @@ static int stage(struct eng_scene *scene, uint32_t object_idx, int seed)
         return eng_stage_rigid(scene, object_idx, 0, V, from, to);
     }
     if (seed % 3 == 1) {
-        return eng_stage_x0x1(scene, object_idx, ENG_F64, 0, V, x0, x1);
+        return eng_stage_x0x1(scene, object_idx, PCCD_FORMAT_F64, 0, V, x0, x1);
     }
     for (uint32_t v = 0; v < V; v++) { /* one write a vertex: the list of writes grows */
-        int status = eng_stage_x0x1(scene, object_idx, ENG_F64, v, 1, x0[v], x1[v]);
-        if (status != ENG_OK) {
+        int status =
+            eng_stage_x0x1(scene, object_idx, PCCD_FORMAT_F64, v, 1, x0[v], x1[v]);
+        if (status != PCCD_OK) {
             return status;
         }
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* Stage and step once. A step without room for its records is whole but for them. */
-static int try_step(struct eng_scene *scene, enum eng_mode mode, enum eng_method method,
+static int try_step(struct eng_scene *scene, enum pccd_mode mode, enum pccd_method method,
                     int seed, struct eng_step_result *result)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
@@ -83,7 +86,7 @@ static int try_step(struct eng_scene *scene, enum eng_mode mode, enum eng_method
     for (uint32_t idx = 0; idx < scene->object_capacity; idx++) {
         int status =
             eng_scene_object(scene, idx) ? stage(scene, idx, seed + (int)idx) : 0;
-        if (status != ENG_OK) {
+        if (status != PCCD_OK) {
             eng_stage_abort(scene);
             return status;
         }
@@ -91,10 +94,10 @@ static int try_step(struct eng_scene *scene, enum eng_mode mode, enum eng_method
     const uint64_t failed_before = scarce.failures;
     int status = eng_step(scene, &settings, result);
     assert_false(scene->staging);
-    if (status == ENG_OK && result->incomplete != ENG_COMPLETE) {
-        assert_int_equal(result->incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    if (status == PCCD_OK && result->incomplete != PCCD_COMPLETE) {
+        assert_int_equal(result->incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_true(scarce.failures > failed_before);
-        status = ENG_E_NOMEM;
+        status = PCCD_E_NOMEM;
     }
     return status;
 }
@@ -102,20 +105,20 @@ static int try_step(struct eng_scene *scene, enum eng_mode mode, enum eng_method
 #define STEPS_MAX 32u
 
 /* The hashes that a life has seen. */
-struct diary {
+struct journal {
     uint64_t hash[STEPS_MAX];
     uint32_t count;
 };
 
-static void step(struct eng_scene *scene, enum eng_mode mode, int seed,
-                 struct diary *diary)
+static void step(struct eng_scene *scene, enum pccd_mode mode, int seed,
+                 struct journal *journal)
 {
     struct eng_step_result result;
-    enum eng_method method = seed % 2 ? ENG_METHOD_PAPER : ENG_METHOD_WIDE;
+    enum pccd_method method = seed % 2 ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
     RETRY(try_step(scene, mode, method, seed, &result));
-    assert_true(method == ENG_METHOD_WIDE || eng_tree_validate(scene));
-    assert_true(diary->count < STEPS_MAX);
-    diary->hash[diary->count++] = result.hash_lo;
+    assert_true(method == PCCD_METHOD_WIDE || eng_tree_validate(scene));
+    assert_true(journal->count < STEPS_MAX);
+    journal->hash[journal->count++] = result.hash[1];
 }
 
 /* A failed attempt leaves the scene's positions alone. */
@@ -126,12 +129,12 @@ static void check_failed_step_moves_nothing(struct eng_scene *scene)
     size_t bytes = scene->vertex_ranges.end * sizeof *scene->x[0];
     double *before = malloc(bytes);
     double x[1][3] = {{9, 9, 9}};
-    settings.mode = ENG_MODE_ANY;
+    settings.mode = PCCD_MODE_ANY;
     assert_non_null(before);
     memcpy(before, scene->x[scene->now], bytes);
     eng_stage_begin(scene);
-    int status = eng_stage_x1(scene, 0, ENG_F64, 0, 1, x);
-    if (status == ENG_OK) {
+    int status = eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 1, x);
+    if (status == PCCD_OK) {
         status = eng_step(scene, &settings, &result);
     } else {
         eng_stage_abort(scene);
@@ -148,10 +151,10 @@ static int replace_both(struct eng_scene *scene, const uint32_t idx[2],
 {
     const struct eng_object before[2] = {scene->objects[idx[0]], scene->objects[idx[1]]};
     int status = eng_scene_try_replace(scene, idx[0], mesh);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_scene_try_replace(scene, idx[1], mesh);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         eng_scene_settle(scene);
         return status;
     }
@@ -161,34 +164,35 @@ static int replace_both(struct eng_scene *scene, const uint32_t idx[2],
         assert_ptr_equal(now->mesh, before[i].mesh);
         assert_int_equal(now->id, before[i].id);
         assert_int_equal(now->vertices.first, before[i].vertices.first);
-        assert_int_equal(now->nodes.first, before[i].nodes.first);
+        assert_int_equal(eng_planted_of(now)->nodes.first,
+                         eng_planted_of(&before[i])->nodes.first);
     }
     return status;
 }
 
-static void live(struct diary *diary)
+static void live(struct journal *journal)
 {
     struct eng_scene *scene = NULL;
     uint32_t idx[20];
-    diary->count = 0;
+    journal->count = 0;
     struct eng_mesh *mesh = make_sheet();
     RETRY(eng_scene_new(NULL, &scene));
-    step(scene, ENG_MODE_ALL, 0, diary);
+    step(scene, PCCD_MODE_ALL, 0, journal);
     for (uint32_t i = 0; i < 3; i++) {
         RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
         assert_int_equal(eng_scene_object_count(scene), i + 1);
-        step(scene, i == 1 ? ENG_MODE_PAIRS : ENG_MODE_ALL, (int)i, diary);
+        step(scene, i == 1 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL, (int)i, journal);
     }
-    assert_int_equal(eng_scene_remove(scene, idx[1]), ENG_OK);
-    step(scene, ENG_MODE_FIRST, 3, diary);
+    assert_int_equal(eng_scene_remove(scene, idx[1]), PCCD_OK);
+    step(scene, PCCD_MODE_FIRST, 3, journal);
     for (uint32_t i = 3; i < 20; i++) { /* the tables of objects and holes grow */
         RETRY(eng_scene_add(scene, mesh, i, &idx[i]));
     }
     check_failed_step_moves_nothing(scene);
-    step(scene, ENG_MODE_ANY, 4, diary);
+    step(scene, PCCD_MODE_ANY, 4, journal);
     for (uint32_t i = 3; i < 20; i++) { /* the first pair takes memory, the 33rd more */
         const struct eng_object_filter bits = {1u << i % 3, 6 - i % 3, i % 4 > 0};
-        assert_int_equal(eng_scene_set_filter(scene, idx[i], &bits), ENG_OK);
+        assert_int_equal(eng_scene_set_filter(scene, idx[i], &bits), PCCD_OK);
         RETRY(eng_scene_ignore(scene, idx[i], idx[i - 3], true));
         RETRY(eng_scene_ignore(scene, idx[i], idx[0], true));
         RETRY(eng_scene_ignore(scene, idx[i], idx[2], true));
@@ -197,22 +201,22 @@ static void live(struct diary *diary)
     RETRY(replace_both(scene, idx + 4, other));
     RETRY(eng_scene_replace(scene, idx[7], other));
     eng_mesh_release(other);
-    step(scene, ENG_MODE_ALL, 8, diary);
+    step(scene, PCCD_MODE_ALL, 8, journal);
     for (uint32_t i = 3; i < 20; i += 2) {
-        assert_int_equal(eng_scene_remove(scene, idx[i]), ENG_OK);
+        assert_int_equal(eng_scene_remove(scene, idx[i]), PCCD_OK);
     }
-    step(scene, ENG_MODE_PAIRS, 5, diary);
-    step(scene, ENG_MODE_ALL, 6, diary);
+    step(scene, PCCD_MODE_PAIRS, 5, journal);
+    step(scene, PCCD_MODE_ALL, 6, journal);
     for (uint32_t i = 0; i < 20; i++) {
         if (eng_scene_object(scene, idx[i])) {
-            assert_int_equal(eng_scene_remove(scene, idx[i]), ENG_OK);
+            assert_int_equal(eng_scene_remove(scene, idx[i]), PCCD_OK);
         }
     }
-    step(scene, ENG_MODE_ANY, 7, diary);
+    step(scene, PCCD_MODE_ANY, 7, journal);
     assert_int_equal(scene->vertex_ranges.end, 0); /* no index was lost on the way */
-    assert_int_equal(scene->edge_ranges.end, 0);
-    assert_int_equal(scene->triangle_ranges.end, 0);
-    assert_int_equal(scene->node_ranges.end, 0);
+    assert_int_equal(eng_trees_of(scene)->edge_ranges.end, 0);
+    assert_int_equal(eng_trees_of(scene)->triangle_ranges.end, 0);
+    assert_int_equal(eng_trees_of(scene)->node_ranges.end, 0);
     eng_mesh_release(mesh);
     eng_scene_free(scene);
 }
@@ -222,8 +226,8 @@ static void live(struct diary *diary)
 static void fault__every_allocation_may_fail(void **state)
 {
     (void)state;
-    struct diary reference;
-    struct diary diary;
+    struct journal reference;
+    struct journal journal;
     scarce.countdown = 0;
     uint64_t before = scarce.allocations;
     live(&reference);
@@ -235,10 +239,10 @@ static void fault__every_allocation_may_fail(void **state)
         for (uint64_t n = 1; n <= total; n++) {
             scarce.countdown = n;
             scarce.failures = 0;
-            live(&diary);
+            live(&journal);
             assert_int_equal(scarce.failures, 1);
-            assert_int_equal(diary.count, reference.count);
-            assert_memory_equal(diary.hash, reference.hash,
+            assert_int_equal(journal.count, reference.count);
+            assert_memory_equal(journal.hash, reference.hash,
                                 reference.count * sizeof *reference.hash);
             assert_int_equal(scarce.held_blocks, 0);
             assert_int_equal(scarce.held_bytes, 0);
@@ -255,43 +259,44 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
     scarce.goes_on_failing = false;
     for (uint64_t n = 1; n <= 3; n++) {
         scarce.countdown = n;
-        assert_int_equal(eng_mesh_new(100, 100, &mesh), ENG_E_NOMEM);
+        assert_int_equal(eng_mesh_new(100, 100, &mesh), PCCD_E_NOMEM);
         assert_null(mesh);
         assert_int_equal(scarce.held_blocks, 0);
     }
     for (uint64_t n = 1; n <= 2; n++) {
         scarce.countdown = n;
-        assert_int_equal(eng_scene_new(NULL, &scene), ENG_E_NOMEM);
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_E_NOMEM);
         assert_null(scene);
         assert_int_equal(scarce.held_blocks, 0);
     }
     scarce.countdown = 0;
     mesh = make_sheet();
-    int status = ENG_E_NOMEM;
-    for (uint64_t n = 1; status != ENG_OK; n++) {
+    int status = PCCD_E_NOMEM;
+    for (uint64_t n = 1; status != PCCD_OK; n++) {
         uint32_t idx = 77;
         uint64_t before = scarce.allocations;
-        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
         uint64_t made = scarce.allocations - before;
         scarce.countdown = n;
         status = eng_scene_add(scene, mesh, 1, &idx);
-        bool was_added = status == ENG_OK;
+        bool was_added = status == PCCD_OK;
         if (was_added) {
             status = eng_plant_objects(scene);
         }
-        if (status != ENG_OK) {
-            assert_int_equal(status, ENG_E_NOMEM);
+        if (status != PCCD_OK) {
+            assert_int_equal(status, PCCD_E_NOMEM);
             assert_int_equal(scarce.allocations - before,
                              made + n - 1); /* each in its turn */
             assert_int_equal(idx, was_added ? 0 : 77);
             assert_int_equal(eng_scene_object_count(scene), was_added);
             assert_int_equal(scene->vertex_ranges.end > 0, was_added);
-            assert_int_equal(scene->edge_ranges.end, 0); /* the ranges came back */
-            assert_int_equal(scene->triangle_ranges.end, 0);
-            assert_int_equal(scene->node_ranges.end, 0);
+            assert_int_equal(eng_trees_of(scene)->edge_ranges.end,
+                             0); /* the ranges came back */
+            assert_int_equal(eng_trees_of(scene)->triangle_ranges.end, 0);
+            assert_int_equal(eng_trees_of(scene)->node_ranges.end, 0);
         } else {
             assert_true(n > 10);
-            assert_true(scene->node_ranges.end > 0);
+            assert_true(eng_trees_of(scene)->node_ranges.end > 0);
         }
         scarce.countdown = 0;
         eng_scene_free(scene);
@@ -302,14 +307,14 @@ static void fault__failed_calls_leave_nothing_behind(void **state)
 
 /* Some vertices of a larger sheet in disorder: with regions of three triangles there is
  * work aside in every step. */
-static void run_disorder(struct eng_scene *scene, struct diary *diary)
+static void run_disorder(struct eng_scene *scene, struct journal *journal)
 {
     for (int seed = 0; seed < 6; seed++) {
         struct eng_step_result result;
-        assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_PAPER, seed, &result),
-                         ENG_OK);
+        assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_PAPER, seed, &result),
+                         PCCD_OK);
         assert_true(eng_tree_validate(scene));
-        diary->hash[diary->count++] = result.hash_lo;
+        journal->hash[journal->count++] = result.hash[1];
     }
 }
 
@@ -317,26 +322,26 @@ static void run_disorder(struct eng_scene *scene, struct diary *diary)
 static void fault__steps_go_on_without_memory_aside(void **state)
 {
     (void)state;
-    const struct eng_scene_settings settings = {ENG_QUALITY_SAH, 1e-9, 3, 1};
-    struct diary reference = {.count = 0};
+    const struct eng_scene_settings settings = {PCCD_QUALITY_SAH, 1e-9, 3, 1};
+    struct journal reference = {.count = 0};
     struct eng_mesh *mesh = kit_sheet(2 * SIDE, 0);
     for (uint64_t n = 0; n <= 4; n++) { /* items, triangles, links, boxes */
-        struct diary diary = {.count = 0};
+        struct journal journal = {.count = 0};
         struct eng_scene *scene;
         uint32_t idx;
-        assert_int_equal(eng_scene_new(&settings, &scene), ENG_OK);
-        assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), ENG_OK);
-        run_disorder(scene, &diary); /* nothing is as poor; room for contacts is made */
-        assert_int_equal(eng_aside_bytes(&scene->memory->aside), 0);
+        assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
+        run_disorder(scene, &journal); /* nothing is as poor; room for contacts is made */
+        assert_int_equal(eng_background_bytes(&eng_paper_of(scene)->background), 0);
         scene->settings.rebuild_ratio = 0.9;
         scarce.goes_on_failing = false;
         scarce.failures = 0;
         scarce.countdown = n;
-        run_disorder(scene, &diary);
+        run_disorder(scene, &journal);
         assert_int_equal(scarce.failures, n > 0);
-        assert_true(eng_aside_bytes(&scene->memory->aside) > 0);
-        reference = n == 0 ? diary : reference;
-        assert_memory_equal(&diary, &reference, sizeof diary);
+        assert_true(eng_background_bytes(&eng_paper_of(scene)->background) > 0);
+        reference = n == 0 ? journal : reference;
+        assert_memory_equal(&journal, &reference, sizeof journal);
         eng_scene_free(scene);
     }
     eng_mesh_release(mesh);
@@ -352,25 +357,27 @@ static void fault__steps_go_on_without_memory_for_an_order(void **state)
     struct eng_scene *scene;
     struct eng_step_result result;
     uint32_t idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), ENG_OK);
-    struct eng_wide_resort *resort = &scene->wide.resort;
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
+    struct eng_wide_resort *resort = &eng_wide_state_of(scene)->resort;
     for (int round = 0; round < 2; round++) { /* the first step makes room for others */
-        assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result),
-                         ENG_OK);
+        assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
+                         PCCD_OK);
     }
-    uint64_t hash = result.hash_lo;
+    uint64_t hash = result.hash[1];
     resort->state = ENG_WIDE_WANTED;
     scarce.goes_on_failing = false;
     scarce.failures = 0;
     scarce.countdown = 1;
-    assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result), ENG_OK);
+    assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
+                     PCCD_OK);
     assert_int_equal(scarce.failures, 1);
     assert_int_equal(resort->state, ENG_WIDE_IDLE);
     assert_int_equal(eng_wide_resort_bytes(resort), 0);
-    assert_true(result.hash_lo == hash);
+    assert_true(result.hash[1] == hash);
     resort->state = ENG_WIDE_WANTED; /* with memory it is made */
-    assert_int_equal(try_step(scene, ENG_MODE_ALL, ENG_METHOD_WIDE, 0, &result), ENG_OK);
+    assert_int_equal(try_step(scene, PCCD_MODE_ALL, PCCD_METHOD_WIDE, 0, &result),
+                     PCCD_OK);
     assert_int_not_equal(resort->state, ENG_WIDE_IDLE);
     eng_scene_free(scene);
     eng_mesh_release(mesh);

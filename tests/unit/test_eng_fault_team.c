@@ -20,16 +20,16 @@ static int try_step(struct eng_scene *scene, const struct eng_step_settings *set
 {
     const uint64_t failures = scarce.failures;
     int status = eng_step(scene, settings, result);
-    if (status == ENG_OK && result->incomplete != ENG_COMPLETE) {
-        assert_int_equal(result->incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    if (status == PCCD_OK && result->incomplete != PCCD_COMPLETE) {
+        assert_int_equal(result->incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_true(scarce.failures > failures);
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     return status;
 }
 
 /* One step of a new scene, again if memory ran out; the hash of its answer. */
-static uint64_t live(struct eng_mesh *mesh, enum eng_mode mode,
+static uint64_t live(struct eng_mesh *mesh, enum pccd_mode mode,
                      enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
@@ -39,13 +39,13 @@ static uint64_t live(struct eng_mesh *mesh, enum eng_mode mode,
     settings.mode = mode;
     settings.threads = THREADS;
     settings.team_always = true;
-    settings.scheduler = scheduler;
+    settings.tuning.scheduler = scheduler;
     RETRY(eng_scene_new(NULL, &scene));
     RETRY(eng_scene_add(scene, mesh, 1, &idx));
     RETRY(try_step(scene, &settings, &result));
     assert_true(result.count > 5000); /* enough to be merged by all */
     assert_int_equal(result.threads, THREADS);
-    uint64_t hash = result.hash_lo;
+    uint64_t hash = result.hash[1];
     eng_scene_free(scene);
     return hash;
 }
@@ -60,12 +60,12 @@ static void fault_team__every_allocation_of_a_step_may_fail(void **state)
     const uint64_t held = scarce.held_blocks;
     for (int i = 0; i < 4; i++) {
         enum eng_scheduler scheduler = i % 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
-        uint64_t hash = live(mesh, ENG_MODE_PAIRS, scheduler);
+        uint64_t hash = live(mesh, PCCD_MODE_PAIRS, scheduler);
         scarce.goes_on_failing = i >= 2;
         for (uint64_t n = 1, unharmed = 0; unharmed < 3; n++) {
             scarce.countdown = n;
             scarce.failures = 0;
-            assert_true(live(mesh, ENG_MODE_PAIRS, scheduler) == hash);
+            assert_true(live(mesh, PCCD_MODE_PAIRS, scheduler) == hash);
             unharmed += scarce.failures == 0;
             assert_int_equal(scarce.held_blocks, held);
             assert_true(n > 10 || scarce.failures == 1);

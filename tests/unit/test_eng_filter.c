@@ -36,7 +36,8 @@ static void filter__planted_contacts_pass(void **state)
     struct kit_random random = {51};
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, (unsigned)round / 2 % 9, &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, (unsigned)round / 2 % 9,
+                  &query);
         assert_true(passes(&query));
     }
 }
@@ -51,7 +52,7 @@ static void filter__planted_contacts_pass_at_every_scale(void **state)
     for (int exponent = -1060; exponent <= 50; exponent += 5) {
         for (int round = 0; round < 200; round++) {
             struct eng_query query;
-            kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9),
+            kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9),
                       &query);
             kit_place(&query, ldexp(1, exponent), 0);
             assert_true(passes(&query));
@@ -67,7 +68,7 @@ static void filter__planted_contacts_pass_far_from_the_origin(void **state)
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
         double offset = ldexp(kit_integer(&random, 7), (int)kit_below(&random, 40));
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
         kit_place(&query, 1, offset); /* below 2^43: the 2^-9 stay exact */
         assert_true(passes(&query));
     }
@@ -80,7 +81,7 @@ static void filter__degenerate_contacts_pass(void **state)
     struct kit_random random = {54};
     for (int round = 0; round < 20000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
         /* Collapse everything onto one moving point, or onto a plane. */
         for (int i = 0; i < 24; i++) {
             int end = i / 12;
@@ -102,7 +103,7 @@ static void filter__flat_contacts_pass_where_products_underflow(void **state)
     struct kit_random random = {55};
     for (int round = 0; round < 100000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
         for (int i = 0; i < 8; i++) { /* a plane that no axis knows */
             double *x = query.x[i / 4][i % 4];
             x[2] = x[0] + 3 * x[1];
@@ -112,7 +113,7 @@ static void filter__flat_contacts_pass_where_products_underflow(void **state)
     }
 }
 
-static void check_rejected(enum eng_kind kind, const double x0[4][3],
+static void check_rejected(enum pccd_kind kind, const double x0[4][3],
                            const double x1[4][3])
 {
     struct eng_query query = {.kind = kind};
@@ -134,17 +135,17 @@ static void filter__obvious_misses_are_rejected(void **state)
     /* Above the plane of a tilted face all the time, boxes overlapping. */
     const double above[4][3] = {{1, 1, 1.5}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
     const double above1[4][3] = {{1, 1, 1.25}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}};
-    check_rejected(ENG_VF, above, above1);
+    check_rejected(PCCD_VF, above, above1);
     /* Beyond the long side of a face in its own plane: only a diagonal separates. */
     const double beside[4][3] = {{0.75, 0.75, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    check_rejected(ENG_VF, beside, beside);
+    check_rejected(PCCD_VF, beside, beside);
     /* Crossed edges that stay apart in z, tilted so that their boxes meet. */
     const double crossed[4][3] = {{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}};
-    check_rejected(ENG_EE, crossed, crossed);
+    check_rejected(PCCD_EE, crossed, crossed);
     /* Parallel diagonal edges side by side, moving along each other. */
     const double parallel[4][3] = {{0, 0, 0}, {2, 2, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
     const double parallel1[4][3] = {{1, 1, 0}, {3, 3, 0}, {0.5, 0, 0}, {2.5, 2, 0}};
-    check_rejected(ENG_EE, parallel, parallel1);
+    check_rejected(PCCD_EE, parallel, parallel1);
 }
 
 int main(void)

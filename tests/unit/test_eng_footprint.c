@@ -1,6 +1,6 @@
 /* tests/unit/test_eng_footprint.c - the memory that a scene takes.
  *
- * Room:     engine (step.h, wide_narrow.h, world.h).
+ * Room:     engine (step.h, wide_quantised.h, world.h).
  * Does:     step a cloth of five sheets and 100 000 triangles by both methods; hold the
  *           bytes of a triangle that stay against the 400 of bench/growth/README.md, the
  *           scene's own account of them against what the engine has allocated, and that
@@ -18,7 +18,7 @@
 #include "memory.h"
 #include "step.h"
 #include "step_memory.h"
-#include "wide_narrow.h"
+#include "wide_quantised.h"
 #include "world.h"
 
 #define SHEETS    5u
@@ -50,17 +50,17 @@ static void cloth_init(struct cloth *cloth)
     malloc_trim(0);
     cloth->engine_before = eng_alloc_bytes();
     cloth->process_before = process_bytes();
-    assert_int_equal(eng_scene_new(NULL, &cloth->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &cloth->scene), PCCD_OK);
     for (uint32_t i = 0; i < SHEETS; i++) {
         struct eng_mesh *mesh = kit_sheet(SIDE, APART * i);
         assert_int_equal(eng_scene_add(cloth->scene, mesh, i, &cloth->objects[i]),
-                         ENG_OK);
+                         PCCD_OK);
         eng_mesh_release(mesh);
     }
 }
 
 /* Every vertex goes up or down by less than a sheet is from the next; some meet. */
-static void step(struct cloth *cloth, enum eng_method method, enum eng_mode mode,
+static void step(struct cloth *cloth, enum pccd_method method, enum pccd_mode mode,
                  struct kit_random *random)
 {
     static double x1[(SIDE + 1) * (SIDE + 1)][3];
@@ -77,12 +77,13 @@ static void step(struct cloth *cloth, enum eng_method method, enum eng_mode mode
             x1[v][2] += 0.55 * APART * kit_between(random, -1, 1);
         }
         assert_int_equal(
-            eng_stage_x1(cloth->scene, cloth->objects[i], ENG_F64, 0, count, x1), ENG_OK);
+            eng_stage_x1(cloth->scene, cloth->objects[i], PCCD_FORMAT_F64, 0, count, x1),
+            PCCD_OK);
     }
     settings.method = method;
     settings.mode = mode;
-    assert_int_equal(eng_step(cloth->scene, &settings, &result), ENG_OK);
-    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_int_equal(eng_step(cloth->scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
     assert_true(result.count > 0);
 }
 
@@ -94,14 +95,14 @@ static double resident_bytes(const struct cloth *cloth)
     for (uint32_t i = 0; i < SHEETS; i++) {
         bytes += eng_mesh_bytes(eng_scene_mesh(cloth->scene, cloth->objects[i]));
     }
-    return (double)(bytes - eng_step_memory_bytes(cloth->scene->memory));
+    return (double)(bytes - eng_step_memory_bytes(cloth->scene));
 }
 
 /* The scene's account against the engine's, and this against the process's, which has not
  * written to all that it was given. */
 static void check_account(const struct cloth *cloth)
 {
-    double answers = (double)eng_step_memory_bytes(cloth->scene->memory);
+    double answers = (double)eng_step_memory_bytes(cloth->scene);
     double account = resident_bytes(cloth) + answers;
     double engine = (double)(eng_alloc_bytes() - cloth->engine_before);
     assert_true(account <= engine && engine < 1.005 * account);
@@ -117,25 +118,25 @@ static void check_account(const struct cloth *cloth)
 static void footprint__of_wide_is_as_promised(void **state)
 {
     (void)state;
-    static const enum eng_mode modes[] = {ENG_MODE_ALL, ENG_MODE_ALL, ENG_MODE_PAIRS,
-                                          ENG_MODE_FIRST, ENG_MODE_PAIRS};
+    static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_ALL, PCCD_MODE_PAIRS,
+                                           PCCD_MODE_FIRST, PCCD_MODE_PAIRS};
     struct kit_random random = {41};
     struct cloth cloth;
-    uint32_t narrow = 0;
+    uint32_t quantised = 0;
     double bytes = 0;
     cloth_init(&cloth);
     for (uint32_t i = 0; i < sizeof modes / sizeof modes[0]; i++) {
         uint64_t allocs = eng_alloc_count();
         double before = bytes;
-        step(&cloth, ENG_METHOD_WIDE, modes[i], &random);
-        narrow += eng_wide_has_narrow(&cloth.scene->wide);
+        step(&cloth, PCCD_METHOD_WIDE, modes[i], &random);
+        quantised += eng_wide_has_quantised(eng_wide_of(cloth.scene));
         bytes = resident_bytes(&cloth);
         assert_true(bytes <= BYTES_MAX * TRIANGLES);
         /* Boxes as floats or as whole numbers: in the same place. */
         assert_true(i == 0 || bytes == before);
         assert_true(i < 4 || eng_alloc_count() == allocs);
     }
-    assert_int_equal(narrow, 2); /* pairs are those of floats */
+    assert_int_equal(quantised, 2); /* pairs are those of floats */
     check_account(&cloth);
     print_message("# wide: %.1f bytes a triangle\n", bytes / TRIANGLES);
     eng_scene_free(cloth.scene);
@@ -150,7 +151,7 @@ static void footprint__of_paper_is_as_promised(void **state)
     struct cloth cloth;
     cloth_init(&cloth);
     for (uint32_t i = 0; i < 3; i++) {
-        step(&cloth, ENG_METHOD_PAPER, ENG_MODE_ALL, &random);
+        step(&cloth, PCCD_METHOD_PAPER, PCCD_MODE_ALL, &random);
     }
     assert_true(resident_bytes(&cloth) <= BYTES_MAX * TRIANGLES);
     check_account(&cloth);
@@ -171,11 +172,11 @@ static void footprint__does_not_follow_the_candidates(void **state)
     uint64_t candidates[2];
     uint64_t bytes[2];
     uint32_t object;
-    settings.method = ENG_METHOD_WIDE;
+    settings.method = PCCD_METHOD_WIDE;
     settings.contact_max = 1000;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     struct eng_mesh *mesh = kit_soup(&random, 300);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), PCCD_OK);
     uint32_t count = eng_scene_vertex_count(scene, object);
     double(*x1)[3] = malloc(count * sizeof *x1);
     assert_non_null(x1);
@@ -185,12 +186,14 @@ static void footprint__does_not_follow_the_candidates(void **state)
                                (i == 0 ? 0.001 : 50) * kit_between(&random, -1, 1);
         }
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x1(scene, object, ENG_F64, 0, count, x1), ENG_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-        candidates[i] = result.counters.candidates_vf + result.counters.candidates_ee;
+        assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, count, x1),
+                         PCCD_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        candidates[i] =
+            result.counters.candidates[PCCD_VF] + result.counters.candidates[PCCD_EE];
         bytes[i] = eng_scene_bytes(scene);
     }
-    assert_int_equal(result.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+    assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
     assert_true(candidates[1] > 200000 && candidates[1] > 20 * candidates[0]);
     assert_true(bytes[1] < bytes[0] + (1u << 20));
     free(x1);

@@ -7,6 +7,7 @@
  * Threads:  one.
  * Source:   daemon/engine/scene/frames.h.
  */
+#include "aabb.h"
 #include "eng_kit.h"
 
 #include <math.h>
@@ -158,7 +159,7 @@ struct layout {
 static void ground_init(struct ground *ground, const struct layout *layout)
 {
     static double x[VERTICES][3];
-    assert_int_equal(eng_scene_new(NULL, &ground->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &ground->scene), PCCD_OK);
     for (uint32_t i = 0; i < SHEETS; i++) {
         struct eng_mesh *flat = kit_sheet(SIDE, 0);
         uint32_t(*corners)[3] = calloc(flat->info.triangle_count, sizeof *corners);
@@ -170,7 +171,7 @@ static void ground_init(struct ground *ground, const struct layout *layout)
             kit_mesh((const double(*)[3])x, VERTICES, (const uint32_t(*)[3])corners,
                      flat->info.triangle_count);
         assert_int_equal(eng_scene_add(ground->scene, mesh, i, &ground->objects[i]),
-                         ENG_OK);
+                         PCCD_OK);
         eng_mesh_release(mesh);
         eng_mesh_release(flat);
         free(corners);
@@ -180,7 +181,7 @@ static void ground_init(struct ground *ground, const struct layout *layout)
 /* Step `number`, to where the layout has the sheets. */
 static struct eng_step_result ground_step(struct ground *ground,
                                           const struct layout *layout, uint32_t number,
-                                          enum eng_method method, enum eng_mode mode)
+                                          enum pccd_method method, enum pccd_mode mode)
 {
     static double x[VERTICES][3];
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
@@ -191,11 +192,11 @@ static struct eng_step_result ground_step(struct ground *ground,
     for (uint32_t i = 0; i < SHEETS; i++) {
         place_sheet(i, number, layout->offset[i / 2], layout->back[i / 2], layout->scale,
                     x);
-        assert_int_equal(
-            eng_stage_x1(ground->scene, ground->objects[i], ENG_F64, 0, VERTICES, x),
-            ENG_OK);
+        assert_int_equal(eng_stage_x1(ground->scene, ground->objects[i], PCCD_FORMAT_F64,
+                                      0, VERTICES, x),
+                         PCCD_OK);
     }
-    assert_int_equal(eng_step(ground->scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(ground->scene, &settings, &result), PCCD_OK);
     return result;
 }
 
@@ -203,17 +204,17 @@ static struct eng_step_result ground_step(struct ground *ground,
 static void compare(const struct eng_step_result *far, const struct eng_step_result *near,
                     bool is_same)
 {
-    uint64_t candidates[2] = {far->counters.candidates_vf + far->counters.candidates_ee,
-                              near->counters.candidates_vf +
-                                  near->counters.candidates_ee};
+    uint64_t candidates[2] = {
+        far->counters.candidates[PCCD_VF] + far->counters.candidates[PCCD_EE],
+        near->counters.candidates[PCCD_VF] + near->counters.candidates[PCCD_EE]};
     assert_true(near->count > 100);
     assert_true((double)far->counters.box_tests <=
                 MORE * (double)near->counters.box_tests);
     assert_true((double)candidates[0] <= MORE * (double)candidates[1]);
     assert_int_equal(far->count, near->count);
     if (is_same) {
-        assert_int_equal(far->hash_hi, near->hash_hi);
-        assert_int_equal(far->hash_lo, near->hash_lo);
+        assert_int_equal(far->hash[0], near->hash[0]);
+        assert_int_equal(far->hash[1], near->hash[1]);
     }
 }
 
@@ -229,7 +230,7 @@ static void compare_layouts(const struct layout *far, const double back[2][3])
         ground_init(&grounds[0], far);
         ground_init(&grounds[1], &near);
         for (uint32_t i = 1; i < 6; i++) {
-            enum eng_mode mode = i % 3 == 2 ? ENG_MODE_PAIRS : ENG_MODE_ALL;
+            enum pccd_mode mode = i % 3 == 2 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
             struct eng_step_result a =
                 ground_step(&grounds[0], far, i, way_methods[m], mode);
             struct eng_step_result b =
@@ -302,13 +303,13 @@ static void frames__what_travels_counts_as_in_place(void **state)
             far.offset[1][0] = near.offset[1][0] = 3 + i * per_step;
             near.back[1][0] = i * per_step;
             struct eng_step_result a =
-                ground_step(&grounds[0], &far, i, way_methods[m], ENG_MODE_ALL);
+                ground_step(&grounds[0], &far, i, way_methods[m], PCCD_MODE_ALL);
             struct eng_step_result b =
-                ground_step(&grounds[1], &near, i, way_methods[m], ENG_MODE_ALL);
+                ground_step(&grounds[1], &near, i, way_methods[m], PCCD_MODE_ALL);
             assert_true((double)a.counters.box_tests <=
                         MORE * (double)b.counters.box_tests);
-            assert_true((double)a.counters.candidates_ee <=
-                        MORE * (double)b.counters.candidates_ee);
+            assert_true((double)a.counters.candidates[PCCD_EE] <=
+                        MORE * (double)b.counters.candidates[PCCD_EE]);
             assert_true(i == 1 || a.counters.builds == 0);
             assert_true(a.counters.swaps <= b.counters.swaps);
             assert_true(b.count > 100);
@@ -319,10 +320,10 @@ static void frames__what_travels_counts_as_in_place(void **state)
 }
 
 /* The union of a level's boxes holds every vertex at t = 1, and hardly more. */
-static void check_level(const struct eng_scene *scene, enum eng_tree tree, uint32_t level,
-                        uint32_t boxes)
+static void check_level(const struct eng_scene *scene, enum pccd_tree tree,
+                        uint32_t level, uint32_t boxes)
 {
-    struct eng_level_box *box = calloc(boxes, sizeof *box);
+    struct pccd_box *box = calloc(boxes, sizeof *box);
     const double(*x)[3] = (const double(*)[3])scene->x[scene->now];
     assert_non_null(box);
     assert_int_equal(eng_level_boxes(scene, tree, level, 0, boxes, box), boxes);
@@ -355,14 +356,14 @@ static void frames__boxes_that_are_shown_are_in_coordinates(void **state)
     for (uint32_t m = 0; m < WAY_METHODS; m++) {
         struct ground ground;
         ground_init(&ground, &far);
-        ground_step(&ground, &far, 1, way_methods[m], ENG_MODE_ALL);
+        ground_step(&ground, &far, 1, way_methods[m], PCCD_MODE_ALL);
         assert_true(ground.scene->framing.number > 0);
-        bool is_wide = way_methods[m] == ENG_METHOD_WIDE;
+        bool is_wide = way_methods[m] == PCCD_METHOD_WIDE;
         uint32_t seen = 0;
-        for (enum eng_tree tree = 0; tree < ENG_TREES; tree++) {
+        for (enum pccd_tree tree = 0; tree < PCCD_TREE_COUNT; tree++) {
             for (uint32_t level = 0; level < 3; level++) {
                 uint32_t boxes = eng_level_boxes(ground.scene, tree, level, 0, 0, NULL);
-                assert_true(boxes == 0 || is_wide == (tree != ENG_TREE_TRIANGLES));
+                assert_true(boxes == 0 || is_wide == (tree != PCCD_TREE_TRIANGLES));
                 if (boxes > 0) {
                     check_level(ground.scene, tree, level, boxes);
                     seen++;
@@ -371,8 +372,8 @@ static void frames__boxes_that_are_shown_are_in_coordinates(void **state)
         }
         assert_true(seen >= 3);
         /* A step by the other method has other frames. */
-        ground_step(&ground, &far, 2, way_methods[1 - m], ENG_MODE_ALL);
-        enum eng_tree old = is_wide ? ENG_TREE_FACES : ENG_TREE_TRIANGLES;
+        ground_step(&ground, &far, 2, way_methods[1 - m], PCCD_MODE_ALL);
+        enum pccd_tree old = is_wide ? PCCD_TREE_FACES : PCCD_TREE_TRIANGLES;
         assert_int_equal(eng_level_boxes(ground.scene, old, 0, 0, 0, NULL), 0);
         eng_scene_free(ground.scene);
     }
@@ -396,15 +397,16 @@ static void frames__a_vertex_in_no_triangle_does_not_count(void **state)
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x, VERTICES + 1,
                                      (const uint32_t(*)[3])corners, count);
     assert_true(mesh->bounds.low[0] >= 0x1p30);
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &object), PCCD_OK);
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, object, ENG_F64, 0, VERTICES + 1, x), ENG_OK);
+    assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, VERTICES + 1, x),
+                     PCCD_OK);
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_true(scene->framing.number > 0);
-    assert_true(result.counters.candidates_ee < 20ull * VERTICES);
+    assert_true(result.counters.candidates[PCCD_EE] < 20ull * VERTICES);
     assert_true(scene->objects[object].bounds[scene->now].low[0] >= 0x1p30);
     eng_scene_free(scene);
     eng_mesh_release(mesh);

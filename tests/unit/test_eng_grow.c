@@ -4,7 +4,7 @@
  * Does:     trees of one go and of many pieces, in place and aside; the depth that the
  *           surface area heuristic is held to, and what it finds.
  * Threads:  one.
- * Source:   daemon/engine/tree/grow.h.
+ * Source:   daemon/engine/paper/grow.h.
  */
 #include "eng_kit.h"
 
@@ -94,8 +94,8 @@ static uint32_t depth_of_links(uint32_t count)
     }
 }
 
-/* If it failed: a subtree built aside would not be a tree, or not the one built in
- * place. */
+/* If it failed: a subtree built in the background would not be a tree, or not the one
+ * built in place. */
 static void grow__pieces_make_the_tree_of_one_go(void **state)
 {
     (void)state;

@@ -1,88 +1,110 @@
-/* tests/unit/test_eng_hash.c - the hash of an answer, alone or in shares.
+/* tests/unit/test_eng_hash.c - the hash of an answer.
  *
  * Room:     engine (hash.h).
- * Does:     known values, sensitivity to every bit, sums of blocks against the library.
- * Does not: test the library's hash of a few bytes.
+ * Does:     the values in PROTOCOL.md, sensitivity to every bit, parts and the whole.
+ * Does not: test the library's hash of one record.
  * Threads:  one.
- * Source:   daemon/engine/result/hash.h.
+ * Source:   proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "eng_kit.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "hash.h"
+#include "record_hash.h"
 
-/* If it failed: two answers could not be compared by their hashes. */
-static void hash__follows_the_content(void **state)
+static const uint32_t sizes[2] = {sizeof(struct pccd_pair), sizeof(struct pccd_contact)};
+
+static void expect(const uint64_t hash[2], uint64_t high, uint64_t low)
 {
-    (void)state;
-    uint8_t a[300];
-    uint8_t b[301];
-    for (size_t i = 0; i < sizeof a; i++) {
-        a[i] = (uint8_t)(i * 31);
+    if (hash[0] != high || hash[1] != low) {
+        fail_msg("0x%016llx, 0x%016llx", (unsigned long long)hash[0],
+                 (unsigned long long)hash[1]);
     }
-    memcpy(b + 1, a, sizeof a); /* elsewhere in memory, not aligned */
-    uint64_t first[2];
-    uint64_t second[2];
-    eng_hash(a, sizeof a, first);
-    eng_hash(b + 1, sizeof a, second);
-    assert_memory_equal(first, second, sizeof first);
-    for (size_t bit = 0; bit < 8 * sizeof a; bit++) {
-        b[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
-        eng_hash(b + 1, sizeof a, second);
-        assert_memory_not_equal(first, second, sizeof first);
-        b[1 + bit / 8] ^= (uint8_t)(1u << bit % 8);
-    }
-    eng_hash(a, 0, first);
-    eng_hash(NULL, 0, second);
-    assert_memory_equal(first, second, sizeof first);
-    assert_true(first[0] == 0x99aa06d3014798d8u && first[1] == 0x6001c324468d497fu);
 }
 
-/* The hash from sums that are made last to first. */
-static void hash_in_shares(const unsigned char *data, size_t bytes, uint64_t hash[2])
-{
-    static struct eng_hash_sum sums[40];
-    struct eng_hash_sum chain;
-    size_t blocks = eng_hash_blocks(bytes);
-    assert_true(blocks <= sizeof sums / sizeof *sums);
-    for (size_t i = blocks; i-- > 0;) {
-        eng_hash_block(data + i * ENG_HASH_BLOCK_BYTES, &sums[i]);
-    }
-    eng_hash_begin(&chain);
-    eng_hash_add(&chain, sums, blocks / 2);
-    eng_hash_add(&chain, sums + blocks / 2, blocks - blocks / 2);
-    eng_hash_end(&chain, data, bytes, hash);
-}
-
-/* If it failed: the hash of an answer would depend on the number of threads. */
-static void hash__shares_give_the_hash_of_the_whole(void **state)
+/* If it failed: a client that hashes records as PROTOCOL.md says would take right answers
+ * for wrong ones. */
+static void hash__has_the_values_that_the_protocol_tells(void **state)
 {
     (void)state;
-    static unsigned char data[32768 + 3];
-    struct kit_random random = {83};
-    for (size_t i = 0; i < sizeof data; i++) {
-        data[i] = (unsigned char)kit_u64(&random);
+    const struct pccd_pair pairs[2] = {{0, 1, 2, 3, 4}, {1, 1, 5, 3, 6}};
+    unsigned char contacts[2 * sizeof(struct pccd_contact)];
+    uint64_t hash[2];
+    for (size_t i = 0; i < sizeof contacts; i++) {
+        contacts[i] = (unsigned char)i;
     }
-    for (size_t bytes = 241; bytes <= sizeof data; bytes += bytes < 5000 ? 1 : 61) {
-        uint64_t whole[2];
-        uint64_t shares[2];
-        eng_hash(data, bytes, whole);
-        hash_in_shares(data, bytes, shares);
-        assert_memory_equal(shares, whole, sizeof whole);
-        eng_hash(data + 3, bytes - 3, whole); /* not aligned */
-        if (bytes - 3 > 240) {
-            hash_in_shares(data + 3, bytes - 3, shares);
-            assert_memory_equal(shares, whole, sizeof whole);
+    eng_hash_end(0, 0, hash);
+    expect(hash, 0x2c0a8a99dc147d54, 0x45c3b49d035665b2);
+    eng_hash_end(eng_hash_records(pairs, 1, sizeof *pairs), 1, hash);
+    expect(hash, 0x2841e5ef35f08604, 0xa9c89d7e04bc89dc);
+    eng_hash_end(eng_hash_records(pairs, 2, sizeof *pairs), 2, hash);
+    expect(hash, 0x2541185d055d371b, 0x5945dcf6861e618a);
+    eng_hash_end(eng_hash_records(contacts, 2, sizeof(struct pccd_contact)), 2, hash);
+    expect(hash, 0x1751fe42f627f939, 0x94cc2c85012975bd);
+    eng_hash_verdict(PCCD_VERDICT_YES, hash);
+    expect(hash, 0x0c3864a6c15091ba, 0x5c17dcab9fc3967b);
+}
+
+/* If it failed: two answers that differ could not be told apart by their hashes. */
+static void hash__follows_every_bit_and_the_number_of_records(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        unsigned char records[9 * sizeof(struct pccd_contact) + 1];
+        uint32_t each = sizes[k];
+        for (size_t i = 0; i < sizeof records; i++) {
+            records[i] = (unsigned char)(i * 31);
         }
+        eng_hash_sum sum = eng_hash_records(records + 1, 8, each); /* not aligned */
+        for (size_t bit = 0; bit < 8 * 8 * each; bit++) {
+            records[1 + bit / 8] ^= (unsigned char)(1u << bit % 8);
+            assert_true(eng_hash_records(records + 1, 8, each) != sum);
+            records[1 + bit / 8] ^= (unsigned char)(1u << bit % 8);
+        }
+        uint64_t eight[2];
+        uint64_t nine[2];
+        eng_hash_end(sum, 8, eight);
+        eng_hash_end(sum, 9, nine);
+        assert_memory_not_equal(eight, nine, sizeof eight);
+        assert_true(eng_hash_records(records + 1, 9, each) != sum);
+    }
+}
+
+/* If it failed: the hash of an answer would depend on threads or pages, or on the order
+ * in which they take records. */
+static void hash__parts_in_any_order_add_up_to_the_whole(void **state)
+{
+    (void)state;
+    struct kit_random random = {83};
+    for (int k = 0; k < 2; k++) {
+        uint32_t each = sizes[k];
+        unsigned char *records = malloc(500 * each);
+        assert_non_null(records);
+        for (size_t i = 0; i < 500 * each; i++) {
+            records[i] = (unsigned char)kit_u64(&random);
+        }
+        for (uint64_t count = 0; count <= 500; count += 1 + count / 9) {
+            uint64_t cut = count > 0 ? kit_u64(&random) % count : 0;
+            uint64_t whole[2];
+            uint64_t parts[2];
+            eng_hash_sum sum = eng_hash_records(records + cut * each, count - cut, each);
+            sum += eng_hash_records(records, cut, each);
+            eng_hash_end(sum, count, parts);
+            record_hash_2(records, count, each, whole);
+            assert_memory_equal(parts, whole, sizeof whole);
+        }
+        free(records);
     }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hash__follows_the_content),
-        cmocka_unit_test(hash__shares_give_the_hash_of_the_whole),
+        cmocka_unit_test(hash__has_the_values_that_the_protocol_tells),
+        cmocka_unit_test(hash__follows_every_bit_and_the_number_of_records),
+        cmocka_unit_test(hash__parts_in_any_order_add_up_to_the_whole),
     };
     return cmocka_run_group_tests_name("eng_hash", tests, NULL, NULL);
 }

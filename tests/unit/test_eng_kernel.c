@@ -102,7 +102,8 @@ struct pairs {
     uint32_t quads[PAIR_COUNT][4];
 };
 
-static void make_pairs(struct kit_random *random, enum eng_kind kind, struct pairs *pairs)
+static void make_pairs(struct kit_random *random, enum pccd_kind kind,
+                       struct pairs *pairs)
 {
     for (uint32_t i = 0; i < PAIR_COUNT; i++) {
         struct eng_query query = {.kind = kind};
@@ -113,7 +114,7 @@ static void make_pairs(struct kit_random *random, enum eng_kind kind, struct pai
             kit_plant(random, kind, kit_below(random, 9), &query);
         }
         for (int k = 0; k < 24 && family > 0; k++) {
-            bool second = k / 3 % 4 >= (kind == ENG_VF ? 1 : 2);
+            bool second = k / 3 % 4 >= (kind == PCCD_VF ? 1 : 2);
             double x = family == 1 ? kit_integer(random, 2) : kit_between(random, -1, 1);
             query.x[k / 12][k / 3 % 4][k % 3] = x + (second ? offset[k / 12] : 0);
         }
@@ -142,7 +143,7 @@ static void kernels__filter_the_same_pairs(void **state)
     uint32_t apart = 0;
     uint32_t filtered = 0;
     for (uint32_t round = 0; round < 200; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = round < 100 ? round : PAIR_COUNT;
         uint32_t expected[2][PAIR_COUNT];
         uint32_t kept[PAIR_COUNT];
@@ -164,8 +165,9 @@ static void kernels__filter_the_same_pairs(void **state)
     assert_true(apart > 5000 && filtered > 5000);
 }
 
-static struct eng_bracketed bracket(const struct eng_kernels *kernels, enum eng_kind kind,
-                                    const struct pairs *pairs, uint32_t index[PAIR_COUNT],
+static struct eng_bracketed bracket(const struct eng_kernels *kernels,
+                                    enum pccd_kind kind, const struct pairs *pairs,
+                                    uint32_t index[PAIR_COUNT],
                                     struct eng_hit hits[PAIR_COUNT],
                                     uint32_t unsure[PAIR_COUNT])
 {
@@ -196,7 +198,7 @@ static void kernels__bracket_to_the_same_bits(void **state)
     uint32_t hit_count = 0;
     uint32_t unsure_count = 0;
     for (uint32_t round = 0; round < 200; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         make_pairs(&random, kind, &pairs);
         struct eng_bracketed expected =
             bracket(eng_kernels_of(ENG_ISA_SCALAR), kind, &pairs, expected_list[0],
@@ -255,7 +257,7 @@ static void kernels__bracket_tells_that_parallel_edges_pass(void **state)
         }
     }
     struct eng_bracketed out =
-        bracket(eng_kernels_of(ENG_ISA_SCALAR), ENG_EE, &pairs, list[0], hits, list[1]);
+        bracket(eng_kernels_of(ENG_ISA_SCALAR), PCCD_EE, &pairs, list[0], hits, list[1]);
     assert_int_equal(out.hit_count, 0);
     assert_int_equal(out.unsure_count, 0);
 }
@@ -273,7 +275,7 @@ static void kernels__bracket_decides_what_is_in_general_position(void **state)
     uint32_t hit_count = 0;
     uint32_t unsure_count = 0;
     for (uint32_t round = 0; round < 100; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         for (uint32_t i = 0; i < 4 * PAIR_COUNT; i++) {
             for (int k = 0; k < 3; k++) {
                 pairs.points[i].x0[k] = kit_between(&random, -1, 1);

@@ -22,7 +22,7 @@
 struct crowd {
     struct eng_scene *scene;
     uint32_t count;
-    struct filters_place places[FILTERS_OBJECTS_MAX];
+    struct filters_place affinity[FILTERS_OBJECTS_MAX];
     double (*x0[FILTERS_OBJECTS_MAX])[3];
     double (*x1[FILTERS_OBJECTS_MAX])[3];
     uint32_t vertices[FILTERS_OBJECTS_MAX];
@@ -34,11 +34,11 @@ static void add(struct crowd *crowd, struct eng_mesh *mesh, double reach,
 {
     uint32_t i = crowd->count++;
     assert_true(i < FILTERS_OBJECTS_MAX);
-    crowd->places[i].id = (i * 37 + 5) % 1009; /* not in the order of the indices */
+    crowd->affinity[i].id = (i * 37 + 5) % 1009; /* not in the order of the indices */
     assert_int_equal(
-        eng_scene_add(crowd->scene, mesh, crowd->places[i].id, &crowd->places[i].idx),
-        ENG_OK);
-    crowd->vertices[i] = eng_scene_vertex_count(crowd->scene, crowd->places[i].idx);
+        eng_scene_add(crowd->scene, mesh, crowd->affinity[i].id, &crowd->affinity[i].idx),
+        PCCD_OK);
+    crowd->vertices[i] = eng_scene_vertex_count(crowd->scene, crowd->affinity[i].idx);
     crowd->x0[i] = malloc(crowd->vertices[i] * sizeof *crowd->x0[i]);
     crowd->x1[i] = malloc(crowd->vertices[i] * sizeof *crowd->x1[i]);
     assert_true(crowd->x0[i] && crowd->x1[i]);
@@ -53,7 +53,7 @@ static void add(struct crowd *crowd, struct eng_mesh *mesh, double reach,
 static void begin(struct crowd *crowd)
 {
     memset(crowd, 0, sizeof *crowd);
-    assert_int_equal(eng_scene_new(NULL, &crowd->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &crowd->scene), PCCD_OK);
 }
 
 /* Soups of one triangle to some hundreds in the same cube: everything meets everything,
@@ -83,17 +83,18 @@ static struct eng_step_result step(struct crowd *crowd,
     struct eng_step_result result;
     eng_stage_begin(crowd->scene);
     for (uint32_t i = 0; i < crowd->count; i++) {
-        assert_int_equal(eng_stage_x0x1(crowd->scene, crowd->places[i].idx, ENG_F64, 0,
-                                        crowd->vertices[i], crowd->x0[i], crowd->x1[i]),
-                         ENG_OK);
+        assert_int_equal(eng_stage_x0x1(crowd->scene, crowd->affinity[i].idx,
+                                        PCCD_FORMAT_F64, 0, crowd->vertices[i],
+                                        crowd->x0[i], crowd->x1[i]),
+                         PCCD_OK);
     }
-    assert_int_equal(eng_step(crowd->scene, settings, &result), ENG_OK);
-    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_int_equal(eng_step(crowd->scene, settings, &result), PCCD_OK);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
 
-static struct eng_step_result step_in(struct crowd *crowd, enum eng_mode mode,
-                                      enum eng_method method)
+static struct eng_step_result step_in(struct crowd *crowd, enum pccd_mode mode,
+                                      enum pccd_method method)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
@@ -128,12 +129,12 @@ static struct records allowed(const struct records *all, const struct filters *f
     struct records some = {malloc(all->count * all->size + 1), 0, all->size};
     assert_non_null(some.bytes);
     for (uint64_t i = 0; i < all->count; i++) {
-        struct eng_contact contact = {.kind = 0};
+        struct pccd_contact contact = {.kind = 0};
         const char *record = all->bytes + i * all->size;
         if (all->size == sizeof contact) {
             memcpy(&contact, record, sizeof contact);
         } else {
-            struct eng_pair pair;
+            struct pccd_pair pair;
             memcpy(&pair, record, sizeof pair);
             contact.object_a = pair.object_a;
             contact.object_b = pair.object_b;
@@ -148,12 +149,12 @@ static struct records allowed(const struct records *all, const struct filters *f
 /* Of contacts, those that may be the first. */
 static void keep_first(struct records *records)
 {
-    struct eng_contact contact;
+    struct pccd_contact contact;
     double bound = 1;
     uint64_t kept = 0;
     for (uint64_t i = 0; i < records->count; i++) {
         memcpy(&contact, records->bytes + i * sizeof contact, sizeof contact);
-        if (contact.flags & ENG_PROVED && contact.toi_hi < bound) {
+        if (contact.flags & PCCD_PROVED && contact.toi_hi < bound) {
             bound = contact.toi_hi;
         }
     }
@@ -166,22 +167,23 @@ static void keep_first(struct records *records)
     records->count = kept;
 }
 
-static void check_step(struct crowd *crowd, enum eng_mode mode, const struct records *all,
-                       const struct records *pairs, struct prng *prng)
+static void check_step(struct crowd *crowd, enum pccd_mode mode,
+                       const struct records *all, const struct records *pairs,
+                       struct prng *prng)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     char way[WAY_TEXT_MAX];
     settings.mode = mode;
     way_draw(prng, 4, &settings);
     way_tell(&settings, way);
-    struct records want = allowed(mode == ENG_MODE_PAIRS ? pairs : all, &crowd->filters);
-    if (mode == ENG_MODE_FIRST) {
+    struct records want = allowed(mode == PCCD_MODE_PAIRS ? pairs : all, &crowd->filters);
+    if (mode == PCCD_MODE_FIRST) {
         keep_first(&want);
     }
     struct eng_step_result result = step(crowd, &settings);
-    if (mode == ENG_MODE_ANY) {
+    if (mode == PCCD_MODE_ANY) {
         assert_int_equal(result.verdict,
-                         want.count > 0 ? ENG_VERDICT_YES : ENG_VERDICT_NO);
+                         want.count > 0 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO);
     } else if (result.count != want.count ||
                memcmp(result.records, want.bytes, want.count * want.size) != 0) {
         fail_msg("mode %d, %s: %llu records where %llu are wanted, or others", (int)mode,
@@ -198,15 +200,15 @@ static void masks__leave_out_what_may_not_meet(void **state)
     struct crowd crowd;
     struct prng prng = {prng_seed()};
     begin_soups(&crowd);
-    struct eng_step_result result = step_in(&crowd, ENG_MODE_ALL, ENG_METHOD_WIDE);
+    struct eng_step_result result = step_in(&crowd, PCCD_MODE_ALL, PCCD_METHOD_WIDE);
     struct records all = copy_of(&result);
-    result = step_in(&crowd, ENG_MODE_PAIRS, ENG_METHOD_WIDE);
+    result = step_in(&crowd, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE);
     struct records pairs = copy_of(&result);
     assert_true(all.count > 2000 && pairs.count > all.count);
     for (uint32_t round = 0; round < 30; round++) {
-        filters_draw(&crowd.filters, crowd.scene, crowd.places, crowd.count, &prng);
-        check_step(&crowd, (enum eng_mode)(round % MODES), &all, &pairs, &prng);
-        check_step(&crowd, ENG_MODE_ALL, &all, &pairs, &prng);
+        filters_draw(&crowd.filters, crowd.scene, crowd.affinity, crowd.count, &prng);
+        check_step(&crowd, (enum pccd_mode)(round % MODES), &all, &pairs, &prng);
+        check_step(&crowd, PCCD_MODE_ALL, &all, &pairs, &prng);
     }
     free(all.bytes);
     free(pairs.bytes);
@@ -225,25 +227,25 @@ static void masks__stay_with_their_object(void **state)
     for (uint32_t i = 0; i < 3; i++) {
         add(&crowd, kit_soup(&random, 30), 0.1, &random);
     }
-    const struct filters_place *at = crowd.places;
+    const struct filters_place *at = crowd.affinity;
     filters_set(&crowd.filters, crowd.scene, at[1], bits);
     filters_ignore(&crowd.filters, crowd.scene, at[1], at[2], true);
     filters_ignore(&crowd.filters, crowd.scene, at[0], at[2], true);
-    assert_int_equal(step_in(&crowd, ENG_MODE_PAIRS, ENG_METHOD_PAPER).count,
-                     step_in(&crowd, ENG_MODE_PAIRS, ENG_METHOD_WIDE).count);
+    assert_int_equal(step_in(&crowd, PCCD_MODE_PAIRS, PCCD_METHOD_PAPER).count,
+                     step_in(&crowd, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE).count);
     struct eng_mesh *other = kit_soup(&random, 30);
-    assert_int_equal(eng_scene_replace(crowd.scene, at[1].idx, other), ENG_OK);
+    assert_int_equal(eng_scene_replace(crowd.scene, at[1].idx, other), PCCD_OK);
     struct eng_object_filter now;
-    assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), ENG_OK);
+    assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), PCCD_OK);
     assert_true(now.group == 6 && now.mask == 0x8000000000000001u && !now.self);
     assert_int_equal(eng_scene_ignored_count(crowd.scene), 2);
-    assert_int_equal(eng_scene_remove(crowd.scene, at[1].idx), ENG_OK);
+    assert_int_equal(eng_scene_remove(crowd.scene, at[1].idx), PCCD_OK);
     assert_int_equal(eng_scene_ignored_count(crowd.scene), 1);
-    assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), ENG_E_INVAL);
+    assert_int_equal(eng_scene_get_filter(crowd.scene, at[1].idx, &now), PCCD_E_INVAL);
     uint32_t idx;
-    assert_int_equal(eng_scene_add(crowd.scene, other, 4711, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(crowd.scene, other, 4711, &idx), PCCD_OK);
     assert_int_equal(idx, at[1].idx);
-    assert_int_equal(eng_scene_get_filter(crowd.scene, idx, &now), ENG_OK);
+    assert_int_equal(eng_scene_get_filter(crowd.scene, idx, &now), PCCD_OK);
     assert_true(now.group == 1 && now.mask == UINT64_MAX && now.self);
     eng_mesh_release(other);
     end(&crowd);
@@ -258,12 +260,12 @@ static void masks__refuse_what_is_not_there(void **state)
     struct eng_object_filter bits = ENG_OBJECT_FILTER_DEFAULT;
     begin(&crowd);
     add(&crowd, kit_soup(&random, 3), 0.1, &random);
-    uint32_t idx = crowd.places[0].idx;
-    assert_int_equal(eng_scene_set_filter(crowd.scene, idx + 1, &bits), ENG_E_INVAL);
-    assert_int_equal(eng_scene_set_filter(crowd.scene, UINT32_MAX, &bits), ENG_E_INVAL);
-    assert_int_equal(eng_scene_ignore(crowd.scene, idx, idx, true), ENG_E_INVAL);
-    assert_int_equal(eng_scene_ignore(crowd.scene, idx, idx + 1, true), ENG_E_INVAL);
-    assert_int_equal(eng_scene_ignore(crowd.scene, 9999, idx, false), ENG_E_INVAL);
+    uint32_t idx = crowd.affinity[0].idx;
+    assert_int_equal(eng_scene_set_filter(crowd.scene, idx + 1, &bits), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_set_filter(crowd.scene, UINT32_MAX, &bits), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_ignore(crowd.scene, idx, idx, true), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_ignore(crowd.scene, idx, idx + 1, true), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_ignore(crowd.scene, 9999, idx, false), PCCD_E_INVAL);
     assert_int_equal(eng_scene_ignored_count(crowd.scene), 0);
     end(&crowd);
 }
@@ -282,28 +284,30 @@ static void masks__cost_nothing_where_nothing_may_meet(void **state)
     for (uint32_t i = 0; i < 2; i++) {
         add(&crowd, kit_soup(&random, 3000), 0.01, &random);
     }
-    for (enum eng_method method = ENG_METHOD_PAPER; method <= ENG_METHOD_WIDE; method++) {
-        struct eng_step_result open = step_in(&crowd, ENG_MODE_ALL, method);
-        filters_set(&crowd.filters, crowd.scene, crowd.places[0], alone);
-        filters_set(&crowd.filters, crowd.scene, crowd.places[1], alone);
-        struct eng_step_result mutual = step_in(&crowd, ENG_MODE_ALL, method);
+    for (enum pccd_method method = PCCD_METHOD_PAPER; method <= PCCD_METHOD_WIDE;
+         method++) {
+        struct eng_step_result open = step_in(&crowd, PCCD_MODE_ALL, method);
+        filters_set(&crowd.filters, crowd.scene, crowd.affinity[0], alone);
+        filters_set(&crowd.filters, crowd.scene, crowd.affinity[1], alone);
+        struct eng_step_result mutual = step_in(&crowd, PCCD_MODE_ALL, method);
         uint64_t mutual_tests = mutual.counters.box_tests;
-        filters_ignore(&crowd.filters, crowd.scene, crowd.places[0], crowd.places[1],
+        filters_ignore(&crowd.filters, crowd.scene, crowd.affinity[0], crowd.affinity[1],
                        true);
-        struct eng_step_result nothing = step_in(&crowd, ENG_MODE_ALL, method);
+        struct eng_step_result nothing = step_in(&crowd, PCCD_MODE_ALL, method);
         assert_int_equal(nothing.count, 0);
-        assert_int_equal(nothing.counters.candidates_vf + nothing.counters.candidates_ee,
+        assert_int_equal(nothing.counters.candidates[PCCD_VF] +
+                             nothing.counters.candidates[PCCD_EE],
                          0);
         assert_true(nothing.counters.box_tests < open.counters.box_tests / 100);
         assert_true(mutual_tests < open.counters.box_tests * 3 / 4);
-        filters_ignore(&crowd.filters, crowd.scene, crowd.places[0], crowd.places[1],
+        filters_ignore(&crowd.filters, crowd.scene, crowd.affinity[0], crowd.affinity[1],
                        false);
         for (uint32_t i = 0; i < 2; i++) {
             struct eng_object_filter begins = ENG_OBJECT_FILTER_DEFAULT;
-            filters_set(&crowd.filters, crowd.scene, crowd.places[i], begins);
+            filters_set(&crowd.filters, crowd.scene, crowd.affinity[i], begins);
         }
-        struct eng_step_result again = step_in(&crowd, ENG_MODE_ALL, method);
-        assert_true(again.hash_hi == open.hash_hi && again.hash_lo == open.hash_lo);
+        struct eng_step_result again = step_in(&crowd, PCCD_MODE_ALL, method);
+        assert_true(again.hash[0] == open.hash[0] && again.hash[1] == open.hash[1]);
     }
     end(&crowd);
 }
@@ -321,12 +325,12 @@ static void masks__pass_over_groups_together(void **state)
         add(&crowd, kit_soup(&random, 8), 0.01, &random);
     }
     add(&crowd, kit_soup(&random, 30), 0.01, &random);
-    struct eng_step_result open = step_in(&crowd, ENG_MODE_ALL, ENG_METHOD_WIDE);
+    struct eng_step_result open = step_in(&crowd, PCCD_MODE_ALL, PCCD_METHOD_WIDE);
     uint64_t open_tests = open.counters.box_tests;
     for (uint32_t i = 0; i + 1 < crowd.count; i++) {
-        filters_set(&crowd.filters, crowd.scene, crowd.places[i], level);
+        filters_set(&crowd.filters, crowd.scene, crowd.affinity[i], level);
     }
-    struct eng_step_result some = step_in(&crowd, ENG_MODE_ALL, ENG_METHOD_WIDE);
+    struct eng_step_result some = step_in(&crowd, PCCD_MODE_ALL, PCCD_METHOD_WIDE);
     assert_true(some.count > 0);
     assert_true(some.counters.box_tests < open_tests / 5);
     end(&crowd);
@@ -341,19 +345,20 @@ static void masks__change_without_memory(void **state)
     begin_soups(&crowd);
     for (uint32_t i = 0; i < crowd.count; i++) { /* the most pairs that will be */
         for (uint32_t k = 0; k < i && i * k < FILTERS_IGNORED_MAX / 2; k++) {
-            filters_ignore(&crowd.filters, crowd.scene, crowd.places[i], crowd.places[k],
+            filters_ignore(&crowd.filters, crowd.scene, crowd.affinity[i],
+                           crowd.affinity[k],
                            crowd.filters.ignored_count < FILTERS_IGNORED_MAX);
         }
     }
-    step_in(&crowd, ENG_MODE_ANY, ENG_METHOD_WIDE);
+    step_in(&crowd, PCCD_MODE_ANY, PCCD_METHOD_WIDE);
     uint64_t before = eng_alloc_count();
     for (uint32_t round = 0; round < 20; round++) {
         for (uint32_t i = 0; i < crowd.count; i++) {
             struct eng_object_filter bits = {prng_next(&prng), prng_next(&prng),
                                              prng_below(&prng, 2) == 0};
-            filters_set(&crowd.filters, crowd.scene, crowd.places[i], bits);
+            filters_set(&crowd.filters, crowd.scene, crowd.affinity[i], bits);
         }
-        step_in(&crowd, ENG_MODE_ANY, ENG_METHOD_WIDE);
+        step_in(&crowd, PCCD_MODE_ANY, PCCD_METHOD_WIDE);
     }
     assert_int_equal(eng_alloc_count(), before);
     end(&crowd);

@@ -5,7 +5,7 @@
  *           and that freed memory is used again.
  * Does not: make allocations fail one by one (test_eng_fault.c).
  * Threads:  one, and four where the counters are shared.
- * Source:   daemon/engine/memory.h.
+ * Source:   daemon/engine/base/memory.h.
  */
 #include "eng_kit.h"
 

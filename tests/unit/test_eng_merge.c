@@ -15,6 +15,7 @@
 
 #include "memory.h"
 #include "merge.h"
+#include "record_hash.h"
 
 #define THREADS_MAX 16u
 #define NO_LIMIT    UINT32_MAX
@@ -129,9 +130,9 @@ static void fill(struct fixture *f, struct kit_random *random, enum pattern patt
         uint32_t t = uneven && kit_below(random, 50) > 0 ? f->threads / 2
                                                          : kit_below(random, f->threads);
         struct eng_name name = name_of(pattern, random, i, count);
-        struct eng_pair pair;
+        struct pccd_pair pair;
         memcpy(&pair, &name, sizeof pair);
-        struct eng_contact *contact = eng_found_add(&f->found[t], &pair);
+        struct pccd_contact *contact = eng_found_add(&f->found[t], &pair);
         assert_non_null(contact);
         if (f->record_bytes == sizeof *contact) {
             contact->flags = kit_below(random, 4);
@@ -142,10 +143,10 @@ static void fill(struct fixture *f, struct kit_random *random, enum pattern patt
         }
     }
     uint32_t arrival = 0;
-    for (uint32_t t = 0; t < f->threads && f->record_bytes == sizeof(struct eng_contact);
+    for (uint32_t t = 0; t < f->threads && f->record_bytes == sizeof(struct pccd_contact);
          t++) {
         for (struct eng_block *block = f->found[t].first; block; block = block->next) {
-            struct eng_contact *contacts = (void *)block->data;
+            struct pccd_contact *contacts = (void *)block->data;
             for (uint32_t i = 0; i < block->count; i++) {
                 contacts[i].reserved = arrival++;
             }
@@ -170,8 +171,8 @@ static int compare_pairs(const void *a, const void *b)
 
 static int compare_contacts(const void *a, const void *b)
 {
-    const struct eng_contact *x = a;
-    const struct eng_contact *y = b;
+    const struct pccd_contact *x = a;
+    const struct pccd_contact *y = b;
     int order = compare_words(&x->kind, &y->kind, 1);
     order = order != 0 ? order : compare_words(&x->object_a, &y->object_a, 4);
     return order != 0 ? order : compare_words(&x->reserved, &y->reserved, 1);
@@ -191,7 +192,7 @@ static void *expect(const struct fixture *f, uint32_t count)
         }
     }
     qsort(copy, count, f->record_bytes,
-          f->record_bytes == sizeof(struct eng_pair) ? compare_pairs : compare_contacts);
+          f->record_bytes == sizeof(struct pccd_pair) ? compare_pairs : compare_contacts);
     return copy;
 }
 
@@ -232,7 +233,7 @@ static int merge(struct fixture *f, uint32_t lists, struct eng_counts *counts,
         found[t] = &f->found[t];
     }
     int status = eng_merge_begin(&f->merge, found, lists, &f->out);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     eng_merge_set_cancel(&f->merge, &is_cancelled);
@@ -247,25 +248,29 @@ static int merge(struct fixture *f, uint32_t lists, struct eng_counts *counts,
         }
         pthread_barrier_destroy(&barrier);
     }
-    return eng_merge_end(&f->merge, counts, hash);
+    status = eng_merge_end(&f->merge, counts);
+    if (status == PCCD_OK) {
+        eng_hash_end(counts->hash, f->out.count, hash);
+    }
+    return status;
 }
 
 static void check_counts(const struct fixture *f, const struct eng_counts *counts)
 {
-    struct eng_counts expected = {0, 0, 0, 2};
+    struct eng_counts expected = {.toi_first = 2};
     for (uint64_t i = 0; i < f->out.count; i++) {
         const unsigned char *record = f->out.data + i * f->record_bytes;
-        struct eng_contact contact;
-        expected.vf += eng_name_of(record, f->record_bytes).word[0] == ENG_VF;
+        struct pccd_contact contact;
+        expected.kind[PCCD_VF] += eng_name_of(record, f->record_bytes).word[0] == PCCD_VF;
         if (f->record_bytes == sizeof contact) {
             memcpy(&contact, record, sizeof contact);
-            expected.possible += !(contact.flags & ENG_PROVED);
-            expected.initial += (contact.flags & ENG_INITIAL) != 0;
+            expected.possible += !(contact.flags & PCCD_PROVED);
+            expected.initial += (contact.flags & PCCD_INITIAL) != 0;
             expected.toi_first =
                 contact.toi < expected.toi_first ? contact.toi : expected.toi_first;
         }
     }
-    assert_int_equal(counts->vf, expected.vf);
+    assert_int_equal(counts->kind[PCCD_VF], expected.kind[PCCD_VF]);
     assert_int_equal(counts->possible, expected.possible);
     assert_int_equal(counts->initial, expected.initial);
     assert_true(counts->toi_first == expected.toi_first);
@@ -279,7 +284,7 @@ static void check(struct fixture *f, struct kit_random *random, enum pattern pat
     uint64_t whole[2];
     fill(f, random, pattern, count, uneven);
     unsigned char *expected = expect(f, count);
-    assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+    assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
     uint64_t kept = count < f->limit ? count : f->limit;
     assert_int_equal(f->merge.total, count);
     assert_int_equal(f->out.count, kept);
@@ -287,13 +292,14 @@ static void check(struct fixture *f, struct kit_random *random, enum pattern pat
     if (kept > 0) {
         assert_memory_equal(f->out.data, expected, kept * f->record_bytes);
     }
-    eng_hash(expected, kept * f->record_bytes, whole);
+    record_hash_2(expected, kept, f->record_bytes, whole);
     assert_memory_equal(hash, whole, sizeof whole);
     check_counts(f, &counts);
     free(expected);
 }
 
-static const uint32_t records[2] = {sizeof(struct eng_pair), sizeof(struct eng_contact)};
+static const uint32_t records[2] = {sizeof(struct pccd_pair),
+                                    sizeof(struct pccd_contact)};
 
 /* If it failed: answers would depend on the number of threads, or names of some
  * distribution would come out of order. */
@@ -359,11 +365,11 @@ static void merge__limit_keeps_the_first_in_order(void **state)
             uint64_t hash[2];
             uint64_t whole[2];
             f->found[0].limit = limits[i / 2];
-            assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+            assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
             assert_int_equal(f->out.count, limits[i / 2]);
             assert_int_equal(f->merge.total, 8000);
             assert_memory_equal(f->out.data, expected, f->out.count * f->record_bytes);
-            eng_hash(expected, f->out.count * f->record_bytes, whole);
+            record_hash_2(expected, f->out.count, f->record_bytes, whole);
             assert_memory_equal(hash, whole, sizeof whole);
             check_counts(f, &counts);
             free(expected);
@@ -379,12 +385,12 @@ static void merge__leaves_out_lists_without_a_thread(void **state)
     struct eng_counts counts;
     uint64_t hash[2];
     f->threads = 3;
-    f->record_bytes = sizeof(struct eng_pair);
+    f->record_bytes = sizeof(struct pccd_pair);
     fill(f, &random, RANDOM, 7000, false);
     unsigned char *expected = expect(f, 7000);
-    assert_int_equal(merge(f, 8, &counts, hash), ENG_OK);
+    assert_int_equal(merge(f, 8, &counts, hash), PCCD_OK);
     assert_int_equal(f->out.count, 7000);
-    assert_memory_equal(f->out.data, expected, 7000 * sizeof(struct eng_pair));
+    assert_memory_equal(f->out.data, expected, 7000 * sizeof(struct pccd_pair));
     free(expected);
 }
 
@@ -402,7 +408,7 @@ static void merge__is_given_up_when_cancelled_unless_it_is_short(void **state)
         f->threads = 1 + i / 2 * 3;
         fill(f, &random, RANDOM, 20000, false);
         atomic_store(&is_cancelled, true);
-        assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+        assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
         assert_true(eng_merge_is_given_up(&f->merge));
         assert_int_equal(f->out.count, 0);
         check_counts(f, &counts);
@@ -428,7 +434,7 @@ static void merge__warm_allocates_nothing(void **state)
             before = round == 0 ? before : eng_alloc_count();
             struct eng_counts counts;
             uint64_t hash[2];
-            assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+            assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
             assert_true(round == 0 || eng_alloc_count() == before);
         }
     }
@@ -439,7 +445,12 @@ static void check_evenness(const struct fixture *f, uint32_t count)
 {
     uint32_t largest = 0;
     for (uint32_t b = 0; b < f->merge.splitters.buckets; b++) {
-        largest = f->merge.size[b] > largest ? f->merge.size[b] : largest;
+        uint32_t size = 0;
+        for (uint32_t t = 0; t < f->merge.threads; t++) {
+            const uint32_t *begin = f->merge.shares[t].begin;
+            size += begin[b + 1] - begin[b];
+        }
+        largest = size > largest ? size : largest;
     }
     assert_true(f->merge.splitters.buckets >= 64);
     assert_in_range(largest, 1, 4 * count / f->merge.splitters.buckets);
@@ -452,7 +463,7 @@ static void merge__buckets_are_even_for_any_names(void **state)
     struct kit_random random = {91};
     const enum pattern patterns[] = {RANDOM, CROWDED, SKEWED, SORTED, REVERSE};
     f->threads = 4;
-    f->record_bytes = sizeof(struct eng_pair);
+    f->record_bytes = sizeof(struct pccd_pair);
     for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
         check(f, &random, patterns[i], 100000, i % 2 == 1);
         check_evenness(f, 100000);
@@ -473,7 +484,7 @@ static void merge__buckets_are_even_beside_a_list_of_nothing(void **state)
         fill(f, &random, SORTED, 100000, false);
         f->threads = 2;
         eng_found_begin(&f->found[1], &f->pool, f->record_bytes, f->limit);
-        assert_int_equal(merge(f, f->threads, &counts, hash), ENG_OK);
+        assert_int_equal(merge(f, f->threads, &counts, hash), PCCD_OK);
         assert_int_equal(f->out.count, 100000);
         check_evenness(f, 100000);
     }

@@ -4,7 +4,7 @@
  * Does:     chunks, refusals, counts, edges and the ownership of features.
  * Does not: move or collide.
  * Threads:  one.
- * Source:   daemon/engine/mesh.h; paper section 3.1.
+ * Source:   daemon/engine/scene/mesh.h; paper section 3.1.
  */
 #include "eng_kit.h"
 
@@ -35,13 +35,13 @@ static const uint32_t square_t[2][3] = {{0, 1, 2}, {0, 2, 3}};
 static struct eng_mesh *new_mesh(uint32_t vertices, uint32_t triangles)
 {
     struct eng_mesh *mesh = NULL;
-    assert_int_equal(eng_mesh_new(vertices, triangles, &mesh), ENG_OK);
+    assert_int_equal(eng_mesh_new(vertices, triangles, &mesh), PCCD_OK);
     return mesh;
 }
 
 static int write_x(struct eng_mesh *mesh, uint32_t first, uint32_t count)
 {
-    return eng_mesh_write_vertices(mesh, ENG_F64, first, count, square_x[first]);
+    return eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, first, count, square_x[first]);
 }
 
 static int write_t(struct eng_mesh *mesh, uint32_t first, uint32_t count)
@@ -57,20 +57,20 @@ static void mesh__chunks_in_order_make_a_mesh(void **state)
     struct eng_mesh *mesh = new_mesh(4, 2);
     uint32_t vertices;
     uint32_t triangles;
-    assert_int_equal(write_x(mesh, 0, 1), ENG_OK);
-    assert_int_equal(write_x(mesh, 1, 2), ENG_OK);
+    assert_int_equal(write_x(mesh, 0, 1), PCCD_OK);
+    assert_int_equal(write_x(mesh, 1, 2), PCCD_OK);
     eng_mesh_received(mesh, &vertices, &triangles);
     assert_int_equal(vertices, 3);
     assert_int_equal(triangles, 0);
-    assert_int_equal(write_x(mesh, 2, 2), ENG_OK); /* overlapping is allowed */
-    assert_int_equal(write_t(mesh, 0, 1), ENG_OK);
-    assert_int_equal(write_t(mesh, 1, 1), ENG_OK);
-    assert_int_equal(write_t(mesh, 0, 1), ENG_OK); /* again: the prefix stays */
+    assert_int_equal(write_x(mesh, 2, 2), PCCD_OK); /* overlapping is allowed */
+    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK);
+    assert_int_equal(write_t(mesh, 1, 1), PCCD_OK);
+    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK); /* again: the prefix stays */
     eng_mesh_received(mesh, &vertices, &triangles);
     assert_int_equal(vertices, 4);
     assert_int_equal(triangles, 2);
     assert_false(eng_mesh_is_committed(mesh));
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     assert_true(eng_mesh_is_committed(mesh));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
     eng_mesh_release(mesh);
@@ -81,15 +81,16 @@ static void mesh__gaps_and_ranges_outside_are_refused(void **state)
 {
     (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
-    assert_int_equal(write_x(mesh, 1, 1), ENG_E_STATE);
-    assert_int_equal(write_t(mesh, 1, 1), ENG_E_STATE);
-    assert_int_equal(write_x(mesh, 0, 0), ENG_E_INVAL);
-    assert_int_equal(write_x(mesh, 0, 5), ENG_E_INVAL);
-    assert_int_equal(write_x(mesh, 3, 2), ENG_E_INVAL);
-    assert_int_equal(write_x(mesh, 0, UINT32_MAX), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, UINT32_MAX, 2, square_x),
-                     ENG_E_INVAL);
-    assert_int_equal(write_t(mesh, 0, 3), ENG_E_INVAL);
+    assert_int_equal(write_x(mesh, 1, 1), PCCD_E_STATE);
+    assert_int_equal(write_t(mesh, 1, 1), PCCD_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 0), PCCD_E_INVAL);
+    assert_int_equal(write_x(mesh, 0, 5), PCCD_E_INVAL);
+    assert_int_equal(write_x(mesh, 3, 2), PCCD_E_INVAL);
+    assert_int_equal(write_x(mesh, 0, UINT32_MAX), PCCD_E_INVAL);
+    assert_int_equal(
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, UINT32_MAX, 2, square_x),
+        PCCD_E_INVAL);
+    assert_int_equal(write_t(mesh, 0, 3), PCCD_E_INVAL);
     uint32_t vertices;
     uint32_t triangles;
     eng_mesh_received(mesh, &vertices, &triangles);
@@ -112,17 +113,17 @@ static void mesh__index_out_of_range_names_the_triangle(void **state)
             memset(triangles, 0, sizeof triangles);
             triangles[at][corner] = corner == 2 ? UINT32_MAX : 4;
             assert_int_equal(eng_mesh_write_triangles(mesh, 0, COUNT, triangles, &bad),
-                             ENG_E_INDEX);
+                             PCCD_E_INDEX);
             assert_int_equal(bad, at);
             /* The same in a chunk that does not begin at 0. */
             memset(triangles, 0, sizeof triangles);
             assert_int_equal(eng_mesh_write_triangles(mesh, 0, 10, triangles, &bad),
-                             ENG_OK);
+                             PCCD_OK);
             if (at >= 10) {
                 triangles[at][corner] = 4;
                 assert_int_equal(
                     eng_mesh_write_triangles(mesh, 10, COUNT - 10, triangles[10], &bad),
-                    ENG_E_INDEX);
+                    PCCD_E_INDEX);
                 assert_int_equal(bad, at);
             }
         }
@@ -146,10 +147,11 @@ static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
         double x[4][3] = {{0}};
         struct eng_mesh *mesh = new_mesh(4, 2);
         x[i % 12 / 3][i % 3] = bad[i / 12];
-        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, 4, x),
-                         ENG_E_NOTFINITE);
+        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x),
+                         PCCD_E_NOTFINITE);
         x[i % 12 / 3][i % 3] = good[i / 12];
-        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 0, 4, x), ENG_OK);
+        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, 4, x),
+                         PCCD_OK);
         assert_memory_equal(mesh->x, x, sizeof x);
         eng_mesh_release(mesh);
     }
@@ -157,10 +159,11 @@ static void mesh__coordinates_beyond_the_limits_are_refused(void **state)
         float x[4][3] = {{0}};
         struct eng_mesh *mesh = new_mesh(4, 2);
         x[i % 12 / 3][i % 3] = bad_f[i / 12];
-        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F32, 0, 4, x),
-                         ENG_E_NOTFINITE);
+        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F32, 0, 4, x),
+                         PCCD_E_NOTFINITE);
         x[i % 12 / 3][i % 3] = 0.1f;
-        assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F32, 0, 4, x), ENG_OK);
+        assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F32, 0, 4, x),
+                         PCCD_OK);
         assert_true(mesh->x[i % 12 / 3][i % 3] == (double)0.1f);
         eng_mesh_release(mesh);
     }
@@ -172,14 +175,15 @@ static void mesh__refused_chunk_has_to_come_again(void **state)
     (void)state;
     double x[4][3];
     struct eng_mesh *mesh = new_mesh(4, 2);
-    assert_int_equal(write_x(mesh, 0, 4), ENG_OK);
-    assert_int_equal(write_t(mesh, 0, 2), ENG_OK);
+    assert_int_equal(write_x(mesh, 0, 4), PCCD_OK);
+    assert_int_equal(write_t(mesh, 0, 2), PCCD_OK);
     memcpy(x, square_x, sizeof x);
     x[2][1] = NAN;
-    assert_int_equal(eng_mesh_write_vertices(mesh, ENG_F64, 1, 3, x[1]), ENG_E_NOTFINITE);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
-    assert_int_equal(write_x(mesh, 1, 3), ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
+    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 1, 3, x[1]),
+                     PCCD_E_NOTFINITE);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(write_x(mesh, 1, 3), PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
     eng_mesh_release(mesh);
 }
@@ -189,16 +193,16 @@ static void mesh__commit_happens_once_and_only_when_complete(void **state)
 {
     (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
-    assert_int_equal(write_x(mesh, 0, 4), ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
-    assert_int_equal(write_t(mesh, 0, 1), ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
-    assert_int_equal(write_t(mesh, 1, 1), ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_OK);
-    assert_int_equal(eng_mesh_commit(mesh), ENG_E_STATE);
-    assert_int_equal(write_x(mesh, 0, 4), ENG_E_STATE);
-    assert_int_equal(write_t(mesh, 0, 2), ENG_E_STATE);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 4), PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(write_t(mesh, 0, 1), PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(write_t(mesh, 1, 1), PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_E_STATE);
+    assert_int_equal(write_x(mesh, 0, 4), PCCD_E_STATE);
+    assert_int_equal(write_t(mesh, 0, 2), PCCD_E_STATE);
     eng_mesh_release(mesh);
 }
 
@@ -208,18 +212,18 @@ static void mesh__absurd_counts_are_refused(void **state)
     (void)state;
     struct eng_mesh *mesh = NULL;
     uint64_t bytes = eng_alloc_bytes();
-    assert_int_equal(eng_mesh_new(0, 1, &mesh), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_new(1, 0, &mesh), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_new(ENG_COUNT_MAX + 1, 1, &mesh), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_new(1, ENG_COUNT_MAX + 1, &mesh), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_new(UINT32_MAX, UINT32_MAX, &mesh), ENG_E_INVAL);
+    assert_int_equal(eng_mesh_new(0, 1, &mesh), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_new(1, 0, &mesh), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_new(PROTO_COUNT_MAX + 1, 1, &mesh), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_new(1, PROTO_COUNT_MAX + 1, &mesh), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_new(UINT32_MAX, UINT32_MAX, &mesh), PCCD_E_INVAL);
     assert_null(mesh);
-    int status = eng_mesh_new(ENG_COUNT_MAX, ENG_COUNT_MAX, &mesh);
-    if (status == ENG_OK) { /* memory that is reserved but not touched */
-        assert_true(eng_mesh_bytes(mesh) > (uint64_t)ENG_COUNT_MAX * 36);
+    int status = eng_mesh_new(PROTO_COUNT_MAX, PROTO_COUNT_MAX, &mesh);
+    if (status == PCCD_OK) { /* memory that is reserved but not touched */
+        assert_true(eng_mesh_bytes(mesh) > (uint64_t)PROTO_COUNT_MAX * 36);
         eng_mesh_release(mesh);
     } else {
-        assert_int_equal(status, ENG_E_NOMEM);
+        assert_int_equal(status, PCCD_E_NOMEM);
         assert_null(mesh);
     }
     assert_int_equal(eng_alloc_bytes(), bytes);

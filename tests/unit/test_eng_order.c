@@ -34,11 +34,11 @@ static void order__has_every_feature_once_in_tight_groups(void **state)
                                      (const uint32_t(*)[3])triangles, STRIP);
     struct eng_wide_order *order;
     assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x, 1, &order),
-                     ENG_OK);
-    assert_int_equal(order->count[ENG_WIDE_VERTICES], STRIP + 1);
-    assert_int_equal(order->count[ENG_WIDE_EDGES], STRIP);
-    assert_int_equal(order->count[ENG_WIDE_FACES], STRIP);
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+                     PCCD_OK);
+    assert_int_equal(order->count[PCCD_TREE_VERTICES], STRIP + 1);
+    assert_int_equal(order->count[PCCD_TREE_EDGES], STRIP);
+    assert_int_equal(order->count[PCCD_TREE_FACES], STRIP);
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         static bool seen[STRIP + 3];
         memset(seen, 0, sizeof seen);
         for (uint32_t i = 0; i < order->count[kind]; i++) {
@@ -47,7 +47,7 @@ static void order__has_every_feature_once_in_tight_groups(void **state)
             seen[feature] = true;
         }
     }
-    const uint32_t *vertex = order->feature[ENG_WIDE_VERTICES];
+    const uint32_t *vertex = order->feature[PCCD_TREE_VERTICES];
     for (uint32_t group = 16; group <= 256; group *= 16) {
         for (uint32_t first = 0; first + group < STRIP + 1; first += group) {
             double last = 0; /* groups follow each other along the longest axis */
@@ -99,9 +99,10 @@ static void order__is_the_same_by_any_number_of_threads(void **state)
     for (int i = 0; i < 6; i++) {
         const struct eng_mesh *mesh = meshes[i / 3];
         const double(*x)[3] = (const double(*)[3])mesh->x;
-        assert_int_equal(eng_wide_order_new(mesh, x, 0, &orders[0]), ENG_OK);
-        assert_int_equal(eng_wide_order_new(mesh, x, threads[i % 3], &orders[1]), ENG_OK);
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        assert_int_equal(eng_wide_order_new(mesh, x, 0, &orders[0]), PCCD_OK);
+        assert_int_equal(eng_wide_order_new(mesh, x, threads[i % 3], &orders[1]),
+                         PCCD_OK);
+        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             assert_int_equal(orders[1]->count[kind], orders[0]->count[kind]);
             assert_memory_equal(orders[1]->feature[kind], orders[0]->feature[kind],
                                 orders[0]->count[kind] * sizeof(uint32_t));
@@ -127,9 +128,9 @@ static void order__pieces_are_told_apart_if_they_are_many(void **state)
         struct eng_wide_order *order;
         assert_int_equal(eng_wide_order_new(mesh, (const double(*)[3])mesh->x,
                                             cases[i].threads, &order),
-                         ENG_OK);
+                         PCCD_OK);
         assert_int_equal(order->piece_count, cases[i].pieces);
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             uint32_t sum = 0;
             for (uint32_t k = 0; k < order->piece_count; k++) {
                 sum += order->piece_size[kind][k];

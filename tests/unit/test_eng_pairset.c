@@ -70,7 +70,7 @@ static void pairset__holds_what_was_added(void **state)
             if (kit_below(&random, 100) == 0) {
                 take_all(&model, &pairs, a);
             } else if (kit_below(&random, 5) < adds) {
-                assert_int_equal(eng_pairset_add(&pairs, a, b), ENG_OK);
+                assert_int_equal(eng_pairset_add(&pairs, a, b), PCCD_OK);
                 set(&model, a, b, true);
             } else {
                 eng_pairset_remove(&pairs, a, b);
@@ -84,7 +84,7 @@ static void pairset__holds_what_was_added(void **state)
             take_all(&model, &pairs, a);
         }
         check(&model, &pairs);
-        assert_null(pairs.places);
+        assert_null(pairs.slots);
     }
 }
 
@@ -97,14 +97,14 @@ static void pairset__stays_as_it_was_without_memory(void **state)
     uint32_t a = 1;
     struct eng_account account = {.limit = 0};
     eng_payer()->account = &account;
-    assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_E_NOMEM);
+    assert_int_equal(eng_pairset_add(&pairs, 0, 1), PCCD_E_NOMEM);
     account.limit = INT64_MAX;
     assert_int_equal(pairs.count, 0);
-    assert_int_equal(eng_pairset_add(&pairs, 0, 1), ENG_OK);
+    assert_int_equal(eng_pairset_add(&pairs, 0, 1), PCCD_OK);
     account.limit = account.bytes;
     do {
         a++;
-    } while (eng_pairset_add(&pairs, a, 0) == ENG_OK);
+    } while (eng_pairset_add(&pairs, a, 0) == PCCD_OK);
     eng_payer()->account = NULL;
     assert_int_equal(pairs.count, a - 1);
     assert_true(eng_pairset_has(&pairs, 0, a - 1));
@@ -122,21 +122,21 @@ static void pairset__of_a_scene_has_a_limit(void **state)
     struct eng_masks masks;
     uint32_t a = 0;
     uint32_t b = 0;
-    int status = ENG_OK;
+    int status = PCCD_OK;
     eng_masks_init(&masks);
-    assert_int_equal(eng_masks_reserve(&masks, 1000), ENG_OK);
-    while (status == ENG_OK) {
+    assert_int_equal(eng_masks_reserve(&masks, 1000), PCCD_OK);
+    while (status == PCCD_OK) {
         a = b == a + 1 || b == 0 ? 0 : a + 1;
         b = a == 0 ? b + 1 : b;
         status = eng_masks_ignore(&masks, a, b, true);
     }
-    assert_int_equal(status, ENG_E_LIMIT);
-    assert_int_equal(masks.ignored.count, ENG_IGNORED_MAX);
+    assert_int_equal(status, PCCD_E_LIMIT);
+    assert_int_equal(masks.ignored.count, PROTO_IGNORED_PER_SCENE);
     assert_false(eng_masks_ignores(&masks, a, b));
     assert_true(eng_masks_allows(&masks, a, b));
-    assert_int_equal(eng_masks_ignore(&masks, 1, 0, true), ENG_OK); /* it is already */
-    assert_int_equal(eng_masks_ignore(&masks, 0, 1, false), ENG_OK);
-    assert_int_equal(eng_masks_ignore(&masks, b, a, true), ENG_OK);
+    assert_int_equal(eng_masks_ignore(&masks, 1, 0, true), PCCD_OK); /* it is already */
+    assert_int_equal(eng_masks_ignore(&masks, 0, 1, false), PCCD_OK);
+    assert_int_equal(eng_masks_ignore(&masks, b, a, true), PCCD_OK);
     assert_true(eng_masks_ignores(&masks, a, b));
     for (uint32_t i = 0; i < 1000; i++) {
         eng_masks_forget(&masks, i);
@@ -157,11 +157,11 @@ static void pairset__of_hidden_objects_goes_at_once(void **state)
         struct eng_masks masks;
         bool ignored[NUMBERS][NUMBERS] = {{false}};
         eng_masks_init(&masks);
-        assert_int_equal(eng_masks_reserve(&masks, NUMBERS), ENG_OK);
+        assert_int_equal(eng_masks_reserve(&masks, NUMBERS), PCCD_OK);
         for (uint32_t i = 0; i < 1 + kit_below(&random, 300); i++) {
             uint32_t a = kit_below(&random, NUMBERS);
             uint32_t b = (a + 1 + kit_below(&random, NUMBERS - 1)) % NUMBERS;
-            assert_int_equal(eng_masks_ignore(&masks, a, b, true), ENG_OK);
+            assert_int_equal(eng_masks_ignore(&masks, a, b, true), PCCD_OK);
             ignored[a][b] = ignored[b][a] = true;
         }
         uint32_t hidden = kit_below(&random, NUMBERS + 1); /* the first ones */

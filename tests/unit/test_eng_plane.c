@@ -15,7 +15,7 @@
 /* Points `first` to 3 but `odd` (4: none) get the coordinate of the others along a random
  * axis at both ends; `odd` lies on one side of them, or `crosses` over to the other.
  * `grid` 0: any numbers; else integers up to it. */
-static struct eng_query plane_query(struct kit_random *random, enum eng_kind kind,
+static struct eng_query plane_query(struct kit_random *random, enum pccd_kind kind,
                                     unsigned odd, bool crosses, uint32_t grid)
 {
     struct eng_query query = {.kind = kind};
@@ -84,8 +84,9 @@ static void plane__rims_are_decided_exactly(void **state)
     int decided[3] = {0, 0, 0};
     enum { ROUNDS = 12000 };
     for (int round = 0; round < ROUNDS; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
-        unsigned odd = kind == ENG_VF ? 1 + kit_below(&random, 3) : kit_below(&random, 4);
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
+        unsigned odd =
+            kind == PCCD_VF ? 1 + kit_below(&random, 3) : kit_below(&random, 4);
         struct eng_query query = plane_query(&random, kind, odd, false,
                                              round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0);
         struct eng_hit hit;
@@ -108,7 +109,7 @@ static void plane__a_point_that_crosses_it_decides_nothing(void **state)
     (void)state;
     struct kit_random random = {614};
     for (int round = 0; round < 4000; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         unsigned odd = kit_below(&random, 4);
         struct eng_query query =
             plane_query(&random, kind, odd, true, round % 8 < 2 ? 2 : 0);
@@ -131,7 +132,7 @@ static void plane__motion_within_the_plane_is_decided_exactly(void **state)
     int decided[3] = {0, 0, 0};
     enum { ROUNDS = 12000 };
     for (int round = 0; round < ROUNDS; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         uint32_t grid = round % 8 < 2 ? 1 + (uint32_t)round % 3 : 0;
         struct eng_query query = plane_query(&random, kind, 4, false, grid);
         hits += check(&query);
@@ -149,7 +150,7 @@ static void plane__a_bit_beside_is_no_plane(void **state)
     struct kit_random random = {613};
     for (int round = 0; round < 2000; round++) {
         struct eng_query query =
-            plane_query(&random, round % 2 ? ENG_EE : ENG_VF, 4, false, 0);
+            plane_query(&random, round % 2 ? PCCD_EE : PCCD_VF, 4, false, 0);
         double *x = query.x[round % 4 / 2][kit_below(&random, 4)];
         double l;
         double r;

@@ -4,7 +4,7 @@
  * Does:     first fit, merging, limits, and a model that keeps one bit an index.
  * Does not: fail allocations (test_eng_fault.c).
  * Threads:  one.
- * Source:   daemon/engine/range.h.
+ * Source:   daemon/engine/scene/range.h.
  */
 #include "eng_kit.h"
 
@@ -17,7 +17,7 @@
 static uint32_t take(struct eng_ranges *ranges, uint32_t count)
 {
     uint32_t first = UINT32_MAX;
-    assert_int_equal(eng_ranges_take(ranges, count, &first), ENG_OK);
+    assert_int_equal(eng_ranges_take(ranges, count, &first), PCCD_OK);
     return first;
 }
 
@@ -87,19 +87,19 @@ static void range__limit_is_kept(void **state)
     uint32_t first = 77;
     eng_ranges_init(&ranges, 100);
     take(&ranges, 60);
-    assert_int_equal(eng_ranges_take(&ranges, 41, &first), ENG_E_LIMIT);
-    assert_int_equal(eng_ranges_take(&ranges, UINT32_MAX, &first), ENG_E_LIMIT);
+    assert_int_equal(eng_ranges_take(&ranges, 41, &first), PCCD_E_LIMIT);
+    assert_int_equal(eng_ranges_take(&ranges, UINT32_MAX, &first), PCCD_E_LIMIT);
     assert_int_equal(first, 77);
     assert_int_equal(take(&ranges, 40), 60);
-    assert_int_equal(eng_ranges_take(&ranges, 1, &first), ENG_E_LIMIT);
+    assert_int_equal(eng_ranges_take(&ranges, 1, &first), PCCD_E_LIMIT);
     eng_ranges_give(&ranges, 0, 60);
-    assert_int_equal(eng_ranges_take(&ranges, 61, &first), ENG_E_LIMIT);
+    assert_int_equal(eng_ranges_take(&ranges, 61, &first), PCCD_E_LIMIT);
     assert_int_equal(take(&ranges, 60), 0);
     eng_ranges_deinit(&ranges);
 
     eng_ranges_init(&ranges, UINT32_MAX - 1);
     assert_int_equal(take(&ranges, UINT32_MAX - 1), 0);
-    assert_int_equal(eng_ranges_take(&ranges, 1, &first), ENG_E_LIMIT);
+    assert_int_equal(eng_ranges_take(&ranges, 1, &first), PCCD_E_LIMIT);
     eng_ranges_give(&ranges, 0, UINT32_MAX - 1);
     assert_int_equal(ranges.end, 0);
     eng_ranges_deinit(&ranges);

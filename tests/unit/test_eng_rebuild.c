@@ -3,9 +3,9 @@
  * Room:     engine (rebuild.h, step.h, world.h).
  * Does:     what is rebuilt and what is left alone; the tree and the answer afterwards,
  *           by any number of threads; cancelled steps.
- * Does not: large subtrees (test_eng_aside.c).
+ * Does not: large subtrees (test_eng_background.c).
  * Threads:  up to eight.
- * Source:   daemon/engine/tree/rebuild.h; paper section 6.2.
+ * Source:   daemon/engine/paper/rebuild.h; paper section 6.2.
  */
 #include "eng_blast.h"
 
@@ -22,7 +22,7 @@
 
 static struct blast blast;
 
-static void start(double ratio, uint32_t triangles_max, enum eng_quality quality)
+static void start(double ratio, uint32_t triangles_max, enum pccd_quality quality)
 {
     blast_init(&blast, &(struct eng_scene_settings){quality, ratio, triangles_max, 1});
 }
@@ -30,10 +30,10 @@ static void start(double ratio, uint32_t triangles_max, enum eng_quality quality
 static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     settings.threads = threads;
     settings.team_always = true;
-    settings.scheduler = scheduler;
+    settings.tuning.scheduler = scheduler;
     return settings;
 }
 
@@ -56,7 +56,7 @@ static struct eng_step_result stand_still(double t)
 /* Box tests of each step without reconstruction, with hierarchies built for it, and with
  * the default. */
 static void count_box_tests(uint64_t never[STEPS], uint64_t every[STEPS],
-                            uint64_t lazy[STEPS], enum eng_quality quality)
+                            uint64_t lazy[STEPS], enum pccd_quality quality)
 {
     for (int way = 0; way < 3; way++) {
         start(way == 2 ? 0.9 : 0, BLAST_TRIANGLES, quality);
@@ -80,13 +80,13 @@ static void rebuild__poor_nodes_are_built_anew(void **state)
     uint64_t never[STEPS];
     uint64_t every[STEPS];
     uint64_t lazy[STEPS];
-    for (int q = ENG_QUALITY_MEDIAN; q <= ENG_QUALITY_SAH; q++) {
-        count_box_tests(never, every, lazy, (enum eng_quality)q);
+    for (int q = PCCD_QUALITY_MEDIAN; q <= PCCD_QUALITY_SAH; q++) {
+        count_box_tests(never, every, lazy, (enum pccd_quality)q);
         for (uint32_t step = STEPS / 2; step < STEPS; step++) {
             assert_true(never[step] > 3 * every[step]);
             /* By medians, whatever the first hierarchy was built by. */
             assert_true((double)lazy[step] <
-                        (q == ENG_QUALITY_SAH ? 2 : 1.3) * (double)every[step]);
+                        (q == PCCD_QUALITY_SAH ? 2 : 1.3) * (double)every[step]);
         }
     }
 }
@@ -95,16 +95,17 @@ static void rebuild__poor_nodes_are_built_anew(void **state)
 static void rebuild__next_step_refits_what_this_one_left(void **state)
 {
     (void)state;
-    start(0.9, BLAST_TRIANGLES, ENG_QUALITY_MEDIAN);
+    start(0.9, BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
     stand_still(0.3);
-    uint32_t root = blast.scene->root;
-    size_t bytes = blast.scene->objects[blast.idx].nodes.count * sizeof(struct eng_node);
+    uint32_t root = eng_trees_of(blast.scene)->root;
+    size_t bytes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes.count *
+                   sizeof(struct eng_node);
     struct eng_node *nodes = malloc(bytes);
     assert_non_null(nodes);
-    memcpy(nodes, blast.scene->nodes + root, bytes);
+    memcpy(nodes, eng_trees_of(blast.scene)->nodes + root, bytes);
     struct eng_step_result again = stand_still(0.3);
     assert_int_equal(again.counters.rebuilds, 0);
-    assert_memory_equal(blast.scene->nodes + root, nodes, bytes);
+    assert_memory_equal(eng_trees_of(blast.scene)->nodes + root, nodes, bytes);
     free(nodes);
     blast_deinit(&blast);
 }
@@ -115,9 +116,9 @@ static void rebuild__good_nodes_are_left_alone(void **state)
     (void)state;
     static double x[BLAST_VERTICES][3];
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result;
-    start(0.9, 300, ENG_QUALITY_MEDIAN);
+    start(0.9, 300, PCCD_QUALITY_MEDIAN);
     for (uint32_t step = 1; step < STEPS; step++) {
         for (uint32_t v = 0; v < BLAST_VERTICES; v++) {
             for (int k = 0; k < 3; k++) {
@@ -125,9 +126,10 @@ static void rebuild__good_nodes_are_left_alone(void **state)
             }
         }
         eng_stage_begin(blast.scene);
-        int status = eng_stage_x1(blast.scene, blast.idx, ENG_F64, 0, BLAST_VERTICES, x);
-        assert_int_equal(status, ENG_OK);
-        assert_int_equal(eng_step(blast.scene, &settings, &result), ENG_OK);
+        int status =
+            eng_stage_x1(blast.scene, blast.idx, PCCD_FORMAT_F64, 0, BLAST_VERTICES, x);
+        assert_int_equal(status, PCCD_OK);
+        assert_int_equal(eng_step(blast.scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.counters.rebuilds, 0);
         assert_int_equal(result.counters.swaps, 0);
     }
@@ -140,23 +142,24 @@ static void rebuild__nodes_that_stay_poor_are_built_once(void **state)
     (void)state;
     struct kit_random random = {62};
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     struct eng_scene *scene;
     uint32_t idx;
     uint32_t poor = 0;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     struct eng_mesh *mesh = kit_soup(&random, 600);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 0, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct eng_step_result result;
         eng_stage_begin(scene);
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.counters.rebuilds, 0);
     }
-    for (uint32_t i = 0; i < scene->objects[idx].nodes.count; i++) {
-        const struct eng_node *node = &scene->nodes[i];
-        poor += node->count >= ENG_EXAMINE_MIN && eng_metric(scene->nodes, node) < 0.9f;
+    for (uint32_t i = 0; i < eng_planted_of(&scene->objects[idx])->nodes.count; i++) {
+        const struct eng_node *node = &eng_trees_of(scene)->nodes[i];
+        poor += node->count >= ENG_EXAMINE_MIN &&
+                eng_metric(eng_trees_of(scene)->nodes, node) < 0.9f;
     }
     assert_true(poor > 10);
     eng_scene_free(scene);
@@ -170,7 +173,7 @@ static void rebuild__threshold_decides(void **state)
     const double ratios[] = {0, 0.3, 0.7, 0.9, 1};
     uint64_t before = 0;
     for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++) {
-        start(ratios[i], BLAST_TRIANGLES, ENG_QUALITY_MEDIAN);
+        start(ratios[i], BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
         uint64_t triangles = 0;
         for (uint32_t step = 0; step < 4; step++) {
             triangles += run_alone(step).counters.rebuilt_triangles;
@@ -187,23 +190,25 @@ static void rebuild__threshold_decides(void **state)
 static void check_regions(const struct eng_node *before, uint32_t touched[2])
 {
     const struct eng_scene *scene = blast.scene;
-    struct eng_range nodes = scene->objects[blast.idx].nodes;
+    struct eng_range nodes = eng_planted_of(&scene->objects[blast.idx])->nodes;
     touched[0] = touched[1] = 0;
     for (uint32_t i = nodes.first; i < nodes.first + nodes.count; i++) {
-        if (scene->nodes[i].gate != ENG_GATE_REGION) {
+        if (eng_trees_of(scene)->nodes[i].gate != ENG_GATE_REGION) {
             continue;
         }
-        bool is_touched = atomic_load(&scene->upkeep[i].gate) == eng_gate_ready(scene);
+        bool is_touched =
+            atomic_load(&eng_trees_of(scene)->upkeep[i].gate) == eng_gate_ready(scene);
         touched[is_touched]++;
-        for (uint32_t k = i; k < i + 2 * scene->nodes[i].count - 1; k++) {
-            const struct eng_node *node = &scene->nodes[k];
+        for (uint32_t k = i; k < i + 2 * eng_trees_of(scene)->nodes[i].count - 1; k++) {
+            const struct eng_node *node = &eng_trees_of(scene)->nodes[k];
             const struct eng_node *old = &before[k - nodes.first];
             if (!is_touched) {
                 assert_int_equal(node->left, old->left);
                 assert_int_equal(node->right, old->right);
             } else if (node->count >= ENG_EXAMINE_MIN) {
-                assert_false(eng_metric_is_poor(eng_metric(scene->nodes, node),
-                                                scene->upkeep[k].built_ratio, 0.9f));
+                assert_false(
+                    eng_metric_is_poor(eng_metric(eng_trees_of(scene)->nodes, node),
+                                       eng_trees_of(scene)->upkeep[k].built_ratio, 0.9f));
             }
         }
     }
@@ -219,21 +224,22 @@ static void rebuild__touched_regions_are_made_good_and_no_others(void **state)
     for (int way = 0; way < 8; way++) {
         struct eng_step_settings settings =
             team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
-        start(0.9, 40, ENG_QUALITY_MEDIAN);
-        assert_int_equal(eng_plant_objects(blast.scene), ENG_OK);
-        struct eng_range nodes = blast.scene->objects[blast.idx].nodes;
+        start(0.9, 40, PCCD_QUALITY_MEDIAN);
+        assert_int_equal(eng_plant_objects(blast.scene), PCCD_OK);
+        struct eng_range nodes = eng_planted_of(&blast.scene->objects[blast.idx])->nodes;
         uint64_t rebuilds = 0;
         for (int part = 1; part >= 0; part--) {
             uint32_t touched[2];
             atomic_init(&cancel, part == 1);
             settings.cancel = &cancel;
-            memcpy(before, blast.scene->nodes + nodes.first,
+            memcpy(before, eng_trees_of(blast.scene)->nodes + nodes.first,
                    nodes.count * sizeof *before);
             struct eng_step_result result = run_step(STEPS, settings);
             check_regions(before, touched);
             /* One thread alone looks at the flag when there is something to test. */
             assert_true(part == 1 ? way < 2 || touched[0] > 10 : touched[0] == 0);
-            /* What was made aside meanwhile leaves less, or nothing, to the traversal. */
+            /* What was made in the background meanwhile leaves less, or nothing, to the
+             * traversal. */
             rebuilds += result.counters.rebuilds + result.counters.swaps;
         }
         assert_true(rebuilds > 0);
@@ -248,7 +254,7 @@ struct answer {
 
 static struct answer answer_of(const struct eng_step_result *result)
 {
-    return (struct answer){{result->hash_hi, result->hash_lo}, result->count};
+    return (struct answer){{result->hash[0], result->hash[1]}, result->count};
 }
 
 /* If it failed: a contact would depend on how hierarchies came to be. */
@@ -256,7 +262,7 @@ static void rebuild__answers_are_those_of_fresh_trees(void **state)
 {
     (void)state;
     struct answer expected[STEPS];
-    start(0, 1024, ENG_QUALITY_MEDIAN);
+    start(0, 1024, PCCD_QUALITY_MEDIAN);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct eng_step_result result = run_alone(step);
         expected[step] = answer_of(&result);
@@ -264,7 +270,7 @@ static void rebuild__answers_are_those_of_fresh_trees(void **state)
     }
     blast_deinit(&blast);
     for (int way = 0; way < 16; way++) {
-        enum eng_quality quality = way & 1 ? ENG_QUALITY_SAH : ENG_QUALITY_MEDIAN;
+        enum pccd_quality quality = way & 1 ? PCCD_QUALITY_SAH : PCCD_QUALITY_MEDIAN;
         enum eng_scheduler scheduler =
             way & 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
         uint64_t rebuilds = 0;
@@ -285,10 +291,10 @@ static void rebuild__answers_are_those_of_fresh_trees(void **state)
 static void rebuild__same_trees_by_any_number_of_threads(void **state)
 {
     (void)state;
-    struct eng_step_counters expected[STEPS];
+    struct pccd_step_counters expected[STEPS];
     for (int way = 0; way < 8; way++) {
-        start(0.9, 200, ENG_QUALITY_MEDIAN);
-        /* High nodes are built aside, and when depends on the clock. */
+        start(0.9, 200, PCCD_QUALITY_MEDIAN);
+        /* High nodes are built in the background, and when depends on the clock. */
         for (uint32_t step = 0; step < 1; step++) {
             struct eng_step_result result =
                 run_step(STEPS, team_of(1u << way / 2, way & 1 ? ENG_SCHEDULER_PAPER
@@ -310,18 +316,18 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
 {
     (void)state;
     struct answer expected[STEPS];
-    start(0, 1024, ENG_QUALITY_MEDIAN);
+    start(0, 1024, PCCD_QUALITY_MEDIAN);
     for (uint32_t step = 0; step < STEPS; step++) {
         struct eng_step_result result = run_alone(step);
         expected[step] = answer_of(&result);
     }
     blast_deinit(&blast);
-    start(0.9, 100, ENG_QUALITY_SAH);
+    start(0.9, 100, PCCD_QUALITY_SAH);
     for (uint32_t step = 0; step < STEPS; step++) {
         for (int i = 0; i < 8; i++) {
             struct eng_step_settings settings =
                 team_of(1u << i / 2, i & 1 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
-            settings.mode = i % 3 ? ENG_MODE_ALL : ENG_MODE_ANY;
+            settings.mode = i % 3 ? PCCD_MODE_ALL : PCCD_MODE_ANY;
             struct timespec now;
             clock_gettime(CLOCK_MONOTONIC, &now);
             settings.deadline_ns = (uint64_t)now.tv_sec * 1000000000u +
@@ -339,7 +345,7 @@ static void rebuild__steps_cut_short_leave_good_trees(void **state)
 static void rebuild__warm_steps_allocate_nothing(void **state)
 {
     (void)state;
-    start(0.9, BLAST_TRIANGLES, ENG_QUALITY_MEDIAN);
+    start(0.9, BLAST_TRIANGLES, PCCD_QUALITY_MEDIAN);
     stand_still(0.1); /* contacts take memory too: as many as will ever be */
     for (uint32_t step = 0; step < STEPS; step++) {
         blast_run(&blast, 0.1 * step, 0.1 * step + 0.1, team_of(2, ENG_SCHEDULER_STEAL));
@@ -361,7 +367,7 @@ static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t
                       struct eng_step_result *result)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     struct kit_random random = {63};
     eng_stage_begin(scene);
     for (uint32_t i = 0; i < OBJECTS; i++) {
@@ -373,9 +379,9 @@ static void fly_apart(struct eng_scene *scene, const uint32_t *objects, double t
             m0[4 * k + 3] = t * velocity + (k == 0 ? 2.0 * i : 0);
             m1[4 * k + 3] = (t + 0.1) * velocity + (k == 0 ? 2.0 * i : 0);
         }
-        assert_int_equal(eng_stage_rigid(scene, objects[i], 0, count, m0, m1), ENG_OK);
+        assert_int_equal(eng_stage_rigid(scene, objects[i], 0, count, m0, m1), PCCD_OK);
     }
-    assert_int_equal(eng_step(scene, &settings, result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, result), PCCD_OK);
     assert_true(eng_tree_validate(scene));
 }
 
@@ -391,10 +397,10 @@ static void rebuild__tree_over_objects_follows_them(void **state)
         uint32_t objects[OBJECTS];
         uint64_t rebuilds = 0;
         settings.rebuild_ratio = way == 0 ? 0.9 : 0;
-        assert_int_equal(eng_scene_new(&settings, &scene), ENG_OK);
+        assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
         for (uint32_t i = 0; i < OBJECTS; i++) {
             struct eng_mesh *mesh = kit_sheet(1, 0);
-            assert_int_equal(eng_scene_add(scene, mesh, i, &objects[i]), ENG_OK);
+            assert_int_equal(eng_scene_add(scene, mesh, i, &objects[i]), PCCD_OK);
             eng_mesh_release(mesh);
         }
         for (uint32_t step = 0; step < 40; step++) {

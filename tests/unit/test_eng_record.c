@@ -34,18 +34,18 @@ static struct eng_thread_record sum_of(const struct eng_step_result *result)
 static void record__counts_add_up_to_those_of_the_step(void **state)
 {
     struct crew *crew = *state;
-    struct eng_step_result alone = crew_run(crew, crew_alone(ENG_MODE_ALL));
+    struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
     uint64_t pairs = alone.thread_records[0].pairs;
     assert_true(pairs > 0);
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i);
+        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         struct eng_thread_record sum = sum_of(&team);
         assert_int_equal(team.threads, settings.threads);
         assert_int_equal(sum.task_units, team.counters.task_units);
         assert_int_equal(sum.box_tests, team.counters.box_tests);
-        assert_int_equal(sum.tests,
-                         team.counters.candidates_vf + team.counters.candidates_ee);
+        assert_int_equal(sum.tests, team.counters.candidates[PCCD_VF] +
+                                        team.counters.candidates[PCCD_EE]);
         assert_int_equal(sum.pairs, pairs);
     }
 }
@@ -55,7 +55,7 @@ static void record__listed_candidates_are_not_tests(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_result team = crew_run(crew, crew_team(ENG_MODE_PAIRS, i));
+        struct eng_step_result team = crew_run(crew, crew_team(PCCD_MODE_PAIRS, i));
         assert_true(team.count > 0);
         assert_int_equal(sum_of(&team).tests, 0);
     }
@@ -66,7 +66,7 @@ static void record__times_lie_within_the_step(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i);
+        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         assert_int_equal(team.times.low + team.times.high,
                          team.times.traversal + team.times.tests);
@@ -85,7 +85,7 @@ static void record__times_lie_within_the_step(void **state)
                         record->low_ns + record->high_ns);
             assert_true(record->wait_ns > 0);
         }
-        bool has_high = settings.scheduler == ENG_SCHEDULER_PAPER;
+        bool has_high = settings.tuning.scheduler == ENG_SCHEDULER_PAPER;
         assert_int_equal(team.times.high > 0, has_high);
         assert_int_equal(sum_of(&team).high_ns > 0, has_high);
     }
@@ -97,11 +97,11 @@ static void record__what_is_given_is_received(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i);
+        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i);
         struct eng_step_result team = crew_run(crew, settings);
         struct eng_thread_record sum = sum_of(&team);
         assert_true(sum.requests >= sum.steals);
-        if (settings.scheduler == ENG_SCHEDULER_PAPER) {
+        if (settings.tuning.scheduler == ENG_SCHEDULER_PAPER) {
             assert_int_equal(sum.given, sum.steals);
             assert_true(sum.sleeps >= sum.steals);
         } else {
@@ -114,7 +114,7 @@ static void record__what_is_given_is_received(void **state)
 static void record__one_thread_never_waits(void **state)
 {
     struct crew *crew = *state;
-    struct eng_step_result alone = crew_run(crew, crew_alone(ENG_MODE_ALL));
+    struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
     const struct eng_thread_record *record = alone.thread_records;
     assert_int_equal(alone.threads, 1);
     assert_int_equal(alone.times.high, 0);

@@ -4,7 +4,7 @@
  * Does:     containment and tightness after random steps; refitting twice is as once.
  * Does not: change the shape of trees.
  * Threads:  one.
- * Source:   daemon/engine/refit.h; paper section 6.1.
+ * Source:   daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
 
@@ -24,11 +24,11 @@ static struct eng_scene *new_scene(struct kit_random *random, uint32_t objects)
     struct eng_scene_settings settings = ENG_SCENE_SETTINGS_DEFAULT;
     struct eng_scene *scene = NULL;
     settings.rebuild_ratio = 0; /* refit alone */
-    assert_int_equal(eng_scene_new(&settings, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(&settings, &scene), PCCD_OK);
     for (uint32_t i = 0; i < objects; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(random, VERTICES / 3);
-        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), PCCD_OK);
         eng_mesh_release(mesh);
     }
     return scene;
@@ -39,16 +39,17 @@ static void run(struct eng_scene *scene)
 {
     const atomic_bool cancel = true;
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result;
-    settings.mode = ENG_MODE_ANY;
+    settings.mode = PCCD_MODE_ANY;
     settings.cancel = &cancel;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
 }
 
 static void move_to(struct eng_scene *scene, uint32_t object_idx, const double (*x)[3])
 {
-    assert_int_equal(eng_stage_x1(scene, object_idx, ENG_F64, 0, VERTICES, x), ENG_OK);
+    assert_int_equal(eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, VERTICES, x),
+                     PCCD_OK);
 }
 
 /* Around everywhere, at scales from tiny to huge. */
@@ -82,17 +83,17 @@ static void check_point(const struct eng_scene *scene, const void *record, uint3
 static void check_all(const struct eng_scene *scene)
 {
     for (uint32_t v = 0; v < scene->vertex_ranges.end; v++) {
-        check_point(scene, &scene->vertices[v], v);
+        check_point(scene, &eng_trees_of(scene)->vertices[v], v);
     }
-    for (uint32_t e = 0; e < scene->edge_ranges.end; e++) {
-        const struct eng_edge *edge = &scene->edges[e];
+    for (uint32_t e = 0; e < eng_trees_of(scene)->edge_ranges.end; e++) {
+        const struct eng_edge *edge = &eng_trees_of(scene)->edges[e];
         check_point(scene, edge, edge->a);
         check_point(scene, edge, edge->b);
     }
-    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
-        const struct eng_node *node = &scene->nodes[i];
+    for (uint32_t i = 0; i < eng_trees_of(scene)->node_ranges.end; i++) {
+        const struct eng_node *node = &eng_trees_of(scene)->nodes[i];
         for (int k = 0; k < 3 && node->left == ENG_LEAF; k++) {
-            check_point(scene, node, scene->triangles[node->right].v[k]);
+            check_point(scene, node, eng_trees_of(scene)->triangles[node->right].v[k]);
         }
     }
     assert_true(eng_tree_validate(scene));
@@ -133,7 +134,8 @@ static void refit__root_is_as_tight_as_the_vertices(void **state)
             move_to(scene, idx, (const double(*)[3])x);
         }
         run(scene);
-        const struct eng_node *root = &scene->nodes[scene->root];
+        const struct eng_node *root =
+            &eng_trees_of(scene)->nodes[eng_trees_of(scene)->root];
         struct eng_box all = box_of(scene, 0);
         for (uint32_t v = 1; v < scene->vertex_ranges.end; v++) {
             struct eng_box point = box_of(scene, v);
@@ -165,9 +167,12 @@ static void *copy_of(const void *data, size_t bytes)
 static struct snapshot snap(const struct eng_scene *scene)
 {
     return (struct snapshot){
-        copy_of(scene->nodes, scene->node_ranges.end * sizeof *scene->nodes),
-        copy_of(scene->edges, scene->edge_ranges.end * sizeof *scene->edges),
-        copy_of(scene->vertices, scene->vertex_ranges.end * sizeof *scene->vertices)};
+        copy_of(eng_trees_of(scene)->nodes, eng_trees_of(scene)->node_ranges.end *
+                                                sizeof *eng_trees_of(scene)->nodes),
+        copy_of(eng_trees_of(scene)->edges, eng_trees_of(scene)->edge_ranges.end *
+                                                sizeof *eng_trees_of(scene)->edges),
+        copy_of(eng_trees_of(scene)->vertices,
+                scene->vertex_ranges.end * sizeof *eng_trees_of(scene)->vertices)};
 }
 
 static void drop(struct snapshot *snapshot)
@@ -179,12 +184,14 @@ static void drop(struct snapshot *snapshot)
 
 static void check_same(const struct eng_scene *scene, const struct snapshot *before)
 {
-    assert_memory_equal(scene->nodes, before->nodes,
-                        scene->node_ranges.end * sizeof *scene->nodes);
-    assert_memory_equal(scene->edges, before->edges,
-                        scene->edge_ranges.end * sizeof *scene->edges);
-    assert_memory_equal(scene->vertices, before->vertices,
-                        scene->vertex_ranges.end * sizeof *scene->vertices);
+    assert_memory_equal(eng_trees_of(scene)->nodes, before->nodes,
+                        eng_trees_of(scene)->node_ranges.end *
+                            sizeof *eng_trees_of(scene)->nodes);
+    assert_memory_equal(eng_trees_of(scene)->edges, before->edges,
+                        eng_trees_of(scene)->edge_ranges.end *
+                            sizeof *eng_trees_of(scene)->edges);
+    assert_memory_equal(eng_trees_of(scene)->vertices, before->vertices,
+                        scene->vertex_ranges.end * sizeof *eng_trees_of(scene)->vertices);
 }
 
 /* If it failed: boxes would grow from step to step without a cause. */
@@ -200,8 +207,10 @@ static void refit__repeated_refit_does_not_inflate(void **state)
     struct snapshot first = {NULL, NULL, NULL};
     for (int round = 0; round < 6; round++) {
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, VERTICES, p, q), ENG_OK);
-        assert_int_equal(eng_stage_x0x1(scene, 1, ENG_F64, 0, VERTICES, q, p), ENG_OK);
+        assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, VERTICES, p, q),
+                         PCCD_OK);
+        assert_int_equal(eng_stage_x0x1(scene, 1, PCCD_FORMAT_F64, 0, VERTICES, q, p),
+                         PCCD_OK);
         run(scene);
         if (round == 0) {
             first = snap(scene);
@@ -231,8 +240,8 @@ static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
     move_to(scene, 0, (const double(*)[3])x);
     run(scene);
     run(scene);
-    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
-        const struct eng_node *node = &scene->nodes[i];
+    for (uint32_t i = 0; i < eng_trees_of(scene)->node_ranges.end; i++) {
+        const struct eng_node *node = &eng_trees_of(scene)->nodes[i];
         assert_memory_equal(node->lo0, node->lo1, sizeof node->lo0);
         assert_memory_equal(node->hi0, node->hi1, sizeof node->hi0);
     }
@@ -251,12 +260,12 @@ static void refit_plan__covers_every_node_within_its_memory(void **state)
     run(scene); /* builds the tree over the objects */
     for (uint32_t threads = 1; threads < 250; threads += 3) {
         enum eng_refit_scheme scheme = threads % 2 ? ENG_REFIT_EVEN : ENG_REFIT_PAPER;
-        assert_int_equal(eng_refit_plan_tree(&plan, scene, scheme, threads), ENG_OK);
+        assert_int_equal(eng_refit_plan_tree(&plan, scene, scheme, threads), PCCD_OK);
         assert_true(plan.opened_count <= plan.capacity);
         assert_true(plan.root_count <= plan.capacity + 1);
         uint32_t covered = plan.opened_count;
         for (uint32_t i = 0; i < plan.root_count; i++) {
-            covered += 2 * scene->nodes[plan.roots[i]].count - 1;
+            covered += 2 * eng_trees_of(scene)->nodes[plan.roots[i]].count - 1;
         }
         assert_int_equal(covered, 2 * VERTICES - 1); /* three objects of VERTICES / 3 */
     }

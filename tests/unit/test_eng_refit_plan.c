@@ -3,7 +3,7 @@
  * Room:     engine (refit_plan.h, refit.h, world.h).
  * Does:     hold plans against the tree and the ranges that they divide.
  * Threads:  one.
- * Source:   daemon/engine/tree/refit_plan.h; paper section 6.1.
+ * Source:   daemon/engine/paper/refit_plan.h; paper section 6.1.
  */
 #include "eng_kit.h"
 
@@ -12,6 +12,7 @@
 
 #include "build.h"
 #include "refit.h"
+#include "step.h"
 
 /* Very different sizes, so that the tree over the objects is lopsided. */
 static const uint32_t sizes[] = {700, 1, 3, 1, 40, 2, 1, 2000, 1, 5, 1};
@@ -30,16 +31,16 @@ static int setup(void **state)
     struct fixture *f = calloc(1, sizeof *f);
     struct kit_random random = {11};
     assert_non_null(f);
-    assert_int_equal(eng_scene_new(NULL, &f->scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f->scene), PCCD_OK);
     for (uint32_t i = 0; i < OBJECT_COUNT; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(&random, sizes[i]);
-        assert_int_equal(eng_scene_add(f->scene, mesh, i, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(f->scene, mesh, i, &idx), PCCD_OK);
         eng_mesh_release(mesh);
     }
-    assert_int_equal(eng_scene_remove(f->scene, 4), ENG_OK); /* a gap in every array */
-    assert_int_equal(eng_plant_objects(f->scene), ENG_OK);
-    assert_int_equal(eng_build_top(f->scene), ENG_OK);
+    assert_int_equal(eng_scene_remove(f->scene, 4), PCCD_OK); /* a gap in every array */
+    assert_int_equal(eng_plant_objects(f->scene), PCCD_OK);
+    assert_int_equal(eng_build_top(f->scene), PCCD_OK);
     *state = f;
     return 0;
 }
@@ -55,7 +56,7 @@ static int teardown(void **state)
 
 static void divide(struct fixture *f, enum eng_refit_scheme scheme, uint32_t threads)
 {
-    assert_int_equal(eng_refit_plan_tree(&f->plan, f->scene, scheme, threads), ENG_OK);
+    assert_int_equal(eng_refit_plan_tree(&f->plan, f->scene, scheme, threads), PCCD_OK);
 }
 
 /* Opened nodes come after their parents, and their children are opened or roots. */
@@ -68,9 +69,11 @@ static void check_tree(const struct fixture *f)
     for (uint32_t i = 0; i < plan->opened_count; i++) {
         uint32_t parent = plan->opened_parent[i];
         assert_int_equal(atomic_load(&plan->unfinished[i]), 2);
-        assert_int_equal(parent == ENG_NO_NODE, plan->opened[i] == f->scene->root);
+        assert_int_equal(parent == ENG_NO_NODE,
+                         plan->opened[i] == eng_trees_of(f->scene)->root);
         if (parent != ENG_NO_NODE) {
-            const struct eng_node *up = &f->scene->nodes[plan->opened[parent]];
+            const struct eng_node *up =
+                &eng_trees_of(f->scene)->nodes[plan->opened[parent]];
             assert_true(parent < i);
             assert_true(up->left == plan->opened[i] || up->right == plan->opened[i]);
             children[parent]++;
@@ -78,10 +81,12 @@ static void check_tree(const struct fixture *f)
     }
     for (uint32_t i = 0; i < plan->root_count; i++) {
         uint32_t parent = plan->root_parent[i];
-        triangles += f->scene->nodes[plan->roots[i]].count;
-        assert_int_equal(parent == ENG_NO_NODE, plan->roots[i] == f->scene->root);
+        triangles += eng_trees_of(f->scene)->nodes[plan->roots[i]].count;
+        assert_int_equal(parent == ENG_NO_NODE,
+                         plan->roots[i] == eng_trees_of(f->scene)->root);
         if (parent != ENG_NO_NODE) {
-            const struct eng_node *up = &f->scene->nodes[plan->opened[parent]];
+            const struct eng_node *up =
+                &eng_trees_of(f->scene)->nodes[plan->opened[parent]];
             assert_true(up->left == plan->roots[i] || up->right == plan->roots[i]);
             children[parent]++;
         }
@@ -89,7 +94,8 @@ static void check_tree(const struct fixture *f)
     for (uint32_t i = 0; i < plan->opened_count; i++) {
         assert_int_equal(children[i], 2);
     }
-    assert_int_equal(triangles, f->scene->nodes[f->scene->root].count);
+    assert_int_equal(triangles,
+                     eng_trees_of(f->scene)->nodes[eng_trees_of(f->scene)->root].count);
     free(children);
 }
 
@@ -121,12 +127,13 @@ static void refit_plan__paper_has_two_subtrees_a_thread(void **state)
 static void refit_plan__even_subtrees_are_small(void **state)
 {
     struct fixture *f = *state;
-    uint32_t triangles = f->scene->nodes[f->scene->root].count;
+    uint32_t triangles =
+        eng_trees_of(f->scene)->nodes[eng_trees_of(f->scene)->root].count;
     for (size_t i = 0; i < TEAM_COUNT; i++) {
         divide(f, ENG_REFIT_EVEN, teams[i]);
         assert_int_equal(f->plan.dealt, 0);
         for (uint32_t k = 0; k < f->plan.root_count; k++) {
-            uint32_t count = f->scene->nodes[f->plan.roots[k]].count;
+            uint32_t count = eng_trees_of(f->scene)->nodes[f->plan.roots[k]].count;
             assert_true(count == 1 || count <= triangles / (16 * teams[i]));
         }
     }
@@ -154,17 +161,18 @@ static void refit_plan__chunks_hold_every_feature_once(void **state)
     static unsigned char edges[1 << 16];
     struct fixture *f = *state;
     assert_true(f->scene->vertex_ranges.end < sizeof seen);
-    assert_true(f->scene->edge_ranges.end < sizeof seen);
+    assert_true(eng_trees_of(f->scene)->edge_ranges.end < sizeof seen);
     for (uint32_t i = 0; i < OBJECT_COUNT; i++) {
         const struct eng_object *object = eng_scene_object(f->scene, i);
         if (object) {
             memset(vertices + object->vertices.first, 1, object->vertices.count);
-            memset(edges + object->edges.first, 1, object->edges.count);
+            memset(edges + eng_planted_of(object)->edges.first, 1,
+                   eng_planted_of(object)->edges.count);
         }
     }
-    assert_int_equal(eng_refit_plan_features(&f->plan, f->scene), ENG_OK);
+    assert_int_equal(eng_refit_plan_features(&f->plan, f->scene), PCCD_OK);
     check_chunks(&f->plan.vertices, f->scene->vertex_ranges.end, seen, vertices);
-    check_chunks(&f->plan.edges, f->scene->edge_ranges.end, seen, edges);
+    check_chunks(&f->plan.edges, eng_trees_of(f->scene)->edge_ranges.end, seen, edges);
     uint64_t least = f->scene->vertex_ranges.end / ENG_REFIT_CHUNK;
     assert_true(f->plan.vertices.count <= least + 3); /* neighbours share chunks */
 }
@@ -172,7 +180,8 @@ static void refit_plan__chunks_hold_every_feature_once(void **state)
 static void forget(struct eng_scene *scene, struct eng_range nodes)
 {
     for (uint32_t i = nodes.first; i < nodes.first + nodes.count; i++) {
-        memset(scene->nodes[i].lo0, 0xff, sizeof scene->nodes[i].lo0);
+        memset(eng_trees_of(scene)->nodes[i].lo0, 0xff,
+               sizeof eng_trees_of(scene)->nodes[i].lo0);
     }
 }
 
@@ -182,22 +191,24 @@ static void refit_plan__every_subtree_is_refit_as_a_whole(void **state)
     struct fixture *f = *state;
     struct eng_scene *scene = f->scene;
     eng_refit(scene);
-    size_t bytes = scene->node_ranges.end * sizeof *scene->nodes;
+    size_t bytes =
+        eng_trees_of(scene)->node_ranges.end * sizeof *eng_trees_of(scene)->nodes;
     void *expected = malloc(bytes);
     assert_non_null(expected);
-    memcpy(expected, scene->nodes, bytes);
-    for (uint32_t i = 0; i < scene->top.count; i++) {
-        uint32_t root = scene->top.first + i;
-        forget(scene, scene->top);
+    memcpy(expected, eng_trees_of(scene)->nodes, bytes);
+    for (uint32_t i = 0; i < eng_trees_of(scene)->top.count; i++) {
+        uint32_t root = eng_trees_of(scene)->top.first + i;
+        forget(scene, eng_trees_of(scene)->top);
         for (uint32_t k = 0; k < OBJECT_COUNT; k++) {
             const struct eng_object *object = eng_scene_object(scene, k);
-            forget(scene, object ? object->nodes : (struct eng_range){0, 0});
+            forget(scene,
+                   object ? eng_planted_of(object)->nodes : (struct eng_range){0, 0});
         }
         eng_refit_subtree(scene, root);
         const struct eng_node *was = (const struct eng_node *)expected + root;
-        assert_memory_equal(&scene->nodes[root], was, sizeof *was);
+        assert_memory_equal(&eng_trees_of(scene)->nodes[root], was, sizeof *was);
         eng_refit(scene);
-        assert_memory_equal(scene->nodes, expected, bytes);
+        assert_memory_equal(eng_trees_of(scene)->nodes, expected, bytes);
     }
     free(expected);
 }

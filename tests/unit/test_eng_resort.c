@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "step.h"
+#include "wide_state.h"
 #include "worker.h"
 #include "world.h"
 
@@ -31,8 +32,8 @@ static void start(void)
     struct kit_random random = {91};
     struct eng_mesh *mesh = kit_soup(&random, COUNT);
     memcpy(soup.rest, mesh->x, sizeof soup.rest);
-    assert_int_equal(eng_scene_new(NULL, &soup.scene), ENG_OK);
-    assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &soup.scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), PCCD_OK);
     eng_mesh_release(mesh);
     soup.x = malloc(sizeof soup.rest);
     assert_non_null(soup.x);
@@ -58,20 +59,20 @@ static void shuffle(void)
     }
 }
 
-static struct eng_step_result step(enum eng_mode mode, uint32_t threads)
+static struct eng_step_result step(enum pccd_mode mode, uint32_t threads)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    settings.method = ENG_METHOD_WIDE;
+    settings.method = PCCD_METHOD_WIDE;
     settings.mode = mode;
     settings.threads = threads;
     settings.team_always = true;
     eng_stage_begin(soup.scene);
-    assert_int_equal(
-        eng_stage_x0x1(soup.scene, soup.idx, ENG_F64, 0, VERTICES, soup.x, soup.x),
-        ENG_OK);
-    assert_int_equal(eng_step(soup.scene, &settings, &result), ENG_OK);
-    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_int_equal(eng_stage_x0x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES,
+                                    soup.x, soup.x),
+                     PCCD_OK);
+    assert_int_equal(eng_step(soup.scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
     return result;
 }
 
@@ -80,7 +81,7 @@ static struct eng_step_result step(enum eng_mode mode, uint32_t threads)
 static struct eng_step_result until_sorted(uint32_t threads, uint32_t *steps)
 {
     for (*steps = 0; *steps < 10000; (*steps)++) {
-        struct eng_step_result result = step(ENG_MODE_PAIRS, threads);
+        struct eng_step_result result = step(PCCD_MODE_PAIRS, threads);
         if (result.counters.swaps > 0) {
             assert_int_equal(result.counters.swaps, 1);
             assert_int_equal(result.counters.swapped_triangles, COUNT);
@@ -100,16 +101,17 @@ static void resort__makes_a_mixed_soup_as_good_as_new(void **state)
     for (uint32_t threads = 1; threads <= 2; threads++) {
         uint32_t steps;
         start();
-        struct eng_step_result fresh = step(ENG_MODE_PAIRS, threads);
+        struct eng_step_result fresh = step(PCCD_MODE_PAIRS, threads);
         shuffle();
-        struct eng_step_result mixed = step(ENG_MODE_PAIRS, threads);
+        struct eng_step_result mixed = step(PCCD_MODE_PAIRS, threads);
         assert_true(mixed.counters.box_tests > 2 * fresh.counters.box_tests);
         struct eng_step_result sorted = until_sorted(threads, &steps);
         assert_true(steps >= 1); /* a share in each, not all at once */
         assert_true(10 * sorted.counters.box_tests < 11 * fresh.counters.box_tests);
-        assert_int_equal(sorted.hash_lo, mixed.hash_lo);
+        assert_int_equal(sorted.hash[1], mixed.hash[1]);
         assert_int_equal(sorted.count, mixed.count);
-        assert_int_equal(eng_wide_resort_bytes(&soup.scene->wide.resort), 0);
+        assert_int_equal(eng_wide_resort_bytes(&eng_wide_state_of(soup.scene)->resort),
+                         0);
         end();
     }
 }
@@ -120,8 +122,8 @@ static void resort__leaves_a_good_order_alone(void **state)
     (void)state;
     start();
     for (uint32_t i = 0; i < 50; i++) {
-        assert_int_equal(step(ENG_MODE_PAIRS, 1).counters.swaps, 0);
-        assert_int_equal(soup.scene->wide.resort.state, ENG_WIDE_IDLE);
+        assert_int_equal(step(PCCD_MODE_PAIRS, 1).counters.swaps, 0);
+        assert_int_equal(eng_wide_state_of(soup.scene)->resort.state, ENG_WIDE_IDLE);
     }
     end();
 }
@@ -136,20 +138,22 @@ static void resort__forgets_what_it_began_when_objects_change(void **state)
         struct kit_random random = {3};
         uint32_t other;
         start();
-        step(ENG_MODE_PAIRS, 1);
+        step(PCCD_MODE_PAIRS, 1);
         shuffle();
-        for (uint32_t steps = 0; soup.scene->wide.resort.state != states[i]; steps++) {
+        for (uint32_t steps = 0; eng_wide_state_of(soup.scene)->resort.state != states[i];
+             steps++) {
             assert_true(steps < 10000);
             if (states[i] == ENG_WIDE_SORTING) {
-                soup.scene->wide.resort.budget_ns = 0; /* a piece: not all in one step */
+                eng_wide_state_of(soup.scene)->resort.budget_ns =
+                    0; /* a piece: not all in one step */
             }
-            step(ENG_MODE_PAIRS, 1);
+            step(PCCD_MODE_PAIRS, 1);
         }
         struct eng_mesh *mesh = kit_soup(&random, 50);
-        assert_int_equal(eng_scene_add(soup.scene, mesh, 2, &other), ENG_OK);
+        assert_int_equal(eng_scene_add(soup.scene, mesh, 2, &other), PCCD_OK);
         eng_mesh_release(mesh);
-        assert_int_equal(step(ENG_MODE_PAIRS, 1).counters.swaps, 0);
-        assert_int_equal(soup.scene->wide.resort.state, ENG_WIDE_IDLE);
+        assert_int_equal(step(PCCD_MODE_PAIRS, 1).counters.swaps, 0);
+        assert_int_equal(eng_wide_state_of(soup.scene)->resort.state, ENG_WIDE_IDLE);
         end();
     }
 }
@@ -160,8 +164,8 @@ static void spoil(struct eng_wide_resort *resort)
     const struct eng_object *object = &soup.scene->objects[soup.idx];
     struct kit_random random = {17};
     struct eng_split_item *part = resort->items;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t count = object->order->count[kind];
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        uint32_t count = eng_wide_order_of(object)->count[kind];
         for (uint32_t i = 0; i < count; i++) {
             uint32_t other = kit_below(&random, i + 1);
             struct eng_split_item item = part[i];
@@ -178,30 +182,30 @@ static void resort__takes_back_an_order_that_is_worse(void **state)
 {
     (void)state;
     start();
-    struct eng_wide_resort *resort = &soup.scene->wide.resort;
-    step(ENG_MODE_PAIRS, 1);
-    struct eng_step_result good = step(ENG_MODE_PAIRS, 1);
+    struct eng_wide_resort *resort = &eng_wide_state_of(soup.scene)->resort;
+    step(PCCD_MODE_PAIRS, 1);
+    struct eng_step_result good = step(PCCD_MODE_PAIRS, 1);
     resort->state = ENG_WIDE_WANTED;
     while (resort->state != ENG_WIDE_SORTED) {
-        step(ENG_MODE_PAIRS, 1);
+        step(PCCD_MODE_PAIRS, 1);
     }
     spoil(resort);
-    struct eng_step_result tried = step(ENG_MODE_PAIRS, 1);
+    struct eng_step_result tried = step(PCCD_MODE_PAIRS, 1);
     assert_int_equal(tried.counters.swaps, 1);
     assert_true(tried.counters.box_tests > 2 * good.counters.box_tests);
-    assert_int_equal(tried.hash_lo, good.hash_lo);
-    struct eng_step_result back = step(ENG_MODE_PAIRS, 1);
+    assert_int_equal(tried.hash[1], good.hash[1]);
+    struct eng_step_result back = step(PCCD_MODE_PAIRS, 1);
     assert_int_equal(back.counters.swaps, 1);
     assert_int_equal(back.counters.box_tests, good.counters.box_tests);
-    assert_int_equal(back.hash_lo, good.hash_lo);
+    assert_int_equal(back.hash[1], good.hash[1]);
     assert_int_equal(resort->state, ENG_WIDE_IDLE);
     assert_int_equal(eng_wide_resort_bytes(resort), 0);
     /* As much as would ask for a sort, but for the one that was in vain. */
-    resort->least_tests[ENG_MODE_PAIRS] = good.counters.box_tests / 2;
-    step(ENG_MODE_PAIRS, 1);
+    resort->least_tests[PCCD_MODE_PAIRS] = good.counters.box_tests / 2;
+    step(PCCD_MODE_PAIRS, 1);
     assert_int_equal(resort->state, ENG_WIDE_IDLE);
-    resort->refused_tests[ENG_MODE_PAIRS] = good.counters.box_tests / 2;
-    step(ENG_MODE_PAIRS, 1);
+    resort->refused_tests[PCCD_MODE_PAIRS] = good.counters.box_tests / 2;
+    step(PCCD_MODE_PAIRS, 1);
     assert_int_equal(resort->state, ENG_WIDE_WANTED);
     end();
 }
@@ -214,8 +218,8 @@ static void resort__shares_are_short_and_end_with_the_step(void **state)
     const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_stop stop;
     start();
-    step(ENG_MODE_PAIRS, 1);
-    struct eng_wide_resort *resort = &soup.scene->wide.resort;
+    step(PCCD_MODE_PAIRS, 1);
+    struct eng_wide_resort *resort = &eng_wide_state_of(soup.scene)->resort;
     resort->state = ENG_WIDE_WANTED;
     eng_wide_resort_prepare(resort, soup.scene);
     assert_int_equal(resort->state, ENG_WIDE_SORTING);
@@ -225,7 +229,7 @@ static void resort__shares_are_short_and_end_with_the_step(void **state)
     eng_wide_resort_share(resort, soup.scene, &stop);
     assert_int_equal(resort->sources, 0);
     atomic_store(&stop.stopped, false);
-    while (resort->kind != ENG_WIDE_EDGES || resort->sources == 0) {
+    while (resort->kind != PCCD_TREE_EDGES || resort->sources == 0) {
         assert_int_equal(resort->state, ENG_WIDE_SORTING);
         eng_wide_resort_share(resort, soup.scene, &stop);
     }
@@ -273,7 +277,7 @@ static uint32_t add_pieces(struct eng_scene *scene, const double (*x)[3])
     }
     struct eng_mesh *mesh =
         kit_mesh(x, PIECES * SHEET, (const uint32_t(*)[3])triangles, count);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     return idx;
 }
@@ -284,27 +288,27 @@ static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    settings.method = ENG_METHOD_WIDE;
-    settings.mode = ENG_MODE_PAIRS;
+    settings.method = PCCD_METHOD_WIDE;
+    settings.mode = PCCD_MODE_PAIRS;
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x0x1(scene, idx, ENG_F64, 0, PIECES * SHEET, x, x),
-                     ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(scene, idx, PCCD_FORMAT_F64, 0, PIECES * SHEET, x, x),
+                     PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     return result;
 }
 
 /* Which piece the features of an order are of: each piece's follow each other. */
 static void check_pieces(const struct eng_object *object)
 {
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t changes = 0, last = PIECES;
-        for (uint32_t i = 0; i < object->order->count[kind]; i++) {
-            uint32_t f = object->order->feature[kind][i];
+        for (uint32_t i = 0; i < eng_wide_order_of(object)->count[kind]; i++) {
+            uint32_t f = eng_wide_order_of(object)->feature[kind][i];
             if (f == ENG_WIDE_NO_FEATURE) {
                 continue;
             }
-            uint32_t vertex = kind == ENG_WIDE_VERTICES ? f
-                              : kind == ENG_WIDE_EDGES  ? object->mesh->edges[f][0]
+            uint32_t vertex = kind == PCCD_TREE_VERTICES ? f
+                              : kind == PCCD_TREE_EDGES  ? object->mesh->edges[f][0]
                                                         : object->mesh->triangles[f].v[0];
             changes += vertex / SHEET != last;
             last = vertex / SHEET;
@@ -323,22 +327,22 @@ static void resort__pieces_may_fly_apart(void **state)
     uint32_t idx[2];
     for (int i = 0; i < 2; i++) {
         put_pieces(x, i == 1);
-        assert_int_equal(eng_scene_new(NULL, &scenes[i]), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scenes[i]), PCCD_OK);
         idx[i] = add_pieces(scenes[i], (const double(*)[3])x);
         check_pieces(&scenes[i]->objects[idx[i]]);
     }
     struct eng_step_result flown = step_pieces(scenes[0], idx[0], (const double(*)[3])x);
     struct eng_step_result fresh = step_pieces(scenes[1], idx[1], (const double(*)[3])x);
-    assert_int_equal(flown.hash_lo, fresh.hash_lo);
+    assert_int_equal(flown.hash[1], fresh.hash[1]);
     assert_true(flown.counters.box_tests < 2 * fresh.counters.box_tests);
 
-    scenes[0]->wide.resort.state = ENG_WIDE_WANTED;
+    eng_wide_state_of(scenes[0])->resort.state = ENG_WIDE_WANTED;
     struct eng_step_result sorted;
     do {
         sorted = step_pieces(scenes[0], idx[0], (const double(*)[3])x);
     } while (sorted.counters.swaps == 0);
     check_pieces(&scenes[0]->objects[idx[0]]);
-    assert_int_equal(sorted.hash_lo, fresh.hash_lo);
+    assert_int_equal(sorted.hash[1], fresh.hash[1]);
     assert_int_equal(sorted.counters.box_tests, fresh.counters.box_tests);
     eng_scene_free(scenes[0]);
     eng_scene_free(scenes[1]);

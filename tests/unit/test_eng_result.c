@@ -23,7 +23,6 @@ struct lists {
     struct eng_records sorted;
     struct eng_merge merge;
     struct eng_counts counts;
-    uint64_t hash[2];
 };
 
 static int setup(void **state)
@@ -63,11 +62,11 @@ static uint32_t random_word(struct kit_random *random)
     }
 }
 
-static struct eng_pair random_name(struct kit_random *random)
+static struct pccd_pair random_name(struct kit_random *random)
 {
-    return (struct eng_pair){kit_below(random, 2), random_word(random),
-                             random_word(random), random_word(random),
-                             random_word(random)};
+    return (struct pccd_pair){kit_below(random, 2), random_word(random),
+                              random_word(random), random_word(random),
+                              random_word(random)};
 }
 
 static int compare_words(const uint32_t *a, const uint32_t *b)
@@ -82,8 +81,8 @@ static int compare_words(const uint32_t *a, const uint32_t *b)
 
 static int compare_pairs(const void *a, const void *b)
 {
-    const struct eng_pair *x = a;
-    const struct eng_pair *y = b;
+    const struct pccd_pair *x = a;
+    const struct pccd_pair *y = b;
     return x->kind != y->kind ? (x->kind < y->kind ? -1 : 1)
                               : compare_words(&x->object_a, &y->object_a);
 }
@@ -91,8 +90,8 @@ static int compare_pairs(const void *a, const void *b)
 /* By name, then by arrival (kept in `reserved`). */
 static int compare_contacts(const void *a, const void *b)
 {
-    const struct eng_contact *x = a;
-    const struct eng_contact *y = b;
+    const struct pccd_contact *x = a;
+    const struct pccd_contact *y = b;
     int order = x->kind != y->kind ? (x->kind < y->kind ? -1 : 1)
                                    : compare_words(&x->object_a, &y->object_a);
     return order != 0 ? order : (x->reserved < y->reserved ? -1 : 1);
@@ -109,8 +108,7 @@ static int sort(struct lists *lists)
 {
     struct eng_found *const both[2] = {&lists->found[0], &lists->found[1]};
     int status = eng_merge_begin(&lists->merge, both, 2, &lists->sorted);
-    return status == ENG_OK ? eng_merge_end(&lists->merge, &lists->counts, lists->hash)
-                            : status;
+    return status == PCCD_OK ? eng_merge_end(&lists->merge, &lists->counts) : status;
 }
 
 /* All records of both workers, in the order of their lists. */
@@ -133,13 +131,14 @@ static void *copy_found(const struct lists *lists)
 
 static void add_contacts(struct lists *lists, struct kit_random *random, uint32_t count)
 {
-    begin(lists, sizeof(struct eng_contact), LIMIT);
+    begin(lists, sizeof(struct pccd_contact), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
-        struct eng_pair name = random_name(random);
-        struct eng_contact *contact = eng_found_add(&lists->found[i >= count / 2], &name);
+        struct pccd_pair name = random_name(random);
+        struct pccd_contact *contact =
+            eng_found_add(&lists->found[i >= count / 2], &name);
         assert_non_null(contact);
         memset(&contact->toi, (int)i,
-               sizeof *contact - offsetof(struct eng_contact, toi));
+               sizeof *contact - offsetof(struct pccd_contact, toi));
         contact->flags = i & 3;
         contact->reserved = i;
     }
@@ -149,9 +148,9 @@ static void add_contacts(struct lists *lists, struct kit_random *random, uint32_
 
 static void add_pairs(struct lists *lists, struct kit_random *random, uint32_t count)
 {
-    begin(lists, sizeof(struct eng_pair), LIMIT);
+    begin(lists, sizeof(struct pccd_pair), LIMIT);
     for (uint32_t i = 0; i < count; i++) {
-        struct eng_pair name = random_name(random);
+        struct pccd_pair name = random_name(random);
         assert_non_null(eng_found_add(&lists->found[kit_below(random, 2)], &name));
     }
 }
@@ -163,12 +162,12 @@ static void result__contacts_sort_canonically(void **state)
     struct kit_random random = {80};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
         add_contacts(lists, &random, count);
-        size_t bytes = count * sizeof(struct eng_contact);
-        struct eng_contact *expected = copy_found(lists);
+        size_t bytes = count * sizeof(struct pccd_contact);
+        struct pccd_contact *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_contacts);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         assert_int_equal(lists->sorted.count, count);
-        assert_int_equal(lists->sorted.record_bytes, sizeof(struct eng_contact));
+        assert_int_equal(lists->sorted.record_bytes, sizeof(struct pccd_contact));
         assert_memory_equal(lists->sorted.data, expected, bytes);
         free(expected);
     }
@@ -181,10 +180,10 @@ static void result__pairs_sort_canonically(void **state)
     struct kit_random random = {81};
     for (uint32_t count = 1; count < 6000; count = count * 2 + 1) {
         add_pairs(lists, &random, count);
-        size_t bytes = count * sizeof(struct eng_pair);
-        struct eng_pair *expected = copy_found(lists);
+        size_t bytes = count * sizeof(struct pccd_pair);
+        struct pccd_pair *expected = copy_found(lists);
         qsort(expected, count, sizeof *expected, compare_pairs);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         assert_int_equal(lists->sorted.count, count);
         assert_memory_equal(lists->sorted.data, expected, bytes);
         free(expected);
@@ -195,21 +194,21 @@ static void result__pairs_sort_canonically(void **state)
 static void result__nothing_sorts_to_nothing(void **state)
 {
     struct lists *lists = *state;
-    begin(lists, sizeof(struct eng_pair), LIMIT);
-    assert_int_equal(sort(lists), ENG_OK);
+    begin(lists, sizeof(struct pccd_pair), LIMIT);
+    assert_int_equal(sort(lists), PCCD_OK);
     assert_int_equal(lists->sorted.count, 0);
-    assert_int_equal(lists->sorted.record_bytes, sizeof(struct eng_pair));
+    assert_int_equal(lists->sorted.record_bytes, sizeof(struct pccd_pair));
     assert_int_equal(lists->merge.total, 0);
     assert_true(lists->counts.toi_first == 2);
 }
 
-static const struct eng_pair no_name = {0, 0, 0, 0, 0};
+static const struct pccd_pair no_name = {0, 0, 0, 0, 0};
 
 static void add_empty(struct eng_found *found)
 {
     unsigned char *record = eng_found_add(found, &no_name);
     assert_non_null(record);
-    memset(record, 0, sizeof(struct eng_contact));
+    memset(record, 0, sizeof(struct pccd_contact));
 }
 
 /* If it failed: a cut answer would look complete, or a full one cut. */
@@ -219,20 +218,20 @@ static void result__limit_is_kept_and_told(void **state)
     struct eng_found *found = &lists->found[0];
     const uint64_t limits[] = {0, 1, 5, 1022, 1023, 1024, 3000};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
-        begin(lists, sizeof(struct eng_contact), limits[i]);
+        begin(lists, sizeof(struct pccd_contact), limits[i]);
         for (uint64_t k = 0; k < limits[i]; k++) {
             add_empty(found);
         }
         assert_false(found->overflowed);
         assert_int_equal(found->count, limits[i]);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_int_equal(lists->merge.total, limits[i]);
         eng_found_add(found, &no_name);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_true(found->overflowed || lists->merge.total > limits[i]);
-        begin(lists, sizeof(struct eng_pair), limits[i]);
+        begin(lists, sizeof(struct pccd_pair), limits[i]);
         assert_false(found->overflowed); /* a new step begins afresh */
         assert_int_equal(found->count, 0);
     }
@@ -245,9 +244,9 @@ static void result__long_list_keeps_the_first_in_order(void **state)
     struct lists *lists = *state;
     struct kit_random random = {84};
     const uint64_t limits[] = {1, 700, 4000, 10000};
-    static struct eng_pair all[20000];
+    static struct pccd_pair all[20000];
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
-        begin(lists, sizeof(struct eng_pair), limits[i]);
+        begin(lists, sizeof(struct pccd_pair), limits[i]);
         struct eng_found *found = &lists->found[0];
         for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
             all[k] = random_name(&random);
@@ -257,7 +256,7 @@ static void result__long_list_keeps_the_first_in_order(void **state)
         }
         qsort(all, sizeof all / sizeof *all, sizeof *all, compare_pairs);
         assert_true(found->overflowed);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
     }
@@ -267,11 +266,11 @@ static void result__long_list_keeps_the_first_in_order(void **state)
 static void result__limit_counts_all_workers_together(void **state)
 {
     struct lists *lists = *state;
-    begin(lists, sizeof(struct eng_contact), 100);
+    begin(lists, sizeof(struct pccd_contact), 100);
     for (int k = 0; k < 120; k++) {
         add_empty(&lists->found[k % 2]);
     }
-    assert_int_equal(sort(lists), ENG_OK);
+    assert_int_equal(sort(lists), PCCD_OK);
     assert_int_equal(lists->merge.total, 120);
     assert_int_equal(lists->sorted.count, 100);
 }
@@ -282,14 +281,14 @@ static void result__memory_is_used_again(void **state)
     struct lists *lists = *state;
     struct kit_random random = {82};
     add_contacts(lists, &random, 5000);
-    assert_int_equal(sort(lists), ENG_OK);
+    assert_int_equal(sort(lists), PCCD_OK);
     eng_pool_reset(&lists->pool, 2); /* what was spilled becomes the pool's own */
     uint64_t allocations = eng_alloc_count();
     for (int round = 0; round < 5; round++) {
         add_contacts(lists, &random, 5000);
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
         add_pairs(lists, &random, 5000); /* the smaller record fits as well */
-        assert_int_equal(sort(lists), ENG_OK);
+        assert_int_equal(sort(lists), PCCD_OK);
     }
     assert_int_equal(eng_alloc_count(), allocations);
 }

@@ -1,6 +1,6 @@
 /* tests/unit/test_eng_rounds.c - joins of many pairs of blocks at a time.
  *
- * Room:     engine (kernel.h, wide_narrow.h).
+ * Room:     engine (kernel.h, wide_quantised.h).
  * Does:     compare them, of every instruction set and in little room, with joins of two
  *           blocks.
  * Threads:  one.
@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "eng_boxes.h"
-#include "wide_narrow.h"
+#include "wide_quantised.h"
 
 #define ALL_BLOCKS (3 * ENG_WIDE) /* three runs; the first is not used */
 #define ALL_BOXES  (ALL_BLOCKS * ENG_WIDE)
@@ -21,15 +21,15 @@ struct fixture {
     struct eng_wide_block blocks[ALL_BLOCKS];
     struct eng_wide_block others[ALL_BLOCKS]; /* the same, of another tree */
     struct eng_extents around[ALL_BLOCKS];
-    struct eng_narrow_block narrow[ALL_BLOCKS];
-    struct eng_narrow_box narrow_around[ALL_BLOCKS];
+    struct eng_quantised_block quantised[ALL_BLOCKS];
+    struct eng_quantised_box quantised_around[ALL_BLOCKS];
     uint32_t farthest;
     uint32_t corner[3][ALL_BOXES];
 };
 
 static void fill(struct fixture *f, struct kit_random *random)
 {
-    struct eng_narrowing narrowing = {{0}, {0}, {0}};
+    struct eng_quantising quantiseding = {{0}, {0}, {0}};
     const struct eng_kernels *scalar = eng_kernels_of(ENG_ISA_SCALAR);
     memset(f->boxes, 0, sizeof f->boxes);
     for (uint32_t first = ENG_JOIN_MAX; first < ALL_BOXES; first += BOXES) {
@@ -41,12 +41,13 @@ static void fill(struct fixture *f, struct kit_random *random)
         }
     }
     for (int k = 0; k < 3; k++) {
-        eng_wide_narrow_set(&narrowing, k, 1 / CELL, 0);
+        eng_wide_quantised_set(&quantiseding, k, 1 / CELL, 0);
     }
     scalar->box_fold(f->boxes, ALL_BLOCKS, false, f->blocks, f->around);
     f->farthest = 0;
-    assert_true(scalar->narrow_blocks(f->blocks, f->around, ALL_BLOCKS, &narrowing,
-                                      f->narrow, f->narrow_around, &f->farthest));
+    assert_true(scalar->quantised_blocks(f->blocks, f->around, ALL_BLOCKS, &quantiseding,
+                                         f->quantised, f->quantised_around,
+                                         &f->farthest));
     memcpy(f->others, f->blocks, sizeof f->others);
 }
 
@@ -55,8 +56,8 @@ enum which { NODES, EDGES, FACES, WHICH_COUNT };
 static join_fn *join_of(const struct eng_kernels *kernels, enum which which)
 {
     return which == NODES   ? kernels->join_nodes
-           : which == EDGES ? kernels->join_edges
-                            : kernels->join_faces;
+           : which == EDGES ? kernels->join_features[PCCD_EE]
+                            : kernels->join_features[PCCD_VF];
 }
 
 /* One of the ways to compare, the same for the same `way`. */
@@ -64,13 +65,13 @@ static struct eng_join job_of(const struct fixture *f, enum which which, uint32_
 {
     /* Of the near ones the first leaves boxes as they begin. */
     const float t_end[2][2] = {{1, 0.4f}, {0x1p-20f, 0.05f}};
-    bool is_narrow = which != NODES && way % 2 == 1;
+    bool is_quantised = which != NODES && way % 2 == 1;
     struct eng_join job = {.a = f->blocks,
                            .b = which == FACES ? f->others : f->blocks,
                            .b_boxes = f->around,
-                           .a_narrow = is_narrow ? f->narrow : NULL,
-                           .b_narrow = is_narrow ? f->narrow : NULL,
-                           .b_narrow_boxes = is_narrow ? f->narrow_around : NULL,
+                           .a_quantised = is_quantised ? f->quantised : NULL,
+                           .b_quantised = is_quantised ? f->quantised : NULL,
+                           .b_quantised_boxes = is_quantised ? f->quantised_around : NULL,
                            .boxes = (enum eng_join_boxes)(way / 2 % 3),
                            .farthest = f->farthest,
                            .t_end = t_end[way / 2 % 3 == ENG_JOIN_NEAR][way / 6 % 2],

@@ -19,7 +19,7 @@ static const int directions[DIRECTIONS][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},
 /* Is the second feature above the first at both ends, or below it at both? */
 static bool is_apart_along(const struct eng_query *query, const int d[3])
 {
-    int split = query->kind == ENG_VF ? 1 : 2;
+    int split = query->kind == PCCD_VF ? 1 : 2;
     bool above = true;
     bool below = true;
     for (int end = 0; end < 2; end++) {
@@ -47,7 +47,7 @@ static void separate__says_what_nine_directions_say(void **state)
     int apart = 0;
     enum { ROUNDS = 200000 };
     for (int round = 0; round < ROUNDS; round++) {
-        struct eng_query query = {.kind = round % 2 ? ENG_EE : ENG_VF};
+        struct eng_query query = {.kind = round % 2 ? PCCD_EE : PCCD_VF};
         for (int i = 0; i < 24; i++) {
             query.x[i / 12][i / 3 % 4][i % 3] = kit_integer(&random, 6);
         }
@@ -61,7 +61,7 @@ static void separate__says_what_nine_directions_say(void **state)
         }
         assert_int_equal(eng_query_separates(&query), count > 0);
         apart += count > 0;
-        alone[query.kind == ENG_EE][last] += count == 1;
+        alone[query.kind == PCCD_EE][last] += count == 1;
     }
     for (int k = 0; k < DIRECTIONS; k++) {
         assert_true(alone[0][k] > 50 && alone[1][k] > 50);
@@ -76,7 +76,7 @@ static void separate__never_drops_a_contact(void **state)
     struct kit_random random = {812};
     for (int round = 0; round < 60000; round++) {
         struct eng_query query;
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, kit_below(&random, 9), &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, kit_below(&random, 9), &query);
         assert_false(eng_query_separates(&query));
         /* A sixth of the numbers moved by a bit: less than any margin. */
         struct eng_query near = query;

@@ -19,7 +19,7 @@
 
 /* Pairs, each on a grid of its own: only marks of one pair are compared. */
 struct ground {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     struct eng_query queries[PAIR_MAX];
     struct eng_point points[4 * PAIR_MAX];
     struct eng_mark marks[4 * PAIR_MAX];
@@ -64,7 +64,7 @@ static struct eng_grid grid_of(struct kit_random *random, const struct eng_query
     return grid;
 }
 
-static void put(struct kit_random *random, enum eng_kind kind, uint32_t coarse_max)
+static void put(struct kit_random *random, enum pccd_kind kind, uint32_t coarse_max)
 {
     ground.kind = kind;
     for (uint32_t i = 0; i < PAIR_MAX; i++) {
@@ -88,7 +88,7 @@ static void put(struct kit_random *random, enum eng_kind kind, uint32_t coarse_m
 
 static struct eng_sieve sieve_of(float t_end)
 {
-    bool is_vf = ground.kind == ENG_VF;
+    bool is_vf = ground.kind == PCCD_VF;
     return (struct eng_sieve){.marks = ground.marks,
                               .a_corner = {ground.corner[0], ground.corner[1]},
                               .b_corner = {ground.corner[is_vf ? 1 : 2],
@@ -102,7 +102,7 @@ static uint32_t sift(const struct eng_kernels *kernels, struct eng_sieve *sieve,
                      uint32_t count)
 {
     for (uint32_t i = 0; i < PAIR_MAX + ENG_SIEVE_SPARE; i++) {
-        ground.a[i] = i >= count ? UINT32_MAX : ground.kind == ENG_VF ? 4 * i : i;
+        ground.a[i] = i >= count ? UINT32_MAX : ground.kind == PCCD_VF ? 4 * i : i;
         ground.b[i] = i >= count ? UINT32_MAX : i;
     }
     return kernels->sift(ground.kind, sieve, ground.a, ground.b, count);
@@ -115,7 +115,7 @@ static uint32_t check(uint32_t kept, float t_end)
     uint32_t rejected = 0;
     for (uint32_t i = 0, at = 0; i < PAIR_MAX; i++) {
         if (at < kept && ground.b[at] == i) {
-            assert_int_equal(ground.a[at], ground.kind == ENG_VF ? 4 * i : i);
+            assert_int_equal(ground.a[at], ground.kind == PCCD_VF ? 4 * i : i);
             at++;
             continue;
         }
@@ -136,7 +136,7 @@ static void sieve__what_it_rejects_misses(void **state)
     uint32_t later = 0;
     for (uint32_t round = 0; round < 400; round++) {
         float t_end = round % 3 == 0 ? (float)kit_between(&random, 0, 1) : 1;
-        put(&random, round % 2 ? ENG_EE : ENG_VF, round % 4 < 2 ? 0 : 28);
+        put(&random, round % 2 ? PCCD_EE : PCCD_VF, round % 4 < 2 ? 0 : 28);
         struct eng_sieve sieve = sieve_of(t_end);
         sieve.cubic_first = round % 8 < 4;
         sieve.swept = round % 16 < 8;
@@ -158,7 +158,7 @@ static void sieve__contacts_at_its_last_time_pass(void **state)
     for (uint32_t round = 0; round < 1000; round++) {
         uint32_t eighths = round % 9;
         float t_end = (float)eighths / 8;
-        put(&random, round % 2 ? ENG_EE : ENG_VF, 28);
+        put(&random, round % 2 ? PCCD_EE : PCCD_VF, 28);
         for (uint32_t i = 0; i < PAIR_MAX; i++) { /* contacts at exactly t_end */
             struct eng_query *query = &ground.queries[i];
             kit_plant(&random, ground.kind, eighths, query);
@@ -189,7 +189,7 @@ static void sieve__keeps_the_same_pairs_by_every_set(void **state)
         uint32_t expected[PAIR_MAX];
         uint32_t kept = 0;
         bool cubic_first = false;
-        put(&random, round % 2 ? ENG_EE : ENG_VF, 20);
+        put(&random, round % 2 ? PCCD_EE : PCCD_VF, 20);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             if (!kernels) {
@@ -216,27 +216,27 @@ static void sieve__keeps_the_same_pairs_by_every_set(void **state)
 static void sieve__obvious_misses_are_rejected(void **state)
 {
     static const struct {
-        enum eng_kind kind;
+        enum pccd_kind kind;
         double x[2][4][3];
     } misses[] = {
         /* Never at the same place in x and in y at a time; boxes overlap. */
-        {ENG_VF,
+        {PCCD_VF,
          {{{0, 3, 0}, {3, 0, 0}, {4, 0, 0}, {3, 1, 1}},
           {{4, 0, 0}, {3, 3, 0}, {4, 3, 0}, {3, 4, 1}}}},
         /* Above the plane of a tilted face all the time. */
-        {ENG_VF,
+        {PCCD_VF,
          {{{1, 1, 1.5}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}},
           {{1, 1, 1.25}, {0, 0, 0}, {2, 0, 1}, {0, 2, 1}}}},
         /* Beyond the long side of a face in its own plane. */
-        {ENG_VF,
+        {PCCD_VF,
          {{{0.75, 0.75, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
           {{0.75, 0.75, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}},
         /* Parallel diagonal edges side by side, moving along each other. */
-        {ENG_EE,
+        {PCCD_EE,
          {{{0, 0, 0}, {2, 2, 0}, {0.5, 0, 0}, {2.5, 2, 0}},
           {{1, 1, 0}, {3, 3, 0}, {0.5, 0, 0}, {2.5, 2, 0}}}},
         /* Crossed edges that stay apart in z, tilted so that their boxes meet. */
-        {ENG_EE,
+        {PCCD_EE,
          {{{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}},
           {{-1, -1, 0}, {1, 1, 1}, {-1, 1, 0.75}, {1, -1, 1.75}}}},
     };
@@ -268,7 +268,7 @@ static void put_apart(const struct eng_kernels *kernels, const uint32_t axis[2],
 {
     static const struct eng_grid grid = {{0, 0, 0}, 1};
     for (uint32_t k = 0; k < 4 * PAIR_MAX; k++) {
-        bool is_b = k % 4 >= (ground.kind == ENG_VF ? 1 : 2);
+        bool is_b = k % 4 >= (ground.kind == PCCD_VF ? 1 : 2);
         struct eng_point *point = &ground.points[k];
         for (uint32_t c = 0; c < 3; c++) {
             double x = k >> c & 1;
@@ -291,7 +291,7 @@ static void sieve__swept_pairs_need_two_units_of_one_axis(void **state)
         const uint32_t axis[2] = {i / 2 % 3, i / 6 % 3};
         const double gap[2] = {gaps[i / 18 % 4], gaps[i / 72]};
         bool is_apart = axis[0] == axis[1] && gap[0] == gap[1] && fabs(gap[0]) == 2;
-        put(&random, i % 2 ? ENG_EE : ENG_VF, 0);
+        put(&random, i % 2 ? PCCD_EE : PCCD_VF, 0);
         for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
             const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
             if (kernels) {

@@ -5,7 +5,7 @@
  *           features, each from every side (eng_case.h); what holds for any query.
  * Does not: compare with an oracle (tests/property does).
  * Threads:  one.
- * Source:   daemon/engine/solve.h.
+ * Source:   daemon/engine/elementary/solve.h.
  */
 #include "eng_case.h"
 
@@ -26,7 +26,7 @@ static struct eng_query vertex_path(const double v0[3], const double v1[3])
     memcpy(x[1][0], v1, sizeof x[1][0]);
     memcpy(x[0][1], corners, sizeof corners);
     memcpy(x[1][1], corners, sizeof corners);
-    return case_query(ENG_VF, x[0], x[1]);
+    return case_query(PCCD_VF, x[0], x[1]);
 }
 
 static void check_path(double t, const double v0[3], const double v1[3])
@@ -44,7 +44,7 @@ static void check_path(double t, const double v0[3], const double v1[3])
 /* The cubic (t - 1/2)^2 + c of a vertex (t, y, 1/4 + c - t) and a face with corners 0,
  * (1, 0, -t), (0, 1, 0); as edges: from the origin to (1, 0, -t), and from that vertex
  * to one step back along y. Contact needs 0 <= t, y and (face) t + y <= 1. */
-static struct eng_query parabola(enum eng_kind kind, double c, double y0, double y1)
+static struct eng_query parabola(enum pccd_kind kind, double c, double y0, double y1)
 {
     const double v0[3] = {0, y0, 0.25 + c};
     const double v1[3] = {1, y1, -0.75 + c};
@@ -54,13 +54,13 @@ static struct eng_query parabola(enum eng_kind kind, double c, double y0, double
     const double ee[2][4][3] = {
         {{0, 0, 0}, {1, 0, 0}, {v0[0], v0[1], v0[2]}, {v0[0], v0[1] - 1, v0[2]}},
         {{0, 0, 0}, {1, 0, -1}, {v1[0], v1[1], v1[2]}, {v1[0], v1[1] - 1, v1[2]}}};
-    return kind == ENG_VF ? case_query(ENG_VF, vf[0], vf[1])
-                          : case_query(ENG_EE, ee[0], ee[1]);
+    return kind == PCCD_VF ? case_query(PCCD_VF, vf[0], vf[1])
+                           : case_query(PCCD_EE, ee[0], ee[1]);
 }
 
 static struct eng_query edges(const double x0[4][3], const double x1[4][3])
 {
-    return case_query(ENG_EE, x0, x1);
+    return case_query(PCCD_EE, x0, x1);
 }
 
 /* Edge (0,0,0)-(2,0,0) stands; the other goes from (p, q) by `way`. */
@@ -180,7 +180,7 @@ static void solve__touch_at_the_end_is_found(void **state)
 static void solve__double_roots_are_told_from_near_ones(void **state)
 {
     (void)state;
-    for (enum eng_kind kind = ENG_VF; kind <= ENG_EE; kind++) {
+    for (enum pccd_kind kind = PCCD_VF; kind <= PCCD_EE; kind++) {
         struct eng_query graze = parabola(kind, 0, 0.25, 0.25);
         struct eng_query over = parabola(kind, 0x1p-50, 0.25, 0.25);
         struct eng_query under = parabola(kind, -0x1p-50, 0.25, 0.25);
@@ -196,7 +196,7 @@ static void solve__double_roots_are_told_from_near_ones(void **state)
 static void solve__the_first_of_two_crossings_counts(void **state)
 {
     (void)state;
-    for (enum eng_kind kind = ENG_VF; kind <= ENG_EE; kind++) {
+    for (enum pccd_kind kind = PCCD_VF; kind <= PCCD_EE; kind++) {
         /* (t - 1/4)(t - 3/4): both inside, only the second inside, none. */
         struct eng_query both = parabola(kind, -0.0625, 0.125, 0.125);
         struct eng_query second = parabola(kind, -0.0625, -0.25, 0.25);
@@ -234,18 +234,18 @@ static void solve__collapsed_faces_are_what_is_left_of_them(void **state)
     const double at_point1[4][3] = {{2, 2, 2}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     const double closing0[4][3] = {{0.25, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     const double closing1[4][3] = {{0.25, 0, -1}, {0, 0, 0}, {1, 0, 0}, {0, -1, 0}};
-    struct eng_query query = case_query(ENG_VF, segment0, segment1);
+    struct eng_query query = case_query(PCCD_VF, segment0, segment1);
     case_check(&query, 0.5);
     query.x[0][0][0] = query.x[1][0][0] = 2.5; /* beyond its end */
     case_check(&query, CASE_MISS);
     query.x[0][0][0] = query.x[1][0][0] = 1.5;
     query.x[0][0][1] = query.x[1][0][1] = 0x1p-80; /* beside it */
     case_check(&query, CASE_MISS);
-    query = case_query(ENG_VF, at_point0, at_point1);
+    query = case_query(PCCD_VF, at_point0, at_point1);
     case_check(&query, 0.5);
     query.x[1][0][2] = 2 + 2 * ULP;
     case_check(&query, CASE_MISS);
-    query = case_query(ENG_VF, closing0, closing1); /* a segment at the very moment */
+    query = case_query(PCCD_VF, closing0, closing1); /* a segment at the very moment */
     case_check(&query, 0.5);
     query.x[0][0][0] = query.x[1][0][0] = -0.25;
     case_check(&query, CASE_MISS);
@@ -283,7 +283,7 @@ static void solve__planted_contacts_are_never_missed_nor_late(void **state)
         struct eng_query query;
         struct eng_hit hit;
         unsigned eighths = kit_below(&random, 9);
-        kit_plant(&random, round % 2 ? ENG_EE : ENG_VF, eighths, &query);
+        kit_plant(&random, round % 2 ? PCCD_EE : PCCD_VF, eighths, &query);
         assert_true(eng_solve(&query, 1e-6, 1, case_exact(), &hit));
         case_check_form(&query, 1e-6, &hit);
         assert_true(hit.toi <= eighths / 8.0);
@@ -291,7 +291,7 @@ static void solve__planted_contacts_are_never_missed_nor_late(void **state)
 }
 
 /* Points on a coarse grid: most queries are degenerate, coplanar or just touching. */
-static struct eng_query grid_query(struct kit_random *random, enum eng_kind kind,
+static struct eng_query grid_query(struct kit_random *random, enum pccd_kind kind,
                                    uint32_t bound)
 {
     struct eng_query query = {.kind = kind};
@@ -310,7 +310,7 @@ static void solve__answers_agree_from_every_side(void **state)
     int hits = 0;
     enum { ROUNDS = 3000 };
     for (int round = 0; round < ROUNDS; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         struct eng_query query = grid_query(&random, kind, 1 + (uint32_t)round % 3);
         struct eng_query back = case_reversed(&query);
         struct eng_hit hit;
@@ -341,7 +341,7 @@ static void solve__end_time_decides_whether_not_what(void **state)
     (void)state;
     struct kit_random random = {62};
     for (int round = 0; round < 6000; round++) {
-        enum eng_kind kind = round % 2 ? ENG_EE : ENG_VF;
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
         struct eng_query query;
         struct eng_hit hit;
         struct eng_hit other;
@@ -376,7 +376,7 @@ static void solve__a_bracket_may_begin_before_its_span(void **state)
 {
     (void)state;
     const struct eng_query query = {
-        ENG_EE,
+        PCCD_EE,
         {{{-0x1.00ae931497bb9p+0, 0x1.9c6a1e5ce8cffp-1, -0x1.86a5af2c0eeep-4},
           {-0x1.555c52c0afe58p-1, 0x1.046b04294f965p-1, 0x1.03e7540ba2fb2p+0},
           {-0x1.4bfea0853b20cp-1, 0x1.2c709b2589042p-1, 0x1.80cff48c6a7bp-1},
@@ -400,7 +400,7 @@ static void solve__normal_names_the_exact_side_at_the_start(void **state)
     struct kit_random random = {311};
     uint32_t looked_at = 0;
     for (int i = 0; i < 3000; i++) {
-        struct eng_query query = {.kind = ENG_VF};
+        struct eng_query query = {.kind = PCCD_VF};
         double b[3];
         double c[3];
         double n[3];

@@ -5,7 +5,7 @@
  *           aborted leaves the positions as they were.
  * Does not: look at contacts.
  * Threads:  one.
- * Source:   daemon/engine/scene.h.
+ * Source:   daemon/engine/scene/scene.h.
  */
 #include "eng_kit.h"
 
@@ -26,11 +26,11 @@ struct fixture {
 static int setup(void **state)
 {
     static struct fixture fixture;
-    assert_int_equal(eng_scene_new(NULL, &fixture.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &fixture.scene), PCCD_OK);
     for (uint32_t i = 0; i < OBJECTS; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_sheet(3, i);
-        assert_int_equal(eng_scene_add(fixture.scene, mesh, 10 + i, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(fixture.scene, mesh, 10 + i, &idx), PCCD_OK);
         assert_int_equal(idx, i);
         assert_int_equal(eng_scene_vertex_count(fixture.scene, idx), V);
         memcpy(fixture.at[i], mesh->x, sizeof fixture.at[i]);
@@ -51,7 +51,7 @@ static int run(struct eng_scene *scene)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    settings.mode = ENG_MODE_ANY;
+    settings.mode = PCCD_MODE_ANY;
     return eng_step(scene, &settings, &result);
 }
 
@@ -92,8 +92,8 @@ static void stage__x1_moves_from_the_last_end(void **state)
     for (int step = 0; step < 5; step++) {
         fill(&random, x, V);
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_x1(f->scene, 1, ENG_F64, 0, V, x), ENG_OK);
-        assert_int_equal(run(f->scene), ENG_OK);
+        assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x), PCCD_OK);
+        assert_int_equal(run(f->scene), PCCD_OK);
         check_end(f, 1, 0, (const double(*)[3])f->at[1]);
         memcpy(f->at[1], x, sizeof x);
         check_standing(f);
@@ -117,8 +117,8 @@ static void stage__x0x1_gives_both_ends(void **state)
         expected[1][i / 3][i % 3] = (double)x1[i / 3][i % 3];
     }
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_x0x1(f->scene, 2, ENG_F32, 0, V, x0, x1), ENG_OK);
-    assert_int_equal(run(f->scene), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(f->scene, 2, PCCD_FORMAT_F32, 0, V, x0, x1), PCCD_OK);
+    assert_int_equal(run(f->scene), PCCD_OK);
     check_end(f, 2, 0, (const double(*)[3])expected[0]);
     memcpy(f->at[2], expected[1], sizeof expected[1]);
     check_standing(f);
@@ -148,8 +148,8 @@ static void stage__rigid_is_the_documented_formula(void **state)
             expected[i / (3 * V)][i / 3 % V][i % 3] = sum + row[3];
         }
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_rigid(f->scene, 0, 0, V, m[0], m[1]), ENG_OK);
-        assert_int_equal(run(f->scene), ENG_OK);
+        assert_int_equal(eng_stage_rigid(f->scene, 0, 0, V, m[0], m[1]), PCCD_OK);
+        assert_int_equal(run(f->scene), PCCD_OK);
         check_end(f, 0, 0, (const double(*)[3])expected[0]);
         memcpy(f->at[0], expected[1], sizeof expected[1]);
         check_standing(f);
@@ -175,19 +175,22 @@ static void stage__ranges_move_only_their_vertices(void **state)
         eng_stage_begin(f->scene);
         if (both) {
             assert_int_equal(
-                eng_stage_x0x1(f->scene, object, ENG_F64, first, count, x0, x), ENG_OK);
+                eng_stage_x0x1(f->scene, object, PCCD_FORMAT_F64, first, count, x0, x),
+                PCCD_OK);
             memcpy(start[first], x0, count * sizeof *x0);
         } else {
-            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, first, count, x),
-                             ENG_OK);
+            assert_int_equal(
+                eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x),
+                PCCD_OK);
         }
         memcpy(f->at[object][first], x, count * sizeof *x);
         if (first > 2) { /* a second range of the same object */
             fill(&random, x, 2);
-            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, 0, 2, x), ENG_OK);
+            assert_int_equal(eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, 0, 2, x),
+                             PCCD_OK);
             memcpy(f->at[object][0], x, 2 * sizeof *x);
         }
-        assert_int_equal(run(f->scene), ENG_OK);
+        assert_int_equal(run(f->scene), PCCD_OK);
         check_end(f, object, 0, (const double(*)[3])start);
         check_standing(f);
     }
@@ -205,10 +208,10 @@ static void stage__all_starts_or_some_give_the_same_ends(void **state)
         if (step % 20 == 19) { /* comes and goes: the arrays grow, numbers stay */
             uint32_t idx;
             struct eng_mesh *mesh = kit_sheet(3 + (uint32_t)step / 20, 9);
-            assert_int_equal(eng_scene_add(f->scene, mesh, 77, &idx), ENG_OK);
+            assert_int_equal(eng_scene_add(f->scene, mesh, 77, &idx), PCCD_OK);
             eng_mesh_release(mesh);
             check_standing(f);
-            assert_int_equal(eng_scene_remove(f->scene, idx), ENG_OK);
+            assert_int_equal(eng_scene_remove(f->scene, idx), PCCD_OK);
         }
         eng_stage_begin(f->scene);
         for (uint32_t i = 0; i < OBJECTS; i++) {
@@ -218,18 +221,20 @@ static void stage__all_starts_or_some_give_the_same_ends(void **state)
             if (kind == 0) {
                 fill(&random, start[i], V / 2);
                 assert_int_equal(
-                    eng_stage_x0x1(f->scene, i, ENG_F64, 0, V / 2, start[i], x), ENG_OK);
-                assert_int_equal(eng_stage_x0x1(f->scene, i, ENG_F64, V / 2, V / 2,
-                                                start[i] + V / 2, x + V / 2),
-                                 ENG_OK);
+                    eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, 0, V / 2, start[i], x),
+                    PCCD_OK);
+                assert_int_equal(eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, V / 2,
+                                                V / 2, start[i] + V / 2, x + V / 2),
+                                 PCCD_OK);
             } else if (kind == 1) {
-                assert_int_equal(eng_stage_x1(f->scene, i, ENG_F64, 0, V, x), ENG_OK);
+                assert_int_equal(eng_stage_x1(f->scene, i, PCCD_FORMAT_F64, 0, V, x),
+                                 PCCD_OK);
             }
             if (kind < 2) {
                 memcpy(f->at[i], x, sizeof x);
             }
         }
-        assert_int_equal(run(f->scene), ENG_OK);
+        assert_int_equal(run(f->scene), PCCD_OK);
         for (uint32_t i = 0; i < OBJECTS; i++) {
             check_end(f, i, 0, (const double(*)[3])start[i]);
         }
@@ -244,8 +249,8 @@ static void stage__rigid_range_uses_its_own_rest_positions(void **state)
     const double here[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     const double up[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 8};
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_rigid(f->scene, 1, 5, 4, here, up), ENG_OK);
-    assert_int_equal(run(f->scene), ENG_OK);
+    assert_int_equal(eng_stage_rigid(f->scene, 1, 5, 4, here, up), PCCD_OK);
+    assert_int_equal(run(f->scene), PCCD_OK);
     for (uint32_t v = 5; v < 9; v++) {
         f->at[1][v][2] += 8;
     }
@@ -264,15 +269,15 @@ static void stage__abort_leaves_positions_as_before(void **state)
             fill(&random, x, V);
             uint32_t count = 1 + kit_below(&random, V);
             if (kit_below(&random, 2)) {
-                eng_stage_x1(f->scene, i, ENG_F64, 0, count, x);
+                eng_stage_x1(f->scene, i, PCCD_FORMAT_F64, 0, count, x);
             } else {
-                eng_stage_x0x1(f->scene, i, ENG_F64, 0, count, x, x);
+                eng_stage_x0x1(f->scene, i, PCCD_FORMAT_F64, 0, count, x, x);
             }
         }
         eng_stage_abort(f->scene);
         check_standing(f);
         if (round % 3 == 0) { /* nothing staged: everything stands still */
-            assert_int_equal(run(f->scene), ENG_OK);
+            assert_int_equal(run(f->scene), PCCD_OK);
             check_standing(f);
             for (uint32_t i = 0; i < OBJECTS; i++) {
                 check_end(f, i, 0, (const double(*)[3])f->at[i]);
@@ -280,8 +285,9 @@ static void stage__abort_leaves_positions_as_before(void **state)
         } else if (round % 3 == 1) { /* a part of one object moves */
             fill(&random, x, 3);
             eng_stage_begin(f->scene);
-            assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 4, 3, x), ENG_OK);
-            assert_int_equal(run(f->scene), ENG_OK);
+            assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 4, 3, x),
+                             PCCD_OK);
+            assert_int_equal(run(f->scene), PCCD_OK);
             check_end(f, 0, 0, (const double(*)[3])f->at[0]);
             memcpy(f->at[0][4], x, 3 * sizeof *x);
             check_standing(f);
@@ -306,25 +312,27 @@ static void stage__refused_coordinates_leave_positions_as_before(void **state)
         memcpy(m, identity, sizeof m);
         m[kit_below(&random, 12)] = bad[i];
         for (int kind = 0; kind < 5; kind++) {
-            int status = ENG_OK;
+            int status = PCCD_OK;
             eng_stage_begin(f->scene);
-            assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V, good), ENG_OK);
-            status = kind == 0   ? eng_stage_x1(f->scene, 1, ENG_F64, 0, V, x)
-                     : kind == 1 ? eng_stage_x0x1(f->scene, 1, ENG_F64, 0, V, x, good)
-                     : kind == 2 ? eng_stage_x0x1(f->scene, 1, ENG_F64, 0, V, good, x)
-                     : kind == 3 ? eng_stage_rigid(f->scene, 1, 0, V, m, identity)
-                                 : eng_stage_rigid(f->scene, 1, 0, V, identity, m);
-            assert_int_equal(status, ENG_E_NOTFINITE);
+            assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, good),
+                             PCCD_OK);
+            status =
+                kind == 0   ? eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x)
+                : kind == 1 ? eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, x, good)
+                : kind == 2 ? eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, 0, V, good, x)
+                : kind == 3 ? eng_stage_rigid(f->scene, 1, 0, V, m, identity)
+                            : eng_stage_rigid(f->scene, 1, 0, V, identity, m);
+            assert_int_equal(status, PCCD_E_NOTFINITE);
             eng_stage_abort(f->scene);
             check_standing(f);
-            assert_int_equal(run(f->scene), ENG_OK);
+            assert_int_equal(run(f->scene), PCCD_OK);
             check_standing(f);
         }
     }
     /* Legal numbers whose transform is beyond the limit. */
     m[0] = m[1] = m[3] = 1e18;
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_rigid(f->scene, 1, 0, V, identity, m), ENG_E_NOTFINITE);
+    assert_int_equal(eng_stage_rigid(f->scene, 1, 0, V, identity, m), PCCD_E_NOTFINITE);
     eng_stage_abort(f->scene);
     check_standing(f);
 }
@@ -347,15 +355,16 @@ static void stage__overlapping_ranges_are_refused(void **state)
             uint32_t first = kit_below(&random, V);
             uint32_t count = 1 + kit_below(&random, V - first < 6 ? V - first : 6);
             fill(&random, x, count);
-            assert_int_equal(eng_stage_x1(f->scene, object, ENG_F64, first, count, x),
-                             ENG_OK);
+            assert_int_equal(
+                eng_stage_x1(f->scene, object, PCCD_FORMAT_F64, first, count, x),
+                PCCD_OK);
             memcpy(next[object][first], x, count * sizeof *x);
             for (uint32_t v = first; v < first + count; v++) {
                 overlap |= written[object][v];
                 written[object][v] = true;
             }
         }
-        assert_int_equal(run(f->scene), overlap ? ENG_E_OVERLAP : ENG_OK);
+        assert_int_equal(run(f->scene), overlap ? PCCD_E_SEGMENT : PCCD_OK);
         if (!overlap) {
             memcpy(f->at, next, sizeof next);
         }
@@ -372,18 +381,25 @@ static void stage__ranges_outside_the_object_are_refused(void **state)
     double x[V + 1][3] = {{0}};
     double m[12] = {0};
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, 0, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V + 1, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, V, 1, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, V - 1, 2, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, UINT32_MAX, 2, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 2, UINT32_MAX, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, OBJECTS, ENG_F64, 0, 1, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x1(f->scene, UINT32_MAX, ENG_F64, 0, 1, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_x0x1(f->scene, 0, ENG_F64, V, 1, x, x), ENG_E_INVAL);
-    assert_int_equal(eng_stage_rigid(f->scene, 0, 1, V, m, m), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, 0, x), PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, V + 1, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, V, 1, x), PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, V - 1, 2, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, UINT32_MAX, 2, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 2, UINT32_MAX, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, OBJECTS, PCCD_FORMAT_F64, 0, 1, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, UINT32_MAX, PCCD_FORMAT_F64, 0, 1, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_x0x1(f->scene, 0, PCCD_FORMAT_F64, V, 1, x, x),
+                     PCCD_E_INVAL);
+    assert_int_equal(eng_stage_rigid(f->scene, 0, 1, V, m, m), PCCD_E_INVAL);
     eng_stage_abort(f->scene);
-    assert_int_equal(eng_stage_x1(f->scene, 0, ENG_F64, 0, V, x), ENG_E_INVAL);
+    assert_int_equal(eng_stage_x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, x), PCCD_E_INVAL);
     check_standing(f);
 }
 
@@ -395,8 +411,8 @@ static void stage__refused_settings_leave_positions_as_before(void **state)
     for (int which = 0; which < 7; which++) {
         struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
         struct eng_step_result result;
-        settings.mode = which == 0 ? 4 : ENG_MODE_ALL;
-        settings.method = which == 1 ? 9 : ENG_METHOD_DEFAULT;
+        settings.mode = which == 0 ? 4 : PCCD_MODE_ALL;
+        settings.method = which == 1 ? 9 : PCCD_METHOD_DEFAULT;
         settings.threads = which == 2 ? 0 : 1;
         settings.tolerance = which == 3   ? 0
                              : which == 4 ? 1.5
@@ -404,8 +420,9 @@ static void stage__refused_settings_leave_positions_as_before(void **state)
                              : which == 6 ? 0.9e-12
                                           : 1e-6;
         eng_stage_begin(f->scene);
-        assert_int_equal(eng_stage_x0x1(f->scene, 0, ENG_F64, 0, V, x, x), ENG_OK);
-        assert_int_equal(eng_step(f->scene, &settings, &result), ENG_E_INVAL);
+        assert_int_equal(eng_stage_x0x1(f->scene, 0, PCCD_FORMAT_F64, 0, V, x, x),
+                         PCCD_OK);
+        assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_E_INVAL);
         check_standing(f);
     }
 }
@@ -417,12 +434,12 @@ static void stage__objects_neither_come_nor_go_while_staging(void **state)
     uint32_t idx = 77;
     struct eng_mesh *mesh = kit_sheet(3, 9);
     eng_stage_begin(f->scene);
-    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), ENG_E_STATE);
-    assert_int_equal(eng_scene_remove(f->scene, 0), ENG_E_STATE);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), PCCD_E_STATE);
+    assert_int_equal(eng_scene_remove(f->scene, 0), PCCD_E_STATE);
     assert_int_equal(idx, 77);
     assert_int_equal(eng_scene_object_count(f->scene), OBJECTS);
     eng_stage_abort(f->scene);
-    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, mesh, 99, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     check_standing(f); /* the arrays have grown, the others stay */
 }
@@ -436,8 +453,8 @@ static struct eng_scene *large_scene(void)
     struct eng_scene *scene;
     uint32_t idx;
     struct eng_mesh *mesh = kit_sheet(LARGE_SIDE, 0);
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
     assert_int_equal(eng_scene_vertex_count(scene, idx), LARGE_V);
     eng_mesh_release(mesh);
     return scene;
@@ -456,9 +473,9 @@ static void stage__a_team_copies_what_one_thread_does(void **state)
         fill(&random, x[1], LARGE_V);
         eng_stage_begin(scene);
         eng_stage_share(scene, threads, NULL);
-        assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, LARGE_V, x[0], x[1]),
-                         ENG_OK);
-        assert_int_equal(run(scene), ENG_OK);
+        assert_int_equal(
+            eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, LARGE_V, x[0], x[1]), PCCD_OK);
+        assert_int_equal(run(scene), PCCD_OK);
         assert_memory_equal(end_of(scene, 0, 0), x[0], sizeof x[0]);
         assert_memory_equal(end_of(scene, 0, 1), x[1], sizeof x[1]);
         for (uint32_t bad = 0; bad < LARGE_V; bad += LARGE_V / 7) {
@@ -466,8 +483,8 @@ static void stage__a_team_copies_what_one_thread_does(void **state)
             x[0][bad][1] = NAN;
             eng_stage_begin(scene);
             eng_stage_share(scene, threads, NULL);
-            assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, LARGE_V, x[0]),
-                             ENG_E_NOTFINITE);
+            assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, LARGE_V, x[0]),
+                             PCCD_E_NOTFINITE);
             eng_stage_abort(scene);
             x[0][bad][1] = kept;
         }

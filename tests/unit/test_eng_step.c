@@ -5,6 +5,8 @@
  * Does not: compare with brute force (tests/property does).
  * Threads:  one.
  * Source:   daemon/engine/step.h.
+ *
+ * More than 600 lines: a case each for all that a step may be asked, on one fixture.
  */
 #include "eng_kit.h"
 
@@ -13,6 +15,7 @@
 
 #include "build.h"
 #include "clock.h"
+#include "record_hash.h"
 #include "step.h"
 #include "world.h"
 
@@ -35,7 +38,7 @@ struct fixture {
 static uint32_t add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t id)
 {
     uint32_t idx = UINT32_MAX;
-    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
     eng_mesh_release(mesh);
     return idx;
 }
@@ -44,7 +47,7 @@ static int setup(void **state)
 {
     static struct fixture f;
     struct kit_random random = {90};
-    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
     f.sheet = add(f.scene, kit_sheet(SHEET_SIDE, 0.5), SHEET);
     struct eng_mesh *soup = kit_soup(&random, SOUP_TRIANGLES);
     f.soup = add(f.scene, eng_mesh_acquire(soup), SOUP);
@@ -71,20 +74,20 @@ static struct eng_step_result run_with(struct fixture *f,
 {
     struct eng_step_result result;
     eng_stage_begin(f->scene);
-    assert_int_equal(
-        eng_stage_x0x1(f->scene, f->soup, ENG_F64, 0, SOUP_VERTICES, f->x0, f->x1),
-        ENG_OK);
-    assert_int_equal(eng_step(f->scene, settings, &result), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(f->scene, f->soup, PCCD_FORMAT_F64, 0, SOUP_VERTICES,
+                                    f->x0, f->x1),
+                     PCCD_OK);
+    assert_int_equal(eng_step(f->scene, settings, &result), PCCD_OK);
     return result;
 }
 
-static struct eng_step_result run(struct fixture *f, enum eng_mode mode)
+static struct eng_step_result run(struct fixture *f, enum pccd_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
-    settings.method = ENG_METHOD_PAPER;
+    settings.method = PCCD_METHOD_PAPER;
     struct eng_step_result result = run_with(f, &settings);
-    assert_int_equal(result.incomplete, ENG_COMPLETE);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
     assert_int_equal(result.mode, mode);
     return result;
 }
@@ -100,31 +103,30 @@ static void *copy_records(const struct eng_step_result *result)
     return copy;
 }
 
+/* The literals are of version 1 of the hash, so that they outlive any other. */
 static void check_golden(const struct eng_step_result *result, uint64_t count,
                          uint64_t hash_hi, uint64_t hash_lo)
 {
-    if (result->hash_hi != hash_hi || result->hash_lo != hash_lo) {
-        print_message("# now %llu records, 0x%016llx, 0x%016llx\n",
-                      (unsigned long long)result->count,
-                      (unsigned long long)result->hash_hi,
-                      (unsigned long long)result->hash_lo);
-    }
+    uint64_t hash[2] = {0};
     assert_int_equal(result->count, count);
-    assert_int_equal(result->hash_hi, hash_hi);
-    assert_int_equal(result->hash_lo, hash_lo);
+    record_hash_1(result->records, result->count, result->record_bytes, hash);
+    assert_int_equal(hash[0], hash_hi);
+    assert_int_equal(hash[1], hash_lo);
+    record_hash_2(result->records, result->count, result->record_bytes, hash);
+    assert_int_equal(result->hash[0], hash[0]);
+    assert_int_equal(result->hash[1], hash[1]);
 }
 
 /* If it failed: a compiler, an option or a change would alter answers unnoticed. (A
- * wanted change of the solver's arithmetic changes the first two; who makes it renews
- * them.) */
+ * wanted change of the solver's arithmetic changes the first two.) */
 static void step__golden_hashes_hold(void **state)
 {
     struct fixture *f = *state;
-    struct eng_step_result result = run(f, ENG_MODE_ALL);
+    struct eng_step_result result = run(f, PCCD_MODE_ALL);
     check_golden(&result, 432, 0xd92ff9de82e2df4f, 0x520fa04f1a680fc4);
-    result = run(f, ENG_MODE_FIRST);
+    result = run(f, PCCD_MODE_FIRST);
     check_golden(&result, 1, 0x11bd9952783f2638, 0xb2a9cd1b90c433db);
-    result = run(f, ENG_MODE_PAIRS);
+    result = run(f, PCCD_MODE_PAIRS);
     check_golden(&result, 5636, 0x76cc4e5ba9e374a2, 0xfa8d61b9a199716b);
 }
 
@@ -132,27 +134,28 @@ static void step__golden_hashes_hold(void **state)
 static void step__counts_describe_the_records(void **state)
 {
     struct fixture *f = *state;
-    struct eng_step_result result = run(f, ENG_MODE_ALL);
-    const struct eng_contact *contacts = result.records;
+    struct eng_step_result result = run(f, PCCD_MODE_ALL);
+    const struct pccd_contact *contacts = result.records;
     uint64_t vf = 0;
     uint64_t initial = 0;
     double first = 2;
     for (uint64_t i = 0; i < result.count; i++) {
-        vf += contacts[i].kind == ENG_VF;
-        initial += (contacts[i].flags & ENG_INITIAL) != 0;
+        vf += contacts[i].kind == PCCD_VF;
+        initial += (contacts[i].flags & PCCD_INITIAL) != 0;
         first = contacts[i].toi < first ? contacts[i].toi : first;
         assert_true(contacts[i].toi_hi - contacts[i].toi <= 1e-6);
         assert_int_equal(contacts[i].reserved, 0);
     }
     assert_true(vf > 10 && result.count - vf > 10);
-    assert_int_equal(result.vf, vf);
-    assert_int_equal(result.ee, result.count - vf);
+    assert_int_equal(result.counts[PCCD_VF], vf);
+    assert_int_equal(result.counts[PCCD_EE], result.count - vf);
     assert_int_equal(result.initial, initial);
     assert_int_equal(result.possible, 0);
     assert_true(result.toi_first == first);
-    assert_int_equal(result.verdict, ENG_VERDICT_NONE);
+    assert_int_equal(result.verdict, PCCD_VERDICT_NONE);
     assert_int_equal(result.record_bytes, sizeof *contacts);
-    assert_true(result.counters.candidates_vf + result.counters.candidates_ee >=
+    assert_true(result.counters.candidates[PCCD_VF] +
+                    result.counters.candidates[PCCD_EE] >=
                 result.counters.survivors);
     assert_true(result.counters.survivors >= result.count);
 }
@@ -179,22 +182,22 @@ static void step__modes_agree(void **state)
             f->x0[v][2] += move > 0 ? 0.5 : 0;
             f->x1[v][2] += move > 0 ? 0.25 : 0;
         }
-        struct eng_step_result all = run(f, ENG_MODE_ALL);
-        struct eng_contact *contacts = copy_records(&all);
-        struct eng_step_result pairs = run(f, ENG_MODE_PAIRS);
-        assert_int_equal(pairs.count,
-                         pairs.counters.candidates_vf + pairs.counters.candidates_ee);
+        struct eng_step_result all = run(f, PCCD_MODE_ALL);
+        struct pccd_contact *contacts = copy_records(&all);
+        struct eng_step_result pairs = run(f, PCCD_MODE_PAIRS);
+        assert_int_equal(pairs.count, pairs.counters.candidates[PCCD_VF] +
+                                          pairs.counters.candidates[PCCD_EE]);
         double bound = 2;
         for (uint64_t i = 0; i < all.count; i++) {
-            const struct eng_contact *c = &contacts[i];
-            const struct eng_pair name = {c->kind, c->object_a, c->feature_a, c->object_b,
-                                          c->feature_b};
+            const struct pccd_contact *c = &contacts[i];
+            const struct pccd_pair name = {c->kind, c->object_a, c->feature_a,
+                                           c->object_b, c->feature_b};
             assert_non_null(
                 bsearch(&name, pairs.records, pairs.count, sizeof name, compare_pairs));
             bound = c->toi_hi < bound ? c->toi_hi : bound;
         }
-        struct eng_step_result first = run(f, ENG_MODE_FIRST);
-        const struct eng_contact *earliest = first.records;
+        struct eng_step_result first = run(f, PCCD_MODE_FIRST);
+        const struct pccd_contact *earliest = first.records;
         uint64_t kept = 0;
         for (uint64_t i = 0; i < all.count; i++) {
             if (contacts[i].toi <= bound) {
@@ -205,8 +208,8 @@ static void step__modes_agree(void **state)
         }
         assert_int_equal(first.count, kept);
         assert_true(first.toi_first == all.toi_first);
-        struct eng_step_result any = run(f, ENG_MODE_ANY);
-        assert_int_equal(any.verdict, all.count > 0 ? ENG_VERDICT_YES : ENG_VERDICT_NO);
+        struct eng_step_result any = run(f, PCCD_MODE_ANY);
+        assert_int_equal(any.verdict, all.count > 0 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO);
         assert_int_equal(any.count, 0);
         free(contacts);
     }
@@ -249,28 +252,30 @@ static void step__first_is_found_whatever_is_found_before(void **state)
         for (uint32_t v = 0; v < 3 * RAIN; v++) {
             lowest = x[v][2] < lowest ? x[v][2] : lowest;
         }
-        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
         add(scene, kit_sheet(1 + (uint32_t)round % 3, 0), 1);
         add(scene,
             kit_mesh((const double(*)[3])x, 3 * RAIN, (const uint32_t(*)[3])triangles,
                      RAIN),
             2);
-        settings.mode = ENG_MODE_FIRST;
-        settings.method = round % 2 ? ENG_METHOD_WIDE : ENG_METHOD_PAPER;
+        settings.mode = PCCD_MODE_FIRST;
+        settings.method = round % 2 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         eng_stage_begin(scene);
-        assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * RAIN, here, below), ENG_OK);
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-        assert_true(settings.method == ENG_METHOD_WIDE || /* it finds the first sooner */
-                    result.counters.candidates_vf + result.counters.candidates_ee > 1024);
+        assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * RAIN, here, below), PCCD_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_true(settings.method == PCCD_METHOD_WIDE || /* it finds the first sooner */
+                    result.counters.candidates[PCCD_VF] +
+                            result.counters.candidates[PCCD_EE] >
+                        1024);
         assert_true(result.count > 0);
         assert_true(result.toi_first <= lowest / 4 &&
                     result.toi_first > lowest / 4 - 1e-6);
         /* Back on the sheet, all at rest: every contact is the first. */
         add(scene, kit_sheet(2, 0), 3);
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         uint64_t first_count = result.count;
-        settings.mode = ENG_MODE_ALL;
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+        settings.mode = PCCD_MODE_ALL;
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         assert_true(result.initial > 0);
         assert_int_equal(first_count, result.initial);
         eng_scene_free(scene);
@@ -282,14 +287,14 @@ static void step__tolerance_narrows_brackets_only(void **state)
 {
     struct fixture *f = *state;
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    struct eng_step_result coarse = run(f, ENG_MODE_ALL);
-    struct eng_contact *contacts = copy_records(&coarse);
+    struct eng_step_result coarse = run(f, PCCD_MODE_ALL);
+    struct pccd_contact *contacts = copy_records(&coarse);
     settings.tolerance = 1e-12;
     struct eng_step_result fine = run_with(f, &settings);
-    const struct eng_contact *narrow = fine.records;
+    const struct pccd_contact *narrow = fine.records;
     assert_int_equal(fine.count, coarse.count);
     for (uint64_t i = 0; i < fine.count; i++) {
-        assert_memory_equal(&narrow[i], &contacts[i], offsetof(struct eng_contact, toi));
+        assert_memory_equal(&narrow[i], &contacts[i], offsetof(struct pccd_contact, toi));
         assert_true(narrow[i].toi_hi - narrow[i].toi <= 1e-12);
         assert_true(narrow[i].toi <= contacts[i].toi_hi);
         assert_true(narrow[i].toi_hi >= contacts[i].toi);
@@ -299,9 +304,9 @@ static void step__tolerance_narrows_brackets_only(void **state)
 
 /* Every record of an incomplete answer is one of the complete answer. */
 static void check_subset(const struct eng_step_result *part,
-                         const struct eng_contact *contacts, uint64_t count)
+                         const struct pccd_contact *contacts, uint64_t count)
 {
-    const struct eng_contact *records = part->records;
+    const struct pccd_contact *records = part->records;
     uint64_t at = 0;
     for (uint64_t i = 0; i < part->count; i++) {
         while (at < count && memcmp(&records[i], &contacts[at], sizeof *contacts) != 0) {
@@ -317,26 +322,26 @@ static void check_subset(const struct eng_step_result *part,
 static void step__early_ends_say_why(void **state)
 {
     struct fixture *f = *state;
-    struct eng_step_result all = run(f, ENG_MODE_ALL);
-    struct eng_contact *contacts = copy_records(&all);
+    struct eng_step_result all = run(f, PCCD_MODE_ALL);
+    struct pccd_contact *contacts = copy_records(&all);
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     atomic_bool cancel = false;
     settings.deadline_ns = 1;
     struct eng_step_result part = run_with(f, &settings);
-    assert_int_equal(part.incomplete, ENG_INCOMPLETE_DEADLINE);
+    assert_int_equal(part.incomplete, PCCD_INCOMPLETE_DEADLINE);
     check_subset(&part, contacts, all.count);
     const double(*now)[3] = (const double(*)[3])f->scene->x[f->scene->now];
     assert_memory_equal(now + f->scene->objects[f->soup].vertices.first, f->x1,
                         sizeof f->x1);
 
-    settings.deadline_ns = eng_now_ns() + 3600u * (uint64_t)1000000000;
+    settings.deadline_ns = common_now_ns() + 3600u * (uint64_t)1000000000;
     settings.cancel = &cancel;
     part = run_with(f, &settings);
-    assert_int_equal(part.incomplete, ENG_COMPLETE);
-    assert_int_equal(part.hash_lo, all.hash_lo);
+    assert_int_equal(part.incomplete, PCCD_COMPLETE);
+    assert_int_equal(part.hash[1], all.hash[1]);
     atomic_store(&cancel, true);
     part = run_with(f, &settings);
-    assert_int_equal(part.incomplete, ENG_INCOMPLETE_CANCELLED);
+    assert_int_equal(part.incomplete, PCCD_INCOMPLETE_CANCELLED);
     check_subset(&part, contacts, all.count);
     atomic_store(&cancel, false);
 
@@ -346,50 +351,70 @@ static void step__early_ends_say_why(void **state)
         part = run_with(f, &settings);
         assert_int_equal(part.count, limits[i]);
         assert_int_equal(part.incomplete, limits[i] < all.count
-                                              ? ENG_INCOMPLETE_CONTACT_LIMIT
-                                              : ENG_COMPLETE);
+                                              ? PCCD_INCOMPLETE_CONTACT_LIMIT
+                                              : PCCD_COMPLETE);
         check_subset(&part, contacts, all.count);
     }
     free(contacts);
 }
 
-/* Triangles with coordinates of every magnitude: each pair takes exact arithmetic
- * long. */
+/* Triangles with coordinates of every magnitude, for which each pair takes long. */
 static struct eng_scene *hostile_scene(struct kit_random *random)
 {
     struct eng_scene *scene = NULL;
-    double x[120][3];
+    double x[2][120][3];
     uint32_t triangles[40][3];
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
-    for (uint32_t i = 0; i < 360; i++) {
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    for (uint32_t i = 0; i < 720; i++) {
         double scale = kit_below(random, 2) ? 0x1p-1070 : 0x1p57;
-        x[i / 3][i % 3] = kit_integer(random, 3) * scale;
-        triangles[i / 9][i / 3 % 3] = i / 3;
+        x[i / 360][i % 360 / 3][i % 3] = kit_integer(random, 3) * scale;
+        triangles[i % 120 / 3][i % 3] = i % 120;
     }
-    add(scene, kit_mesh((const double(*)[3])x, 120, (const uint32_t(*)[3])triangles, 40),
-        1);
-    for (uint32_t i = 0; i < 360; i++) {
-        double scale = kit_below(random, 2) ? 0x1p-1070 : 0x1p57;
-        x[i / 3][i % 3] = kit_integer(random, 3) * scale;
-    }
+    add(scene,
+        kit_mesh((const double(*)[3])x[0], 120, (const uint32_t(*)[3])triangles, 40), 1);
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, 120, x), ENG_OK);
+    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 120, x[1]), PCCD_OK);
     return scene;
 }
 
-/* If it failed: one client's odd numbers would hold up every other client for minutes. */
+struct canceller {
+    atomic_bool cancel;
+    uint64_t cancelled_ns;
+};
+
+static void *cancel_later(void *argument)
+{
+    struct canceller *canceller = argument;
+    nanosleep(&(struct timespec){0, 5000000}, NULL);
+    canceller->cancelled_ns = common_now_ns();
+    atomic_store(&canceller->cancel, true);
+    return NULL;
+}
+
+/* If it failed: one client's odd numbers would hold up every other client for seconds.
+ * The aim is 2 ms; a machine where others build is late for reasons of its own. */
 static void step__deadline_is_seen_between_slow_tests(void **state)
 {
     (void)state;
+    const uint64_t generous_ns = 250000000;
     struct kit_random random = {91};
     struct eng_scene *scene = hostile_scene(&random);
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
-    uint64_t begin_ns = eng_now_ns();
-    settings.deadline_ns = begin_ns + 20000000;
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-    assert_int_equal(result.incomplete, ENG_INCOMPLETE_DEADLINE);
-    assert_true(eng_now_ns() - begin_ns < 5u * (uint64_t)1000000000);
+    struct canceller canceller = {0};
+    pthread_t thread;
+    settings.deadline_ns = common_now_ns() + 5000000;
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_true(common_now_ns() < settings.deadline_ns + generous_ns);
+    settings.deadline_ns = 0;
+    settings.cancel = &canceller.cancel;
+    assert_int_equal(pthread_create(&thread, NULL, cancel_later, &canceller), 0);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    uint64_t end_ns = common_now_ns();
+    pthread_join(thread, NULL);
+    assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    assert_true(end_ns < canceller.cancelled_ns + generous_ns);
     eng_scene_free(scene);
 }
 
@@ -398,18 +423,18 @@ static void step__empty_scene_and_single_object_have_no_contacts(void **state)
 {
     (void)state;
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     for (int objects = 0; objects < 2; objects++) {
-        for (int mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
+        for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
             struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
             struct eng_step_result result;
-            settings.mode = (enum eng_mode)mode;
-            assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-            assert_int_equal(result.incomplete, ENG_COMPLETE);
-            assert_true(mode == ENG_MODE_PAIRS || result.count == 0);
+            settings.mode = (enum pccd_mode)mode;
+            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            assert_int_equal(result.incomplete, PCCD_COMPLETE);
+            assert_true(mode == PCCD_MODE_PAIRS || result.count == 0);
             assert_true(result.toi_first == 2);
             assert_int_equal(result.verdict,
-                             mode == ENG_MODE_ANY ? ENG_VERDICT_NO : ENG_VERDICT_NONE);
+                             mode == PCCD_MODE_ANY ? PCCD_VERDICT_NO : PCCD_VERDICT_NONE);
         }
         if (objects == 0) {
             add(scene, kit_sheet(5, 0), 1); /* flat: neighbours share vertices only */
@@ -427,18 +452,19 @@ static void step__one_object_meets_itself(void **state)
     struct eng_step_result result;
     const double corner[1][3] = {{0.6, 0.55, 0.5}};
     const double below[1][3] = {{0.6, 0.55, -0.5}};
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     add(scene, kit_sheet(4, 0), 9);
     eng_stage_begin(scene); /* vertex 0 is lifted over the sheet ... */
-    assert_int_equal(eng_stage_x0x1(scene, 0, ENG_F64, 0, 1, corner, corner), ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-    assert_int_equal(result.vf, 0);
+    assert_int_equal(eng_stage_x0x1(scene, 0, PCCD_FORMAT_F64, 0, 1, corner, corner),
+                     PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.counts[PCCD_VF], 0);
     eng_stage_begin(scene); /* ... and pushed through it */
-    assert_int_equal(eng_stage_x1(scene, 0, ENG_F64, 0, 1, below), ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-    const struct eng_contact *contact = result.records;
-    assert_true(result.vf > 0 && result.ee > 0);
-    assert_true(contact->kind == ENG_VF && contact->object_a == 9 &&
+    assert_int_equal(eng_stage_x1(scene, 0, PCCD_FORMAT_F64, 0, 1, below), PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    const struct pccd_contact *contact = result.records;
+    assert_true(result.counts[PCCD_VF] > 0 && result.counts[PCCD_EE] > 0);
+    assert_true(contact->kind == PCCD_VF && contact->object_a == 9 &&
                 contact->object_b == 9);
     assert_int_equal(contact->feature_a, 0);      /* the corner is the first vertex */
     for (uint64_t i = 0; i < result.count; i++) { /* all when its triangle lies flat */
@@ -452,31 +478,32 @@ static void step__objects_come_and_go_without_touching_others(void **state)
 {
     struct fixture *f = *state;
     struct kit_random random = {92};
-    struct eng_step_result before = run(f, ENG_MODE_ALL);
-    struct eng_range range = f->scene->objects[f->soup].nodes;
-    size_t bytes = range.count * sizeof *f->scene->nodes;
+    struct eng_step_result before = run(f, PCCD_MODE_ALL);
+    struct eng_range range = eng_planted_of(&f->scene->objects[f->soup])->nodes;
+    size_t bytes = range.count * sizeof *eng_trees_of(f->scene)->nodes;
     struct eng_node *nodes = malloc(bytes);
     assert_non_null(nodes);
-    memcpy(nodes, f->scene->nodes + range.first, bytes);
+    memcpy(nodes, eng_trees_of(f->scene)->nodes + range.first, bytes);
     uint32_t others[6];
     for (uint32_t i = 0; i < 6; i++) {
         others[i] = add(f->scene, kit_soup(&random, 50), 100 + i);
-        struct eng_step_result with = run(f, ENG_MODE_ALL);
+        struct eng_step_result with = run(f, PCCD_MODE_ALL);
         assert_true(with.count > before.count);
-        assert_int_equal(f->scene->objects[f->soup].nodes.first, range.first);
-        assert_memory_equal(f->scene->nodes + range.first, nodes, bytes);
+        assert_int_equal(eng_planted_of(&f->scene->objects[f->soup])->nodes.first,
+                         range.first);
+        assert_memory_equal(eng_trees_of(f->scene)->nodes + range.first, nodes, bytes);
         assert_true(eng_tree_validate(f->scene));
     }
     for (uint32_t i = 0; i < 6; i++) {
-        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), ENG_OK);
-        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), ENG_E_INVAL);
-        run(f, ENG_MODE_ALL);
-        assert_memory_equal(f->scene->nodes + range.first, nodes, bytes);
+        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), PCCD_OK);
+        assert_int_equal(eng_scene_remove(f->scene, others[(i * 5) % 6]), PCCD_E_INVAL);
+        run(f, PCCD_MODE_ALL);
+        assert_memory_equal(eng_trees_of(f->scene)->nodes + range.first, nodes, bytes);
         assert_true(eng_tree_validate(f->scene));
     }
-    struct eng_step_result after = run(f, ENG_MODE_ALL);
-    assert_int_equal(after.hash_hi, before.hash_hi);
-    assert_int_equal(after.hash_lo, before.hash_lo);
+    struct eng_step_result after = run(f, PCCD_MODE_ALL);
+    assert_int_equal(after.hash[0], before.hash[0]);
+    assert_int_equal(after.hash[1], before.hash[1]);
     free(nodes);
 }
 
@@ -487,16 +514,16 @@ static void step__ids_are_unique_and_come_free_again(void **state)
     uint32_t idx = 77;
     struct eng_mesh *mesh = kit_sheet(1, 0);
     struct eng_mesh *raw = NULL;
-    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), ENG_E_INVAL);
-    assert_int_equal(eng_mesh_new(3, 1, &raw), ENG_OK);
-    assert_int_equal(eng_scene_add(f->scene, raw, 1, &idx), ENG_E_STATE);
+    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_new(3, 1, &raw), PCCD_OK);
+    assert_int_equal(eng_scene_add(f->scene, raw, 1, &idx), PCCD_E_STATE);
     assert_int_equal(idx, 77);
-    assert_int_equal(eng_scene_remove(f->scene, 77), ENG_E_INVAL);
-    assert_int_equal(eng_scene_remove(f->scene, UINT32_MAX), ENG_E_INVAL);
+    assert_int_equal(eng_scene_remove(f->scene, 77), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_remove(f->scene, UINT32_MAX), PCCD_E_INVAL);
     assert_int_equal(eng_scene_object_count(f->scene), 2);
-    assert_int_equal(eng_scene_remove(f->scene, f->soup), ENG_OK);
+    assert_int_equal(eng_scene_remove(f->scene, f->soup), PCCD_OK);
     assert_int_equal(eng_scene_vertex_count(f->scene, f->soup), 0);
-    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, mesh, SOUP, &idx), PCCD_OK);
     assert_int_equal(idx, f->soup);
     assert_int_equal(eng_scene_vertex_count(f->scene, idx), 4);
     eng_mesh_release(mesh);
@@ -512,16 +539,16 @@ static void step__object_ids_decide_the_order(void **state)
         struct eng_scene *scene = NULL;
         struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
         struct eng_step_result result;
-        assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
         add(scene, kit_sheet(2, 0), ids[order][0]);
         add(scene, kit_sheet(3, 0), ids[order][1]); /* in the same plane: touching */
-        assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-        const struct eng_contact *contacts = result.records;
-        assert_true(result.ee > 20 && result.vf > 20);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        const struct pccd_contact *contacts = result.records;
+        assert_true(result.counts[PCCD_EE] > 20 && result.counts[PCCD_VF] > 20);
         assert_int_equal(result.initial, result.count);
         for (uint64_t i = 0; i < result.count; i++) {
             assert_int_not_equal(contacts[i].object_a, contacts[i].object_b);
-            if (contacts[i].kind == ENG_EE) {
+            if (contacts[i].kind == PCCD_EE) {
                 assert_int_equal(contacts[i].object_a, 1);
             } else if (i > 0) {
                 assert_true(contacts[i - 1].object_a <= contacts[i].object_a);
@@ -541,16 +568,16 @@ static void step__two_instances_of_one_mesh_are_two_objects(void **state)
     const double up[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, 1};
     const double down[12] = {1, 0, 0, 0.25, 0, 1, 0, 0.125, 0, 0, 1, -1};
     struct eng_mesh *mesh = kit_sheet(2, 0);
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     uint32_t a = add(scene, eng_mesh_acquire(mesh), 1);
     uint32_t b = add(scene, mesh, 2); /* nobody but the scene holds the mesh now */
     eng_stage_begin(scene);
-    assert_int_equal(eng_stage_rigid(scene, b, 0, 9, up, down), ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
-    assert_true(result.vf > 0 && result.ee > 0);
+    assert_int_equal(eng_stage_rigid(scene, b, 0, 9, up, down), PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_true(result.counts[PCCD_VF] > 0 && result.counts[PCCD_EE] > 0);
     assert_true(result.toi_first <= 0.5 && result.toi_first >= 0.5 - 1e-6);
-    assert_int_equal(eng_scene_remove(scene, a), ENG_OK);
-    assert_int_equal(eng_step(scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_scene_remove(scene, a), PCCD_OK);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.count, 0);
     eng_scene_free(scene);
 }

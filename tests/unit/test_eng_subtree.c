@@ -4,7 +4,7 @@
  * Does:     hold the order of nodes against the links; run teams whose threads check each
  *           other where the build validates.
  * Threads:  up to eight.
- * Source:   daemon/engine/tree/subtree.h; paper section 4.1.
+ * Source:   daemon/engine/paper/subtree.h; paper section 4.1.
  */
 #include "eng_crew.h"
 
@@ -14,13 +14,13 @@
 /* Parents of all nodes; the root's is ENG_NO_NODE. */
 static void find_parents(const struct eng_scene *scene, uint32_t *parents)
 {
-    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
+    for (uint32_t i = 0; i < eng_trees_of(scene)->node_ranges.end; i++) {
         parents[i] = ENG_NO_NODE;
     }
-    for (uint32_t i = 0; i < scene->node_ranges.end; i++) {
-        if (scene->nodes[i].left != ENG_LEAF) {
-            parents[scene->nodes[i].left] = i;
-            parents[scene->nodes[i].right] = i;
+    for (uint32_t i = 0; i < eng_trees_of(scene)->node_ranges.end; i++) {
+        if (eng_trees_of(scene)->nodes[i].left != ENG_LEAF) {
+            parents[eng_trees_of(scene)->nodes[i].left] = i;
+            parents[eng_trees_of(scene)->nodes[i].right] = i;
         }
     }
 }
@@ -34,20 +34,20 @@ static void subtree__order_says_what_the_links_say(void **state)
     (void)state;
     struct kit_random random = {5};
     struct eng_scene *scene = NULL;
-    assert_int_equal(eng_scene_new(NULL, &scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     for (uint32_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(&random, sizes[i]);
-        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, i, &idx), PCCD_OK);
         eng_mesh_release(mesh);
     }
-    assert_int_equal(eng_plant_objects(scene), ENG_OK);
-    assert_int_equal(eng_build_top(scene), ENG_OK);
-    assert_true(scene->node_ranges.end <= sizeof parents / sizeof *parents);
+    assert_int_equal(eng_plant_objects(scene), PCCD_OK);
+    assert_int_equal(eng_build_top(scene), PCCD_OK);
+    assert_true(eng_trees_of(scene)->node_ranges.end <= sizeof parents / sizeof *parents);
     find_parents(scene, parents);
     uint32_t pairs = 0;
-    for (uint32_t root = 0; root < scene->node_ranges.end; root++) {
-        for (uint32_t node = 0; node < scene->node_ranges.end; node++) {
+    for (uint32_t root = 0; root < eng_trees_of(scene)->node_ranges.end; root++) {
+        for (uint32_t node = 0; node < eng_trees_of(scene)->node_ranges.end; node++) {
             uint32_t up = node;
             while (up != ENG_NO_NODE && up != root) {
                 up = parents[up];
@@ -56,7 +56,7 @@ static void subtree__order_says_what_the_links_say(void **state)
             pairs += up == root;
         }
     }
-    assert_true(pairs > scene->node_ranges.end);
+    assert_true(pairs > eng_trees_of(scene)->node_ranges.end);
     eng_scene_free(scene);
 }
 
@@ -65,15 +65,15 @@ static void subtree__order_says_what_the_links_say(void **state)
 static void subtree__threads_perform_disjoint_task_units(void **state)
 {
     struct crew *crew = *state;
-    struct eng_step_result alone = crew_run(crew, crew_alone(ENG_MODE_ALL));
+    struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
     for (uint32_t threads = 2; threads <= 8; threads++) {
         for (int round = 0; round < 10; round++) {
-            struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
+            struct eng_step_settings settings = crew_alone(PCCD_MODE_ALL);
             settings.threads = threads;
-            settings.scheduler = ENG_SCHEDULER_PAPER;
+            settings.tuning.scheduler = ENG_SCHEDULER_PAPER;
             struct eng_step_result team = crew_run(crew, settings);
             assert_int_equal(team.counters.task_units, alone.counters.task_units);
-            assert_int_equal(team.hash_lo, alone.hash_lo);
+            assert_int_equal(team.hash[1], alone.hash[1]);
         }
     }
 }

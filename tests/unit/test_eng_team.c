@@ -4,26 +4,28 @@
  * Does:     records, hash, counts and boxes compared between one thread and several, for
  *           every mode; warm teams allocate nothing; early ends end all threads.
  * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/step.h, schedule.h, refit.h.
+ * Source:   daemon/engine/step.h, schedule_steal.h, refit.h.
  */
 #include "eng_crew.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "hash.h"
 #include "memory.h"
+#include "paper_work.h"
+#include "record_hash.h"
+#include "trees.h"
 #include "worker.h"
 
 /* If it failed: the answer would depend on the machine or on the day. */
 static void team__same_records_for_any_number_of_threads(void **state)
 {
     struct crew *crew = *state;
-    for (int mode = ENG_MODE_ALL; mode <= ENG_MODE_PAIRS; mode++) {
-        struct eng_step_result alone = crew_run(crew, crew_alone((enum eng_mode)mode));
+    for (int mode = PCCD_MODE_ALL; mode <= PCCD_MODE_PAIRS; mode++) {
+        struct eng_step_result alone = crew_run(crew, crew_alone((enum pccd_mode)mode));
         assert_int_equal(alone.threads, 1);
-        assert_int_equal(alone.incomplete, ENG_COMPLETE);
-        assert_true(mode == ENG_MODE_ANY || alone.count > 0);
+        assert_int_equal(alone.incomplete, PCCD_COMPLETE);
+        assert_true(mode == PCCD_MODE_ANY || alone.count > 0);
         size_t bytes = alone.count * alone.record_bytes;
         void *records = malloc(bytes + 1);
         assert_non_null(records);
@@ -33,13 +35,13 @@ static void team__same_records_for_any_number_of_threads(void **state)
         for (size_t i = 0; i < crew_count(); i++) {
             for (int round = 0; round < 3; round++) {
                 struct eng_step_result team =
-                    crew_run(crew, crew_team((enum eng_mode)mode, i));
+                    crew_run(crew, crew_team((enum pccd_mode)mode, i));
                 assert_true(team.threads > 1);
-                assert_int_equal(team.incomplete, ENG_COMPLETE);
+                assert_int_equal(team.incomplete, PCCD_COMPLETE);
                 assert_int_equal(team.verdict, alone.verdict);
                 assert_int_equal(team.count, alone.count);
-                assert_int_equal(team.hash_hi, alone.hash_hi);
-                assert_int_equal(team.hash_lo, alone.hash_lo);
+                assert_int_equal(team.hash[0], alone.hash[0]);
+                assert_int_equal(team.hash[1], alone.hash[1]);
                 assert_true(bytes == 0 || memcmp(team.records, records, bytes) == 0);
             }
         }
@@ -52,14 +54,16 @@ static void team__same_records_for_any_number_of_threads(void **state)
 static void team__same_work_for_any_number_of_threads(void **state)
 {
     struct crew *crew = *state;
-    struct eng_step_result alone = crew_run(crew, crew_alone(ENG_MODE_ALL));
+    struct eng_step_result alone = crew_run(crew, crew_alone(PCCD_MODE_ALL));
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_result team = crew_run(crew, crew_team(ENG_MODE_ALL, i));
+        struct eng_step_result team = crew_run(crew, crew_team(PCCD_MODE_ALL, i));
         assert_int_equal(team.counters.task_units, alone.counters.task_units);
         assert_int_equal(team.counters.box_tests, alone.counters.box_tests);
         assert_int_equal(team.counters.leaf_pairs, alone.counters.leaf_pairs);
-        assert_int_equal(team.counters.candidates_vf, alone.counters.candidates_vf);
-        assert_int_equal(team.counters.candidates_ee, alone.counters.candidates_ee);
+        assert_int_equal(team.counters.candidates[PCCD_VF],
+                         alone.counters.candidates[PCCD_VF]);
+        assert_int_equal(team.counters.candidates[PCCD_EE],
+                         alone.counters.candidates[PCCD_EE]);
         assert_int_equal(team.counters.survivors, alone.counters.survivors);
     }
 }
@@ -68,17 +72,18 @@ static void team__same_work_for_any_number_of_threads(void **state)
 static void team__refit_gives_the_same_boxes(void **state)
 {
     struct crew *crew = *state;
-    size_t bytes = crew->scene->node_ranges.end * sizeof *crew->scene->nodes;
+    size_t bytes = eng_trees_of(crew->scene)->node_ranges.end *
+                   sizeof *eng_trees_of(crew->scene)->nodes;
     crew->scene->settings.rebuild_ratio = 1e-9; /* nothing is as poor: the same nodes */
-    crew_run(crew, crew_alone(ENG_MODE_ANY));
+    crew_run(crew, crew_alone(PCCD_MODE_ANY));
     void *nodes = malloc(bytes);
     assert_non_null(nodes);
-    memcpy(nodes, crew->scene->nodes, bytes);
+    memcpy(nodes, eng_trees_of(crew->scene)->nodes, bytes);
     for (size_t i = 0; i < crew_count(); i++) {
-        memset(crew->scene->nodes[crew->scene->root].lo0, 0xff,
-               12); /* must be written again */
-        crew_run(crew, crew_team(ENG_MODE_ANY, i));
-        assert_memory_equal(crew->scene->nodes, nodes, bytes);
+        memset(eng_trees_of(crew->scene)->nodes[eng_trees_of(crew->scene)->root].lo0,
+               0xff, 12); /* must be written again */
+        crew_run(crew, crew_team(PCCD_MODE_ANY, i));
+        assert_memory_equal(eng_trees_of(crew->scene)->nodes, nodes, bytes);
     }
     free(nodes);
 }
@@ -88,9 +93,9 @@ static void team__warm_steps_allocate_nothing(void **state)
 {
     struct crew *crew = *state;
     for (size_t i = 0; i < crew_count(); i++) {
-        crew_run(crew, crew_team(ENG_MODE_ALL, i));
+        crew_run(crew, crew_team(PCCD_MODE_ALL, i));
         for (int round = 0; round < 5; round++) {
-            struct eng_step_result team = crew_run(crew, crew_team(ENG_MODE_ALL, i));
+            struct eng_step_result team = crew_run(crew, crew_team(PCCD_MODE_ALL, i));
             assert_int_equal(team.counters.allocs, 0);
             assert_int_equal(team.counters.builds, 0);
         }
@@ -107,22 +112,23 @@ static void team__workers_go_when_no_step_wants_them(void **state)
 {
     struct crew *crew = *state;
     struct eng_scene *scene = crew->scene;
-    struct eng_step_settings alone = crew_alone(ENG_MODE_ANY);
-    struct eng_step_settings team = crew_team(ENG_MODE_ANY, 0);
+    struct eng_step_settings alone = crew_alone(PCCD_MODE_ANY);
+    struct eng_step_settings team = crew_team(PCCD_MODE_ANY, 0);
     struct eng_step_result result = crew_run(crew, team);
     uint64_t before = eng_alloc_bytes();
     team.team_always = true;
     for (int i = 0; i < MANY_STEPS; i++) {
         assert_int_equal(eng_step(scene, i % 100 == 99 ? &team : &alone, &result),
-                         ENG_OK);
+                         PCCD_OK);
         assert_int_equal(result.counters.allocs, 0);
     }
     assert_int_equal(eng_alloc_bytes(), before);
     for (int i = 0; i < MANY_STEPS; i++) {
-        assert_int_equal(eng_step(scene, &alone, &result), ENG_OK);
+        assert_int_equal(eng_step(scene, &alone, &result), PCCD_OK);
     }
-    assert_in_range(before - eng_alloc_bytes(), sizeof(struct eng_worker),
-                    2 * sizeof(struct eng_worker));
+    size_t one = sizeof(struct eng_worker) + sizeof(struct eng_paper_work) +
+                 eng_exact_bytes();
+    assert_in_range(before - eng_alloc_bytes(), one, 2 * one);
     assert_int_equal(crew_run(crew, team).threads, team.threads);
     assert_int_equal(eng_alloc_bytes(), before);
 }
@@ -134,15 +140,15 @@ static void team__early_ends_end_every_thread(void **state)
     struct crew *crew = *state;
     for (size_t i = 0; i < 2 * crew_count(); i++) {
         atomic_bool cancel = true;
-        struct eng_step_settings settings = crew_team(ENG_MODE_ALL, i / 2);
-        settings.method = i % 2 ? ENG_METHOD_WIDE : ENG_METHOD_PAPER;
+        struct eng_step_settings settings = crew_team(PCCD_MODE_ALL, i / 2);
+        settings.method = i % 2 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
         settings.cancel = &cancel;
         struct eng_step_result result = crew_run(crew, settings);
-        assert_int_equal(result.incomplete, ENG_INCOMPLETE_CANCELLED);
+        assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CANCELLED);
         assert_true(i % 2 == 0 || result.counters.box_tests == 0);
         settings.cancel = NULL;
         settings.deadline_ns = 1;
-        assert_int_equal(crew_run(crew, settings).incomplete, ENG_INCOMPLETE_DEADLINE);
+        assert_int_equal(crew_run(crew, settings).incomplete, PCCD_INCOMPLETE_DEADLINE);
     }
 }
 
@@ -151,21 +157,21 @@ static void team__cut_answers_hold_the_first_records(void **state)
 {
     struct crew *crew = *state;
     for (int k = 0; k < 6; k++) {
-        enum eng_mode mode = k % 2 ? ENG_MODE_PAIRS : ENG_MODE_ALL;
+        enum pccd_mode mode = k % 2 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
         struct eng_step_result whole = crew_run(crew, crew_alone(mode));
         const uint64_t limits[] = {3, whole.count / 20, whole.count - 1};
         uint64_t limit = limits[k / 2];
         uint64_t hash[2];
-        eng_hash(whole.records, limit * whole.record_bytes, hash);
+        record_hash_2(whole.records, limit, whole.record_bytes, hash);
         for (size_t i = 0; i < crew_count(); i++) {
             struct eng_step_settings settings = crew_team(mode, i);
             settings.contact_max = limit;
             struct eng_step_result cut = crew_run(crew, settings);
-            assert_int_equal(cut.incomplete, ENG_INCOMPLETE_CONTACT_LIMIT);
+            assert_int_equal(cut.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
             assert_int_equal(cut.count, limit);
-            assert_int_equal(cut.vf + cut.ee, limit);
-            assert_int_equal(cut.hash_hi, hash[0]);
-            assert_int_equal(cut.hash_lo, hash[1]);
+            assert_int_equal(cut.counts[PCCD_VF] + cut.counts[PCCD_EE], limit);
+            assert_int_equal(cut.hash[0], hash[0]);
+            assert_int_equal(cut.hash[1], hash[1]);
         }
     }
 }
@@ -205,21 +211,22 @@ static void team__first_is_what_all_says_it_is(void **state)
     fill_pairs(x0, x1, triangles);
     struct eng_mesh *mesh = kit_mesh((const double(*)[3])x0, 6 * PAIRS,
                                      (const uint32_t(*)[3])triangles, 2 * PAIRS);
-    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), ENG_OK);
-    assert_int_equal(eng_scene_add(crew->scene, mesh, 3, &pairs), ENG_OK);
+    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), PCCD_OK);
+    assert_int_equal(eng_scene_add(crew->scene, mesh, 3, &pairs), PCCD_OK);
     eng_mesh_release(mesh);
     uint64_t expected = 0;
     for (int threads = 0; threads < 5; threads++) {
         struct eng_step_settings settings =
-            crew_alone(threads == 0 ? ENG_MODE_ALL : ENG_MODE_FIRST);
+            crew_alone(threads == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST);
         struct eng_step_result result;
         settings.threads = threads == 0 ? 1 : (uint32_t)threads;
         settings.team_always = true;
         eng_stage_begin(crew->scene);
         assert_int_equal(
-            eng_stage_x0x1(crew->scene, pairs, ENG_F64, 0, 6 * PAIRS, x0, x1), ENG_OK);
-        assert_int_equal(eng_step(crew->scene, &settings, &result), ENG_OK);
-        const struct eng_contact *contacts = result.records;
+            eng_stage_x0x1(crew->scene, pairs, PCCD_FORMAT_F64, 0, 6 * PAIRS, x0, x1),
+            PCCD_OK);
+        assert_int_equal(eng_step(crew->scene, &settings, &result), PCCD_OK);
+        const struct pccd_contact *contacts = result.records;
         double bound = 2;
         for (uint64_t i = 0; i < result.count; i++) {
             bound = contacts[i].toi_hi < bound ? contacts[i].toi_hi : bound;
@@ -239,26 +246,26 @@ static void team__larger_than_its_scene(void **state)
 {
     struct crew *crew = *state;
     struct kit_random random = {7};
-    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), ENG_OK);
-    assert_int_equal(eng_scene_remove(crew->scene, crew->sheet), ENG_OK);
+    assert_int_equal(eng_scene_remove(crew->scene, crew->soup), PCCD_OK);
+    assert_int_equal(eng_scene_remove(crew->scene, crew->sheet), PCCD_OK);
     for (uint32_t triangles = 1; triangles <= 5; triangles++) {
         uint32_t idx;
         struct eng_mesh *mesh = kit_soup(&random, triangles);
-        assert_int_equal(eng_scene_add(crew->scene, mesh, triangles, &idx), ENG_OK);
+        assert_int_equal(eng_scene_add(crew->scene, mesh, triangles, &idx), PCCD_OK);
         eng_mesh_release(mesh);
-        struct eng_step_settings settings = crew_alone(ENG_MODE_ALL);
+        struct eng_step_settings settings = crew_alone(PCCD_MODE_ALL);
         struct eng_step_result alone;
-        assert_int_equal(eng_step(crew->scene, &settings, &alone), ENG_OK);
+        assert_int_equal(eng_step(crew->scene, &settings, &alone), PCCD_OK);
         for (size_t i = 0; i < crew_count(); i++) {
             struct eng_step_result team;
-            settings = crew_team(ENG_MODE_ALL, i);
+            settings = crew_team(PCCD_MODE_ALL, i);
             settings.team_always = true;
-            assert_int_equal(eng_step(crew->scene, &settings, &team), ENG_OK);
+            assert_int_equal(eng_step(crew->scene, &settings, &team), PCCD_OK);
             assert_int_equal(team.threads, settings.threads);
             assert_int_equal(team.counters.task_units, alone.counters.task_units);
             assert_int_equal(team.counters.box_tests, alone.counters.box_tests);
-            assert_int_equal(team.hash_hi, alone.hash_hi);
-            assert_int_equal(team.hash_lo, alone.hash_lo);
+            assert_int_equal(team.hash[0], alone.hash[0]);
+            assert_int_equal(team.hash[1], alone.hash[1]);
         }
     }
 }

@@ -47,8 +47,8 @@ static int setup(void **state)
     struct kit_random random = {4};
     struct eng_mesh *mesh = kit_soup(&random, TRIANGLES);
     memset(&ground, 0, sizeof ground);
-    assert_int_equal(eng_scene_new(NULL, &ground.scene), ENG_OK);
-    assert_int_equal(eng_scene_add(ground.scene, mesh, 1, &ground.object), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &ground.scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(ground.scene, mesh, 1, &ground.object), PCCD_OK);
     for (uint32_t i = 0; i < 3 * VERTICES; i++) {
         double x = mesh->x[i / 3][i % 3];
         ground.calm[0][i / 3][i % 3] = x;
@@ -67,23 +67,23 @@ static int teardown(void **state)
     return 0;
 }
 
-static struct eng_step_counters step(struct ground *ground, double x[2][VERTICES][3],
-                                     const struct eng_step_settings *settings)
+static struct pccd_step_counters step(struct ground *ground, double x[2][VERTICES][3],
+                                      const struct eng_step_settings *settings)
 {
     struct eng_step_result result;
     eng_stage_begin(ground->scene);
-    assert_int_equal(
-        eng_stage_x0x1(ground->scene, ground->object, ENG_F64, 0, VERTICES, x[0], x[1]),
-        ENG_OK);
-    assert_int_equal(eng_step(ground->scene, settings, &result), ENG_OK);
+    assert_int_equal(eng_stage_x0x1(ground->scene, ground->object, PCCD_FORMAT_F64, 0,
+                                    VERTICES, x[0], x[1]),
+                     PCCD_OK);
+    assert_int_equal(eng_step(ground->scene, settings, &result), PCCD_OK);
     assert_int_equal(result.threads, settings->threads);
     assert_true(result.count <= KEPT);
     return result.counters;
 }
 
-static uint64_t candidates(const struct eng_step_counters *counters)
+static uint64_t candidates(const struct pccd_step_counters *counters)
 {
-    return counters->candidates_vf + counters->candidates_ee;
+    return counters->candidates[PCCD_VF] + counters->candidates[PCCD_EE];
 }
 
 /* If it failed, a mesh that goes astray would take a machine's memory. */
@@ -93,15 +93,15 @@ static void teleport__takes_no_more_memory_than_a_calm_step(void **state)
     for (uint32_t i = 0; i < WAY_METHODS * 2 * 2; i++) {
         struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
         settings.method = way_methods[i % WAY_METHODS];
-        settings.mode = i / WAY_METHODS % 2 ? ENG_MODE_PAIRS : ENG_MODE_ALL;
+        settings.mode = i / WAY_METHODS % 2 ? PCCD_MODE_PAIRS : PCCD_MODE_ALL;
         settings.threads = i / WAY_METHODS / 2 ? 4 : 1;
         settings.team_always = true;
         settings.contact_max = KEPT;
         step(ground, ground->calm, &settings);
-        struct eng_step_counters calm = step(ground, ground->calm, &settings);
+        struct pccd_step_counters calm = step(ground, ground->calm, &settings);
         uint64_t bytes = eng_alloc_bytes();
         for (uint32_t again = 0; again < 3; again++) {
-            struct eng_step_counters far = step(ground, ground->far, &settings);
+            struct pccd_step_counters far = step(ground, ground->far, &settings);
             assert_true(candidates(&far) > MORE_CANDIDATES * candidates(&calm));
             assert_true(eng_alloc_bytes() <= bytes + MORE_BYTES_MAX * settings.threads);
             assert_true(far.allocs <= ALLOCS_MAX * settings.threads);

@@ -3,15 +3,15 @@
  * Room:     engine (step.h, trace.h).
  * Does:     fill a ring; hold the slices of whole steps against the records and counters.
  * Threads:  up to sixteen, whatever the machine has.
- * Source:   daemon/engine/schedule/trace.h.
+ * Source:   daemon/engine/team/trace.h.
  */
 #include "eng_crew.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "status.h"
 #include "trace.h"
+#include "trees.h"
 
 #define LANES  16u
 #define EVENTS (1u << 15)
@@ -21,20 +21,20 @@ static void trace__ring_keeps_the_newest(void **state)
 {
     struct eng_trace trace;
     (void)state;
-    assert_int_equal(eng_trace_init(&trace, 2, 5, 0), ENG_OK);
+    assert_int_equal(eng_trace_init(&trace, 2, 5, 0), PCCD_OK);
     assert_int_equal(trace.capacity, 8);
     for (uint32_t i = 0; i < 27; i++) {
         assert_int_equal(eng_trace_count(&trace, 1), i < 8 ? i : 8);
-        eng_trace_add(&trace, 1, ENG_TRACE_UNIT, 10 * i, 10 * i + 7, i, i + 1);
+        eng_trace_add(&trace, 1, PCCD_TRACE_UNIT, 10 * i, 10 * i + 7, i, i + 1);
     }
     assert_int_equal(eng_trace_count(&trace, 0), 0);
     for (uint32_t i = 0; i < 8; i++) {
-        const struct eng_trace_event *event = eng_trace_at(&trace, 1, i);
+        const struct pccd_trace_event *event = eng_trace_at(&trace, 1, i);
         assert_int_equal(event->a, 19 + i);
         assert_int_equal(event->b, 20 + i);
         assert_int_equal(event->begin_ns, 190 + 10 * i);
         assert_int_equal(event->end_ns, 197 + 10 * i);
-        assert_int_equal(event->kind, ENG_TRACE_UNIT);
+        assert_int_equal(event->kind, PCCD_TRACE_UNIT);
         assert_int_equal(event->thread, 1);
     }
     eng_trace_deinit(&trace);
@@ -46,17 +46,17 @@ static void trace__refuses_what_has_no_room(void **state)
 {
     struct eng_trace trace;
     (void)state;
-    assert_int_equal(eng_trace_init(&trace, 0, 8, 0), ENG_E_INVAL);
-    assert_int_equal(eng_trace_init(&trace, 1, 0, 0), ENG_E_INVAL);
-    assert_int_equal(eng_trace_init(&trace, 1, 8, 100), ENG_OK);
-    eng_trace_add(&trace, 1, ENG_TRACE_STEP, 0, 1, 0, 0);
-    eng_trace_add(NULL, 0, ENG_TRACE_STEP, 0, 1, 0, 0);
-    eng_trace_add(&trace, 0, ENG_TRACE_UNIT, 0, 99, 0, 0);
-    eng_trace_add(&trace, 0, ENG_TRACE_SUBTREE, 0, 99, 0, 0);
-    eng_trace_add(&trace, 0, ENG_TRACE_PAIRS, 0, 99, 0, 0);
+    assert_int_equal(eng_trace_init(&trace, 0, 8, 0), PCCD_E_INVAL);
+    assert_int_equal(eng_trace_init(&trace, 1, 0, 0), PCCD_E_INVAL);
+    assert_int_equal(eng_trace_init(&trace, 1, 8, 100), PCCD_OK);
+    eng_trace_add(&trace, 1, PCCD_TRACE_STEP, 0, 1, 0, 0);
+    eng_trace_add(NULL, 0, PCCD_TRACE_STEP, 0, 1, 0, 0);
+    eng_trace_add(&trace, 0, PCCD_TRACE_UNIT, 0, 99, 0, 0);
+    eng_trace_add(&trace, 0, PCCD_TRACE_SUBTREE, 0, 99, 0, 0);
+    eng_trace_add(&trace, 0, PCCD_TRACE_PAIRS, 0, 99, 0, 0);
     assert_int_equal(eng_trace_count(&trace, 0), 0);
-    eng_trace_add(&trace, 0, ENG_TRACE_UNIT, 0, 100, 0, 0);
-    eng_trace_add(&trace, 0, ENG_TRACE_WAIT, 0, 1, 0, 0);
+    eng_trace_add(&trace, 0, PCCD_TRACE_UNIT, 0, 100, 0, 0);
+    eng_trace_add(&trace, 0, PCCD_TRACE_WAIT, 0, 1, 0, 0);
     assert_int_equal(eng_trace_count(&trace, 0), 2);
     eng_trace_deinit(&trace);
 }
@@ -77,8 +77,8 @@ static struct eng_step_result traced(struct crew *crew, struct eng_step_settings
 }
 
 struct totals {
-    uint64_t count[ENG_TRACE_KINDS];
-    uint64_t ns[ENG_TRACE_KINDS];
+    uint64_t count[PCCD_TRACE_REQUEST];
+    uint64_t ns[PCCD_TRACE_REQUEST];
     uint64_t candidates;
     uint64_t high_units; /* a unit has a slice for each of its phases */
 };
@@ -89,16 +89,16 @@ static struct totals totals_of(const struct eng_trace *trace, uint32_t lane)
     uint32_t high = ENG_NO_NODE;
     memset(&totals, 0, sizeof totals);
     for (uint64_t i = 0; i < eng_trace_count(trace, lane); i++) {
-        const struct eng_trace_event *event = eng_trace_at(trace, lane, i);
+        const struct pccd_trace_event *event = eng_trace_at(trace, lane, i);
         assert_true(event->begin_ns <= event->end_ns);
         assert_int_equal(event->thread, lane);
         totals.count[event->kind]++;
         totals.ns[event->kind] += event->end_ns - event->begin_ns;
-        if (event->kind == ENG_TRACE_HIGH) {
+        if (event->kind == PCCD_TRACE_HIGH) {
             totals.high_units += event->a != high;
             high = event->a;
         }
-        totals.candidates += event->kind == ENG_TRACE_TESTS ? event->b : 0;
+        totals.candidates += event->kind == PCCD_TRACE_TESTS ? event->b : 0;
     }
     return totals;
 }
@@ -110,17 +110,18 @@ static void check_team(const struct eng_trace *trace, const struct eng_step_resu
     for (uint32_t t = 0; t < team->threads; t++) {
         const struct eng_thread_record *record = &team->thread_records[t];
         struct totals totals = totals_of(trace, t);
-        units += totals.count[ENG_TRACE_UNIT];
+        units += totals.count[PCCD_TRACE_UNIT];
         units += t == 0 ? totals.high_units : 0;
         tests += totals.candidates;
-        assert_int_equal(totals.count[ENG_TRACE_STEP], t == 0);
-        assert_true(totals.count[ENG_TRACE_REFIT] > 0);
-        assert_true(totals.ns[ENG_TRACE_TESTS] <= record->tests_ns);
-        assert_true(totals.ns[ENG_TRACE_HIGH] <= record->high_ns);
-        assert_int_equal(totals.ns[ENG_TRACE_WAIT], record->wait_ns);
+        assert_int_equal(totals.count[PCCD_TRACE_STEP], t == 0);
+        assert_true(totals.count[PCCD_TRACE_REFIT] > 0);
+        assert_true(totals.ns[PCCD_TRACE_TESTS] <= record->tests_ns);
+        assert_true(totals.ns[PCCD_TRACE_HIGH] <= record->high_ns);
+        assert_int_equal(totals.ns[PCCD_TRACE_WAIT], record->wait_ns);
     }
     assert_int_equal(units, team->counters.task_units);
-    assert_int_equal(tests, team->counters.candidates_vf + team->counters.candidates_ee);
+    assert_int_equal(tests, team->counters.candidates[PCCD_VF] +
+                                team->counters.candidates[PCCD_EE]);
 }
 
 /* If it failed: the picture of a step would lack task units, or show some twice. */
@@ -128,15 +129,15 @@ static void trace__holds_a_slice_for_each_task_unit(void **state)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), ENG_OK);
-    struct eng_step_result alone = traced(crew, crew_alone(ENG_MODE_ALL), &trace);
+    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), PCCD_OK);
+    struct eng_step_result alone = traced(crew, crew_alone(PCCD_MODE_ALL), &trace);
     check_team(&trace, &alone);
-    uint64_t hash[2] = {alone.hash_hi, alone.hash_lo};
+    uint64_t hash[2] = {alone.hash[0], alone.hash[1]};
     for (size_t i = 0; i < crew_count(); i++) {
-        struct eng_step_result team = traced(crew, crew_team(ENG_MODE_ALL, i), &trace);
+        struct eng_step_result team = traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
         check_team(&trace, &team);
-        assert_int_equal(team.hash_hi, hash[0]);
-        assert_int_equal(team.hash_lo, hash[1]);
+        assert_int_equal(team.hash[0], hash[0]);
+        assert_int_equal(team.hash[1], hash[1]);
     }
     eng_trace_deinit(&trace);
 }
@@ -146,11 +147,11 @@ static void trace__holds_a_slice_for_each_task_unit(void **state)
 static void check_nesting(const struct eng_trace *trace, uint32_t lane)
 {
     uint64_t count = eng_trace_count(trace, lane);
-    const struct eng_trace_event **open = malloc((count + 1) * sizeof *open);
+    const struct pccd_trace_event **open = malloc((count + 1) * sizeof *open);
     uint64_t open_count = 0;
     assert_non_null(open);
     for (uint64_t i = 0; i < count; i++) {
-        const struct eng_trace_event *event = eng_trace_at(trace, lane, i);
+        const struct pccd_trace_event *event = eng_trace_at(trace, lane, i);
         while (open_count > 0 && open[open_count - 1]->begin_ns >= event->begin_ns) {
             open_count--;
         }
@@ -165,9 +166,9 @@ static void trace__slices_of_a_thread_nest(void **state)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), ENG_OK);
+    assert_int_equal(eng_trace_init(&trace, LANES, EVENTS, 0), PCCD_OK);
     for (size_t i = 0; i < crew_count(); i++) {
-        traced(crew, crew_team(ENG_MODE_ALL, i), &trace);
+        traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
         for (uint32_t lane = 0; lane < LANES; lane++) {
             check_nesting(&trace, lane);
         }
@@ -180,15 +181,16 @@ static void trace__leaves_short_tasks_out(void **state)
 {
     struct crew *crew = *state;
     struct eng_trace trace;
-    assert_int_equal(eng_trace_init(&trace, 1, EVENTS, UINT64_MAX), ENG_OK);
+    assert_int_equal(eng_trace_init(&trace, 1, EVENTS, UINT64_MAX), PCCD_OK);
     for (size_t i = 0; i < crew_count(); i++) {
-        traced(crew, crew_team(ENG_MODE_ALL, i), &trace);
+        traced(crew, crew_team(PCCD_MODE_ALL, i), &trace);
         struct totals totals = totals_of(&trace, 0);
-        assert_int_equal(totals.count[ENG_TRACE_UNIT] + totals.count[ENG_TRACE_SUBTREE] +
-                             totals.count[ENG_TRACE_PAIRS],
+        assert_int_equal(totals.count[PCCD_TRACE_UNIT] +
+                             totals.count[PCCD_TRACE_SUBTREE] +
+                             totals.count[PCCD_TRACE_PAIRS],
                          0);
-        assert_true(totals.count[ENG_TRACE_REFIT] > 0);
-        assert_in_range(totals.count[ENG_TRACE_MERGE], 1, 4);
+        assert_true(totals.count[PCCD_TRACE_REFIT] > 0);
+        assert_in_range(totals.count[PCCD_TRACE_MERGE], 1, 4);
     }
     eng_trace_deinit(&trace);
 }

@@ -15,7 +15,7 @@
 #include "memory.h"
 #include "step.h"
 #include "wide.h"
-#include "wide_narrow.h"
+#include "wide_quantised.h"
 #include "wide_sweep.h"
 #include "world.h"
 
@@ -38,7 +38,7 @@ struct fixture {
 static void add(struct fixture *f, struct eng_mesh *mesh)
 {
     uint32_t id = 1000 - 7 * f->count; /* not in the order of arrival */
-    assert_int_equal(eng_scene_add(f->scene, mesh, id, &f->objects[f->count]), ENG_OK);
+    assert_int_equal(eng_scene_add(f->scene, mesh, id, &f->objects[f->count]), PCCD_OK);
     eng_mesh_release(mesh);
     f->count++;
 }
@@ -48,7 +48,7 @@ static int setup(void **state)
     static struct fixture f;
     memset(&f, 0, sizeof f);
     f.random.state = 77;
-    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
     for (uint32_t i = 0; i < SHEETS; i++) {
         add(&f, kit_sheet(i == 0 ? SHEET_SIDE : i, 0.2 * i));
     }
@@ -82,42 +82,43 @@ static void shake(struct fixture *f, double by)
             x1[k / 3][k % 3] = x + kit_between(&f->random, -by, by);
         }
         assert_int_equal(
-            eng_stage_x0x1(f->scene, f->objects[i], ENG_F64, 0, count, x0, x1), ENG_OK);
+            eng_stage_x0x1(f->scene, f->objects[i], PCCD_FORMAT_F64, 0, count, x0, x1),
+            PCCD_OK);
     }
 }
 
-static struct eng_step_result step_by(struct fixture *f, enum eng_mode mode,
-                                      enum eng_method method, uint32_t threads,
+static struct eng_step_result step_by(struct fixture *f, enum pccd_mode mode,
+                                      enum pccd_method method, uint32_t threads,
                                       enum eng_scheduler scheduler)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result result;
     settings.threads = threads;
-    settings.scheduler = scheduler;
+    settings.tuning.scheduler = scheduler;
     settings.team_always = true;
     settings.mode = mode;
     settings.method = method;
-    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
+    assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.method, method);
     return result;
 }
 
-static struct eng_step_result step(struct fixture *f, enum eng_mode mode,
-                                   enum eng_method method)
+static struct eng_step_result step(struct fixture *f, enum pccd_mode mode,
+                                   enum pccd_method method)
 {
     return step_by(f, mode, method, 1, ENG_SCHEDULER_STEAL);
 }
 
 /* Every slot of a tree is one feature of one object, with its own vertices. */
-static uint32_t check_slots(const struct fixture *f, enum eng_wide_kind kind)
+static uint32_t check_slots(const struct fixture *f, enum pccd_tree kind)
 {
-    const struct eng_wide *wide = &f->scene->wide;
+    const struct eng_wide *wide = eng_wide_of(f->scene);
     const struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t taken = 0;
     for (uint32_t slot = 0; slot < tree->slot_count; slot++) {
         uint64_t key =
-            kind == ENG_WIDE_VERTICES ? wide->points[slot].word1 : tree->keys[slot];
-        bool is_nobody = kind == ENG_WIDE_VERTICES
+            kind == PCCD_TREE_VERTICES ? wide->points[slot].word1 : tree->keys[slot];
+        bool is_nobody = kind == PCCD_TREE_VERTICES
                              ? wide->points[slot].word0 == ENG_WIDE_NOBODY
                              : key == ENG_WIDE_NOBODY;
         if (is_nobody) {
@@ -131,14 +132,14 @@ static uint32_t check_slots(const struct fixture *f, enum eng_wide_kind kind)
         }
         assert_non_null(object);
         uint32_t local = (uint32_t)key;
-        if (kind == ENG_WIDE_VERTICES) {
+        if (kind == PCCD_TREE_VERTICES) {
             assert_int_equal((uint32_t)wide->points[slot].word0,
                              object->vertices.first + local);
             continue;
         }
-        for (uint32_t k = 0; k < (kind == ENG_WIDE_EDGES ? 2u : 3u); k++) {
-            uint32_t v = kind == ENG_WIDE_EDGES ? object->mesh->edges[local][k]
-                                                : object->mesh->triangles[local].v[k];
+        for (uint32_t k = 0; k < (kind == PCCD_TREE_EDGES ? 2u : 3u); k++) {
+            uint32_t v = kind == PCCD_TREE_EDGES ? object->mesh->edges[local][k]
+                                                 : object->mesh->triangles[local].v[k];
             assert_int_equal((uint32_t)wide->points[tree->corner[k][slot]].word0,
                              object->vertices.first + v);
         }
@@ -153,22 +154,23 @@ static float bound_of(const struct eng_wide *wide, const struct eng_wide_tree *t
 {
     uint32_t lane = box % ENG_WIDE;
     *slack = 0;
-    if (level > 0 || !eng_wide_has_narrow(wide)) {
+    if (level > 0 || !eng_wide_has_quantised(wide)) {
         return eng_wide_blocks(tree, level)[box / ENG_WIDE].row[side][axis][lane];
     }
-    const struct eng_narrowing *narrowing = &wide->narrowing;
+    const struct eng_quantising *quantising = &wide->quantising;
     uint32_t both =
-        eng_wide_narrow_blocks(tree)[box / ENG_WIDE].row[side % 2][axis][lane];
+        eng_wide_quantised_blocks(tree)[box / ENG_WIDE].row[side % 2][axis][lane];
     bool is_low = side == ENG_LOW0 || side == ENG_LOW1;
     int16_t cells = (int16_t)(uint16_t)(is_low ? both & 0xffff : both >> 16);
-    *slack = 1 / narrowing->scale[axis];
+    *slack = 1 / quantising->scale[axis];
     if (cells == INT16_MIN) {
         return ENG_NOWHERE;
     }
-    return ((float)cells - (is_low ? narrowing->below : narrowing->above)[axis]) * *slack;
+    return ((float)cells - (is_low ? quantising->below : quantising->above)[axis]) *
+           *slack;
 }
 
-static void check_boxes(const struct eng_wide *wide, enum eng_wide_kind kind)
+static void check_boxes(const struct eng_wide *wide, enum pccd_tree kind)
 {
     const struct eng_wide_tree *tree = &wide->trees[kind];
     assert_int_equal(tree->block_count[wide->level_count - 1], 1);
@@ -203,27 +205,27 @@ static void wide__trees_follow_objects_that_come_and_go(void **state)
     struct fixture *f = *state;
     for (uint32_t round = 0; round < 4; round++) {
         if (round == 1) {
-            assert_int_equal(eng_scene_remove(f->scene, f->objects[0]), ENG_OK);
+            assert_int_equal(eng_scene_remove(f->scene, f->objects[0]), PCCD_OK);
             f->objects[0] = UINT32_MAX;
         } else if (round == 2) {
             add(f, kit_sheet(9, 0.7));
         } else if (round == 3) {
             struct eng_mesh *mesh = kit_sheet(3, 0.1);
-            assert_int_equal(eng_scene_replace(f->scene, f->objects[5], mesh), ENG_OK);
+            assert_int_equal(eng_scene_replace(f->scene, f->objects[5], mesh), PCCD_OK);
             eng_mesh_release(mesh);
         }
         shake(f, SHAKEN_BY);
-        step(f, ENG_MODE_ALL, ENG_METHOD_WIDE);
-        uint32_t counts[ENG_WIDE_KINDS] = {0};
+        step(f, PCCD_MODE_ALL, PCCD_METHOD_WIDE);
+        uint32_t counts[ENG_WIDE_TREES] = {0};
         for (uint32_t i = 0; i < f->count; i++) {
             const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
-            counts[ENG_WIDE_VERTICES] += o ? o->vertices.count : 0;
-            counts[ENG_WIDE_EDGES] += o ? o->mesh->info.edge_count : 0;
-            counts[ENG_WIDE_FACES] += o ? o->mesh->info.triangle_count : 0;
+            counts[PCCD_TREE_VERTICES] += o ? o->vertices.count : 0;
+            counts[PCCD_TREE_EDGES] += o ? o->mesh->info.edge_count : 0;
+            counts[PCCD_TREE_FACES] += o ? o->mesh->info.triangle_count : 0;
         }
-        for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
             assert_int_equal(check_slots(f, kind), counts[kind]);
-            check_boxes(&f->scene->wide, kind);
+            check_boxes(eng_wide_of(f->scene), kind);
         }
     }
 }
@@ -234,8 +236,8 @@ struct found {
     uint32_t count;
 };
 
-static void visit(void *context, enum eng_kind kind, const uint64_t *a, const uint64_t *b,
-                  uint32_t count)
+static void visit(void *context, enum pccd_kind kind, const uint64_t *a,
+                  const uint64_t *b, uint32_t count)
 {
     struct found *found = context;
     for (uint32_t i = 0; i < count; i++) {
@@ -279,18 +281,18 @@ static struct feature feature_of(const struct fixture *f, const struct eng_objec
     return feature;
 }
 
-static uint32_t list_features(const struct fixture *f, enum eng_wide_kind kind,
+static uint32_t list_features(const struct fixture *f, enum pccd_tree kind,
                               struct feature *features)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < f->count; i++) {
         const struct eng_object *o = eng_scene_object(f->scene, f->objects[i]);
-        const uint32_t n[ENG_WIDE_KINDS] = {o->vertices.count, o->mesh->info.edge_count,
+        const uint32_t n[ENG_WIDE_TREES] = {o->vertices.count, o->mesh->info.edge_count,
                                             o->mesh->info.triangle_count};
         for (uint32_t local = 0; local < n[kind]; local++) {
-            const uint32_t *v = kind == ENG_WIDE_VERTICES ? &local
-                                : kind == ENG_WIDE_EDGES  ? o->mesh->edges[local]
-                                                          : o->mesh->triangles[local].v;
+            const uint32_t *v = kind == PCCD_TREE_VERTICES ? &local
+                                : kind == PCCD_TREE_EDGES  ? o->mesh->edges[local]
+                                                           : o->mesh->triangles[local].v;
             features[count++] = feature_of(f, o, local, v, (uint32_t)kind + 1);
         }
     }
@@ -308,17 +310,17 @@ static bool share_vertex(const struct feature *a, const struct feature *b)
 }
 
 /* All pairs, one by one. */
-static void brute_force(const struct fixture *f, enum eng_kind kind, struct found *found)
+static void brute_force(const struct fixture *f, enum pccd_kind kind, struct found *found)
 {
     static struct feature a[4096];
     static struct feature b[4096];
     uint32_t a_count =
-        list_features(f, kind == ENG_VF ? ENG_WIDE_VERTICES : ENG_WIDE_EDGES, a);
+        list_features(f, kind == PCCD_VF ? PCCD_TREE_VERTICES : PCCD_TREE_EDGES, a);
     uint32_t b_count =
-        list_features(f, kind == ENG_VF ? ENG_WIDE_FACES : ENG_WIDE_EDGES, b);
+        list_features(f, kind == PCCD_VF ? PCCD_TREE_FACES : PCCD_TREE_EDGES, b);
     for (uint32_t i = 0; i < a_count; i++) {
         for (uint32_t j = 0; j < b_count; j++) {
-            bool is_wanted = kind == ENG_VF || a[i].key < b[j].key;
+            bool is_wanted = kind == PCCD_VF || a[i].key < b[j].key;
             if (is_wanted && eng_box_overlap(&a[i].box, &b[j].box) &&
                 !share_vertex(&a[i], &b[j])) {
                 visit(found, kind, &a[i].key, &b[j].key, 1);
@@ -338,19 +340,20 @@ static void wide__sweep_finds_the_pairs_of_brute_force(void **state)
     struct eng_wide_sweep one;
     struct eng_wide_sweep two;
     shake(f, SHAKEN_BY);
-    step(f, ENG_MODE_PAIRS, ENG_METHOD_WIDE);
-    assert_int_equal(eng_wide_sweep(f->scene, 1, visit, &found, &one), ENG_OK);
-    assert_int_equal(eng_wide_sweep(f->scene, 2, NULL, NULL, &two), ENG_OK);
-    brute_force(f, ENG_VF, &expected);
-    assert_int_equal(one.vf, expected.count);
-    brute_force(f, ENG_EE, &expected);
-    assert_int_equal(one.vf + one.ee, expected.count);
-    assert_true(one.vf > 1000 && one.ee > 1000);
+    step(f, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE);
+    assert_int_equal(eng_wide_sweep(f->scene, 1, visit, &found, &one), PCCD_OK);
+    assert_int_equal(eng_wide_sweep(f->scene, 2, NULL, NULL, &two), PCCD_OK);
+    brute_force(f, PCCD_VF, &expected);
+    assert_int_equal(one.counts[PCCD_VF], expected.count);
+    brute_force(f, PCCD_EE, &expected);
+    assert_int_equal(one.counts[PCCD_VF] + one.counts[PCCD_EE], expected.count);
+    assert_true(one.counts[PCCD_VF] > 1000 && one.counts[PCCD_EE] > 1000);
     assert_int_equal(found.count, expected.count);
     qsort(found.pairs, found.count, sizeof *found.pairs, compare);
     qsort(expected.pairs, expected.count, sizeof *expected.pairs, compare);
     assert_memory_equal(found.pairs, expected.pairs, found.count * sizeof *found.pairs);
-    assert_true(two.vf == one.vf && two.ee == one.ee);
+    assert_true(two.counts[PCCD_VF] == one.counts[PCCD_VF] &&
+                two.counts[PCCD_EE] == one.counts[PCCD_EE]);
     free(expected.pairs);
     free(found.pairs);
 }
@@ -359,8 +362,8 @@ static void wide__sweep_finds_the_pairs_of_brute_force(void **state)
  * the next one does, or does not. */
 static void look_at_times(struct fixture *f, bool yes)
 {
-    f->scene->wide.steps_without_times[ENG_VF] = !yes;
-    f->scene->wide.steps_without_times[ENG_EE] = !yes;
+    eng_wide_of(f->scene)->steps_without_times[PCCD_VF] = !yes;
+    eng_wide_of(f->scene)->steps_without_times[PCCD_EE] = !yes;
 }
 
 /* Candidates of the method wide, which may leave out nodes, or be off by the rounding of
@@ -368,7 +371,7 @@ static void look_at_times(struct fixture *f, bool yes)
 static void check_candidates(const struct eng_wide *wide, bool in_time, uint64_t found,
                              uint64_t expected)
 {
-    uint64_t more = eng_wide_has_narrow(wide) ? expected / 50 + 4 : 0;
+    uint64_t more = eng_wide_has_quantised(wide) ? expected / 50 + 4 : 0;
     assert_true(found <= expected + more);
     assert_true(found >= expected || in_time);
 }
@@ -380,37 +383,41 @@ static void wide__answers_as_paper_does(void **state)
 {
     struct fixture *f = *state;
     uint64_t records = 0;
-    uint32_t narrow = 0;
+    uint32_t quantised = 0;
     for (uint32_t round = 0; round < 5 * MODES; round++) {
-        enum eng_mode mode = (enum eng_mode)(round % MODES);
+        enum pccd_mode mode = (enum pccd_mode)(round % MODES);
         bool in_time = round / MODES % 2;
         struct kit_random random = f->random;
         look_at_times(f, in_time);
         if (round % 3 == 0) { /* no boxes in whole numbers: they follow the last step */
-            f->scene->wide.boxes_are_old = true;
+            eng_wide_of(f->scene)->boxes_are_old = true;
         }
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
-        struct eng_step_result wide = step(f, mode, ENG_METHOD_WIDE);
-        narrow += eng_wide_has_narrow(&f->scene->wide);
+        struct eng_step_result wide = step(f, mode, PCCD_METHOD_WIDE);
+        quantised += eng_wide_has_quantised(eng_wide_of(f->scene));
         f->random = random;
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
-        struct eng_step_result paper = step(f, mode, ENG_METHOD_PAPER);
+        struct eng_step_result paper = step(f, mode, PCCD_METHOD_PAPER);
         assert_int_equal(wide.count, paper.count);
-        assert_true(wide.hash_hi == paper.hash_hi && wide.hash_lo == paper.hash_lo);
+        assert_true(wide.hash[0] == paper.hash[0] && wide.hash[1] == paper.hash[1]);
         assert_int_equal(wide.verdict, paper.verdict);
-        if (mode == ENG_MODE_PAIRS) {
-            assert_int_equal(wide.counters.candidates_vf, paper.counters.candidates_vf);
-            assert_int_equal(wide.counters.candidates_ee, paper.counters.candidates_ee);
-        } else if (mode == ENG_MODE_ALL) {
-            check_candidates(&f->scene->wide, in_time, wide.counters.candidates_vf,
-                             paper.counters.candidates_vf);
-            check_candidates(&f->scene->wide, in_time, wide.counters.candidates_ee,
-                             paper.counters.candidates_ee);
+        if (mode == PCCD_MODE_PAIRS) {
+            assert_int_equal(wide.counters.candidates[PCCD_VF],
+                             paper.counters.candidates[PCCD_VF]);
+            assert_int_equal(wide.counters.candidates[PCCD_EE],
+                             paper.counters.candidates[PCCD_EE]);
+        } else if (mode == PCCD_MODE_ALL) {
+            check_candidates(eng_wide_of(f->scene), in_time,
+                             wide.counters.candidates[PCCD_VF],
+                             paper.counters.candidates[PCCD_VF]);
+            check_candidates(eng_wide_of(f->scene), in_time,
+                             wide.counters.candidates[PCCD_EE],
+                             paper.counters.candidates[PCCD_EE]);
         }
         records += wide.count;
     }
     assert_true(records > 10000);
-    assert_true(narrow >= 5);
+    assert_true(quantised >= 5);
 }
 
 /* If a task were lost or done twice, or a box read before it was made, the answer would
@@ -419,25 +426,26 @@ static void wide__answers_alike_by_any_number_of_threads(void **state)
 {
     struct fixture *f = *state;
     for (uint32_t round = 0; round < 24; round++) {
-        enum eng_mode mode = (enum eng_mode)(round % MODES);
+        enum pccd_mode mode = (enum pccd_mode)(round % MODES);
         struct kit_random random = f->random;
         shake(f, SHAKEN_BY); /* a step before both, so that both follow the same one */
-        (void)step(f, mode, ENG_METHOD_WIDE);
+        (void)step(f, mode, PCCD_METHOD_WIDE);
         f->random = random;
         shake(f, SHAKEN_BY);
         look_at_times(f, true);
-        struct eng_step_result one = step(f, mode, ENG_METHOD_WIDE);
+        struct eng_step_result one = step(f, mode, PCCD_METHOD_WIDE);
         f->random = random;
         shake(f, SHAKEN_BY);
         look_at_times(f, true);
         struct eng_step_result many =
-            step_by(f, mode, ENG_METHOD_WIDE, 2 + round % 3,
+            step_by(f, mode, PCCD_METHOD_WIDE, 2 + round % 3,
                     round / 4 % 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL);
         assert_int_equal(many.count, one.count);
-        assert_true(many.hash_hi == one.hash_hi && many.hash_lo == one.hash_lo);
-        if (mode == ENG_MODE_ALL || mode == ENG_MODE_PAIRS) {
+        assert_true(many.hash[0] == one.hash[0] && many.hash[1] == one.hash[1]);
+        if (mode == PCCD_MODE_ALL || mode == PCCD_MODE_PAIRS) {
             assert_int_equal(many.counters.box_tests, one.counters.box_tests);
-            assert_int_equal(many.counters.candidates_ee, one.counters.candidates_ee);
+            assert_int_equal(many.counters.candidates[PCCD_EE],
+                             one.counters.candidates[PCCD_EE]);
         }
     }
 }
@@ -448,16 +456,16 @@ static void wide__small_scenes_are_trees_too(void **state)
 {
     (void)state;
     struct fixture f = {.random = {3}};
-    assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
-    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
+    assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     add(&f, kit_soup(&f.random, 1));
-    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     add(&f, kit_soup(&f.random, 1));
     shake(&f, 2);
-    assert_true(step(&f, ENG_MODE_PAIRS, ENG_METHOD_WIDE).count > 0);
-    assert_int_equal(eng_scene_remove(f.scene, f.objects[0]), ENG_OK);
-    assert_int_equal(eng_scene_remove(f.scene, f.objects[1]), ENG_OK);
-    assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 0);
+    assert_true(step(&f, PCCD_MODE_PAIRS, PCCD_METHOD_WIDE).count > 0);
+    assert_int_equal(eng_scene_remove(f.scene, f.objects[0]), PCCD_OK);
+    assert_int_equal(eng_scene_remove(f.scene, f.objects[1]), PCCD_OK);
+    assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 0);
     eng_scene_free(f.scene);
 }
 
@@ -471,12 +479,12 @@ static void wide__zeros_of_both_signs_are_one_place(void **state)
     static const uint32_t triangle[1][3] = {{0, 1, 2}};
     for (uint32_t round = 0; round < 2; round++) { /* either may be the first object */
         struct fixture f = {.random = {3}};
-        assert_int_equal(eng_scene_new(NULL, &f.scene), ENG_OK);
+        assert_int_equal(eng_scene_new(NULL, &f.scene), PCCD_OK);
         add(&f, kit_mesh(round ? high : low, 3, triangle, 1));
         add(&f, kit_mesh(round ? low : high, 3, triangle, 1));
-        assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_PAPER).count, 1);
-        assert_int_equal(step(&f, ENG_MODE_ALL, ENG_METHOD_WIDE).count, 1);
-        assert_int_equal(step(&f, ENG_MODE_FIRST, ENG_METHOD_WIDE).count, 1);
+        assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_PAPER).count, 1);
+        assert_int_equal(step(&f, PCCD_MODE_ALL, PCCD_METHOD_WIDE).count, 1);
+        assert_int_equal(step(&f, PCCD_MODE_FIRST, PCCD_METHOD_WIDE).count, 1);
         eng_scene_free(f.scene);
     }
 }
@@ -490,11 +498,11 @@ static void wide__stops_when_cancelled(void **state)
     struct eng_step_result result;
     atomic_bool cancel;
     atomic_init(&cancel, true);
-    settings.method = ENG_METHOD_WIDE;
+    settings.method = PCCD_METHOD_WIDE;
     settings.cancel = &cancel;
     shake(f, SHAKEN_BY);
-    assert_int_equal(eng_step(f->scene, &settings, &result), ENG_OK);
-    assert_int_equal(result.incomplete, ENG_INCOMPLETE_CANCELLED);
+    assert_int_equal(eng_step(f->scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CANCELLED);
     assert_int_equal(result.counters.survivors, 0);
 }
 

@@ -183,7 +183,7 @@ static void judge__tells_errors_that_were_asked_for(void **state)
 static void judge__counts_from_when_a_request_was_due(void **state)
 {
     struct fixture *f = *state;
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     f->load.settings.hz = 60;
     f->load.settings.deadline_ms = 20;
     wait_for(f, 3, 2);
@@ -198,7 +198,7 @@ static void judge__counts_from_when_a_request_was_due(void **state)
     f->load.settings.hz = 0; /* the closed loop: from when it was submitted */
     f->load.settings.deadline_ms = 0;
     wait_for(f, 3, 2);
-    f->actor.pending[0].sent_ns = load_now_ns();
+    f->actor.pending[0].sent_ns = common_now_ns();
     make_answer(f, 3, 2);
     load_judge(&f->actor, &f->answer);
     assert_int_equal(f->tally.measured, 2);
@@ -209,7 +209,7 @@ static void judge__counts_from_when_a_request_was_due(void **state)
 static void judge__leaves_the_warm_up_out(void **state)
 {
     struct fixture *f = *state;
-    uint64_t now_ns = load_now_ns();
+    uint64_t now_ns = common_now_ns();
     f->load.settings.warm_up_s = 10;
     atomic_store(&f->load.shared->go_ns, now_ns - 5000000000ull);
     wait_for(f, 3, 2);

@@ -16,6 +16,8 @@
 
 #include <cmocka.h>
 
+#include "filter.h"
+#include "former_tuning.h"
 #include "reader.h"
 
 #define CHUNKS_MAX 16
@@ -60,20 +62,20 @@ static void write_file(int level)
         uint32_t triangles[2][3];
     } body;
 
-    memcpy(body.x, x, sizeof(x));
-    memcpy(body.triangles, triangles, sizeof(triangles));
+    memcpy(body.x, x, sizeof x);
+    memcpy(body.triangles, triangles, sizeof triangles);
     chunk_count = 0;
     (void)unlink(path);
     assert_int_equal(record_writer_open(&writer, path), 0);
-    add(&writer, RECORD_BEGIN, &begin, sizeof(begin), NULL, 0);
-    add(&writer, RECORD_MESH, &mesh, sizeof(mesh), &body, sizeof(body));
-    add(&writer, RECORD_SCENE, &scene, sizeof(scene), NULL, 0);
-    add(&writer, RECORD_OBJECT, &object, sizeof(object), NULL, 0);
-    add(&writer, RECORD_LOG, &log, sizeof(log), NULL, 0);
+    add(&writer, RECORD_BEGIN, &begin, sizeof begin, NULL, 0);
+    add(&writer, RECORD_MESH, &mesh, sizeof mesh, &body, sizeof body);
+    add(&writer, RECORD_SCENE, &scene, sizeof scene, NULL, 0);
+    add(&writer, RECORD_OBJECT, &object, sizeof object, NULL, 0);
+    add(&writer, RECORD_LOG, &log, sizeof log, NULL, 0);
     add(&writer, (enum record_kind)31, "of another release", 18, NULL, 0);
-    add(&writer, RECORD_FRAME, &frame, sizeof(frame), &slot, sizeof(slot));
-    add(&writer, RECORD_ANSWER, &answer, sizeof(answer), NULL, 0);
-    add(&writer, RECORD_END, &end, sizeof(end), NULL, 0);
+    add(&writer, RECORD_FRAME, &frame, sizeof frame, &slot, sizeof slot);
+    add(&writer, RECORD_ANSWER, &answer, sizeof answer, NULL, 0);
+    add(&writer, RECORD_END, &end, sizeof end, NULL, 0);
     starts[chunk_count] = writer.bytes;
     assert_int_equal(record_writer_close(&writer), 0);
     record_writer_deinit(&writer);
@@ -84,7 +86,7 @@ static void load_file(void)
     FILE *from = fopen(path, "rb");
 
     assert_non_null(from);
-    file_bytes = fread(file, 1, sizeof(file), from);
+    file_bytes = fread(file, 1, sizeof file, from);
     assert_int_equal(fclose(from), 0);
     assert_int_equal(file_bytes, starts[chunk_count]);
 }
@@ -108,17 +110,17 @@ static int tear_down(void **state)
     return unlink(path);
 }
 
-/* Chunks of `bytes` bytes of the file, up to its end or a failure; *rc says which. */
-static uint32_t read_all(const uint8_t *from, uint64_t bytes, int *rc,
+/* Chunks of `bytes` bytes of the file, up to its end or a failure; *status says which. */
+static uint32_t read_all(const uint8_t *from, uint64_t bytes, int *status,
                          enum record_ending *ending)
 {
     struct record_reader reader;
     struct record_view view;
     uint32_t count = 0;
 
-    *rc = record_reader_open_memory(&reader, from, bytes);
-    while (*rc == 0 && (*rc = record_reader_next(&reader, &view)) == 1) {
-        *rc = 0;
+    *status = record_reader_open_memory(&reader, from, bytes);
+    while (*status == 0 && (*status = record_reader_next(&reader, &view)) == 1) {
+        *status = 0;
         count++;
     }
     *ending = reader.ending;
@@ -142,15 +144,15 @@ static void chunks__come_back_as_they_were(void **state)
         write_file(level);
         load_file();
         assert_int_equal(record_reader_open(&reader, path), 0);
-        for (size_t i = 0; i < sizeof(kinds) / sizeof(kinds[0]); i++) {
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
             assert_int_equal(record_reader_next(&reader, &view), 1);
             assert_int_equal(view.kind, kinds[i]);
             assert_int_equal(view.time_ns, 7);
             if (view.kind == RECORD_MESH) {
-                memcpy(&mesh, view.payload, sizeof(mesh));
+                memcpy(&mesh, view.payload, sizeof mesh);
                 assert_int_equal(mesh.vertex_count, 64);
-                assert_memory_equal((const uint8_t *)view.payload + sizeof(mesh), x,
-                                    sizeof(x));
+                assert_memory_equal((const uint8_t *)view.payload + sizeof mesh, x,
+                                    sizeof x);
             }
         }
         assert_int_equal(record_reader_next(&reader, &view), 0);
@@ -169,17 +171,17 @@ static void files__are_read_up_to_any_cut(void **state)
     for (uint64_t bytes = RECORD_HEAD_BYTES; bytes <= file_bytes; bytes++) {
         enum record_ending ending;
         uint32_t whole = 0;
-        int rc;
-        uint32_t count = read_all(file, bytes, &rc, &ending);
+        int status;
+        uint32_t count = read_all(file, bytes, &status, &ending);
 
         for (uint32_t i = 0; i < chunk_count; i++) {
             /* The one of an unknown kind is not shown; the zeros behind a chunk may be
              * missing. */
             struct record_chunk chunk;
-            memcpy(&chunk, file + starts[i], sizeof(chunk));
-            whole += i != 5 && starts[i] + sizeof(chunk) + chunk.stored_bytes <= bytes;
+            memcpy(&chunk, file + starts[i], sizeof chunk);
+            whole += i != 5 && starts[i] + sizeof chunk + chunk.stored_bytes <= bytes;
         }
-        assert_int_equal(rc, 0);
+        assert_int_equal(status, 0);
         assert_int_equal(count, whole);
         assert_int_not_equal(ending, RECORD_ENDING_UNKNOWN);
         for (uint32_t i = 0; i < chunk_count; i++) {
@@ -199,33 +201,33 @@ static void files__show_the_change_of_any_byte(void **state)
         enum record_ending ending;
         struct record_chunk chunk;
         uint32_t before = 0;
-        int rc;
+        int status;
 
         for (uint32_t i = 0; i < chunk_count; i++) {
-            memcpy(&chunk, file + starts[i], sizeof(chunk));
-            if (at >= starts[i] + sizeof(chunk) + chunk.stored_bytes) {
+            memcpy(&chunk, file + starts[i], sizeof chunk);
+            if (at >= starts[i] + sizeof chunk + chunk.stored_bytes) {
                 before += i != 5;
             }
         }
-        memcpy(&chunk, file + starts[5], sizeof(chunk));
-        bool is_unread = at >= starts[5] + sizeof(chunk) && at < starts[6];
+        memcpy(&chunk, file + starts[5], sizeof chunk);
+        bool is_unread = at >= starts[5] + sizeof chunk && at < starts[6];
         bool is_padding = false;
         for (uint32_t i = 0; i < chunk_count; i++) {
-            memcpy(&chunk, file + starts[i], sizeof(chunk));
+            memcpy(&chunk, file + starts[i], sizeof chunk);
             is_padding =
-                is_padding || (at >= starts[i] + sizeof(chunk) + chunk.stored_bytes &&
+                is_padding || (at >= starts[i] + sizeof chunk + chunk.stored_bytes &&
                                at < starts[i + 1]);
         }
         file[at] ^= 0x40;
-        uint32_t count = read_all(file, file_bytes, &rc, &ending);
+        uint32_t count = read_all(file, file_bytes, &status, &ending);
         file[at] ^= 0x40;
         if (at >= 12 && at < RECORD_HEAD_BYTES) {
             continue; /* says nothing in version 1 */
         }
         if (is_padding || is_unread) {
-            assert_true(rc == 0 || rc == PCCD_E_FORMAT);
+            assert_true(status == 0 || status == PCCD_E_FORMAT);
         } else {
-            assert_int_equal(rc, PCCD_E_FORMAT);
+            assert_int_equal(status, PCCD_E_FORMAT);
             assert_int_equal(count, at < RECORD_HEAD_BYTES ? 0 : before);
         }
     }
@@ -236,24 +238,24 @@ static void head_of(uint32_t head[4])
     FILE *from = fopen(path, "rb");
 
     assert_non_null(from);
-    assert_int_equal(fread(head, sizeof(*head), 4, from), 4);
+    assert_int_equal(fread(head, sizeof *head, 4, from), 4);
     assert_int_equal(fclose(from), 0);
 }
 
 /* What a reader says of a file with this head. */
 static int open_with(uint32_t version, uint32_t features, char *text, size_t room)
 {
-    uint8_t copy[sizeof(file)];
+    uint8_t copy[sizeof file];
     struct record_reader reader;
-    int rc;
+    int status;
 
     memcpy(copy, file, file_bytes);
-    memcpy(copy + 8, &version, sizeof(version));
-    memcpy(copy + 12, &features, sizeof(features));
-    rc = record_reader_open_memory(&reader, copy, file_bytes);
+    memcpy(copy + 8, &version, sizeof version);
+    memcpy(copy + 12, &features, sizeof features);
+    status = record_reader_open_memory(&reader, copy, file_bytes);
     (void)snprintf(text, room, "%s", reader.text);
     record_reader_deinit(&reader);
-    return rc;
+    return status;
 }
 
 /* If this failed, a release from before there were masks would repeat a recording without
@@ -272,12 +274,12 @@ static void heads__say_what_a_reader_must_know(void **state)
     assert_int_equal(head[2], 1);
     assert_int_equal(head[3], 0);
     chunk_count = 0;
-    add(&writer, RECORD_BEGIN, &(struct record_begin){.pid = 1},
+    add(&writer, RECORD_BEGIN, &(struct record_begin){.pid = 1, .library = "7.8.9"},
         sizeof(struct record_begin), NULL, 0);
     head_of(head);
     assert_int_equal(head[2], 1);
     for (int i = 0; i < 2; i++) {
-        add(&writer, RECORD_FILTER, &filter, sizeof(filter), NULL, 0);
+        add(&writer, RECORD_FILTER, &filter, sizeof filter, NULL, 0);
         head_of(head);
         assert_int_equal(head[2], 2); /* which releases before refuse */
         assert_int_equal(head[3], RECORD_FEATURE_FILTERS);
@@ -285,12 +287,21 @@ static void heads__say_what_a_reader_must_know(void **state)
     starts[chunk_count] = writer.bytes;
     record_writer_deinit(&writer);
     load_file();
-    assert_int_equal(open_with(2, RECORD_FEATURES, text, sizeof(text)), 0);
-    assert_int_equal(open_with(2, 1u << 31, text, sizeof(text)), PCCD_E_FORMAT);
-    assert_non_null(strstr(text, "newer release: it needs the features 0x80000000"));
-    assert_int_equal(open_with(3, 0, text, sizeof(text)), PCCD_E_FORMAT);
+    assert_int_equal(open_with(2, RECORD_FEATURES, text, sizeof text), 0);
+    assert_int_equal(open_with(2, 1u << 31, text, sizeof text), PCCD_E_FORMAT);
+    assert_non_null(
+        strstr(text, "it needs feature 31, which this program does not know"));
+    assert_non_null(strstr(text, "pccd 7.8.9, which wrote it, does"));
+    assert_int_equal(open_with(2, 1u << 3 | 1u << 30 | 1, text, sizeof text),
+                     PCCD_E_FORMAT);
+    assert_non_null(strstr(text, "it needs feature 3, 30, which"));
+    chunk_count = 0; /* nobody tells who wrote it */
+    file_bytes = RECORD_HEAD_BYTES;
+    assert_int_equal(open_with(2, 1u << 31, text, sizeof text), PCCD_E_FORMAT);
+    assert_non_null(strstr(text, "a newer release, which wrote it, does"));
+    assert_int_equal(open_with(3, 0, text, sizeof text), PCCD_E_FORMAT);
     assert_non_null(strstr(text, "version 3, and this program reads 1 to 2"));
-    assert_int_equal(open_with(0, 0, text, sizeof(text)), PCCD_E_FORMAT);
+    assert_int_equal(open_with(0, 0, text, sizeof text), PCCD_E_FORMAT);
     (void)unlink(path);
     write_file(1);
     load_file();
@@ -312,13 +323,13 @@ static int judge_with(uint16_t kind, const void *payload, size_t bytes, size_t a
 {
     uint8_t copy[1024];
     char text[RECORD_TEXT_BYTES] = "";
-    int rc;
+    int status;
 
     memcpy(copy, payload, bytes);
-    memcpy(copy + at, &word, sizeof(word));
-    rc = record_payload_judge(kind, copy, bytes, text);
-    assert_true(rc == 0 || text[0] != '\0');
-    return rc;
+    memcpy(copy + at, &word, sizeof word);
+    status = record_payload_judge(kind, copy, bytes, text);
+    assert_true(status == 0 || text[0] != '\0');
+    return status;
 }
 
 /* If this failed, a reader would follow an index or a range out of its memory. */
@@ -341,36 +352,99 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
         uint32_t pairs[2][2];
     } pairs = {{.scene = 1, .ignored = 1, .count = 2}, {{1, 2}, {3, 2}}};
     const struct record_filter filter = {.what = PCCD_OBJECT_ALL, .self = 1};
-    const size_t segment = sizeof(frame.head);
+    const size_t segment = sizeof frame.head;
 
     (void)state;
-    assert_int_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 0, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 8, 3), 0);
-    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 8, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 4, 2), 0);
-    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof(pairs), 24, 2), 0);
-    assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 8, 7), 0);
-    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 8, 8), 0);
-    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof(filter), 12, 2), 0);
+    assert_int_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 8, 3), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 8, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 4, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 24, 2), 0);
+    assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 7), 0);
+    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 8), 0);
+    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 12, 2), 0);
     assert_int_not_equal(judge_with(RECORD_FILTER, &filter, 24, 8, 7), 0);
-    assert_int_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 0, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 8, 5), 0);
-    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 12, 2), 0);
-    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof(mesh), 4, 2), 0);
-    assert_int_not_equal(
-        judge_with(RECORD_MESH, &mesh, sizeof(mesh), sizeof(mesh) - 4, 4), 0);
-    assert_int_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment, 1), 0);
-    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 12, 5),
+    assert_int_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, 8, 5), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, 12, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, 4, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, sizeof mesh - 4, 4),
+                         0);
+    assert_int_equal(judge_with(RECORD_FRAME, &frame, sizeof frame, segment, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof frame, segment + 12, 5),
+                         0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof frame, segment + 24, 40),
                          0);
     assert_int_not_equal(
-        judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 24, 40), 0);
-    assert_int_not_equal(
-        judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 24, 0xfffffff8u), 0);
-    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame), segment + 4, 3),
+        judge_with(RECORD_FRAME, &frame, sizeof frame, segment + 24, 0xfffffff8u), 0);
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof frame, segment + 4, 3),
                          0);
-    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof(frame),
+    assert_int_not_equal(judge_with(RECORD_FRAME, &frame, sizeof frame,
                                     offsetof(struct record_frame, segment_count), 4),
                          0);
+}
+
+/* If this failed, a reader would look for the end of a text beyond it. */
+static void tunings__have_an_end(void **state)
+{
+    const uint32_t word = 0x78787878; /* as it is */
+    struct record_tuning tuning;
+
+    (void)state;
+    memset(&tuning, 'x', sizeof tuning);
+    assert_int_not_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning, 0, word), 0);
+    tuning.text[sizeof tuning.text - 1] = '\0';
+    assert_int_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning, 0, word), 0);
+    assert_int_not_equal(judge_with(RECORD_TUNING, &tuning, sizeof tuning - 4, 0, word),
+                         0);
+}
+
+/* If this failed, recordings of before would be repeated in another way than they were
+ * made. */
+static void tunings__of_before_are_numbers(void **state)
+{
+    const struct {
+        uint32_t numbers[3];
+        const char *text;
+    } rows[] = {
+        {{0, 0, 0}, ""},
+        {{1, 1, 1}, "scheduler=steal,high-level=round-robin,refit=even"},
+        {{2, 2, 2}, "scheduler=paper,high-level=disjoint,refit=paper"},
+        {{0, 0, 2}, "refit=paper"},
+        {{2, 3, UINT32_MAX}, "scheduler=paper"},
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct record_frame frame = {.step = 1};
+        char text[PCCD_TUNING_BYTES];
+
+        memcpy(frame.former_tuning, rows[i].numbers, sizeof frame.former_tuning);
+        record_former_tuning(&frame, text);
+        assert_string_equal(text, rows[i].text);
+    }
+}
+
+/* If this failed, a recording of before would be repeated with objects that meet
+ * themselves, or do not, as they did not then. */
+static void filters__of_before_have_two_words(void **state)
+{
+    const struct common_attributes told = {5, 6, false};
+    struct common_attributes read;
+    struct record_filter filter, again;
+
+    (void)state;
+    record_filter_make(&filter, 1, 2, PCCD_OBJECT_ALL, &told);
+    assert_int_equal(filter.what, COMMON_OBJECT_KNOWN);
+    record_filter_read(&filter, sizeof filter, &again, &read);
+    assert_memory_equal(&again, &filter, sizeof filter);
+    assert_true(read.group == 5 && read.mask == 6 && !read.self_collision);
+    filter.words[COMMON_WORD_SELF] = 1; /* beyond what there was */
+    record_filter_read(&filter, RECORD_FILTER_BYTES, &again, &read);
+    assert_true(read.group == 5 && read.mask == 6 && !read.self_collision);
+    filter.self = 1;
+    record_filter_read(&filter, RECORD_FILTER_BYTES, &again, &read);
+    assert_true(read.self_collision && again.scene == 1 && again.object == 2);
 }
 
 int main(void)
@@ -382,6 +456,9 @@ int main(void)
         cmocka_unit_test(heads__say_what_a_reader_must_know),
         cmocka_unit_test(files__are_never_written_over),
         cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
+        cmocka_unit_test(filters__of_before_have_two_words),
+        cmocka_unit_test(tunings__have_an_end),
+        cmocka_unit_test(tunings__of_before_are_numbers),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

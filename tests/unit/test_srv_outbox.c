@@ -14,7 +14,7 @@
 #include "outbox.h"
 
 static struct srv_outbox outbox;
-static char connections[SRV_OUTBOX_PLACES + 1]; /* their addresses alone matter */
+static char connections[SRV_OUTBOX_ENTRIES + 1]; /* their addresses alone matter */
 
 static struct srv_conn *conn(uint32_t i)
 {
@@ -33,16 +33,16 @@ static void outbox__keeps_each_for_its_client(void **state)
 {
     uint8_t message[SRV_OUTBOX_BYTES + 1];
     (void)state;
-    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+    for (uint32_t i = 0; i < SRV_OUTBOX_ENTRIES; i++) {
         memset(message, (int)i, sizeof message);
         assert_true(srv_outbox_add(&outbox, conn(i), message, SRV_OUTBOX_BYTES - i));
     }
-    assert_int_equal(outbox.count, SRV_OUTBOX_PLACES);
-    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+    assert_int_equal(outbox.count, SRV_OUTBOX_ENTRIES);
+    for (uint32_t i = 0; i < SRV_OUTBOX_ENTRIES; i++) {
         memset(message, (int)i, sizeof message);
-        assert_ptr_equal(outbox.places[i].conn, conn(i));
-        assert_int_equal(outbox.places[i].bytes, SRV_OUTBOX_BYTES - i);
-        assert_memory_equal(outbox.places[i].data, message, SRV_OUTBOX_BYTES - i);
+        assert_ptr_equal(outbox.entries[i].conn, conn(i));
+        assert_int_equal(outbox.entries[i].bytes, SRV_OUTBOX_BYTES - i);
+        assert_memory_equal(outbox.entries[i].data, message, SRV_OUTBOX_BYTES - i);
     }
 }
 
@@ -53,14 +53,14 @@ static void outbox__refuses_what_has_no_place(void **state)
     (void)state;
     assert_false(srv_outbox_add(&outbox, conn(0), message, SRV_OUTBOX_BYTES + 1));
     assert_int_equal(outbox.count, 0);
-    for (uint32_t i = 0; i < SRV_OUTBOX_PLACES; i++) {
+    for (uint32_t i = 0; i < SRV_OUTBOX_ENTRIES; i++) {
         assert_true(srv_outbox_add(&outbox, conn(i), message, 1));
     }
-    assert_false(srv_outbox_add(&outbox, conn(SRV_OUTBOX_PLACES), message, 1));
-    assert_int_equal(outbox.count, SRV_OUTBOX_PLACES);
+    assert_false(srv_outbox_add(&outbox, conn(SRV_OUTBOX_ENTRIES), message, 1));
+    assert_int_equal(outbox.count, SRV_OUTBOX_ENTRIES);
     srv_outbox_clear(&outbox);
-    assert_true(srv_outbox_add(&outbox, conn(SRV_OUTBOX_PLACES), message, 1));
-    assert_ptr_equal(outbox.places[0].conn, conn(SRV_OUTBOX_PLACES));
+    assert_true(srv_outbox_add(&outbox, conn(SRV_OUTBOX_ENTRIES), message, 1));
+    assert_ptr_equal(outbox.entries[0].conn, conn(SRV_OUTBOX_ENTRIES));
 }
 
 /* If it failed: an answer would wait for as long as others have something to say that is
@@ -69,11 +69,11 @@ static void outbox__is_due_after_so_many_messages(void **state)
 {
     (void)state;
     for (int turn = 0; turn < 2; turn++) {
-        for (uint32_t i = 0; i < 3 * SRV_OUTBOX_PLACES; i++) {
+        for (uint32_t i = 0; i < 3 * SRV_OUTBOX_ENTRIES; i++) {
             assert_false(srv_outbox_is_due(&outbox)); /* nothing waits */
         }
         assert_true(srv_outbox_add(&outbox, conn(0), "answer", 6));
-        for (uint32_t i = 1; i < SRV_OUTBOX_PLACES; i++) {
+        for (uint32_t i = 1; i < SRV_OUTBOX_ENTRIES; i++) {
             assert_false(srv_outbox_is_due(&outbox));
         }
         assert_true(srv_outbox_is_due(&outbox));

@@ -28,17 +28,16 @@ static void quota__charge_stops_exactly_at_the_limit(void **state)
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
     struct srv_quota_user *user = srv_quota_acquire(&quota, 1000);
-    assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_SHM_BYTES, 999, &error), 0);
-    assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_SHM_BYTES, 2, &error),
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, 999, &error), 0);
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, 2, &error),
                      PCCD_E_QUOTA);
-    assert_int_equal(
-        srv_quota_charge(&quota, user, SRV_QUOTA_SHM_BYTES, UINT64_MAX, &error),
-        PCCD_E_QUOTA);
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, UINT64_MAX, &error),
+                     PCCD_E_QUOTA);
     assert_int_equal(user->used[SRV_QUOTA_SHM_BYTES], 999);
-    assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_SHM_BYTES, 1, &error), 0);
-    assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_SHM_BYTES, 1, &error),
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, 1, &error), 0);
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, 1, &error),
                      PCCD_E_QUOTA);
-    srv_quota_refund(&quota, user, SRV_QUOTA_SHM_BYTES, 1000);
+    srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, 1000);
     srv_quota_release(&quota, user);
     srv_quota_deinit(&quota);
 }
@@ -51,8 +50,7 @@ static void quota__refusal_names_user_kind_and_limit(void **state)
     struct proto_error error = {0};
     srv_quota_init(&quota, limits);
     struct srv_quota_user *user = srv_quota_acquire(&quota, 1234);
-    assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_MESHES, 4, &error),
-                     PCCD_E_QUOTA);
+    assert_int_equal(srv_quota_charge(user, SRV_QUOTA_MESHES, 4, &error), PCCD_E_QUOTA);
     assert_int_equal(error.code, PCCD_E_QUOTA);
     assert_non_null(strstr(error.text, "1234"));
     assert_non_null(strstr(error.text, "meshes"));
@@ -70,10 +68,10 @@ static void quota__refund_makes_room_again(void **state)
     srv_quota_init(&quota, limits);
     struct srv_quota_user *user = srv_quota_acquire(&quota, 1000);
     for (int round = 0; round < 100; round++) {
-        assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_MESHES, 3, &error), 0);
-        assert_int_equal(srv_quota_charge(&quota, user, SRV_QUOTA_MESHES, 1, &error),
+        assert_int_equal(srv_quota_charge(user, SRV_QUOTA_MESHES, 3, &error), 0);
+        assert_int_equal(srv_quota_charge(user, SRV_QUOTA_MESHES, 1, &error),
                          PCCD_E_QUOTA);
-        srv_quota_refund(&quota, user, SRV_QUOTA_MESHES, 3);
+        srv_quota_refund(user, SRV_QUOTA_MESHES, 3);
     }
     assert_int_equal(quota.total[SRV_QUOTA_MESHES], 0);
     srv_quota_release(&quota, user);
@@ -92,17 +90,16 @@ static void quota__users_are_apart_and_connections_of_one_share(void **state)
     struct srv_quota_user *alice_too = srv_quota_acquire(&quota, 1000);
     assert_ptr_equal(alice, alice_too);
     assert_ptr_not_equal(alice, bob);
-    assert_int_equal(srv_quota_charge(&quota, alice, SRV_QUOTA_CLIENTS, 2, &error), 0);
-    assert_int_equal(srv_quota_charge(&quota, alice_too, SRV_QUOTA_CLIENTS, 1, &error),
+    assert_int_equal(srv_quota_charge(alice, SRV_QUOTA_CLIENTS, 2, &error), 0);
+    assert_int_equal(srv_quota_charge(alice_too, SRV_QUOTA_CLIENTS, 1, &error),
                      PCCD_E_QUOTA);
-    assert_int_equal(srv_quota_charge(&quota, bob, SRV_QUOTA_CLIENTS, 2, &error), 0);
+    assert_int_equal(srv_quota_charge(bob, SRV_QUOTA_CLIENTS, 2, &error), 0);
     assert_int_equal(quota.total[SRV_QUOTA_CLIENTS], 4);
-    srv_quota_refund(&quota, alice, SRV_QUOTA_CLIENTS, 2);
+    srv_quota_refund(alice, SRV_QUOTA_CLIENTS, 2);
     srv_quota_release(&quota, alice);
-    assert_int_equal(srv_quota_charge(&quota, alice_too, SRV_QUOTA_CLIENTS, 1, &error),
-                     0);
-    srv_quota_refund(&quota, alice_too, SRV_QUOTA_CLIENTS, 1);
-    srv_quota_refund(&quota, bob, SRV_QUOTA_CLIENTS, 2);
+    assert_int_equal(srv_quota_charge(alice_too, SRV_QUOTA_CLIENTS, 1, &error), 0);
+    srv_quota_refund(alice_too, SRV_QUOTA_CLIENTS, 1);
+    srv_quota_refund(bob, SRV_QUOTA_CLIENTS, 2);
     srv_quota_release(&quota, alice_too);
     srv_quota_release(&quota, bob);
     srv_quota_deinit(&quota);
@@ -117,15 +114,13 @@ static void quota__kinds_are_apart(void **state)
     srv_quota_init(&quota, limits);
     struct srv_quota_user *user = srv_quota_acquire(&quota, 1000);
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
-        assert_int_equal(srv_quota_charge(&quota, user, (enum srv_quota_kind)kind,
-                                          limits[kind], &error),
-                         0);
+        assert_int_equal(
+            srv_quota_charge(user, (enum srv_quota_kind)kind, limits[kind], &error), 0);
     }
     for (int kind = 0; kind < SRV_QUOTA_COUNT; kind++) {
-        assert_int_equal(
-            srv_quota_charge(&quota, user, (enum srv_quota_kind)kind, 1, &error),
-            PCCD_E_QUOTA);
-        srv_quota_refund(&quota, user, (enum srv_quota_kind)kind, limits[kind]);
+        assert_int_equal(srv_quota_charge(user, (enum srv_quota_kind)kind, 1, &error),
+                         PCCD_E_QUOTA);
+        srv_quota_refund(user, (enum srv_quota_kind)kind, limits[kind]);
     }
     srv_quota_release(&quota, user);
     srv_quota_deinit(&quota);

@@ -216,6 +216,28 @@ static void region__limited_ring_uses_what_it_has(void **state)
     assert_int_equal(reserve(&region, page.release, 64, 40).count, 16);
 }
 
+/* What pages still stand in must not be given back, and the rest should be. */
+static void region__knows_how_far_it_is_used(void **state)
+{
+    (void)state;
+    struct srv_region region;
+    srv_region_init_sparse(&region, CAPACITY, 1024);
+    assert_int_equal(srv_region_used(&region, 0), 0);
+    uint64_t first = reserve(&region, 0, 64, 10).release;
+    uint64_t second = reserve(&region, 0, 64, 20).release;
+    assert_int_equal(srv_region_used(&region, 0), 30 * 64);
+    assert_int_equal(srv_region_used(&region, first), 30 * 64);
+    assert_int_equal(srv_region_used(&region, second), 0);
+    assert_int_equal(srv_region_used(&region, second + 1), CAPACITY); /* a lie */
+    uint64_t rest = reserve(&region, first, 64, 34).release;
+    assert_int_equal(srv_region_used(&region, first), CAPACITY); /* to the very end */
+    uint64_t again = reserve(&region, second, 64, 5).release;
+    assert_int_equal(srv_region_used(&region, second), CAPACITY); /* around it */
+    assert_int_equal(srv_region_used(&region, rest), 5 * 64);
+    assert_int_equal(srv_region_used(&region, again), 0);
+    assert_int_equal(srv_region_used(&region, 0), CAPACITY); /* it went backwards */
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -229,6 +251,7 @@ int main(void)
         cmocka_unit_test(region__sparse_ring_stays_where_it_has_memory),
         cmocka_unit_test(region__sparse_ring_holds_as_much_as_another),
         cmocka_unit_test(region__limited_ring_uses_what_it_has),
+        cmocka_unit_test(region__knows_how_far_it_is_used),
     };
     return cmocka_run_group_tests_name("srv_region", tests, NULL, NULL);
 }

@@ -1,6 +1,6 @@
 /* test_srv_replies.c - answers that may have to be sent once more.
  *
- * Room:     tests; sees daemon/server/replies.h.
+ * Room:     tests; sees daemon/service/sessions/replies.h.
  * Does:     which are kept and for how long; ids across their wrap.
  */
 #include <setjmp.h>
@@ -21,7 +21,9 @@ static void keep(struct srv_replies *replies, uint32_t id, int method)
 {
     memcpy(encoder.data, &id, sizeof id);
     encoder.bytes = sizeof id + id % 3;
-    srv_replies_keep(replies, id, method, &encoder);
+    if (srv_replies_must_keep(method)) {
+        srv_replies_keep(replies, srv_reply_copy(id, &encoder));
+    }
 }
 
 static int finds(const struct srv_replies *replies, uint32_t id)

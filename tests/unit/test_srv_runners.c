@@ -1,6 +1,6 @@
 /* test_srv_runners.c - several threads that compute from one queue.
  *
- * Room:     tests; sees daemon/service/compute.h.
+ * Room:     tests; sees daemon/service/queue/compute.h.
  * Does:     who may run beside whom: beside long jobs only, as many as a user may have,
  *           and nobody beside one that uses the same thing. What one thread does is
  *           test_srv_compute.c.
@@ -123,8 +123,8 @@ static bool await(_Atomic bool *flag)
 /* Nothing of it happens for three times as long as a job is not long. */
 static void expect_waiting(struct gate *gate)
 {
-    uint64_t end_ns = srv_now_ns() + 3u * SRV_LONG_NS;
-    while (srv_now_ns() < end_ns) {
+    uint64_t end_ns = common_now_ns() + 3u * SRV_LONG_NS;
+    while (common_now_ns() < end_ns) {
         bool wants_runner = false;
         (void)srv_compute_look(&compute, &wants_runner);
         if (wants_runner) {

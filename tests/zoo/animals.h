@@ -1,8 +1,8 @@
-/* animals.h - what hostile clients do, and what they must get for it.
+/* animals.h - the misdeeds of hostile clients, and what the daemon must answer to each.
  *
  * Room:     tests/zoo. May include: cage.h.
- * Does:     an act each; it returns false where the daemon answered something else than
- *           stands at the act.
+ * Does:     define one function for each; it returns false where the daemon answered
+ *           something other than it must.
  * Threads:  one, of the animal's process.
  */
 #ifndef ZOO_ANIMALS_H

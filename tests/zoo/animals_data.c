@@ -31,17 +31,17 @@ bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
         struct proto_FRAME_SUBMIT_request submit = zoo_write(&raw, &scene, 0, -1);
         struct proto_FRAME_SUBMIT_result answer = {.total = 0};
         uint32_t id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
-        int rc;
+        int status;
 
         EXPECT(cage, id != 0);
         for (int i = 0; i < 20; i++) {
             memset(test_raw_payload(&raw, 0), round + i, 4096);
             (void)test_raw_publish(&raw, 0);
         }
-        rc = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
-        EXPECT(cage, rc == 0 || rc == PCCD_E_SLOT_STALE || rc == PCCD_E_SLOT_TORN ||
-                         rc == PCCD_E_SEGMENT || rc == PCCD_E_HANDLE ||
-                         rc == PCCD_E_NOTFINITE);
+        status = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, &answer);
+        EXPECT(cage, status == 0 || status == PCCD_E_SLOT_STALE ||
+                         status == PCCD_E_SLOT_TORN || status == PCCD_E_SEGMENT ||
+                         status == PCCD_E_HANDLE || status == PCCD_E_NOTFINITE);
         submit = zoo_write(&raw, &scene, 0, -1);
         EXPECT(cage,
                test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer) == 0);
@@ -73,16 +73,16 @@ bool zoo_punches_holes(struct zoo_cage *cage)
                      PCCD_E_SLOT_STALE);
     for (int round = 0; round < ROUNDS; round++) { /* and behind the daemon's back */
         uint32_t id;
-        int rc;
+        int status;
 
         submit = zoo_write(&raw, &scene, 0, round % 2 == 0 ? -1 : 1);
         id = test_raw_request(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit);
         EXPECT(cage, id != 0);
         EXPECT(cage, fallocate(raw.upload.fd, punch, 4096, bytes - 4096) == 0);
-        rc = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, NULL);
+        status = test_raw_answer(&raw, id, PROTO_METHOD_FRAME_SUBMIT, NULL);
         /* A table of zeros names no object. */
-        EXPECT(cage, rc == 0 || rc == PCCD_E_SEGMENT || rc == PCCD_E_HANDLE ||
-                         rc == PCCD_E_SLOT_STALE || rc == PCCD_E_INVAL);
+        EXPECT(cage, status == 0 || status == PCCD_E_SEGMENT || status == PCCD_E_HANDLE ||
+                         status == PCCD_E_SLOT_STALE || status == PCCD_E_INVAL);
     }
     EXPECT(cage, fallocate(raw.result.fd, punch, 0, 4096) != 0);
     test_raw_close(&raw);
@@ -157,13 +157,15 @@ static int submit_number(const struct zoo_scene *scene, double x)
     const double positions[9] = {x, 0, 1, 1, 0, 1, 0, 1, 1};
     struct proto_FRAME_SUBMIT_request submit = {.scene = scene->scene, .segments = 1};
     struct proto_FRAME_SUBMIT_result answer = {.total = 0};
-    int rc;
+    int status;
 
-    memcpy(test_raw_payload(&raw, 0), &segment, sizeof(segment));
-    memcpy(test_raw_payload(&raw, 0) + 32, positions, sizeof(positions));
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
+    memcpy(test_raw_payload(&raw, 0) + 32, positions, sizeof positions);
     submit.seq = test_raw_publish(&raw, 0);
-    rc = test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
-    return rc == 0 && (answer.total != 0 || answer.incomplete != PCCD_COMPLETE) ? 1 : rc;
+    status = test_raw_call(&raw, PROTO_METHOD_FRAME_SUBMIT, &submit, &answer);
+    return status == 0 && (answer.total != 0 || answer.incomplete != PCCD_COMPLETE)
+               ? 1
+               : status;
 }
 
 /* NaN, infinities and 1e300 are E_NOTFINITE and move nothing; denormals, minus zero and

@@ -27,15 +27,15 @@ static int take_part(struct test_raw *peer, const char *name, enum pccd_share sh
 {
     struct proto_SCENE_CREATE_request create = {.share = share};
     struct proto_SCENE_CREATE_result created = {.scene = 0};
-    int rc;
+    int status;
 
-    (void)snprintf(create.name, sizeof(create.name), "%s", name);
+    (void)snprintf(create.name, sizeof create.name, "%s", name);
     do { /* busy: those that were left are being freed */
-        rc = test_raw_call(peer, PROTO_METHOD_SCENE_CREATE, &create, &created);
-        test_sleep_ms(rc == PCCD_E_BUSY);
-    } while (rc == PCCD_E_BUSY);
+        status = test_raw_call(peer, PROTO_METHOD_SCENE_CREATE, &create, &created);
+        test_sleep_ms(status == PCCD_E_BUSY);
+    } while (status == PCCD_E_BUSY);
     *scene = created.scene;
-    return rc;
+    return status;
 }
 
 static int leave(struct test_raw *peer, uint32_t scene)
@@ -65,8 +65,8 @@ static bool add_triangle(struct zoo_cage *cage, struct test_raw *peer,
 static bool enter_both(struct zoo_cage *cage, const char *name, struct zoo_scene *mine,
                        struct zoo_scene *theirs)
 {
-    memset(mine, 0, sizeof(*mine));
-    memset(theirs, 0, sizeof(*theirs));
+    memset(mine, 0, sizeof *mine);
+    memset(theirs, 0, sizeof *theirs);
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
     EXPECT(cage, zoo_enter(cage, &other, SLOT_BYTES));
     EXPECT(cage, take_part(&raw, name, PCCD_SHARE_OPEN, &mine->scene) == 0);
@@ -164,7 +164,7 @@ static void make_name(const struct zoo_cage *cage, unsigned number, char *name)
                                       "%s", "\"",   "/../",     "\x1b[2J"};
     size_t length =
         (size_t)snprintf(name, PROTO_STR_MAX + 1, "%u.%u", cage->number, number);
-    const char *part = odd[number % (sizeof(odd) / sizeof(odd[0]))];
+    const char *part = odd[number % (sizeof odd / sizeof odd[0])];
 
     while (number % 2 == 1 && length + strlen(part) <= PROTO_STR_MAX) {
         memcpy(name + length, part, strlen(part) + 1);
@@ -178,10 +178,10 @@ static int create_named(const void *name, uint8_t bytes)
     static const uint8_t head[] = "\x94\x00\x01\xacscene.create\x81\xa4name\xd9";
     uint8_t message[512];
 
-    memcpy(message, head, sizeof(head) - 1);
-    message[sizeof(head) - 1] = bytes;
-    memcpy(message + sizeof(head), name, bytes);
-    if (!test_raw_send(&raw, message, sizeof(head) + bytes, 0) ||
+    memcpy(message, head, sizeof head - 1);
+    message[sizeof head - 1] = bytes;
+    memcpy(message + sizeof head, name, bytes);
+    if (!test_raw_send(&raw, message, sizeof head + bytes, 0) ||
         test_raw_receive(&raw) != 0) {
         return PCCD_E_DISCONNECTED;
     }
@@ -258,11 +258,11 @@ bool zoo_ignores_every_pair(struct zoo_cage *cage)
     static uint32_t objects[2 * OBJECTS];
     uint32_t count = cage->patient ? 2 * OBJECTS : OBJECTS;
     struct zoo_scene mine = {0};
-    struct proto_OBJECT_SET_request set = {.what = PCCD_OBJECT_ALL + 1};
+    struct proto_OBJECT_SET_request set = {.what = COMMON_OBJECT_KNOWN + 1};
     uint32_t their_scene;
     char name[32];
 
-    (void)snprintf(name, sizeof(name), "pairs %u", cage->number);
+    (void)snprintf(name, sizeof name, "pairs %u", cage->number);
     EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
     EXPECT(cage, zoo_enter(cage, &other, SLOT_BYTES));
     EXPECT(cage, take_part(&raw, name, PCCD_SHARE_OPEN, &mine.scene) == 0);
@@ -298,7 +298,7 @@ bool zoo_reads_no_news(struct zoo_cage *cage)
     uint32_t told = 0;
     char name[32];
 
-    (void)snprintf(name, sizeof(name), "news %u", cage->number);
+    (void)snprintf(name, sizeof name, "news %u", cage->number);
     EXPECT(cage, enter_both(cage, name, &mine, &theirs));
     EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_WATCH_START, &watch, NULL) == 0);
     for (int i = 0; i < STEPS; i++) {
@@ -344,13 +344,14 @@ bool zoo_pries(struct zoo_cage *cage)
            test_raw_call(&raw, PROTO_METHOD_CONFIG_GET, &get, NULL) == PCCD_E_INVAL);
     while (session.session != 0) {
         struct proto_LIST_SCENE_request scenes = {.cursor = UINT32_MAX};
-        int rc;
+        int status;
 
         EXPECT(cage,
                test_raw_call(&raw, PROTO_METHOD_LIST_SESSION, &list, &session) == 0);
         list.before = scenes.session = session.session;
-        rc = test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scenes, NULL);
-        EXPECT(cage, rc == 0 || rc == PCCD_E_HANDLE); /* it may have gone meanwhile */
+        status = test_raw_call(&raw, PROTO_METHOD_LIST_SCENE, &scenes, NULL);
+        EXPECT(cage,
+               status == 0 || status == PCCD_E_HANDLE); /* it may have gone meanwhile */
     }
     EXPECT(cage, test_raw_call(&raw, PROTO_METHOD_STATS_HISTOGRAM, &histogram, NULL) ==
                      PCCD_E_INVAL);

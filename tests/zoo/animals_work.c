@@ -104,10 +104,10 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
            test_raw_mesh(&raw, test_triangle_x, 3, test_triangle, 1, &add.mesh) == 0);
     for (uint32_t i = 0; i < SCENES; i++) {
         struct proto_SCENE_DESTROY_request destroy = {0};
-        int rc = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created);
+        int status = test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created);
 
-        EXPECT(cage, rc == 0 || rc == PCCD_E_LIMIT || rc == PCCD_E_BUSY);
-        if (rc != 0) {
+        EXPECT(cage, status == 0 || status == PCCD_E_LIMIT || status == PCCD_E_BUSY);
+        if (status != 0) {
             refused++;
             continue;
         }

@@ -26,7 +26,7 @@
 
 bool zoo_fail(struct zoo_cage *cage, int line, const char *what)
 {
-    (void)snprintf(cage->what, sizeof(cage->what), "%s", what);
+    (void)snprintf(cage->what, sizeof cage->what, "%s", what);
     atomic_store(&cage->line, line);
     return false;
 }
@@ -78,9 +78,9 @@ bool zoo_open(struct zoo_den *den, const struct zoo_animal *animal, const char *
 {
     uint64_t until_ms = test_now_ms() + READY_MS + (patient ? 2 * pause_ms : 0);
 
-    memset(den, 0, sizeof(*den));
+    memset(den, 0, sizeof *den);
     den->begin_us = test_now_us();
-    den->cages = mmap(NULL, ZOO_EACH_MAX * sizeof(*den->cages), PROT_READ | PROT_WRITE,
+    den->cages = mmap(NULL, ZOO_EACH_MAX * sizeof *den->cages, PROT_READ | PROT_WRITE,
                       MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (den->cages == MAP_FAILED) {
         return false;
@@ -226,8 +226,8 @@ zoo_write(struct test_raw *raw, const struct zoo_scene *scene, uint32_t slot, fl
     float x[3][3];
 
     test_crossing_positions(x, z);
-    memcpy(payload, &segment, sizeof(segment));
-    memcpy(payload + 32, x, sizeof(x));
+    memcpy(payload, &segment, sizeof segment);
+    memcpy(payload + 32, x, sizeof x);
     return (struct proto_FRAME_SUBMIT_request){.scene = scene->scene,
                                                .slot = slot,
                                                .seq = test_raw_publish(raw, slot),

@@ -1,9 +1,9 @@
-/* cage.h - one hostile client, in a process of its own.
+/* cage.h - runs one hostile client in a process of its own.
  *
  * Room:     tests/zoo. May include: raw.h.
- * Does:     fork an animal that repeats its act until it is told to end, and see whether
- *           what the daemon answered was what its act must be answered.
- * Does not: know what the animals do (animals.h).
+ * Does:     fork a client that repeats its misdeed until it is told to end, and see
+ *           whether the daemon answered as it must.
+ * Does not: know what the misdeeds are (animals.h).
  * Threads:  the keeper's; an animal has one of its own process.
  */
 #ifndef ZOO_CAGE_H

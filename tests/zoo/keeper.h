@@ -1,4 +1,4 @@
-/* keeper.h - an honest client that is measured, and the daemon it looks after.
+/* keeper.h - an honest client that is measured while hostile ones attack the daemon.
  *
  * Room:     tests/zoo. May include: pccd.h, tests/support.
  * Does:     step a scene, compare every answer byte by byte with the one it got alone,

@@ -59,7 +59,7 @@ static const struct zoo_animal animals[] = {
     {"reads no news", zoo_reads_no_news, false, 0, 0},
     {"pries", zoo_pries, false, 0, 0},
 };
-#define ANIMALS (sizeof(animals) / sizeof(animals[0]))
+#define ANIMALS (sizeof animals / sizeof animals[0])
 
 static struct zoo_keeper keeper;
 static bool is_long;

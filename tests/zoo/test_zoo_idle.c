@@ -1,8 +1,9 @@
 /* test_zoo_idle.c - a daemon that nobody asks anything does nothing.
  *
- * Room:     tests/zoo. May include: raw.h, daemon.h.
- * Does:     many clients that have said hello and are silent; the context switches of all
- *           threads of the daemon are counted over some seconds. IDLE_CLIENTS, and
+ * Room:     tests/zoo. May include: raw.h, daemon.h, grid.h.
+ * Does:     many clients that have said hello and are silent, and one that has had a
+ *           large answer, whose memory the daemon has given back; the context switches
+ *           of all threads of the daemon are counted over some seconds. IDLE_CLIENTS, and
  *           IDLE_SECONDS.
  * Threads:  one.
  */
@@ -20,6 +21,7 @@
 #include <cmocka.h>
 
 #include "daemon.h"
+#include "grid.h"
 #include "raw.h"
 
 #define CLIENTS_MAX 20000u
@@ -41,10 +43,10 @@ static uint64_t switches_of(const struct test_daemon *daemon, const char *thread
     unsigned long long sum = 0;
     FILE *file;
 
-    (void)snprintf(path, sizeof(path), "/proc/%ld/task/%s/status", (long)daemon->pid,
+    (void)snprintf(path, sizeof path, "/proc/%ld/task/%s/status", (long)daemon->pid,
                    thread);
     file = fopen(path, "r");
-    while (file != NULL && fgets(line, sizeof(line), file) != NULL) {
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
         unsigned long long count = 0;
 
         if (sscanf(line, "voluntary_ctxt_switches: %llu", &count) == 1 ||
@@ -66,7 +68,7 @@ static uint64_t switches(const struct test_daemon *daemon, unsigned *threads)
     DIR *entries;
 
     *threads = 0;
-    (void)snprintf(path, sizeof(path), "/proc/%ld/task", (long)daemon->pid);
+    (void)snprintf(path, sizeof path, "/proc/%ld/task", (long)daemon->pid);
     entries = opendir(path);
     assert_non_null(entries);
     for (int i = 0; i < THREADS_MAX; i++) {
@@ -99,6 +101,22 @@ static uint32_t client_count(void)
     return count;
 }
 
+/* A client that has had an answer of 6 MiB, and is silent from then on. */
+static struct pccd_client *have_large_answer(const char *url, struct test_grid *grid)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    uint64_t step = 0;
+
+    memset(&options, 0, sizeof options);
+    options.url = url;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_grid_make(client, 300, grid), 0);
+    assert_int_equal(test_grid_submit(grid, NULL, &step), 0);
+    assert_int_equal(test_grid_await(grid, step), 0);
+    return client;
+}
+
 /* If it failed, a machine with clients that do nothing would never come to rest. */
 static void idle__daemon_is_not_woken_by_silent_clients(void **state)
 {
@@ -108,10 +126,11 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
     unsigned seconds = (unsigned)option("IDLE_SECONDS", 2);
     static struct test_raw raw;
     struct test_daemon daemon;
+    struct test_grid grid;
     unsigned threads = 0;
     uint64_t before;
     uint64_t woken;
-    int *sockets = calloc(count, sizeof(*sockets));
+    int *sockets = calloc(count, sizeof *sockets);
 
     (void)state;
     if (TEST_HAS_FOREIGN_THREAD) { /* it wakes the daemon ten times a second */
@@ -127,7 +146,8 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
         assert_true(sockets[i] >= 0);
         test_raw_close(&raw);
     }
-    test_sleep_ms(1000); /* the last ones have been served */
+    struct pccd_client *client = have_large_answer(daemon.url, &grid);
+    test_sleep_ms(2000); /* the last ones have been served, memory was given back */
     before = switches(&daemon, &threads);
     test_sleep_ms(seconds * 1000);
     woken = switches(&daemon, &threads) - before;
@@ -138,6 +158,8 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
         (void)close(sockets[i]);
     }
     free(sockets);
+    test_grid_free(&grid);
+    pccd_close(client);
     assert_true(test_daemon_finish(&daemon));
 }
 

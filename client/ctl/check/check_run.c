@@ -13,6 +13,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "clock.h"
 #include "progress.h"
 #include "statistics.h"
 
@@ -20,9 +21,7 @@
 
 static double now_ms(void)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec / 1e6;
+    return (double)common_now_ns() / 1e6;
 }
 
 /* The library's own words about a failed call. */
@@ -38,7 +37,7 @@ static int fetch_edges(struct check_run *run, uint32_t mesh, struct ctl_error *e
 {
     uint32_t count = run->mesh.info.edge_count;
     /* A mesh of points has no edges; malloc(0) may be NULL. */
-    run->edges = malloc(((size_t)count + 1) * sizeof(*run->edges));
+    run->edges = malloc(((size_t)count + 1) * sizeof *run->edges);
     if (run->edges == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " edges",
                              count);
@@ -53,7 +52,7 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
     uint32_t handle;
     size_t rows = REPORT_PHASE_COUNT + 1;
     run->edges = NULL;
-    run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof(*run->times));
+    run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof *run->times);
     if (run->times == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " repetitions",
                              run->repeats);
@@ -172,13 +171,13 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
         }
         report_phases(&answer->times, ms);
         if (i == 0) {
-            memcpy(hash, answer->hash, sizeof(hash));
-            memcpy(step->ms, ms, sizeof(ms));
+            memcpy(hash, answer->hash, sizeof hash);
+            memcpy(step->ms, ms, sizeof ms);
             step->first_ms = ms[REPORT_step];
             step->round_trip_ms = round_trip_ms;
             continue;
         }
-        if (memcmp(hash, answer->hash, sizeof(hash)) != 0 && step->is_complete) {
+        if (memcmp(hash, answer->hash, sizeof hash) != 0 && step->is_complete) {
             return ctl_error_set(error, PCCD_E_INTERNAL,
                                  "repetition %" PRIu32 " of step %" PRIu32
                                  " gave another answer than the first run",

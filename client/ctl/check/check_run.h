@@ -1,7 +1,9 @@
-/* client/ctl/check/check_run.h - a mesh in a daemon, moved from frame to frame.
+/* client/ctl/check/check_run.h - runs `pccdctl check`: gives the frames of a mesh to a
+ * daemon and collects its contacts.
  *
  * Room:     client/ctl. May include: meshfile.h, contacts_csv.h, report.h, pccd.h.
- * Does:     registers the first frame, runs steps with repetitions, fetches every page.
+ * Does:     register the first frame, run the steps as often as asked, fetch every page
+ *           of contacts.
  * Does not: read files or print.
  * Threads:  one.
  * Source:   used by cmd_check.c.

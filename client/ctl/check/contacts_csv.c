@@ -10,6 +10,7 @@
 
 #include <inttypes.h>
 
+#include "kinds.h"
 #include "output.h"
 
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
@@ -24,21 +25,40 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
     return PCCD_OK;
 }
 
-/* The record up to its four vertices, with a comma after the last. */
+/* The vertices of a feature of so many points, a comma after each. */
+static void print_vertices(const struct contacts_csv *csv, uint32_t points,
+                           uint32_t feature)
+{
+    if (points == 1) {
+        fprintf(csv->file, "%" PRIu32 ",", feature);
+    } else if (points == 2) {
+        fprintf(csv->file, "%" PRIu32 ",%" PRIu32 ",", csv->edges[feature].a,
+                csv->edges[feature].b);
+    } else {
+        const uint32_t *face = csv->triangles[feature];
+        fprintf(csv->file, "%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",", face[0], face[1],
+                face[2]);
+    }
+}
+
+/* The record up to its four vertices, with a comma after each; those that a kind does not
+ * have are empty. */
 static void print_features(const struct contacts_csv *csv, uint32_t step, uint32_t kind,
                            uint32_t a, uint32_t b)
 {
     if (csv->has_step) {
         fprintf(csv->file, "%" PRIu32 ",", step);
     }
-    if (kind == PCCD_VF) {
-        const uint32_t *face = csv->triangles[b];
-        fprintf(csv->file, "vf,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",", a,
-                face[0], face[1], face[2]);
-    } else {
-        const struct pccd_edge *first = &csv->edges[a], *second = &csv->edges[b];
-        fprintf(csv->file, "ee,%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",%" PRIu32 ",",
-                first->a, first->b, second->a, second->b);
+    if (kind >= PCCD_KIND_COUNT) {
+        fprintf(csv->file, "%" PRIu32 ",,,,,", kind); /* of a newer daemon */
+        return;
+    }
+    const uint32_t *points = common_kinds[kind].points;
+    fprintf(csv->file, "%s,", common_kinds[kind].name);
+    print_vertices(csv, points[0], a);
+    print_vertices(csv, points[1], b);
+    for (uint32_t i = points[0] + points[1]; i < 4; i++) {
+        fputc(',', csv->file);
     }
 }
 

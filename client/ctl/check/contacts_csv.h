@@ -1,7 +1,8 @@
-/* client/ctl/check/contacts_csv.h - contacts as lines of text.
+/* client/ctl/check/contacts_csv.h - writes contacts as CSV (`pccdctl check --contacts
+ * FILE`).
  *
  * Room:     client/ctl. May include: error.h, pccd.h.
- * Does:     writes kind,i0,i1,i2,i3,toi,toi_hi,proved with vertex numbers from 0 in file
+ * Does:     write kind,i0,i1,i2,i3,toi,toi_hi,proved with vertex numbers from 0 in file
  *           order.
  * Does not: read it back.
  * Threads:  one.

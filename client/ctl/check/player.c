@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "coordinates.h"
 #include "progress.h"
 #include "terminal.h"
 
@@ -119,11 +120,11 @@ static uint32_t frame_after(uint64_t step, uint32_t frame_count)
 static int submit(struct player *player, const struct ctl_mesh *frame, uint64_t *step)
 {
     const struct player_settings *settings = player->settings;
-    const struct pccd_step_settings asked = {.threads = settings->threads,
+    const struct pccd_step_settings asked = {.struct_bytes =
+                                                 sizeof(struct pccd_step_settings),
+                                             .threads = settings->threads,
                                              .hold = settings->holds};
-    size_t bytes =
-        (size_t)frame->vertex_count *
-        (frame->format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]));
+    size_t bytes = (size_t)frame->vertex_count * common_vertex_bytes(frame->format);
     struct pccd_frame out;
     void *x1 = NULL;
     int status = pccd_frame_begin(player->client, player->scene, 1, bytes, &out);
@@ -167,7 +168,7 @@ static int play_step(struct player *player, struct ctl_error *error)
     const struct player_settings *settings = player->settings;
     const struct ctl_mesh *frame =
         &player->frames[frame_after(player->steps, settings->frame_count)];
-    struct pccd_answer answer;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     double begin_s = terminal_now_s();
     int status = submit(player, frame, &step);

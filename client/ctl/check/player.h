@@ -1,8 +1,9 @@
-/* client/ctl/check/player.h - frames of a mesh, played in a daemon.
+/* client/ctl/check/player.h - moves a mesh in a daemon through the frames of files, for
+ * `pccdctl load`.
  *
  * Room:     client/ctl. May include: meshfile.h, pccd.h.
- * Does:     read the frames, register the first one, move it from frame to frame at a
- *           rate, forwards and backwards by turns, so that nothing ever jumps.
+ * Does:     read the frames, register the first one, and move it from frame to frame at a
+ *           given rate, forwards and backwards in turn, so that nothing ever jumps.
  * Does not: print, but for a progress bar.
  * Threads:  one.
  * Source:   used by cmd_load.c.

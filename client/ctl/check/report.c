@@ -10,6 +10,9 @@
 
 #include <inttypes.h>
 
+#include "hash_text.h"
+#include "kinds.h"
+#include "names.h"
 #include "plural.h"
 #include "shown.h"
 
@@ -26,43 +29,6 @@ void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_C
 #define PHASE_MS(name) ms[REPORT_##name] = (double)times->name / 1e6;
     REPORT_PHASES(PHASE_MS)
 #undef PHASE_MS
-}
-
-const char *report_mode_name(enum pccd_mode mode)
-{
-    static const char *const names[PCCD_MODE_COUNT] = {"all", "first", "any", "pairs"};
-    return (uint32_t)mode < PCCD_MODE_COUNT ? names[mode] : NULL;
-}
-
-const char *report_method_name(enum pccd_method method)
-{
-    static const char *const names[PCCD_METHOD_COUNT] = {"default", "paper", "wide"};
-    return (uint32_t)method < PCCD_METHOD_COUNT ? names[method] : NULL;
-}
-
-const char *report_scheduler_name(enum pccd_scheduler scheduler)
-{
-    static const char *const names[PCCD_SCHEDULER_COUNT] = {"default", "steal", "paper"};
-    return (uint32_t)scheduler < PCCD_SCHEDULER_COUNT ? names[scheduler] : NULL;
-}
-
-const char *report_high_level_name(enum pccd_high_level high_level)
-{
-    static const char *const names[PCCD_HIGH_LEVEL_COUNT] = {"default", "round-robin",
-                                                             "disjoint"};
-    return (uint32_t)high_level < PCCD_HIGH_LEVEL_COUNT ? names[high_level] : NULL;
-}
-
-const char *report_refit_name(enum pccd_refit refit)
-{
-    static const char *const names[PCCD_REFIT_COUNT] = {"default", "even", "paper"};
-    return (uint32_t)refit < PCCD_REFIT_COUNT ? names[refit] : NULL;
-}
-
-const char *report_quality_name(enum pccd_quality quality)
-{
-    static const char *const names[PCCD_QUALITY_COUNT] = {"default", "median", "sah"};
-    return (uint32_t)quality < PCCD_QUALITY_COUNT ? names[quality] : NULL;
 }
 
 static const char *or_unknown(const char *name)
@@ -95,7 +61,7 @@ static const char *why_incomplete(enum pccd_incomplete incomplete)
 static void print_trees(FILE *to, const struct pccd_scene_settings *settings)
 {
     fprintf(to, "trees      quality %s, ",
-            or_unknown(report_quality_name(settings->quality)));
+            or_unknown(common_quality_name(settings->quality)));
     if (settings->rebuild_ratio < 0) {
         fputs("never rebuilt\n", to);
     } else if (settings->rebuild_ratio > 0) {
@@ -129,6 +95,26 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     print_trees(to, &mesh->settings);
 }
 
+/* " 12 vertex-face, 3 edge-edge" and the end of the line. */
+static void print_kinds(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
+{
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        const uint32_t *points = common_kinds[kind].points;
+        fprintf(to, "%s %" PRIu64 " %s-%s", kind > 0 ? "," : "", counts[kind],
+                common_feature_names[points[0]], common_feature_names[points[1]]);
+    }
+    fputc('\n', to);
+}
+
+/* "12 vf, 3 ee" */
+static void print_kinds_briefly(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
+{
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        fprintf(to, "%s%" PRIu64 " %s", kind > 0 ? ", " : "", counts[kind],
+                common_kinds[kind].name);
+    }
+}
+
 static void print_records(FILE *to, const struct pccd_answer *answer)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
@@ -138,15 +124,12 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
         return;
     }
     if (answer->mode == PCCD_MODE_PAIRS) {
-        fprintf(to,
-                "pairs      %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64
-                " edge-edge\n",
-                answer->total, answer->vf, answer->ee);
+        fprintf(to, "pairs      %" PRIu64 ":", answer->total);
+        print_kinds(to, answer->counts);
         return;
     }
-    fprintf(to,
-            "contacts   %" PRIu64 ": %" PRIu64 " vertex-face, %" PRIu64 " edge-edge\n",
-            answer->total, answer->vf, answer->ee);
+    fprintf(to, "contacts   %" PRIu64 ":", answer->total);
+    print_kinds(to, answer->counts);
     fprintf(to,
             "           %" PRIu64 " proved, %" PRIu64 " possible; %" PRIu64
             " touch at the start\n",
@@ -162,18 +145,10 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
 static void print_sharing(FILE *to, const struct pccd_answer *answer)
 {
     fprintf(to, "; method %s, %" PRIu32 " %s",
-            or_unknown(report_method_name(answer->method)), answer->threads,
+            or_unknown(common_method_name(answer->method)), answer->threads,
             proto_plural(answer->threads, "thread", "threads"));
-    if (answer->scheduler != PCCD_SCHEDULER_DEFAULT) {
-        fprintf(to, ", scheduler %s",
-                or_unknown(report_scheduler_name(answer->scheduler)));
-    }
-    if (answer->high_level != PCCD_HIGH_LEVEL_DEFAULT) {
-        fprintf(to, ", high level %s",
-                or_unknown(report_high_level_name(answer->high_level)));
-    }
-    if (answer->refit != PCCD_REFIT_DEFAULT) {
-        fprintf(to, ", refit %s", or_unknown(report_refit_name(answer->refit)));
+    if (answer->tuning[0] != '\0') {
+        fprintf(to, ", tuning %s", tool_shown(answer->tuning));
     }
     fputc('\n', to);
 }
@@ -183,7 +158,7 @@ static bool is_told(uint32_t phase, const struct report_step *step)
 {
     const struct pccd_step_counters *counters = &step->answer.counters;
     if (phase == REPORT_low || phase == REPORT_high) {
-        return step->answer.scheduler == PCCD_SCHEDULER_PAPER;
+        return step->ms[REPORT_high] > 0;
     }
     return phase != REPORT_rebuild || counters->rebuilds + counters->swaps > 0 ||
            step->ms[phase] > 0;
@@ -217,29 +192,31 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
 {
     const struct pccd_answer *answer = &step->answer;
     const struct pccd_step_counters *counters = &answer->counters;
+    char hash[PROTO_HASH_BYTES];
+    uint64_t candidates = 0;
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
-            tool_shown(step->to), or_unknown(report_mode_name(answer->mode)));
+            tool_shown(step->to), or_unknown(common_mode_name(answer->mode)));
     print_records(to, answer);
     if (step->is_complete) {
         fputs("answer     complete\n", to);
     } else {
         fprintf(to, "answer     INCOMPLETE: %s\n", why_incomplete(answer->incomplete));
     }
-    fprintf(to, "hash       %016" PRIx64 "%016" PRIx64 "\n", answer->hash[0],
-            answer->hash[1]);
-    fprintf(to,
-            "work       %" PRIu64 " box %s, %" PRIu64 " %s (%" PRIu64 " vf, %" PRIu64
-            " ee), %" PRIu64 " past the filter, %" PRIu64 " exact\n",
-            counters->box_tests, proto_plural(counters->box_tests, "test", "tests"),
-            counters->candidates_vf + counters->candidates_ee,
-            proto_plural(counters->candidates_vf + counters->candidates_ee, "candidate",
-                         "candidates"),
-            counters->candidates_vf, counters->candidates_ee, counters->survivors,
-            counters->exact);
+    fprintf(to, "hash       %s\n",
+            proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash));
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        candidates += counters->candidates[kind];
+    }
+    fprintf(to, "work       %" PRIu64 " box %s, %" PRIu64 " %s (", counters->box_tests,
+            proto_plural(counters->box_tests, "test", "tests"), candidates,
+            proto_plural(candidates, "candidate", "candidates"));
+    print_kinds_briefly(to, counters->candidates);
+    fprintf(to, "), %" PRIu64 " past the filter, %" PRIu64 " exact\n",
+            counters->survivors, counters->exact);
     if (counters->rebuilds + counters->swaps > 0) {
         fprintf(to,
                 "rebuilt    %" PRIu64 " %s (%" PRIu64 " %s), %" PRIu64
-                " built aside (%" PRIu64 ")\n",
+                " built in the background (%" PRIu64 ")\n",
                 counters->rebuilds,
                 proto_plural(counters->rebuilds, "subtree", "subtrees"),
                 counters->rebuilt_triangles,
@@ -252,11 +229,10 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step)
 {
     const struct pccd_answer *answer = &step->answer;
-    fprintf(to,
-            "%4" PRIu32 "  %s: %" PRIu64 " (%" PRIu64 " vf, %" PRIu64 " ee, %" PRIu64
-            " possible)",
-            number, tool_shown(step->to), answer->total, answer->vf, answer->ee,
-            answer->possible);
+    fprintf(to, "%4" PRIu32 "  %s: %" PRIu64 " (", number, tool_shown(step->to),
+            answer->total);
+    print_kinds_briefly(to, answer->counts);
+    fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
     }

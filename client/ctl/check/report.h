@@ -1,7 +1,7 @@
-/* client/ctl/check/report.h - what `pccdctl check` says.
+/* client/ctl/check/report.h - prints the results of `pccdctl check`.
  *
- * Room:     client/ctl. May include: pccd.h.
- * Does:     prints the results of steps for people, and as JSON for programs.
+ * Room:     client/ctl. May include: pccd.h, jansson.h.
+ * Does:     print the results of steps for people, and as JSON for programs.
  * Does not: compute them; see check_run.h.
  * Threads:  one.
  * Source:   the names of pccd.h.
@@ -9,6 +9,7 @@
 #ifndef CTL_REPORT_H
 #define CTL_REPORT_H
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -39,22 +40,6 @@ extern const char *const report_phase_names[REPORT_PHASE_COUNT];
 /* Milliseconds of the phases of an answer. */
 void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
 
-/* X(field of pccd_step_counters), in their order. */
-#define REPORT_COUNTERS(X)                                                               \
-    X(task_units)                                                                        \
-    X(box_tests)                                                                         \
-    X(leaf_pairs)                                                                        \
-    X(candidates_vf)                                                                     \
-    X(candidates_ee)                                                                     \
-    X(survivors)                                                                         \
-    X(exact)                                                                             \
-    X(builds)                                                                            \
-    X(allocs)                                                                            \
-    X(rebuilds)                                                                          \
-    X(rebuilt_triangles)                                                                 \
-    X(swaps)                                                                             \
-    X(swapped_triangles)
-
 struct report_mesh {
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;
@@ -72,14 +57,6 @@ struct report_step {
     double round_trip_ms; /* the same, from submit to answer as the client sees it */
 };
 
-/* Names of the values as on the command line; NULL beyond the enums. */
-const char *report_mode_name(enum pccd_mode mode);
-const char *report_method_name(enum pccd_method method);
-const char *report_scheduler_name(enum pccd_scheduler scheduler);
-const char *report_high_level_name(enum pccd_high_level high_level);
-const char *report_refit_name(enum pccd_refit refit);
-const char *report_quality_name(enum pccd_quality quality);
-
 /* For people: the mesh once, then each step, long or as one line. */
 void report_print_mesh(FILE *to, const struct report_mesh *mesh);
 void report_print_step(FILE *to, const struct report_mesh *mesh,
@@ -90,5 +67,11 @@ void report_print_line(FILE *to, uint32_t number, const struct report_step *step
  * an array "steps". False without memory. */
 bool report_json(FILE *to, const struct report_mesh *mesh,
                  const struct report_step *steps, uint32_t step_count);
+
+/* How many records of each kind there are, under its name, to an object. */
+void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);
+
+/* What an answer has counted, as an object. NULL, or *ok false, without memory. */
+json_t *report_counters(const struct pccd_answer *answer, bool *ok);
 
 #endif

@@ -9,8 +9,12 @@
 #include <inttypes.h>
 #include <jansson.h>
 
+#include "hash_text.h"
 #include "json_text.h"
+#include "kinds.h"
+#include "names.h"
 #include "report.h"
+#include "step_numbers.h"
 
 /* jansson's *_set_new and *_append_new take the value also when they fail, and fail on a
  * NULL value, so `ok` is all that has to be looked at. */
@@ -36,17 +40,11 @@ static json_t *mode_text(const char *name)
     return name != NULL ? json_string(name) : json_null();
 }
 
-/* One of an enum of which 0 means that there was no choice. */
-static json_t *choice_text(uint32_t value, const char *name)
-{
-    return mode_text(value != 0 ? name : NULL);
-}
-
 static void add_settings(json_t *object, const struct pccd_scene_settings *settings,
                          bool *ok)
 {
     double ratio = settings->rebuild_ratio;
-    set(object, "quality", mode_text(report_quality_name(settings->quality)), ok);
+    set(object, "quality", mode_text(common_quality_name(settings->quality)), ok);
     set(object, "rebuild_ratio",
         ratio == 0 ? json_null() : json_real(ratio < 0 ? 0.0 : ratio), ok);
 }
@@ -76,12 +74,20 @@ static json_t *times_object(const struct report_mesh *mesh,
     return object;
 }
 
-static json_t *counters_object(const struct pccd_step_counters *counters, bool *ok)
+void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok)
+{
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        set_count(object, common_kinds[kind].name, counts[kind], ok);
+    }
+}
+
+json_t *report_counters(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
-#define SET_COUNTER(name) set_count(object, #name, counters->name, ok);
-    REPORT_COUNTERS(SET_COUNTER)
-#undef SET_COUNTER
+#define SET(unused, name, need, member, meaning)                                         \
+    set_count(object, #name, answer->member, ok);
+    COMMON_STEP_COUNTERS(SET, )
+#undef SET
     return object;
 }
 
@@ -91,23 +97,17 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     static const char *const verdicts[] = {"no", "possible", "yes", "none"};
     const struct pccd_answer *answer = &step->answer;
     uint32_t verdict = (uint32_t)answer->verdict;
-    char hash[33];
-    snprintf(hash, sizeof(hash), "%016" PRIx64 "%016" PRIx64, answer->hash[0],
-             answer->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
     set(object, "from", json_text(step->from), ok);
     set(object, "to", json_text(step->to), ok);
-    set(object, "mode", mode_text(report_mode_name(answer->mode)), ok);
-    set(object, "method", mode_text(report_method_name(answer->method)), ok);
+    set(object, "mode", mode_text(common_mode_name(answer->mode)), ok);
+    set(object, "method", mode_text(common_method_name(answer->method)), ok);
     set_count(object, "threads", answer->threads, ok);
-    set(object, "scheduler",
-        choice_text(answer->scheduler, report_scheduler_name(answer->scheduler)), ok);
-    set(object, "high_level",
-        choice_text(answer->high_level, report_high_level_name(answer->high_level)), ok);
-    set(object, "refit", choice_text(answer->refit, report_refit_name(answer->refit)),
-        ok);
+    set(object, "tuning",
+        answer->tuning[0] != '\0' ? json_text(answer->tuning) : json_null(), ok);
     set_count(object, "contacts", answer->total, ok);
-    set_count(object, "vf", answer->vf, ok);
-    set_count(object, "ee", answer->ee, ok);
+    report_kinds(object, answer->counts, ok);
     set_count(object, "possible", answer->possible, ok);
     set_count(object, "initial", answer->initial, ok);
     if (answer->mode == PCCD_MODE_ANY) {
@@ -118,13 +118,13 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     set(object, "hash", json_string(hash), ok);
     set_count(object, "repeat", step->repeats, ok);
     set(object, "ms", times_object(mesh, step, ok), ok);
-    set(object, "counters", counters_object(&answer->counters, ok), ok);
+    set(object, "counters", report_counters(answer, ok), ok);
 }
 
 static void add_steps(json_t *object, const struct report_mesh *mesh,
                       const struct report_step *steps, uint32_t step_count, bool *ok)
 {
-    uint64_t contacts = 0, vf = 0, ee = 0, possible = 0;
+    uint64_t contacts = 0, counts[PCCD_KINDS_MAX] = {0}, possible = 0;
     bool is_complete = true;
     json_t *array = json_array();
     for (uint32_t i = 0; i < step_count; i++) {
@@ -134,14 +134,14 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
             *ok = false;
         }
         contacts += steps[i].answer.total;
-        vf += steps[i].answer.vf;
-        ee += steps[i].answer.ee;
+        for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+            counts[kind] += steps[i].answer.counts[kind];
+        }
         possible += steps[i].answer.possible;
         is_complete = is_complete && steps[i].is_complete;
     }
     set_count(object, "contacts", contacts, ok);
-    set_count(object, "vf", vf, ok);
-    set_count(object, "ee", ee, ok);
+    report_kinds(object, counts, ok);
     set_count(object, "possible", possible, ok);
     set(object, "complete", json_boolean(is_complete), ok);
     set(object, "steps", array, ok);

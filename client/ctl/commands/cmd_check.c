@@ -15,6 +15,7 @@
 #include "check_run.h"
 #include "ctl.h"
 #include "link.h"
+#include "names.h"
 #include "progress.h"
 #include "shown.h"
 #include "trace_file.h"
@@ -23,7 +24,6 @@
 #define THREADS_MAX     1024u
 #define TOLERANCE_MIN   1e-12
 #define DEADLINE_MS_MAX 3600000u
-#define NAMES_MAX       8u /* of one option */
 
 enum {
     OPTION_MODE = 256 + 64,
@@ -31,9 +31,7 @@ enum {
     OPTION_CONTACTS,
     OPTION_THREADS,
     OPTION_METHOD,
-    OPTION_SCHEDULER,
-    OPTION_HIGH_LEVEL,
-    OPTION_REFIT,
+    OPTION_TUNING,
     OPTION_QUALITY,
     OPTION_REBUILD_RATIO,
     OPTION_REPEAT,
@@ -72,18 +70,17 @@ static const struct argp_option option_list[] = {
     {"threads", OPTION_THREADS, "N", 0,
      "Use at most N threads (default: the daemon decides)", 0},
     {"method", OPTION_METHOD, "default|paper|wide", 0,
-     "Engine to use: default, paper or wide", 0},
-    {"scheduler", OPTION_SCHEDULER, "steal|paper", 0,
-     "How threads share the work: steal or paper (default: the daemon decides)", 0},
-    {"high-level", OPTION_HIGH_LEVEL, "round-robin|disjoint", 0,
-     "The paper's scheduler on high-level nodes: round-robin or disjoint", 0},
-    {"refit", OPTION_REFIT, "even|paper", 0, "How threads share the refit: even or paper",
+     "Method that finds the candidates: default, paper or wide; the answer is the same",
+     0},
+    {"tuning", OPTION_TUNING, "STRING", 0,
+     "How threads share the work, such as scheduler=paper,refit=paper (default: the "
+     "daemon decides)",
      0},
     {"quality", OPTION_QUALITY, "median|sah", 0,
-     "How hierarchies are built: median (the default) or sah", 0},
+     "Method paper: build hierarchies by median (the default) or sah", 0},
     {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
-     "Build a subtree anew when its box has less than R times the volume of its two "
-     "halves, 0 (never) to 1 (default: 0.9)",
+     "Method paper: rebuild a subtree when its box has less than R times the volume of "
+     "its two halves, 0 (never) to 1 (default: 0.9)",
      0},
     {"repeat", OPTION_REPEAT, "N", 0,
      "Time N more runs of each step after the first and report medians (default: 1 for "
@@ -92,61 +89,23 @@ static const struct argp_option option_list[] = {
      0},
     {"tolerance", OPTION_TOLERANCE, "T", 0,
      "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
-    {"deadline", OPTION_DEADLINE, "MS", 0, "Let a step end incomplete after so long", 0},
+    {"deadline", OPTION_DEADLINE, "MS", 0,
+     "End a step after MS milliseconds; its answer may then be incomplete", 0},
     {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
      "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
      0},
     {"trace", OPTION_TRACE, "FILE", 0,
      "Record what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
-     "Leave out of it what took less than U microseconds (default: 0)", 0},
+     "With --trace: leave out what took less than U microseconds (default: 0)", 0},
     {"events", OPTION_EVENTS, "N", 0,
-     "Keep in it the newest N events of each thread (default: 65536, or what fits)", 0},
+     "With --trace: keep the newest N events of each thread (default: 65536, or what "
+     "fits)",
+     0},
     {0},
 };
 
 /* The enum value whose name is `text`, below `count`. */
-static uint32_t parse_name(const struct argp_state *state, const char *option,
-                           const char *text, const char *(*name_of)(uint32_t),
-                           uint32_t count)
-{
-    const char *names[NAMES_MAX];
-    for (uint32_t i = 0; i < count && i < NAMES_MAX; i++) {
-        names[i] = name_of(i);
-    }
-    return (uint32_t)ctl_option_name(state, option, text, names, (int)count);
-}
-
-static const char *mode_name(uint32_t value)
-{
-    return report_mode_name((enum pccd_mode)value);
-}
-
-static const char *method_name(uint32_t value)
-{
-    return report_method_name((enum pccd_method)value);
-}
-
-static const char *scheduler_name(uint32_t value)
-{
-    return report_scheduler_name((enum pccd_scheduler)value);
-}
-
-static const char *high_level_name(uint32_t value)
-{
-    return report_high_level_name((enum pccd_high_level)value);
-}
-
-static const char *refit_name(uint32_t value)
-{
-    return report_refit_name((enum pccd_refit)value);
-}
-
-static const char *quality_name(uint32_t value)
-{
-    return report_quality_name((enum pccd_quality)value);
-}
-
 static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
@@ -196,28 +155,19 @@ static error_t parse_choice(int key, char *text, const struct argp_state *state)
     struct pccd_step_settings *settings = &options->settings;
     switch (key) {
     case OPTION_MODE:
-        settings->mode =
-            (enum pccd_mode)parse_name(state, "mode", text, mode_name, PCCD_MODE_COUNT);
+        settings->mode = (enum pccd_mode)ctl_option_name(
+            state, "mode", text, common_mode_names, PCCD_MODE_COUNT);
         break;
     case OPTION_METHOD:
-        settings->method = (enum pccd_method)parse_name(state, "method", text,
-                                                        method_name, PCCD_METHOD_COUNT);
+        settings->method = (enum pccd_method)ctl_option_name(
+            state, "method", text, common_method_names, PCCD_METHOD_COUNT);
         break;
-    case OPTION_SCHEDULER:
-        settings->scheduler = (enum pccd_scheduler)parse_name(
-            state, "scheduler", text, scheduler_name, PCCD_SCHEDULER_COUNT);
-        break;
-    case OPTION_HIGH_LEVEL:
-        settings->high_level = (enum pccd_high_level)parse_name(
-            state, "high-level", text, high_level_name, PCCD_HIGH_LEVEL_COUNT);
-        break;
-    case OPTION_REFIT:
-        settings->refit = (enum pccd_refit)parse_name(state, "refit", text, refit_name,
-                                                      PCCD_REFIT_COUNT);
+    case OPTION_TUNING:
+        settings->tuning = text;
         break;
     case OPTION_QUALITY:
-        options->scene_settings.quality = (enum pccd_quality)parse_name(
-            state, "quality", text, quality_name, PCCD_QUALITY_COUNT);
+        options->scene_settings.quality = (enum pccd_quality)ctl_option_name(
+            state, "quality", text, common_quality_names, PCCD_QUALITY_COUNT);
         break;
     case OPTION_REBUILD_RATIO: {
         double ratio = ctl_option_real(state, "rebuild-ratio", text, 0.0, 1.0);
@@ -398,7 +348,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && options->contacts != NULL) {
         /* The first frame's faces go when the third frame comes, so the CSV has its own.
          */
-        size_t bytes = check->frames[0].triangle_count * sizeof(*check->csv.triangles);
+        size_t bytes = check->frames[0].triangle_count * sizeof *check->csv.triangles;
         void *triangles = malloc(bytes);
         if (triangles == NULL) {
             return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
@@ -445,7 +395,7 @@ static int run_check(const struct check_options *options)
     if (options->contacts != NULL && strcmp(options->contacts, "-") == 0) {
         check.report = stderr;
     }
-    check.steps = calloc(options->path_count - 1, sizeof(*check.steps));
+    check.steps = calloc(options->path_count - 1, sizeof *check.steps);
     if (check.steps == NULL) {
         status = ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
     } else {
@@ -475,9 +425,10 @@ static int run_check(const struct check_options *options)
 
 int ctl_cmd_check(int argc, char **argv)
 {
-    struct check_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV}};
+    struct check_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV},
+                                    .settings = PCCD_STEP_SETTINGS_INIT};
     int status = CTL_FAILED;
-    options.paths = malloc((size_t)argc * sizeof(*options.paths));
+    options.paths = malloc((size_t)argc * sizeof *options.paths);
     if (options.paths == NULL) {
         status = ctl_complain("out of memory");
     } else if (argp_parse(&ctl_argp_check, argc, argv, 0, NULL, &options) == 0) {

@@ -70,9 +70,9 @@ const struct argp ctl_argp_config = {
     .options = option_list,
     .parser = parse,
     .args_doc = "[list|get|set] [NAME] [VALUE]",
-    .doc =
-        "List the settings that may change while a daemon runs, tell one, or change one "
-        "(its own user and root only) until it ends.",
+    .doc = "List the settings that may change while a daemon runs, print one, or change "
+           "one. Only root and the daemon's own user may change one. A change holds "
+           "until the daemon ends.",
     .children = children};
 
 static json_t *setting_json(const struct pccd_setting *setting)

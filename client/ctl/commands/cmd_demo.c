@@ -17,6 +17,7 @@
 #include "cloth_scene.h"
 #include "ctl.h"
 #include "demo_picture.h"
+#include "hash_text.h"
 #include "json_text.h"
 #include "link.h"
 #include "output.h"
@@ -26,8 +27,8 @@
 #include "shown.h"
 #include "statistics.h"
 
-#define STEPS_DEFAULT 300u
-#define STEPS_MAX     100000u
+#define STEPS_DEFAULT  300u
+#define STEPS_MAX      100000u
 #define OUTPUT_DEFAULT "./pccd-demo.png"
 
 enum { OPTION_STEPS = 256 + 64, OPTION_THREADS };
@@ -74,9 +75,10 @@ const struct argp ctl_argp_demo = {
     .options = option_list,
     .parser = parse,
     .doc =
-        "Let a cloth fall over a turning ball. A daemon finds what it would meet on its "
-        "way, and only a way on which nothing is met is taken. Show what was found, how "
-        "long it took and where.\v"
+        "Let a cloth fall over a turning ball. Before each step a daemon finds what the "
+        "cloth would collide with; the demo pushes that apart, and never takes a step in "
+        "which two surfaces pass through each other. Show what was found, how long it "
+        "took and where.\v"
         "Without --url and --socket a private daemon is started. The picture shows the "
         "cloth after the last step, and where it had been about to pass through the ball "
         "or itself.",
@@ -107,19 +109,19 @@ struct demo {
 static void keep_records(struct demo *demo, const struct pccd_answer *answer)
 {
     struct pccd_contact *met =
-        realloc(demo->met, ((size_t)answer->count + 1) * sizeof(*met));
+        realloc(demo->met, ((size_t)answer->count + 1) * sizeof *met);
     if (met == NULL) {
         demo->has_memory = false;
         return;
     }
-    memcpy(met, answer->contacts, (size_t)answer->count * sizeof(*met));
+    memcpy(met, answer->contacts, (size_t)answer->count * sizeof *met);
     demo->met = met;
     demo->last = (struct demo_met){.contacts = met,
                                    .count = answer->count,
-                                   .vf = answer->vf,
-                                   .ee = answer->ee,
+                                   .vf = answer->counts[PCCD_VF],
+                                   .ee = answer->counts[PCCD_EE],
                                    .frame = demo->taken + 1u};
-    memcpy(demo->hash, answer->hash, sizeof(demo->hash));
+    memcpy(demo->hash, answer->hash, sizeof demo->hash);
 }
 
 static void note_answer(void *context, const struct pccd_answer *answer, bool is_taken)
@@ -128,7 +130,7 @@ static void note_answer(void *context, const struct pccd_answer *answer, bool is
     double ms[REPORT_PHASE_COUNT];
     if (demo->asked == demo->capacity) {
         size_t capacity = 2 * demo->capacity + 1024;
-        double *grown = realloc(demo->step_ms, capacity * sizeof(*grown));
+        double *grown = realloc(demo->step_ms, capacity * sizeof *grown);
         if (grown == NULL) {
             demo->has_memory = false;
             return;
@@ -142,8 +144,8 @@ static void note_answer(void *context, const struct pccd_answer *answer, bool is
     }
     demo->step_ms[demo->asked++] = ms[REPORT_step];
     demo->contacts += answer->total;
-    demo->vf += answer->vf;
-    demo->ee += answer->ee;
+    demo->vf += answer->counts[PCCD_VF];
+    demo->ee += answer->counts[PCCD_EE];
     demo->possible += answer->possible;
     demo->incomplete += answer->incomplete != PCCD_COMPLETE;
     demo->left += is_taken ? answer->total : 0;
@@ -227,15 +229,15 @@ static void print_table(const struct demo *demo)
         other -= share;
     }
     printf("  %-10s%5.1f %%\n", "other", fmax(other, 0.0));
-    printf("hash        %016" PRIx64 "%016" PRIx64 " of the last answer with contacts\n",
-           demo->hash[0], demo->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    printf("hash        %s of the last answer with contacts\n",
+           proto_hash_text(PCCD_HASH_VERSION, demo->hash, hash));
 }
 
 static void print_json(const struct demo *demo)
 {
-    char hash[33];
-    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, demo->hash[0],
-             demo->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, demo->hash, hash);
     json_t *phases = json_object();
     for (uint32_t phase = 0; phase <= REPORT_step; phase++) {
         json_object_set_new(phases, report_phase_names[phase],
@@ -274,7 +276,7 @@ static int run_demo(const struct demo_options *options)
     struct whole_file file = {.to = NULL};
     struct pccd_client *client = NULL;
     struct demo_object objects[2];
-    struct demo *demo = calloc(1, sizeof(*demo));
+    struct demo *demo = calloc(1, sizeof *demo);
     if (demo == NULL) {
         return ctl_complain("out of memory");
     }

@@ -20,8 +20,8 @@
 static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_doctor = {
     .doc =
-        "Look for what is wrong with a set-up: socket, rights, limits, versions, "
-        "processors, threads, the daemon itself.\v"
+        "Look for mistakes in a set-up: socket, rights, limits, versions, processors, "
+        "threads, the daemon itself.\v"
         "Each line is ok, warn or FAIL, with what to do next. Exit status: 0 without a "
         "FAIL, 1 with one.",
     .children = children};

@@ -47,19 +47,19 @@ static const struct argp_option option_list[] = {
     {"output", OPTION_OUTPUT, "FILE", 0, "Where the page goes: FILE.html", 0},
     {"every", OPTION_EVERY, "N", 0, "Show one in N steps (default: each)", 0},
     {"max-size", OPTION_MAX_SIZE, "MIB", 0,
-     "Of the page, MiB (default: 64). Steps for which there is no room are left out, and "
-     "a line on standard error says so",
+     "Let the page have at most MIB mebibytes (default: 64). Steps that do not fit are "
+     "left out, and a line on standard error says so",
      0},
     {"round", OPTION_ROUND, NULL, 0,
-     "Store coordinates in 16 bits each, a 65535th of their object's size apart, in half "
-     "of the room",
+     "Store coordinates in 16 bits each, which halves the page; they are then rounded to "
+     "a 65535th of their object's size",
      0},
     {"boxes", OPTION_BOXES, "N", 0,
      "Show the levels of the hierarchies that have at most N boxes (default: 512; 0: "
      "none)",
      0},
     {"no-lanes", OPTION_NO_LANES, NULL, 0,
-     "Do not record what the daemon's threads do at each step", 0},
+     "Leave out what the daemon's threads do at each step", 0},
     {0},
 };
 

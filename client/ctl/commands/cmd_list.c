@@ -14,6 +14,7 @@
 
 #include "ctl.h"
 #include "format.h"
+#include "hash_text.h"
 #include "json_text.h"
 #include "link.h"
 #include "plural.h"
@@ -35,7 +36,7 @@ struct list_options {
 };
 
 static const struct argp_option option_list[] = {
-    {"session", OPTION_SESSION, "N", 0, "Only of this session", 0},
+    {"session", OPTION_SESSION, "N", 0, "List only what belongs to session N", 0},
     {"json", OPTION_JSON, NULL, 0, "A JSON array", 0},
     {0},
 };
@@ -127,7 +128,7 @@ static const char *sharing(const struct scene_row *row)
     snprintf(text, sizeof text,
              " \"%s\" of %s %s, %" PRIu32 " %s part, %" PRIu32 " held%s",
              tool_shown(row->name), tool_shown(format_user(info->uid)), rights,
-             info->seats, proto_plural(info->seats, "takes", "take"), info->held,
+             info->members, proto_plural(info->members, "takes", "take"), info->held,
              info->writable ? "" : ", reads");
     return text;
 }
@@ -135,12 +136,11 @@ static const char *sharing(const struct scene_row *row)
 static void print_scene(struct printer *printer, const struct scene_row *row)
 {
     const struct pccd_scene_info *info = &row->info;
-    char hash[40];
-    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, info->hash[0],
-             info->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, info->hash, hash);
     if (!printer->is_json) {
         printf("%7" PRIu64 " %#10" PRIx32 " %7" PRIu32 " %10" PRIu64 " %10" PRIu64
-               " %10s %7" PRIu32 " %-32s%s\n",
+               " %10s %7" PRIu32 " %-34s%s\n",
                printer->session, info->scene, info->objects, info->steps, info->total,
                format_ms((double)info->ns_step / 1e6), info->ignored,
                info->steps > 0 ? hash : "-", sharing(row));
@@ -156,7 +156,7 @@ static void print_scene(struct printer *printer, const struct scene_row *row)
                   "last_total", (json_int_t)info->total, "last_hash", hash, "last_ms",
                   (double)info->ns_step / 1e6, "ignored_pairs", (json_int_t)info->ignored,
                   "name", row->name, "uid", (json_int_t)info->uid, "rights",
-                  (json_int_t)info->rights, "seats", (json_int_t)info->seats, "held",
+                  (json_int_t)info->rights, "members", (json_int_t)info->members, "held",
                   (json_int_t)info->held, "writable", info->writable));
 }
 
@@ -260,7 +260,7 @@ static void print_head(enum what what)
             "TRIANGLES    SHARED      STEPS   OPEN FOR",
         [SCENES] =
             "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP IGNORED HASH OF "
-            "THE LAST ANSWER          SHARED",
+            "THE LAST ANSWER            SHARED",
         [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES   OWNER     "
                     "         GROUP               MASK MEETS",
         [PAIRS] = "SESSION      SCENE   OBJECT A   OBJECT B",

@@ -35,9 +35,10 @@ struct ping_options {
 
 static const struct argp_option option_list[] = {
     {"count", 'c', "N", 0, "Round trips (default: 10)", 0},
-    {"interval", 'i', "SECONDS", 0, "Between them (default: 0.1; 0: none)", 0},
-    {"quiet", 'q', NULL, 0, "Only the summary", 0},
-    {"json", OPTION_JSON, NULL, 0, "The summary as one JSON object, and nothing else", 0},
+    {"interval", 'i', "SECONDS", 0,
+     "Time between two round trips (default: 0.1; 0: none)", 0},
+    {"quiet", 'q', NULL, 0, "Print only the summary", 0},
+    {"json", OPTION_JSON, NULL, 0, "Print only the summary, as one JSON object", 0},
     {0},
 };
 
@@ -139,7 +140,7 @@ int ctl_cmd_ping(int argc, char **argv)
     if (argp_parse(&ctl_argp_ping, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;
     }
-    double *times_us = malloc(options.count * sizeof(*times_us));
+    double *times_us = malloc(options.count * sizeof *times_us);
     int status = times_us != NULL ? ctl_link_open(&options.link, &client)
                                   : ctl_complain("out of memory");
     if (status == CTL_DONE) {

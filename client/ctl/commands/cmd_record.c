@@ -53,14 +53,16 @@ static const struct argp_option option_list[] = {
      "on",
      0},
     {"contacts", OPTION_CONTACTS, NULL, 0,
-     "Record the contacts of the answers, too: they need no daemon to be looked at", 0},
-    {"max-bytes", OPTION_MAX_BYTES, "N", 0, "End the recording before it has more", 0},
+     "Record the contacts of the answers, too, so that they can be seen without a daemon",
+     0},
+    {"max-bytes", OPTION_MAX_BYTES, "N", 0, "End the recording before it exceeds N bytes",
+     0},
     {"segments", OPTION_SEGMENTS, "N", 0,
-     "Instead, keep the newest part: N files of together --max-bytes, FILE, FILE.1, ..., "
-     "each whole by itself",
+     "Keep the newest part instead, in N files (FILE, FILE.1, ...) of together "
+     "--max-bytes; each can be read by itself",
      0},
     {"level", OPTION_LEVEL, "N", 0,
-     "Of compression, 0 (none) to 19 (default: 1, the fastest)", 0},
+     "Level of compression, 0 (none) to 19 (default: 1, the fastest)", 0},
     {"force", OPTION_FORCE, NULL, 0,
      "Remove FILE if it is there, and the recordings FILE-2, FILE.1, ... beside it", 0},
     {0},
@@ -125,17 +127,17 @@ const struct argp ctl_argp_record = {
 static int set_environment(const struct record_command *command)
 {
     char text[160];
-    int used = snprintf(text, sizeof(text), "contacts=%d", command->has_contacts);
+    int used = snprintf(text, sizeof text, "contacts=%d", command->has_contacts);
     if (command->max_bytes > 0) {
-        used += snprintf(text + used, sizeof(text) - (size_t)used, ",max_bytes=%" PRIu64,
+        used += snprintf(text + used, sizeof text - (size_t)used, ",max_bytes=%" PRIu64,
                          command->max_bytes);
     }
     if (command->segments > 0) {
-        used += snprintf(text + used, sizeof(text) - (size_t)used, ",segments=%" PRIu64,
+        used += snprintf(text + used, sizeof text - (size_t)used, ",segments=%" PRIu64,
                          command->segments);
     }
     if (command->has_level) {
-        snprintf(text + used, sizeof(text) - (size_t)used, ",level=%d",
+        snprintf(text + used, sizeof text - (size_t)used, ",level=%d",
                  command->level == 0 ? -1 : (int)command->level);
     }
     return setenv("PCCD_RECORD", command->path, 1) == 0 &&
@@ -196,8 +198,8 @@ static bool is_recording(int folder, const char *name)
 {
     char magic[sizeof(RECORD_MAGIC)] = "";
     int fd = openat(folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    bool is_one = fd >= 0 && read(fd, magic, sizeof(magic)) == (ssize_t)sizeof(magic) &&
-                  memcmp(magic, RECORD_MAGIC, sizeof(magic)) == 0;
+    bool is_one = fd >= 0 && read(fd, magic, sizeof magic) == (ssize_t)sizeof magic &&
+                  memcmp(magic, RECORD_MAGIC, sizeof magic) == 0;
     if (fd >= 0) {
         close(fd);
     }

@@ -22,10 +22,10 @@
 #include "still.h"
 #include "viewpoint.h"
 
-#define GROUPS   64u /* colours of times */
-#define ZOOM_MAX 10000.0
-#define SIDE_MIN 64u
-#define DEGREE   0.017453292519943295
+#define GROUPS      64u /* colours of times */
+#define ZOOM_MAX    10000.0
+#define SIDE_MIN    64u
+#define DEGREE      0.017453292519943295
 #define AZIMUTH     25.0
 #define ELEVATION   16.0
 #define PLACE_ROOM  1.6f /* around the features of a contact */
@@ -62,15 +62,15 @@ static const struct argp_option option_list[] = {
      0},
     {"view", OPTION_VIEW, "A,E", 0,
      "Look from azimuth A and elevation E, degrees (default: 25,16)", 0},
-    {"up", OPTION_UP, "x|y|z", 0, "What is up: x, y (the default) or z", 0},
+    {"up", OPTION_UP, "x|y|z", 0, "The axis that points up: x, y (the default) or z", 0},
     {"at", OPTION_AT, "all|contacts|contact N", 0,
-     "See all (the default), the contacts, or contact N of the step, from 1 as the "
-     "answer "
-     "has them: when it happens, close, and from aside where nothing is in front of it, "
-     "unless --time or --view say otherwise",
+     "Show all (the default), the contacts, or contact N of the step, counted from 1 in "
+     "the order of the answer. One contact is shown close, at its time of impact, from a "
+     "side where nothing hides it, unless --time or --view say otherwise",
      0},
-    {"zoom", OPTION_ZOOM, "Z", 0, "See it Z times as large", 0},
-    {"size", OPTION_SIZE, "WxH", 0, "Of the picture, pixels (default: 1200x900)", 0},
+    {"zoom", OPTION_ZOOM, "Z", 0, "Enlarge the picture's contents Z times", 0},
+    {"size", OPTION_SIZE, "WxH", 0, "Size of the picture in pixels (default: 1200x900)",
+     0},
     {0},
 };
 
@@ -240,7 +240,7 @@ static struct picture_place place_of(const struct render *render,
     struct picture_place place = {.radius = 0};
     if (render->contact > 0) {
         const struct still_contact *contact = &still->contacts[still->chosen];
-        memcpy(place.at, contact->at, sizeof(place.at));
+        memcpy(place.at, contact->at, sizeof place.at);
         place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
                                            : (float)(PLACE_LEAST * still->extent);
     }
@@ -250,8 +250,8 @@ static struct picture_place place_of(const struct render *render,
 static int draw(const struct render *render, const struct still *still, FILE *file,
                 struct ctl_error *error)
 {
-    struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof(*meshes));
-    struct picture_mark *marks = calloc(still->contact_count + 1, sizeof(*marks));
+    struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof *meshes);
+    struct picture_mark *marks = calloc(still->contact_count + 1, sizeof *marks);
     struct picture_group groups[GROUPS];
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
     char title[128];
@@ -270,7 +270,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
     for (uint64_t i = 0; i < still->contact_count; i++) {
         double toi = still->contacts[i].toi;
         uint32_t group = toi > 0 ? (uint32_t)(toi * GROUPS) : 0;
-        memcpy(marks[i].at, still->contacts[i].at, sizeof(marks[i].at));
+        memcpy(marks[i].at, still->contacts[i].at, sizeof marks[i].at);
         marks[i].group = group < GROUPS ? group : GROUPS - 1;
     }
     if (render->contact > 0) { /* last, over the others */
@@ -283,7 +283,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
         groups[i].label[0] = '\0';
         colour_of_time(((double)i + 0.5) / GROUPS, groups[i].colour);
     }
-    name_step(render, still, title, sizeof(title));
+    name_step(render, still, title, sizeof title);
     struct picture_place place = place_of(render, still);
     struct picture picture = {.meshes = meshes,
                               .marks = marks,

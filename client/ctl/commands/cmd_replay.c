@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "hash_text.h"
 #include "json_text.h"
 #include "play_options.h"
 #include "plural.h"
@@ -27,14 +28,17 @@ struct replay {
     uint64_t step; /* of the first difference */
     const char *what;
     struct record_answer expected;
-    struct pccd_answer got;
+    struct pccd_answer got; /* its hash by the recording's version */
+    uint32_t hash_version;
 };
 
 static const struct argp_option option_list[] = {
     {"pace", OPTION_PACE, "fast|recorded", 0,
-     "fast (the default): one step after the other; recorded: when they were submitted",
+     "fast (the default): submit one step after the other; recorded: at the times of the "
+     "recording",
      0},
-    {"keep-going", OPTION_KEEP_GOING, NULL, 0, "Go on after a difference, and count", 0},
+    {"keep-going", OPTION_KEEP_GOING, NULL, 0,
+     "Go on after a difference, and count the differences", 0},
     {0},
 };
 
@@ -79,19 +83,23 @@ static bool is_complete(uint32_t incomplete)
 }
 
 /* What differs; NULL: nothing. */
-static const char *difference(const struct record_answer *then,
-                              const struct pccd_answer *now)
+static const char *difference(const struct play_step *step)
 {
+    const struct record_answer *then = step->recorded;
+    const struct pccd_answer *now = step->answer;
+    uint64_t hash[2];
     if (then->status != now->status) {
         return "status";
     }
     if (then->status != PCCD_OK) {
         return NULL;
     }
-    if (then->total != now->total || then->vf != now->vf || then->ee != now->ee) {
+    if (then->total != now->total || then->vf != now->counts[PCCD_VF] ||
+        then->ee != now->counts[PCCD_EE]) {
         return "number of records";
     }
-    if (then->hash[0] != now->hash[0] || then->hash[1] != now->hash[1]) {
+    play_hash(step, hash);
+    if (memcmp(then->hash, hash, sizeof hash) != 0) {
         return "hash";
     }
     if (memcmp(&then->toi_first, &now->toi_first, sizeof(double)) != 0) {
@@ -120,7 +128,7 @@ static int compare(void *context, const struct play_step *step, struct ctl_error
         replay->other_pairs++;
         return PCCD_OK;
     }
-    const char *what = difference(step->recorded, step->answer);
+    const char *what = difference(step);
     replay->compared++;
     if (what == NULL) {
         replay->same++;
@@ -131,21 +139,24 @@ static int compare(void *context, const struct play_step *step, struct ctl_error
         replay->what = what;
         replay->expected = *step->recorded;
         replay->got = *step->answer;
+        replay->hash_version = step->hash_version;
+        play_hash(step, replay->got.hash);
     }
     return replay->goes_on ? PCCD_OK : PCCD_E_CANCELLED;
 }
 
 /* ---- telling ----------------------------------------------------------------------- */
 
-static void print_side(const char *side, int status, uint64_t total,
-                       const uint64_t hash[2], double toi)
+static void print_side(const struct replay *replay, const char *side, int status,
+                       uint64_t total, const uint64_t hash[2], double toi)
 {
+    char text[PROTO_HASH_BYTES];
+    proto_hash_text(replay->hash_version, hash, text);
     if (status != PCCD_OK) {
         printf("  %s  %s\n", side, pccd_status_name(status));
     } else {
-        printf("  %s  %016" PRIx64 "%016" PRIx64 ", %" PRIu64
-               " records, the first at t = %.17g\n",
-               side, hash[0], hash[1], total, toi);
+        printf("  %s  %s, %" PRIu64 " records, the first at t = %.17g\n", side, text,
+               total, toi);
     }
 }
 
@@ -173,17 +184,18 @@ static void print_text(const struct replay *replay, const struct play_summary *s
     }
     if (replay->differ > 0) {
         printf("step %" PRIu64 " has another %s\n", replay->step, replay->what);
-        print_side("expected", replay->expected.status, replay->expected.total,
+        print_side(replay, "expected", replay->expected.status, replay->expected.total,
                    replay->expected.hash, replay->expected.toi_first);
-        print_side("got     ", replay->got.status, replay->got.total, replay->got.hash,
-                   replay->got.toi_first);
+        print_side(replay, "got     ", replay->got.status, replay->got.total,
+                   replay->got.hash, replay->got.toi_first);
     }
 }
 
-static json_t *side_json(int status, uint64_t total, const uint64_t hash[2])
+static json_t *side_json(const struct replay *replay, int status, uint64_t total,
+                         const uint64_t hash[2])
 {
-    char text[33];
-    snprintf(text, sizeof(text), "%016" PRIx64 "%016" PRIx64, hash[0], hash[1]);
+    char text[PROTO_HASH_BYTES];
+    proto_hash_text(replay->hash_version, hash, text);
     return json_pack("{s:s, s:I, s:s}", "status", pccd_status_name(status), "total",
                      (json_int_t)total, "hash", text);
 }
@@ -203,9 +215,10 @@ static bool print_json(const struct replay *replay, const struct play_summary *s
         json_t *first = json_pack(
             "{s:I, s:s, s:o, s:o}", "step", (json_int_t)replay->step, "what",
             replay->what, "expected",
-            side_json(replay->expected.status, replay->expected.total,
+            side_json(replay, replay->expected.status, replay->expected.total,
                       replay->expected.hash),
-            "got", side_json(replay->got.status, replay->got.total, replay->got.hash));
+            "got",
+            side_json(replay, replay->got.status, replay->got.total, replay->got.hash));
         ok = json_object_set_new(all, "first_difference", first) == 0;
     }
     ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';

@@ -27,9 +27,9 @@ struct stats_options {
 enum { OPTION_JSON = 256 + 64, OPTION_THREADS };
 
 static const struct argp_option option_list[] = {
-    {"json", OPTION_JSON, NULL, 0, "One JSON object, name: value", 0},
+    {"json", OPTION_JSON, NULL, 0, "One JSON object with a member for each counter", 0},
     {"threads", OPTION_THREADS, NULL, 0,
-     "What each thread of the daemon's last step did, instead of the counters", 0},
+     "Show what each thread of the daemon's last step did, instead of the counters", 0},
     {0},
 };
 

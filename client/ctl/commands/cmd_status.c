@@ -70,17 +70,17 @@ static uint64_t resident_bytes(uint32_t pid)
 
 static int look(struct pccd_client *client, struct status *status)
 {
-    int rc = pccd_daemon(client, &status->daemon);
+    int outcome = pccd_daemon(client, &status->daemon);
     status->url = pccd_url(client);
-    if (rc == PCCD_OK) {
-        rc = counters_read(client, &status->counters);
+    if (outcome == PCCD_OK) {
+        outcome = counters_read(client, &status->counters);
     }
-    if (rc != PCCD_OK) {
-        return rc;
+    if (outcome != PCCD_OK) {
+        return outcome;
     }
     /* What this user may not see, or an older daemon does not tell, is left out. */
     status->has_step =
-        pccd_stats_thread(client, true, 0, take_step, &status->step) == PCCD_OK &&
+        pccd_stats_thread(client, true, 0, take_step, &status->step, NULL) == PCCD_OK &&
         counters_get(&status->step, "threads") > 0;
     status->has_histograms =
         pccd_histogram(client, PCCD_HISTOGRAM_STEPS, &status->steps) == PCCD_OK &&

@@ -46,13 +46,15 @@ struct top_options {
 static const struct argp_option option_list[] = {
     {"once", OPTION_ONCE, NULL, 0, "The same as --count 1", 0},
     {"count", OPTION_COUNT, "N", 0,
-     "End after N times (default: on a terminal for ever, otherwise 1)", 0},
-    {"interval", OPTION_INTERVAL, "SECONDS", 0, "Between them (default: 1)", 0},
+     "End after N tables (default: on a terminal never, otherwise 1)", 0},
+    {"interval", OPTION_INTERVAL, "SECONDS", 0, "Time between two tables (default: 1)",
+     0},
     {"sort", OPTION_SORT, "ms|steps|triangles|bytes|queue", 0,
-     "What the busiest session is: milliseconds of computing (the default), steps, "
+     "Put the busiest session first, by milliseconds of computing (the default), steps, "
      "triangles, bytes in and out, or requests in flight",
      0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object a time, each on a line", 0},
+    {"json", OPTION_JSON, NULL, 0,
+     "One JSON object instead of each table, on a line of its own", 0},
     {0},
 };
 
@@ -89,7 +91,7 @@ const struct argp ctl_argp_top = {
     .options = option_list,
     .parser = parse,
     .doc =
-        "Tell again and again what the clients of a daemon do: those of this user, or "
+        "Show what the clients of a daemon do, again and again: those of this user, or "
         "all of them for the daemon's own user and root.\v"
         "A step's milliseconds are those of the compute thread. A terminal that is too "
         "narrow for all columns shows the most important ones. An interrupt (Ctrl-C) "

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "clock.h"
 #include "ctl.h"
 #include "link.h"
 #include "progress.h"
@@ -42,7 +43,7 @@ static const struct argp_option option_list[] = {
      "Where the recording goes; - is the standard output. It opens in Perfetto "
      "(ui.perfetto.dev) and in chrome://tracing",
      0},
-    {"seconds", OPTION_SECONDS, "S", 0, "Record for so long (default: 1)", 0},
+    {"seconds", OPTION_SECONDS, "S", 0, "Record for S seconds (default: 1)", 0},
     {"steps", OPTION_STEPS, "N", 0, "Record until N steps have been answered", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
      "Leave out task units, subtrees and pairs of less than U microseconds (default: 0)",
@@ -109,9 +110,7 @@ static void on_interrupt(int number)
 
 static double now_s(void)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec / 1e9;
+    return (double)common_now_ns() / 1e9;
 }
 
 static void look_later(void)

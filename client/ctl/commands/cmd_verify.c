@@ -14,6 +14,7 @@
 
 #include "ctl.h"
 #include "json_text.h"
+#include "kinds.h"
 #include "play_options.h"
 #include "plural.h"
 #include "verify.h"
@@ -33,11 +34,12 @@ struct verification {
 
 static const struct argp_option option_list[] = {
     {"sample", OPTION_SAMPLE, "N", 0,
-     "Pairs of each step that are near each other and not in the answer (default: 1000)",
+     "Check N pairs of each step that are near each other and not in the answer "
+     "(default: 1000)",
      0},
     {"contacts", OPTION_CONTACTS, "N", 0,
      "Check about N contacts of each step (default: all)", 0},
-    {"seed", OPTION_SEED, "N", 0, "Of the samples (default: 1)", 0},
+    {"seed", OPTION_SEED, "N", 0, "Seed of the random choice of pairs (default: 1)", 0},
     {"repeat", OPTION_REPEAT, NULL, 0,
      "Have a daemon repeat the steps even if the recording holds the contacts", 0},
     {0},
@@ -97,9 +99,20 @@ static int check(void *context, const struct play_step *step, struct ctl_error *
 
 /* ---- telling ----------------------------------------------------------------------- */
 
-static const char *const point_names[2][4] = {
-    {"vertex", "face 0", "face 1", "face 2"},
-    {"edge a 0", "edge a 1", "edge b 0", "edge b 1"}};
+/* Of a pair with those points a side: "vertex", "face 2", or "edge a 0" where both are of
+ * one sort. */
+static const char *point_name(const uint32_t points[2], uint32_t point, char text[16])
+{
+    uint32_t side = point < points[0] ? 0 : 1;
+    const char *feature = common_feature_names[points[side]];
+    const char *of = points[0] != points[1] ? "" : side == 0 ? " a" : " b";
+    if (points[side] == 1) {
+        snprintf(text, 16, "%s%s", feature, of);
+    } else {
+        snprintf(text, 16, "%s%s %" PRIu32, feature, of, point - side * points[0]);
+    }
+    return text;
+}
 
 static void print_witness(const struct verify_witness *witness)
 {
@@ -108,10 +121,11 @@ static void print_witness(const struct verify_witness *witness)
     if (!witness->has_pair) {
         return;
     }
+    const uint32_t *points = common_kinds[pair->kind].points;
     printf("  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32 " of object 0x%" PRIx32
            "\n",
-           pair->kind == PCCD_VF ? "vertex" : "edge", pair->feature_a, pair->object_a,
-           pair->kind == PCCD_VF ? "face" : "edge", pair->feature_b, pair->object_b);
+           common_feature_names[points[0]], pair->feature_a, pair->object_a,
+           common_feature_names[points[1]], pair->feature_b, pair->object_b);
     if (witness->has_claim) {
         printf("  claimed: first contact in [%a, %a]\n", witness->toi, witness->toi_hi);
     }
@@ -121,9 +135,13 @@ static void print_witness(const struct verify_witness *witness)
     } else {
         printf("  exact:   no contact\n");
     }
-    for (int i = 0; i < 8; i++) {
-        printf("  %-8s at t = %d: %a %a %a\n", point_names[pair->kind][i % 4], i / 4,
-               witness->p[i][0], witness->p[i][1], witness->p[i][2]);
+    for (uint32_t i = 0; i < 8; i++) {
+        char name[16];
+        if (i % 4 < points[0] + points[1]) {
+            printf("  %-8s at t = %" PRIu32 ": %a %a %a\n",
+                   point_name(points, i % 4, name), i / 4, witness->p[i][0],
+                   witness->p[i][1], witness->p[i][2]);
+        }
     }
 }
 
@@ -155,7 +173,7 @@ static json_t *witness_json(const struct verify_witness *witness)
     json_t *points = json_array();
     char text[64];
     for (int i = 0; i < 24; i++) {
-        snprintf(text, sizeof(text), "%a", witness->p[i / 3][i % 3]);
+        snprintf(text, sizeof text, "%a", witness->p[i / 3][i % 3]);
         json_array_append_new(points, json_string(text));
     }
     return json_pack("{s:I, s:s, s:b, s:I, s:I, s:I, s:I, s:I, s:b, s:f, s:f, s:o}",

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 
 #include "ctl.h"
+#include "hash_text.h"
 #include "link.h"
 #include "plural.h"
 #include "shown.h"
@@ -41,9 +42,9 @@ static const struct argp_option option_list[] = {
     {"session", OPTION_SESSION, "N", 0,
      "Only steps of this session (default: of all, for the daemon's own user and root)",
      0},
-    {"scene", OPTION_SCENE, "HANDLE", 0, "Only steps of this scene of it", 0},
+    {"scene", OPTION_SCENE, "HANDLE", 0, "Only steps of this scene of the session", 0},
     {"count", OPTION_COUNT, "N", 0, "End after N steps", 0},
-    {"seconds", OPTION_SECONDS, "S", 0, "End after so long", 0},
+    {"seconds", OPTION_SECONDS, "S", 0, "End after S seconds", 0},
     {"json", OPTION_JSON, NULL, 0, "A JSON object a line", 0},
     {0},
 };
@@ -93,9 +94,8 @@ const struct argp ctl_argp_watch = {
 
 static void print_json(const struct pccd_step_event *event)
 {
-    char hash[40];
-    snprintf(hash, sizeof hash, "%016" PRIx64 "%016" PRIx64, event->hash[0],
-             event->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, event->hash, hash);
     json_t *object = json_pack(
         "{s:I, s:I, s:I, s:I, s:s, s:s, s:I, s:f, s:f, s:I, s:i, s:I}", "number",
         (json_int_t)event->number, "session", (json_int_t)event->session, "scene",
@@ -121,10 +121,12 @@ static void print_line(const struct pccd_step_event *event)
                pccd_status_text(event->status), terminal_end());
         return;
     }
-    printf("%10" PRIu64 " s%" PRIu64 " %#" PRIx32 " %016" PRIx64 "%016" PRIx64
-           " %8" PRIu64 " %9.3f ms %" PRIu32 "%s\n",
-           event->number, event->session, event->scene, event->hash[0], event->hash[1],
-           event->total, (double)event->ns_step / 1e6, event->threads,
+    char hash[PROTO_HASH_BYTES];
+    printf("%10" PRIu64 " s%" PRIu64 " %#" PRIx32 " %s %8" PRIu64 " %9.3f ms %" PRIu32
+           "%s\n",
+           event->number, event->session, event->scene,
+           proto_hash_text(PCCD_HASH_VERSION, event->hash, hash), event->total,
+           (double)event->ns_step / 1e6, event->threads,
            event->incomplete != 0 ? " incomplete" : "");
 }
 

@@ -28,7 +28,7 @@ bool base64_write(const void *bytes, size_t count, FILE *to)
         text[used++] = digits[word >> 12 & 63];
         text[used++] = i + 1 < count ? digits[word >> 6 & 63] : '=';
         text[used++] = i + 2 < count ? digits[word & 63] : '=';
-        if (used == sizeof(text)) {
+        if (used == sizeof text) {
             if (fwrite(text, 1, used, to) != used) {
                 return false;
             }

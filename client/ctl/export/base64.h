@@ -1,7 +1,7 @@
-/* client/ctl/export/base64.h - bytes as text.
+/* client/ctl/export/base64.h - writes bytes as text (base64).
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     RFC 4648, with padding, without line ends.
+ * Does:     follow RFC 4648, with padding, without line ends.
  * Does not: decode.
  * Threads:  [any].
  */

@@ -1,7 +1,8 @@
-/* client/ctl/export/colour.h - colours of times and of objects.
+/* client/ctl/export/colour.h - the colours that pictures and exported files give to times
+ * and to objects.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     one scale for pictures and exported files, so that they can be compared.
+ * Does:     use one scale for all of them, so that they can be compared.
  * Does not: draw.
  * Threads:  [any].
  * Source:   the scale is "plasma" of matplotlib (CC0), at nine places.

@@ -84,7 +84,7 @@ static int add_accessor(struct gltf *gltf, int view, int component, const char *
 static int add_vectors(struct gltf *gltf, const float (*x)[3], size_t count,
                        bool has_bounds)
 {
-    int made = add_accessor(gltf, add_view(gltf, x, count * sizeof(*x), ARRAY), FLOAT,
+    int made = add_accessor(gltf, add_view(gltf, x, count * sizeof *x, ARRAY), FLOAT,
                             "VEC3", count);
     float low[3] = {INFINITY, INFINITY, INFINITY};
     float high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -139,12 +139,12 @@ static void animate(struct gltf *gltf, size_t node)
 {
     static const float times[2] = {0, 1}, weights[2] = {0, 1};
     if (gltf->times < 0) {
-        gltf->times = add_accessor(gltf, add_view(gltf, times, sizeof(times), 0), FLOAT,
+        gltf->times = add_accessor(gltf, add_view(gltf, times, sizeof times, 0), FLOAT,
                                    "SCALAR", 2);
         json_t *accessor = json_array_get(gltf->accessors, (size_t)gltf->times);
         json_object_set_new(accessor, "min", json_pack("[f]", 0.0));
         json_object_set_new(accessor, "max", json_pack("[f]", 1.0));
-        gltf->weights = add_accessor(gltf, add_view(gltf, weights, sizeof(weights), 0),
+        gltf->weights = add_accessor(gltf, add_view(gltf, weights, sizeof weights, 0),
                                      FLOAT, "SCALAR", 2);
         append(gltf->samplers,
                json_pack("{s:i, s:i, s:s}", "input", gltf->times, "output", gltf->weights,
@@ -160,7 +160,7 @@ static void animate(struct gltf *gltf, size_t node)
 /* The start of the step, so that the weight is the time. */
 static float (*start_of(const struct still_object *object, double t))[3]
 {
-    float(*x)[3] = malloc(object->vertex_count * sizeof(*x));
+    float(*x)[3] = malloc(object->vertex_count * sizeof *x);
     for (uint32_t i = 0; x != NULL && i < object->vertex_count; i++) {
         for (int k = 0; k < 3; k++) {
             x[i][k] = object->x[i][k] - (float)t * object->motion[i][k];
@@ -187,9 +187,9 @@ static void add_object(struct gltf *gltf, const struct still_object *object, uin
     int indices = add_accessor(
         gltf,
         add_view(gltf, object->triangles,
-                 object->triangle_count * sizeof(*object->triangles), INDICES),
+                 object->triangle_count * sizeof *object->triangles, INDICES),
         UNSIGNED, "SCALAR", 3 * (size_t)object->triangle_count);
-    snprintf(name, sizeof(name), "object 0x%x", object->handle);
+    snprintf(name, sizeof name, "object 0x%x", object->handle);
     add_node(gltf,
              json_pack("{s:{s:i}, s:i, s:i, s:I, s:[{s:i}]}", "attributes", "POSITION",
                        positions, "indices", indices, "mode", TRIANGLES, "material",
@@ -206,8 +206,8 @@ static void add_marks(struct gltf *gltf, const struct still *still, bool has_lin
     static const float white[3] = {1, 1, 1};
     uint32_t each = has_lines ? 2 : 1;
     size_t count = still->contact_count * each;
-    float(*x)[3] = malloc((count + 1) * sizeof(*x));
-    float(*colours)[3] = malloc((count + 1) * sizeof(*colours));
+    float(*x)[3] = malloc((count + 1) * sizeof *x);
+    float(*colours)[3] = malloc((count + 1) * sizeof *colours);
     for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
         const struct still_contact *contact = &still->contacts[i / each];
         float size = i % each == 0 ? 0 : (float)(NORMAL_SIZE * still->extent);
@@ -258,7 +258,7 @@ static json_t *describe(struct gltf *gltf, const struct still *still)
 
 static bool write_words(FILE *to, const uint32_t *words, size_t count)
 {
-    return fwrite(words, sizeof(*words), count, to) == count;
+    return fwrite(words, sizeof *words, count, to) == count;
 }
 
 static bool write_all(struct gltf *gltf, const char *text, FILE *to)

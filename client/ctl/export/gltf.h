@@ -1,8 +1,10 @@
-/* client/ctl/export/gltf.h - a step as binary glTF 2.0.
+/* client/ctl/export/gltf.h - writes one step as a binary glTF 2.0 file, which Blender and
+ * browsers open.
  *
  * Room:     client/ctl. May include: still.h.
- * Does:     a mesh for each object, with its motion as a morph target and an animation of
- *           one second; contacts as points coloured by time, their normals as lines.
+ * Does:     write a mesh for each object, with its motion as a morph target and an
+ *           animation of one second; contacts as points coloured by time, their normals
+ *           as lines.
  * Does not: need a library.
  * Threads:  one.
  * Source:   the glTF 2.0 specification, registry.khronos.org.

@@ -37,7 +37,7 @@ static void put_array(struct vtp *vtp, const char *type, const char *name,
             type, name, components);
     *vtp->bytes = bytes;
     vtp->is_ok =
-        vtp->is_ok && base64_write(vtp->bytes, sizeof(*vtp->bytes) + bytes, vtp->to);
+        vtp->is_ok && base64_write(vtp->bytes, sizeof *vtp->bytes + bytes, vtp->to);
     fputs("</DataArray>\n", vtp->to);
 }
 
@@ -48,11 +48,11 @@ static void widen(struct vtp *vtp, uint64_t count)
     for (uint64_t i = count; i-- > 0;) {
         float x[3];
         double wide[3];
-        memcpy(x, bytes + i * sizeof(x), sizeof(x));
+        memcpy(x, bytes + i * sizeof x, sizeof x);
         for (int k = 0; k < 3; k++) {
             wide[k] = (double)x[k] + vtp->still->origin[k];
         }
-        memcpy(bytes + i * sizeof(wide), wide, sizeof(wide));
+        memcpy(bytes + i * sizeof wide, wide, sizeof wide);
     }
 }
 
@@ -61,11 +61,11 @@ static void put_points(struct vtp *vtp)
     float(*x)[3] = vtp->scratch;
     for (uint32_t o = 0; o < vtp->still->object_count; o++) {
         const struct still_object *object = &vtp->still->objects[o];
-        memcpy(x, object->x, object->vertex_count * sizeof(*x));
+        memcpy(x, object->x, object->vertex_count * sizeof *x);
         x += object->vertex_count;
     }
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        memcpy(x[i], vtp->still->contacts[i].at, sizeof(*x));
+        memcpy(x[i], vtp->still->contacts[i].at, sizeof *x);
     }
     fputs("<Points>\n", vtp->to);
     uint64_t count = vtp->vertices + vtp->contacts;
@@ -84,10 +84,10 @@ static void put_point_data(struct vtp *vtp)
     fputs("<PointData Vectors=\"motion\">\n", vtp->to);
     for (uint32_t o = 0; o < vtp->still->object_count; o++) {
         const struct still_object *object = &vtp->still->objects[o];
-        memcpy(motion, object->motion, object->vertex_count * sizeof(*motion));
+        memcpy(motion, object->motion, object->vertex_count * sizeof *motion);
         motion += object->vertex_count;
     }
-    memset(motion, 0, vtp->contacts * sizeof(*motion));
+    memset(motion, 0, vtp->contacts * sizeof *motion);
     put_array(vtp, "Float32", "motion", 3,
               (vtp->vertices + vtp->contacts) * sizeof(float[3]));
     fputs("</PointData>\n", vtp->to);
@@ -99,7 +99,7 @@ typedef uint32_t (*contact_word)(const struct still_contact *contact);
 static uint32_t float_word(float value)
 {
     uint32_t word;
-    memcpy(&word, &value, sizeof(word));
+    memcpy(&word, &value, sizeof word);
     return word;
 }
 
@@ -182,9 +182,9 @@ static void put_cell_data(struct vtp *vtp)
     put_cells(vtp, "UInt32", "contacts", NULL, TRIANGLE_HITS);
     float(*normal)[3] = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        memcpy(normal[i], vtp->still->contacts[i].normal, sizeof(*normal));
+        memcpy(normal[i], vtp->still->contacts[i].normal, sizeof *normal);
     }
-    memset(normal + vtp->contacts, 0, vtp->triangles * sizeof(*normal));
+    memset(normal + vtp->contacts, 0, vtp->triangles * sizeof *normal);
     put_array(vtp, "Float32", "normal", 3,
               (vtp->contacts + vtp->triangles) * sizeof(float[3]));
     fputs("</CellData>\n", vtp->to);
@@ -197,7 +197,7 @@ static void put_offsets(struct vtp *vtp, uint64_t count, uint32_t each)
     for (uint64_t i = 0; i < count; i++) {
         ends[i] = (uint32_t)(i + 1) * each;
     }
-    put_array(vtp, "UInt32", "offsets", 1, count * sizeof(*ends));
+    put_array(vtp, "UInt32", "offsets", 1, count * sizeof *ends);
 }
 
 static void put_contact_cells(struct vtp *vtp)
@@ -207,7 +207,7 @@ static void put_contact_cells(struct vtp *vtp)
         points[i] = (uint32_t)(vtp->vertices + i);
     }
     fputs("<Verts>\n", vtp->to);
-    put_array(vtp, "UInt32", "connectivity", 1, vtp->contacts * sizeof(*points));
+    put_array(vtp, "UInt32", "connectivity", 1, vtp->contacts * sizeof *points);
     put_offsets(vtp, vtp->contacts, 1);
     fputs("</Verts>\n", vtp->to);
 }
@@ -226,7 +226,7 @@ static void put_triangle_cells(struct vtp *vtp)
         first += object->vertex_count;
     }
     fputs("<Polys>\n", vtp->to);
-    put_array(vtp, "UInt32", "connectivity", 1, vtp->triangles * sizeof(*corners));
+    put_array(vtp, "UInt32", "connectivity", 1, vtp->triangles * sizeof *corners);
     put_offsets(vtp, vtp->triangles, 3);
     fputs("</Polys>\n", vtp->to);
 }

@@ -1,8 +1,8 @@
-/* client/ctl/export/vtp.h - a step as VTK XML PolyData.
+/* client/ctl/export/vtp.h - writes one step as a VTK XML PolyData file, which ParaView
+ * opens.
  *
  * Room:     client/ctl. May include: still.h.
- * Does:     triangles and contacts with their numbers as data of points and cells, for
- *           ParaView.
+ * Does:     write triangles and contacts, with their numbers as data of points and cells.
  * Does not: need a library.
  * Threads:  one.
  * Source:   VTK file formats, docs.vtk.org.

@@ -44,5 +44,5 @@ void bytes_empty(struct bytes *bytes)
 void bytes_deinit(struct bytes *bytes)
 {
     free(bytes->at);
-    memset(bytes, 0, sizeof(*bytes));
+    memset(bytes, 0, sizeof *bytes);
 }

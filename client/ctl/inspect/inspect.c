@@ -14,8 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hash_text.h"
 #include "inspect_pack.h"
 #include "json_text.h"
+#include "names.h"
 #include "report.h"
 
 #define FORMAT 1 /* of the data; data.js is in the same file, and asks nevertheless */
@@ -46,7 +48,7 @@ void inspect_deinit(struct inspect *inspect)
     free(inspect->boxes);
     free(inspect->places);
     free(inspect->known);
-    memset(inspect, 0, sizeof(*inspect));
+    memset(inspect, 0, sizeof *inspect);
 }
 
 /* ---- what is said of a step -------------------------------------------------------- */
@@ -77,39 +79,27 @@ static json_t *times_of(const struct pccd_step_times *times, bool *ok)
     return object;
 }
 
-static json_t *counters_of(const struct pccd_step_counters *counters, bool *ok)
-{
-    json_t *object = json_object();
-#define SET_COUNTER(name) set_count(object, #name, counters->name, ok);
-    REPORT_COUNTERS(SET_COUNTER)
-#undef SET_COUNTER
-    return object;
-}
-
 static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
 {
     json_t *object = json_object();
-    char hash[33];
-    snprintf(hash, sizeof(hash), "%016" PRIx64 "%016" PRIx64, answer->hash[0],
-             answer->hash[1]);
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
     set_name(object, "status", pccd_status_name(answer->status), ok);
-    set_name(object, "mode", report_mode_name(answer->mode), ok);
-    set_name(object, "method", report_method_name(answer->method), ok);
-    set_name(object, "scheduler", report_scheduler_name(answer->scheduler), ok);
-    set_name(object, "refit", report_refit_name(answer->refit), ok);
+    set_name(object, "mode", common_mode_name(answer->mode), ok);
+    set_name(object, "method", common_method_name(answer->method), ok);
+    set_name(object, "tuning", answer->tuning[0] != '\0' ? answer->tuning : NULL, ok);
     set_count(object, "incomplete", answer->incomplete, ok);
     set_count(object, "verdict", answer->verdict, ok);
     set_count(object, "threads", answer->threads, ok);
     set_count(object, "total", answer->total, ok);
-    set_count(object, "vf", answer->vf, ok);
-    set_count(object, "ee", answer->ee, ok);
+    report_kinds(object, answer->counts, ok);
     set_count(object, "possible", answer->possible, ok);
     set_count(object, "initial", answer->initial, ok);
     set(object, "toi_first",
         answer->toi_first <= 1 ? json_real(answer->toi_first) : json_null(), ok);
     set_name(object, "hash", hash, ok);
     set(object, "times", times_of(&answer->times, ok), ok);
-    set(object, "counters", counters_of(&answer->counters, ok), ok);
+    set(object, "counters", report_counters(answer, ok), ok);
     return object;
 }
 
@@ -129,8 +119,10 @@ static const char *compare(const struct play_step *step)
          (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)))) {
         return "none";
     }
+    uint64_t hash[2];
+    play_hash(step, hash);
     return then->status == now->status &&
-                   (then->status != PCCD_OK || memcmp(then->hash, now->hash, 16) == 0)
+                   (then->status != PCCD_OK || memcmp(then->hash, hash, sizeof hash) == 0)
                ? "same"
                : "other";
 }
@@ -146,12 +138,12 @@ static double unit_for(double size)
 }
 
 /* The middle of the first step's objects: what is far from zero stays sharp as float. */
-static void choose_origin(struct inspect *inspect, const struct world_scene *scene)
+static void choose_origin(struct inspect *inspect, const struct registry_scene *scene)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct world_object *object = &scene->objects[i];
+        const struct registry_object *object = &scene->objects[i];
         for (uint32_t v = 0; v < object->mesh->vertex_count; v++) {
             for (uint32_t k = 0; k < 3; k++) {
                 low[k] = fmin(low[k], object->x0[v][k]);
@@ -233,7 +225,7 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
         choose_origin(inspect, step->scene);
     }
     if (step->trace != NULL && step->trace->status != PCCD_OK) {
-        memcpy(inspect->no_lanes, step->trace->text, sizeof(inspect->no_lanes));
+        memcpy(inspect->no_lanes, step->trace->text, sizeof inspect->no_lanes);
     }
     bytes_empty(&inspect->data);
     json_t *meshes = json_array();
@@ -267,8 +259,8 @@ static json_t *recording_of(const char *name, const struct play_summary *summary
     const struct record_begin *begin = &summary->begin;
     json_t *object = json_object();
     set(object, "name", text_of(name, strlen(name)), ok);
-    set(object, "library", text_of(begin->library, sizeof(begin->library)), ok);
-    set(object, "cpu", text_of(begin->cpu, sizeof(begin->cpu)), ok);
+    set(object, "library", text_of(begin->library, sizeof begin->library), ok);
+    set(object, "cpu", text_of(begin->cpu, sizeof begin->cpu), ok);
     set(object, "unix_ms", json_real((double)begin->unix_ns / 1e6), ok);
     set_count(object, "pid", begin->pid, ok);
     set_count(object, "steps", summary->frames, ok);
@@ -288,7 +280,7 @@ int inspect_finish(struct inspect *inspect, const char *name,
     set_count(meta, "every", inspect->settings.every, &ok);
     set(meta, "is_full", json_boolean(inspect->is_full), &ok);
     set(meta, "is_rounded", json_boolean(inspect->settings.is_rounded), &ok);
-    set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof(inspect->no_lanes)), &ok);
+    set(meta, "no_lanes", text_of(inspect->no_lanes, sizeof inspect->no_lanes), &ok);
     set(meta, "origin", json_pack("[f, f, f]", origin[0], origin[1], origin[2]), &ok);
     set(meta, "unit", json_real(inspect->unit), &ok);
     set(meta, "meshes", json_incref(inspect->meshes), &ok);

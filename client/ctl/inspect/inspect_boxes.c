@@ -28,7 +28,7 @@ static float moved(const struct inspect *inspect, float x, uint32_t k)
 static json_t *pack_level(struct inspect *inspect, uint32_t count)
 {
     size_t offset = 0;
-    struct pccd_box *to = bytes_section(&inspect->data, count * sizeof(*to), &offset);
+    struct pccd_box *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
     uint32_t packed = 0;
     for (uint32_t i = 0; to != NULL && i < count; i++) {
         const struct pccd_box *from = &inspect->boxes[i];
@@ -75,7 +75,7 @@ json_t *inspect_pack_boxes(struct inspect *inspect, const struct play_step *step
     uint32_t max = inspect->settings.boxes_max;
     json_t *trees = json_object();
     if (inspect->boxes == NULL && max > 0) {
-        inspect->boxes = calloc(max, sizeof(*inspect->boxes));
+        inspect->boxes = calloc(max, sizeof *inspect->boxes);
     }
     if (trees == NULL || (inspect->boxes == NULL && max > 0)) {
         json_decref(trees);

@@ -36,7 +36,7 @@ static void hash_of(const void *bytes, size_t count, uint64_t hash[2])
 
 /* ---- meshes ------------------------------------------------------------------------ */
 
-static json_t *pack_triangles(struct inspect *inspect, const struct world_mesh *mesh)
+static json_t *pack_triangles(struct inspect *inspect, const struct registry_mesh *mesh)
 {
     size_t corners = (size_t)mesh->triangle_count * 3, offset = 0;
     const uint32_t *from = &mesh->triangles[0][0];
@@ -60,20 +60,20 @@ static json_t *pack_triangles(struct inspect *inspect, const struct world_mesh *
 }
 
 /* The number of a mesh in the file, -1 without memory. */
-static int64_t find_mesh(struct inspect *inspect, const struct world_mesh *mesh,
+static int64_t find_mesh(struct inspect *inspect, const struct registry_mesh *mesh,
                          json_t *meshes)
 {
     struct inspect_mesh key = {.vertex_count = mesh->vertex_count,
                                .triangle_count = mesh->triangle_count};
-    hash_of(mesh->triangles, (size_t)mesh->triangle_count * sizeof(*mesh->triangles),
+    hash_of(mesh->triangles, (size_t)mesh->triangle_count * sizeof *mesh->triangles,
             key.hash);
     for (uint32_t i = 0; i < inspect->known_count; i++) {
-        if (memcmp(&inspect->known[i], &key, sizeof(key)) == 0) {
+        if (memcmp(&inspect->known[i], &key, sizeof key) == 0) {
             return i;
         }
     }
     if (!array_reserve((void **)&inspect->known, inspect->known_count,
-                       &inspect->known_room, sizeof(key)) ||
+                       &inspect->known_room, sizeof key) ||
         json_array_append_new(meshes, pack_triangles(inspect, mesh)) != 0) {
         return -1;
     }
@@ -86,7 +86,7 @@ static int64_t find_mesh(struct inspect *inspect, const struct world_mesh *mesh,
 static bool pack_floats(struct inspect *inspect, const double (*x)[3], uint32_t count,
                         size_t *offset)
 {
-    float(*to)[3] = bytes_section(&inspect->data, count * sizeof(*to), offset);
+    float(*to)[3] = bytes_section(&inspect->data, count * sizeof *to, offset);
     for (uint32_t i = 0; to != NULL && i < count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
             to[i][k] = (float)((x[i][k] - inspect->origin[k]) / inspect->unit);
@@ -101,8 +101,8 @@ static bool pack_rounded(struct inspect *inspect, const double (*x)[3], uint32_t
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     float head[6];
-    uint8_t *to = bytes_section(&inspect->data,
-                                sizeof(head) + count * 3 * sizeof(uint16_t), offset);
+    uint8_t *to =
+        bytes_section(&inspect->data, sizeof head + count * 3 * sizeof(uint16_t), offset);
     if (to == NULL) {
         return false;
     }
@@ -116,8 +116,8 @@ static bool pack_rounded(struct inspect *inspect, const double (*x)[3], uint32_t
         head[k] = (float)((low[k] - inspect->origin[k]) / inspect->unit);
         head[3 + k] = (float)((high[k] - low[k]) / inspect->unit / LEVELS);
     }
-    memcpy(to, head, sizeof(head));
-    uint16_t *rounded = (uint16_t *)(void *)(to + sizeof(head));
+    memcpy(to, head, sizeof head);
+    uint16_t *rounded = (uint16_t *)(void *)(to + sizeof head);
     for (uint32_t i = 0; i < count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
             double side = high[k] - low[k];
@@ -137,7 +137,7 @@ static struct inspect_place *find_place(struct inspect *inspect, uint32_t scene,
         }
     }
     if (!array_reserve((void **)&inspect->places, inspect->place_count,
-                       &inspect->place_room, sizeof(*inspect->places))) {
+                       &inspect->place_room, sizeof *inspect->places)) {
         return NULL;
     }
     struct inspect_place *place = &inspect->places[inspect->place_count++];
@@ -156,22 +156,22 @@ static json_t *pack_positions(struct inspect *inspect, struct inspect_place *pla
         return NULL;
     }
     hash_of(inspect->data.at + offset, inspect->data.used - offset, hash);
-    if (memcmp(hash, place->hash, sizeof(hash)) == 0) {
+    if (memcmp(hash, place->hash, sizeof hash) == 0) {
         inspect->data.used = used;
     } else {
-        memcpy(place->hash, hash, sizeof(hash));
+        memcpy(place->hash, hash, sizeof hash);
         place->blob = inspect->page->blob_count;
         place->offset = offset;
     }
     return json_pack("[I, I]", (json_int_t)place->blob, (json_int_t)place->offset);
 }
 
-json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *scene,
+json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              json_t *meshes)
 {
     json_t *objects = json_array();
     for (uint32_t i = 0; i < scene->object_count && objects != NULL; i++) {
-        const struct world_object *object = &scene->objects[i];
+        const struct registry_object *object = &scene->objects[i];
         uint32_t count = object->mesh->vertex_count;
         int64_t mesh = find_mesh(inspect, object->mesh, meshes);
         struct inspect_place *place = find_place(inspect, scene->handle, object->handle);
@@ -198,7 +198,8 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *
 
 /* The place of a handle in the scene's list; records come in the order of the first, so
  * that the place of the one before is nearly always right. */
-static bool find_object(const struct world_scene *scene, uint32_t handle, uint16_t *place)
+static bool find_object(const struct registry_scene *scene, uint32_t handle,
+                        uint16_t *place)
 {
     if (*place < scene->object_count && scene->objects[*place].handle == handle) {
         return true;
@@ -229,12 +230,15 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
     uint16_t a = 0, b = 0;
     uint64_t packed = 0;
     struct inspect_contact *to =
-        bytes_section(&inspect->data, count * sizeof(*to), &offset);
+        bytes_section(&inspect->data, count * sizeof *to, &offset);
     for (uint64_t i = 0; to != NULL && i < count; i++) {
         const struct pccd_contact *from = &step->contacts[i];
         if (!find_object(step->scene, from->object_a, &a) ||
             !find_object(step->scene, from->object_b, &b)) {
             continue; /* a record that makes no sense: see still.c */
+        }
+        if (from->kind != PCCD_VF && from->kind != PCCD_EE) {
+            continue; /* the page shows these two */
         }
         to[packed++] = (struct inspect_contact){
             .feature_a = from->feature_a,
@@ -263,7 +267,7 @@ json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *tr
         return json_null();
     }
     struct inspect_event *to =
-        bytes_section(&inspect->data, trace->count * sizeof(*to), &offset);
+        bytes_section(&inspect->data, trace->count * sizeof *to, &offset);
     if (to == NULL) {
         return NULL;
     }

@@ -1,21 +1,23 @@
-/* client/ctl/inspect/inspect_pack.h - parts of a step as sections of data.
+/* client/ctl/inspect/inspect_pack.h - packs one part of a step (positions, contacts,
+ * boxes, events) for the page of `pccdctl inspect`.
  *
- * Room:     client/ctl. May include: inspect.h.
- * Does:     round and place; say in JSON where.
+ * Room:     client/ctl. May include: inspect_data.h, play.h.
+ * Does:     round the numbers, append them, and say in JSON where they are.
  * Does not: write files.
  * Threads:  one.
- * Source:   inspect.h has the layouts.
+ * Source:   inspect_data.h has the layouts.
  *
  * All append to inspect->data and return a new reference, or NULL without memory.
  */
 #ifndef CTL_INSPECT_PACK_H
 #define CTL_INSPECT_PACK_H
 
-#include "inspect.h"
+#include "inspect_data.h"
+#include "play.h"
 
 /* [{"handle", "mesh", "x0", "x1"}] of the step's scene; `meshes` gets those that are not
  * in the file yet. */
-json_t *inspect_pack_objects(struct inspect *inspect, const struct world_scene *scene,
+json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              json_t *meshes);
 /* {"at", "count"} */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);

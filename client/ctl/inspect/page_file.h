@@ -1,8 +1,8 @@
-/* client/ctl/inspect/page_file.h - a page with data in it, as a file.
+/* client/ctl/inspect/page_file.h - writes an HTML page with binary data inside.
  *
  * Room:     client/ctl. May include: error.h, the C library, jansson.
- * Does:     put binary data and a JSON text where a template has its mark, as elements
- *           that no browser runs; know how large the file becomes.
+ * Does:     put binary data and a JSON text at the mark of a template, as elements that
+ *           no browser runs; tell how large the file becomes.
  * Does not: know what the data mean.
  * Threads:  one.
  */

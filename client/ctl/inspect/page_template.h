@@ -1,4 +1,4 @@
-/* client/ctl/inspect/page_template.h - the page, without data.
+/* client/ctl/inspect/page_template.h - the HTML page of `pccdctl inspect`, without data.
  *
  * Room:     client/ctl. May include: the C library.
  * Does:     hold what client/inspect/ was bundled into when this program was built.

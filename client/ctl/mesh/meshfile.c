@@ -90,7 +90,7 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error)
     }
     size_t count = (size_t)mesh->vertex_count * 3;
     const float *narrow = mesh->x;
-    double *wide = malloc(count * sizeof(*wide));
+    double *wide = malloc(count * sizeof *wide);
     if (wide == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %u vertices",
                              mesh->vertex_count);
@@ -182,7 +182,7 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
         if (wanted > CTL_MESH_COUNT_MAX) {
             wanted = CTL_MESH_COUNT_MAX;
         }
-        void *grown = realloc(mesh->triangles, (size_t)wanted * sizeof(*mesh->triangles));
+        void *grown = realloc(mesh->triangles, (size_t)wanted * sizeof *mesh->triangles);
         if (grown == NULL) {
             return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu triangles",
                                  path, (unsigned long long)wanted);
@@ -190,7 +190,7 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
         mesh->triangles = grown;
         mesh->triangle_capacity = (uint32_t)wanted;
     }
-    memcpy(mesh->triangles[mesh->triangle_count], corners, sizeof(*mesh->triangles));
+    memcpy(mesh->triangles[mesh->triangle_count], corners, sizeof *mesh->triangles);
     mesh->triangle_count++;
     return PCCD_OK;
 }

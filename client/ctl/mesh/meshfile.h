@@ -1,9 +1,10 @@
-/* client/ctl/mesh/meshfile.h - a triangle mesh read from a file.
+/* client/ctl/mesh/meshfile.h - reads a triangle mesh from a PLY or OBJ file.
  *
  * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
- * Does:     reads PLY (ascii, binary of both byte orders) and OBJ; polygons become fans.
- * Does not: merge, reorder or drop vertices or faces: two frames keep their
- *           correspondence.
+ * Does:     read PLY (ascii, binary of both byte orders) and OBJ; polygons become fans of
+ *           triangles.
+ * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
+ *           i of the next.
  * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1.
  */

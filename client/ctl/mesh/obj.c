@@ -39,7 +39,7 @@ static int fail(struct obj_reader *reader, int status, const char *format, ...)
     char what[256];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(what, sizeof(what), format, arguments);
+    vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
     return ctl_error_set(reader->error, status, "%s:%" PRIu64 ": %s", reader->file->path,
                          reader->line_begin, what);
@@ -197,7 +197,7 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
     if (ctl_word_is(&word, "f")) {
         return read_face(reader, line);
     }
-    for (size_t i = 0; i < sizeof(ignored) / sizeof(ignored[0]); i++) {
+    for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++) {
         if (ctl_word_is(&word, ignored[i])) {
             return PCCD_OK;
         }

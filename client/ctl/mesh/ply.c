@@ -38,12 +38,12 @@ static int fail(struct body_reader *reader, int status, const char *format, ...)
     char where[64];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(what, sizeof(what), format, arguments);
+    vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
     if (reader->header->encoding == PLY_ASCII) {
-        snprintf(where, sizeof(where), ":%" PRIu64, reader->text.line);
+        snprintf(where, sizeof where, ":%" PRIu64, reader->text.line);
     } else {
-        snprintf(where, sizeof(where), ": byte %zu",
+        snprintf(where, sizeof where, ": byte %zu",
                  (size_t)(reader->text.at - reader->file->data));
     }
     return ctl_error_set(reader->error, status, "%s%s: %.*s %" PRIu64 ": %s",
@@ -81,10 +81,10 @@ static double decode(uint64_t bits, enum ply_type type)
     case PLY_UINT32:
         return (double)low;
     case PLY_FLOAT32:
-        memcpy(&narrow, &low, sizeof(narrow));
+        memcpy(&narrow, &low, sizeof narrow);
         return (double)narrow;
     case PLY_FLOAT64:
-        memcpy(&wide, &bits, sizeof(wide));
+        memcpy(&wide, &bits, sizeof wide);
         return wide;
     case PLY_TYPE_COUNT:
         break;
@@ -306,7 +306,7 @@ static int check_end(struct body_reader *reader)
 int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
                   struct ctl_error *error)
 {
-    struct ply_header *header = malloc(sizeof(*header));
+    struct ply_header *header = malloc(sizeof *header);
     struct body_reader reader = {
         .file = file,
         .header = header,
@@ -342,7 +342,7 @@ int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error 
 {
     struct ctl_text text = {
         .at = begin->data, .end = begin->data + begin->bytes, .line = 0};
-    struct ply_header *header = malloc(sizeof(*header));
+    struct ply_header *header = malloc(sizeof *header);
     if (header == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
                              begin->path);

@@ -1,8 +1,8 @@
-/* client/ctl/mesh/ply_header.h - what a PLY file says about itself.
+/* client/ctl/mesh/ply_header.h - reads the header of a PLY file.
  *
  * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
- * Does:     reads the header, finds the properties that matter, bounds every count by the
- *           bytes that follow.
+ * Does:     find the properties that matter, and bound every count by the bytes that
+ *           follow.
  * Does not: read the body (see ply.c).
  * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994).

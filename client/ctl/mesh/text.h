@@ -1,4 +1,5 @@
-/* client/ctl/mesh/text.h - lines and words of a file that lies in memory.
+/* client/ctl/mesh/text.h - reads a text file into memory and splits it into lines, words
+ * and numbers.
  *
  * Room:     client/ctl. May include: error.h, pccd_types.h.
  * Does:     reads a whole file, splits it into lines and words, turns words into numbers.

@@ -1,8 +1,8 @@
-/* client/ctl/observe/columns.h - tables that fit a terminal.
+/* client/ctl/observe/columns.h - prints tables that fit the width of a terminal.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     make each column as wide as what is in it, and leave out the least important
- *           ones until the rest fits: no number is ever cut.
+ * Does:     make each column as wide as its contents, and leave out the least important
+ *           columns until the rest fits: no number is ever cut.
  * Does not: break lines.
  * Threads:  one.
  * Source:   used by top.

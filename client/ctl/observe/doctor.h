@@ -1,7 +1,7 @@
-/* client/ctl/observe/doctor.h - what is wrong with a set-up.
+/* client/ctl/observe/doctor.h - looks for mistakes in a set-up (`pccdctl doctor`).
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     look at limits, files and a daemon; note a finding for each.
+ * Does:     examine limits, files and a daemon; note each finding.
  * Does not: print or change anything.
  * Threads:  one.
  * Source:   pccdd(8) says what the daemon needs.

@@ -1,7 +1,7 @@
-/* client/ctl/observe/format.h - numbers as people read them.
+/* client/ctl/observe/format.h - formats counts, bytes and times for people: "1.5 MiB".
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     short texts of counts, bytes and times, in one of a few static places.
+ * Does:     write short texts into one of a few static buffers.
  * Does not: suit programs: JSON has the numbers themselves.
  * Threads:  one.
  * Source:   used by status, top and list.

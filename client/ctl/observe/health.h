@@ -1,8 +1,8 @@
-/* client/ctl/observe/health.h - what a daemon's counters say is wrong.
+/* client/ctl/observe/health.h - warnings that follow from a daemon's counters.
  *
  * Room:     client/ctl. May include: counters.h.
- * Does:     a sentence, with what to do next, for each thing that stands out.
- * Does not: look at anything but counters: doctor does.
+ * Does:     write a sentence for each thing that stands out, with what to do next.
+ * Does not: look at anything but counters: doctor.h does.
  * Threads:  one.
  * Source:   used by status and doctor.
  */

@@ -1,7 +1,8 @@
-/* client/ctl/observe/sessions.h - what the clients of a daemon have and do.
+/* client/ctl/observe/sessions.h - lists the clients of a daemon, with their scenes and
+ * objects.
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     read the lists into arrays, so that one can be asked about the other.
+ * Does:     read the lists into arrays, so that one can be looked up from another.
  * Threads:  one.
  * Source:   pccd_list_sessions and its like, of pccd.h.
  */

@@ -16,6 +16,7 @@
 #include "json_text.h"
 #include "plural.h"
 #include "report.h"
+#include "shown.h"
 
 #define COUNTERS_MAX 64u
 #define TRIES        20
@@ -30,6 +31,7 @@ struct row {
 struct table {
     struct row *rows; /* ours, [count] */
     uint32_t count;
+    char tuning[PCCD_TUNING_BYTES]; /* how they shared the work */
 };
 
 static void collect(void *context, const char *name, uint64_t value, const char *text)
@@ -80,21 +82,21 @@ static enum kind kind_of(const struct row *row, uint32_t at)
 static int read_once(struct pccd_client *client, struct table *table)
 {
     struct row first = {.count = 0};
-    int status = pccd_stats_thread(client, true, 0, collect, &first);
+    int status = pccd_stats_thread(client, true, 0, collect, &first, table->tuning);
     if (status != PCCD_OK) {
         return status;
     }
     uint32_t threads = (uint32_t)value_of(&first, "threads");
     free(table->rows);
     table->count = 0;
-    table->rows = calloc((size_t)threads + 1, sizeof(*table->rows));
+    table->rows = calloc((size_t)threads + 1, sizeof *table->rows);
     if (table->rows == NULL) {
         return PCCD_E_NOMEM;
     }
     table->rows[0] = first;
     for (uint32_t i = 1; i < threads; i++) {
         struct row *row = &table->rows[i];
-        status = pccd_stats_thread(client, true, i, collect, row);
+        status = pccd_stats_thread(client, true, i, collect, row, NULL);
         if (status == PCCD_E_INVAL) {
             return PCCD_E_BUSY; /* a step of fewer threads */
         }
@@ -120,24 +122,14 @@ static int read_table(struct pccd_client *client, struct table *table)
 
 /* ---- printing ---------------------------------------------------------------------- */
 
-static void print_step(FILE *to, const struct row *row)
+static void print_step(FILE *to, const struct table *table)
 {
+    const struct row *row = &table->rows[0];
     uint64_t threads = value_of(row, "threads");
-    const char *scheduler =
-        report_scheduler_name((enum pccd_scheduler)value_of(row, "scheduler"));
-    const char *high_level =
-        report_high_level_name((enum pccd_high_level)value_of(row, "high_level"));
-    const char *refit = report_refit_name((enum pccd_refit)value_of(row, "refit"));
     fprintf(to, "step %" PRIu64 " by %" PRIu64 " %s", value_of(row, "number"), threads,
             proto_plural(threads, "thread", "threads"));
-    if (value_of(row, "scheduler") != 0) {
-        fprintf(to, ", scheduler %s", scheduler != NULL ? scheduler : "unknown");
-    }
-    if (value_of(row, "high_level") != 0) {
-        fprintf(to, ", high level %s", high_level != NULL ? high_level : "unknown");
-    }
-    if (value_of(row, "refit") != 0) {
-        fprintf(to, ", refit %s", refit != NULL ? refit : "unknown");
+    if (table->tuning[0] != '\0') {
+        fprintf(to, ", tuning %s", tool_shown(table->tuning));
     }
     fputs("\n\n", to);
     for (uint32_t i = 0; i < row->count; i++) {
@@ -181,33 +173,19 @@ static void print_kind(FILE *to, const struct table *table, enum kind kind)
     }
 }
 
-/* A number of the step; a choice by its name as in check --json, null where there was
- * none. */
-static json_t *step_json(const char *name, uint64_t value)
-{
-    const char *text = NULL;
-    if (strcmp(name, "scheduler") == 0) {
-        text = report_scheduler_name((enum pccd_scheduler)value);
-    } else if (strcmp(name, "high_level") == 0) {
-        text = report_high_level_name((enum pccd_high_level)value);
-    } else if (strcmp(name, "refit") == 0) {
-        text = report_refit_name((enum pccd_refit)value);
-    } else {
-        return json_integer((json_int_t)value);
-    }
-    return value != 0 && text != NULL ? json_string(text) : json_null();
-}
-
 /* The step's own numbers at the top, an object for each thread in "thread_records". */
 static int print_json(FILE *to, const struct table *table)
 {
     json_t *object = json_object();
     json_t *array = json_array();
     const struct row *first = &table->rows[0];
+    json_object_set_new(object, "tuning",
+                        table->tuning[0] != '\0' ? json_text(table->tuning)
+                                                 : json_null());
     for (uint32_t i = 0; i < first->count; i++) {
         if (kind_of(first, i) == KIND_STEP || kind_of(first, i) == KIND_PHASE) {
             json_object_set_new(object, first->name[i],
-                                step_json(first->name[i], first->value[i]));
+                                json_integer((json_int_t)first->value[i]));
         }
     }
     for (uint32_t thread = 0; thread < table->count; thread++) {
@@ -229,14 +207,14 @@ static int print_json(FILE *to, const struct table *table)
 
 int stats_threads_print(struct pccd_client *client, FILE *to, bool is_json)
 {
-    struct table table = {.rows = NULL};
+    struct table table = {.rows = NULL, .tuning = ""};
     int status = read_table(client, &table);
     if (status == PCCD_OK && is_json) {
         status = print_json(to, &table);
     } else if (status == PCCD_OK && table.count == 0) {
         fputs("no step yet\n", to);
     } else if (status == PCCD_OK) {
-        print_step(to, &table.rows[0]);
+        print_step(to, &table);
         print_kind(to, &table, KIND_WORK);
         print_kind(to, &table, KIND_TIME);
     }

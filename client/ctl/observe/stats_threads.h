@@ -1,7 +1,8 @@
-/* client/ctl/observe/stats_threads.h - what each thread of the daemon's last step did.
+/* client/ctl/observe/stats_threads.h - prints what each thread of the daemon did in its
+ * last step.
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     asks for every thread of one step, prints a table or JSON.
+ * Does:     ask for every thread of one step, and print a table or JSON.
  * Does not: connect; see link.h.
  * Threads:  one.
  * Source:   used by cmd_stats.c.

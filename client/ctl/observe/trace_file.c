@@ -14,6 +14,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "clock.h"
 #include "json_text.h"
 #include "output.h"
 #include "plural.h"
@@ -37,7 +38,7 @@ static const struct {
     [PCCD_TRACE_HIGH] = {"high-level node", "node", "pairs"},
     [PCCD_TRACE_TESTS] = {"tests", "kind", "candidates"},
     [PCCD_TRACE_REBUILD] = {"rebuild", "node", "triangles"},
-    [PCCD_TRACE_ASIDE] = {"built aside", "node", "triangles"},
+    [PCCD_TRACE_BACKGROUND] = {"built in the background", "node", "triangles"},
     [PCCD_TRACE_WAIT] = {"wait", NULL, NULL},
     [PCCD_TRACE_MERGE] = {"merge", NULL, NULL},
     [PCCD_TRACE_REQUEST] = {NULL, NULL, "id"}, /* these have the method's name */
@@ -111,7 +112,7 @@ static void keep(struct trace_file *trace, const struct pccd_trace_event *event)
     if (trace->request_count == trace->request_capacity) {
         uint64_t capacity =
             trace->request_capacity == 0 ? FIRST_ROOM : 2 * trace->request_capacity;
-        void *grown = realloc(trace->requests, capacity * sizeof(*trace->requests));
+        void *grown = realloc(trace->requests, capacity * sizeof *trace->requests);
         if (grown == NULL) {
             trace->is_short = true;
             return;
@@ -195,7 +196,7 @@ static void print_client(struct trace_file *trace, uint64_t first, uint64_t end)
 void trace_file_finish(struct trace_file *trace, uint64_t lost)
 {
     if (trace->request_count > 0) {
-        qsort(trace->requests, trace->request_count, sizeof(*trace->requests),
+        qsort(trace->requests, trace->request_count, sizeof *trace->requests,
               by_client_and_begin);
     }
     for (uint64_t first = 0; first < trace->request_count;) {
@@ -227,7 +228,6 @@ static int fail(struct pccd_client *client, int status, struct ctl_error *error)
 int trace_file_begin(struct trace_file *trace, const struct trace_options *options,
                      struct pccd_client *client, struct ctl_error *error)
 {
-    struct timespec now;
     *trace = (struct trace_file){.path = options->path};
     int status = output_open(&trace->whole, options->path, true, error);
     if (status != PCCD_OK) {
@@ -235,8 +235,7 @@ int trace_file_begin(struct trace_file *trace, const struct trace_options *optio
     }
     trace->file = trace->whole.to;
     trace->pid = pccd_daemon_pid(client);
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    trace->origin_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    trace->origin_ns = common_now_ns();
     fputs("{\"displayTimeUnit\":\"ms\",\n\"traceEvents\":[\n", trace->file);
     status = pccd_trace_start(client, options->events, options->min_us * 1000, NULL);
     return status == PCCD_OK ? PCCD_OK : fail(client, status, error);

@@ -37,7 +37,7 @@ static int add_object(struct cloth_hold *hold, uint32_t index, const float (*sta
     if (status != PCCD_OK) {
         return fail(hold, status, "a mesh was not accepted", error);
     }
-    object->edges = malloc(info.edge_count * sizeof(*object->edges));
+    object->edges = malloc(info.edge_count * sizeof *object->edges);
     if (object->edges == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the edges");
     }
@@ -91,7 +91,8 @@ static int ask(struct cloth_hold *hold, struct pccd_answer *answer,
                struct ctl_error *error)
 {
     const uint64_t bytes = 2 * sizeof(float[CLOTH_VERTICES][3]) + RIGID_BYTES;
-    struct pccd_step_settings settings = {.threads = hold->threads};
+    struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .threads = hold->threads};
     struct pccd_frame frame;
     double pose0[12], pose1[12];
     void *x0, *x1;
@@ -136,12 +137,15 @@ static bool name_feature(const struct cloth_hold *hold, uint32_t handle, uint32_
         vertices[1] = object->edges[feature].b;
         return true;
     }
-    memcpy(vertices, object->triangles[feature], 3 * sizeof(*vertices));
+    memcpy(vertices, object->triangles[feature], 3 * sizeof *vertices);
     return true;
 }
 
 static void push(struct cloth_hold *hold, const struct pccd_contact *record)
 {
+    if (record->kind != PCCD_VF && record->kind != PCCD_EE) {
+        return; /* what these two leave apart touches nowhere */
+    }
     bool is_vf = record->kind == PCCD_VF;
     struct cloth_contact contact = {.is_vf = is_vf};
     uint32_t a[3] = {0, 0, 0};
@@ -153,7 +157,7 @@ static void push(struct cloth_hold *hold, const struct pccd_contact *record)
                      &contact.a_is_cloth, a) &&
         name_feature(hold, record->object_b, record->feature_b, is_vf ? 3 : 2,
                      &contact.b_is_cloth, contact.b)) {
-        memcpy(contact.a, a, sizeof(contact.a));
+        memcpy(contact.a, a, sizeof contact.a);
         cloth_scene_push(hold->cloth, &contact);
     }
 }
@@ -164,7 +168,7 @@ int cloth_hold_frame(struct cloth_hold *hold, cloth_hold_fn tell, void *context,
     bool is_free = false;
     cloth_scene_predict(hold->cloth);
     for (uint32_t i = 0; !is_free; i++) {
-        struct pccd_answer answer;
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
         int status = ask(hold, &answer, error);
         if (status != PCCD_OK) {
             return status;

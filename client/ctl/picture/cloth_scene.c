@@ -21,9 +21,9 @@
 #define VERTEX_MASS         1e-4 /* kilograms: half a kilogram of cloth */
 #define GRAVITY             9.81 /* metres per second squared */
 #define FRAME_SECONDS       0.01
-#define SMALL_STEPS         10  /* per frame */
-#define AIR_DRAG            0.6 /* share of the speed lost per second */
-#define FRICTION            0.3 /* tangential over normal displacement */
+#define SMALL_STEPS         10   /* per frame */
+#define AIR_DRAG            0.6  /* share of the speed lost per second */
+#define FRICTION            0.3  /* tangential over normal displacement */
 #define GAP                 1e-3 /* to which features are pushed apart that meet */
 #define SHEAR_COMPLIANCE    2e-4
 #define BEND_COMPLIANCE     4e-2
@@ -67,8 +67,8 @@ static void build_cloth(struct cloth_scene *scene)
             bool is_even = (row + column) % 2 == 0;
             uint32_t first[3] = {a, c, is_even ? d : b};
             uint32_t second[3] = {is_even ? a : c, d, b};
-            memcpy(scene->cloth_triangles[triangle++], first, sizeof(first));
-            memcpy(scene->cloth_triangles[triangle++], second, sizeof(second));
+            memcpy(scene->cloth_triangles[triangle++], first, sizeof first);
+            memcpy(scene->cloth_triangles[triangle++], second, sizeof second);
         }
     }
 }
@@ -116,10 +116,10 @@ static uint32_t middle_vertex(struct cloth_scene *scene, struct middle *middles,
 static void subdivide(struct cloth_scene *scene, struct middle *middles,
                       uint32_t triangle_count, uint32_t *vertex_count)
 {
-    memset(middles, 0, sizeof(*middles) * CLOTH_BALL_VERTICES);
+    memset(middles, 0, sizeof *middles * CLOTH_BALL_VERTICES);
     for (uint32_t i = triangle_count; i-- > 0;) {
         uint32_t v[3], m[3];
-        memcpy(v, scene->ball_triangles[i], sizeof(v));
+        memcpy(v, scene->ball_triangles[i], sizeof v);
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t ends[2] = {v[k], v[(k + 1) % 3]};
             m[k] = middle_vertex(scene, middles, vertex_count, ends);
@@ -128,7 +128,7 @@ static void subdivide(struct cloth_scene *scene, struct middle *middles,
                                       {m[0], v[1], m[1]},
                                       {m[2], m[1], v[2]},
                                       {m[0], m[1], m[2]}};
-        memcpy(scene->ball_triangles[(size_t)i * 4], parts, sizeof(parts));
+        memcpy(scene->ball_triangles[(size_t)i * 4], parts, sizeof parts);
     }
 }
 
@@ -191,7 +191,7 @@ static void add_springs(struct cloth_scene *scene, int rows, int columns,
 static int build_springs(struct cloth_scene *scene, struct ctl_error *error)
 {
     size_t springs_max = (size_t)6 * CLOTH_VERTICES;
-    scene->springs = malloc(springs_max * sizeof(*scene->springs));
+    scene->springs = malloc(springs_max * sizeof *scene->springs);
     if (scene->springs == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the cloth");
     }
@@ -274,8 +274,8 @@ static void turn_ball(struct cloth_scene *scene, double share)
 void cloth_scene_predict(struct cloth_scene *scene)
 {
     const double dt = FRAME_SECONDS / SMALL_STEPS;
-    memcpy(scene->end, scene->x, sizeof(scene->end));
-    memset(scene->push, 0, sizeof(scene->push));
+    memcpy(scene->end, scene->x, sizeof scene->end);
+    memset(scene->push, 0, sizeof scene->push);
     for (uint32_t step = 0; step < SMALL_STEPS; step++) {
         fall(scene, dt);
         pull(scene, dt);
@@ -317,7 +317,7 @@ void cloth_scene_take(struct cloth_scene *scene)
             scene->v[i][axis] -= out / size * scene->push[i][axis];
         }
     }
-    memcpy(scene->turn[0], scene->turn[1], sizeof(scene->turn[0]));
+    memcpy(scene->turn[0], scene->turn[1], sizeof scene->turn[0]);
     scene->frame++;
 }
 
@@ -339,8 +339,8 @@ static struct corner corner_of(const struct cloth_scene *scene, bool is_cloth,
     struct corner corner = {
         .weight = weight, .inverse_mass = is_cloth ? 1.0 : 0.0, .vertex = vertex};
     if (is_cloth) {
-        memcpy(corner.from, scene->x[vertex], sizeof(corner.from));
-        memcpy(corner.to, scene->end[vertex], sizeof(corner.to));
+        memcpy(corner.from, scene->x[vertex], sizeof corner.from);
+        memcpy(corner.to, scene->end[vertex], sizeof corner.to);
         return corner;
     }
     const float *x = scene->ball_start[vertex];
@@ -424,13 +424,13 @@ void cloth_scene_ball_pose(const struct cloth_scene *scene, uint32_t end, double
 {
     const double c = scene->turn[end][0], s = scene->turn[end][1];
     const double rows[12] = {c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0};
-    memcpy(pose, rows, sizeof(rows));
+    memcpy(pose, rows, sizeof rows);
 }
 
 int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error)
 {
-    struct cloth_scene *made = calloc(1, sizeof(*made));
-    struct middle *middles = calloc(CLOTH_BALL_VERTICES, sizeof(*middles));
+    struct cloth_scene *made = calloc(1, sizeof *made);
+    struct middle *middles = calloc(CLOTH_BALL_VERTICES, sizeof *middles);
     int status = PCCD_OK;
     if (made == NULL || middles == NULL) {
         status = ctl_error_set(error, PCCD_E_NOMEM, "no memory for the scene");
@@ -445,7 +445,7 @@ int cloth_scene_new(struct cloth_scene **scene, struct ctl_error *error)
         for (uint32_t i = 0; i < CLOTH_VERTICES * 3; i++) {
             made->x[i / 3][i % 3] = (double)made->cloth_start[i / 3][i % 3];
         }
-        memcpy(made->end, made->x, sizeof(made->end));
+        memcpy(made->end, made->x, sizeof made->end);
         *scene = made;
         made = NULL;
     }

@@ -78,7 +78,7 @@ static void normalize(float x[3])
 static void join_flat(struct side *sides, uint32_t count, const float (*faces)[3],
                       uint32_t *above)
 {
-    qsort(sides, count, sizeof(*sides), by_vertices);
+    qsort(sides, count, sizeof *sides, by_vertices);
     for (uint32_t i = 1; i < count; i++) {
         const struct side *a = &sides[i - 1], *b = &sides[i];
         const float *face_a = faces[a->corners[0] / 3],
@@ -96,9 +96,9 @@ static void join_flat(struct side *sides, uint32_t count, const float (*faces)[3
 bool crease_normals(const struct picture_mesh *mesh, int octave, float (*normals)[3])
 {
     const uint32_t count = 3 * mesh->triangle_count;
-    struct side *sides = malloc((count + 1) * sizeof(*sides));
-    float(*faces)[3] = malloc((mesh->triangle_count + 1) * sizeof(*faces));
-    uint32_t *above = malloc((count + 1) * sizeof(*above));
+    struct side *sides = malloc((count + 1) * sizeof *sides);
+    float(*faces)[3] = malloc((mesh->triangle_count + 1) * sizeof *faces);
+    uint32_t *above = malloc((count + 1) * sizeof *above);
     bool has_memory = sides != NULL && faces != NULL && above != NULL;
     for (uint32_t i = 0; has_memory && i < count; i++) {
         const uint32_t *v = mesh->triangles[i / 3];
@@ -114,7 +114,7 @@ bool crease_normals(const struct picture_mesh *mesh, int octave, float (*normals
     }
     if (has_memory) {
         join_flat(sides, count, (const float(*)[3])faces, above);
-        memset(normals, 0, count * sizeof(*normals));
+        memset(normals, 0, count * sizeof *normals);
     }
     for (uint32_t i = 0; has_memory && i < count; i++) {
         uint32_t root = root_of(above, i);
@@ -127,7 +127,7 @@ bool crease_normals(const struct picture_mesh *mesh, int octave, float (*normals
         if (root == i) {
             normalize(normals[i]);
         } else {
-            memcpy(normals[i], normals[root], sizeof(normals[i]));
+            memcpy(normals[i], normals[root], sizeof normals[i]);
         }
     }
     free(sides);

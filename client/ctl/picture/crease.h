@@ -1,15 +1,16 @@
-/* client/ctl/picture/crease.h - directions of a surface at its triangles' corners.
+/* client/ctl/picture/crease.h - normals for shading: smooth on a ball, sharp at the edges
+ * of a box.
  *
- * Room:     client/ctl. May include: picture.h.
- * Does:     smooth normals where triangles meet at a flat angle, each its own at a
- *           crease: a ball is round, and a box has sides.
+ * Room:     client/ctl. May include: picture_scene.h.
+ * Does:     average normals where triangles meet at a flat angle, and keep each
+ *           triangle's own at a crease.
  * Does not: need triangles to be wound in the same sense.
  * Threads:  [any]; nothing is shared.
  */
 #ifndef CTL_CREASE_H
 #define CTL_CREASE_H
 
-#include "picture.h"
+#include "picture_scene.h"
 
 /* normals[3 * triangle_count]: unit, one for each corner of each triangle. Lengths are
  * taken in units of 2^octave, as squares of squares have no room in a float. False

@@ -48,6 +48,9 @@ static bool locate(const struct demo_object objects[2],
         }
         return true;
     }
+    if (contact->kind != PCCD_EE) {
+        return false;
+    }
     const struct pccd_edge *edge = &a->edges[contact->feature_a];
     for (uint32_t k = 0; k < 3; k++) {
         at[k] =
@@ -74,24 +77,24 @@ int demo_picture_write(const struct demo_object objects[2], const struct demo_me
     struct picture_group groups[2] = {{.colour = {0.90f, 0.22f, 0.10f}},
                                       {.colour = {0.98f, 0.84f, 0.10f}}};
     char title[96];
-    struct picture_mark *marks = malloc(((size_t)met->count + 1) * sizeof(*marks));
+    struct picture_mark *marks = malloc(((size_t)met->count + 1) * sizeof *marks);
     uint32_t mark_count = 0;
     if (marks == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
     }
     for (uint64_t i = 0; i < met->count; i++) {
         const struct pccd_contact *contact = &met->contacts[i];
-        marks[mark_count].group = contact->kind == PCCD_VF ? 0 : 1;
-        if (locate(objects, contact, marks[mark_count].at)) {
-            mark_count++;
+        struct picture_mark mark = {.group = contact->kind == PCCD_VF ? 0 : 1};
+        if (locate(objects, contact, mark.at)) {
+            marks[mark_count++] = mark;
         }
     }
-    snprintf(title, sizeof(title), "pccd demo, step %" PRIu64 ", %" PRIu32 " triangles",
+    snprintf(title, sizeof title, "pccd demo, step %" PRIu64 ", %" PRIu32 " triangles",
              met->frame, objects[0].triangle_count + objects[1].triangle_count);
-    snprintf(groups[0].label, sizeof(groups[0].label), "%" PRIu64 " vertex-face %s",
+    snprintf(groups[0].label, sizeof groups[0].label, "%" PRIu64 " vertex-face %s",
              met->vf, proto_plural(met->vf, "contact", "contacts"));
-    snprintf(groups[1].label, sizeof(groups[1].label), "%" PRIu64 " edge-edge %s",
-             met->ee, proto_plural(met->ee, "contact", "contacts"));
+    snprintf(groups[1].label, sizeof groups[1].label, "%" PRIu64 " edge-edge %s", met->ee,
+             proto_plural(met->ee, "contact", "contacts"));
     struct picture picture = {.meshes = meshes,
                               .marks = marks,
                               .groups = groups,
@@ -99,7 +102,7 @@ int demo_picture_write(const struct demo_object objects[2], const struct demo_me
                               .mark_count = mark_count,
                               .group_count = 2,
                               .title = title};
-    memcpy(picture.from, eye_direction, sizeof(picture.from));
+    memcpy(picture.from, eye_direction, sizeof picture.from);
     int status = picture_write(&picture, file, path, error);
     free(marks);
     return status;

@@ -1,7 +1,7 @@
-/* client/ctl/picture/demo_picture.h - the demo's last step as a picture.
+/* client/ctl/picture/demo_picture.h - draws the last step of the demo.
  *
  * Room:     client/ctl. May include: cloth_scene.h, error.h, pccd.h.
- * Does:     turns contact records into marks on the meshes and has them drawn.
+ * Does:     turn contact records into marks on the meshes, and have them drawn.
  * Does not: draw; see picture.h.
  * Threads:  one.
  * Source:   pccd_types.h for what a contact's parameters mean.

@@ -17,11 +17,11 @@
 #include "crease.h"
 #include "picture_canvas.h"
 
-#define HALF_VIEW  0.34f /* tangent of half the vertical angle of view */
-#define MARGIN     1.12f /* room around the scene */
-#define ZOOM_LEAST 0.01f /* of the view, that marks take at least */
+#define HALF_VIEW   0.34f /* tangent of half the vertical angle of view */
+#define MARGIN      1.12f /* room around the scene */
+#define ZOOM_LEAST  0.01f /* of the view, that marks take at least */
 #define PLACE_LEAST 1e-5f /* of the view, that a place takes at least */
-#define LINE_WIDTH 0.35f /* picture pixels */
+#define LINE_WIDTH  0.35f /* picture pixels */
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
 static const float sky_bottom[3] = {0.78f, 0.82f, 0.87f};
@@ -52,7 +52,7 @@ static void normalize(float x[3])
 static void find_centre(const struct picture *picture, float centre[3])
 {
     if (picture->place != NULL) {
-        memcpy(centre, picture->place->at, sizeof(picture->place->at));
+        memcpy(centre, picture->place->at, sizeof picture->place->at);
         return;
     }
     bool at_marks = picture->is_at_marks && picture->mark_count > 0;
@@ -162,9 +162,8 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
 
 static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *mesh)
 {
-    struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof(*corners));
-    float(*normals)[3] =
-        malloc((3 * (size_t)mesh->triangle_count + 1) * sizeof(*normals));
+    struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof *corners);
+    float(*normals)[3] = malloc((3 * (size_t)mesh->triangle_count + 1) * sizeof *normals);
     struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
     int octave;
     (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
@@ -176,8 +175,8 @@ static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         picture_project(canvas, mesh->x[i], &corners[i]);
     }
-    memcpy(surface.front, mesh->front, sizeof(surface.front));
-    memcpy(surface.back, mesh->back, sizeof(surface.back));
+    memcpy(surface.front, mesh->front, sizeof surface.front);
+    memcpy(surface.back, mesh->back, sizeof surface.back);
     /* The light stands to the upper left behind the eye. */
     for (uint32_t k = 0; k < 3; k++) {
         surface.eye[k] = -canvas->axes[2][k];
@@ -189,7 +188,7 @@ static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *
         const uint32_t *v = mesh->triangles[t];
         struct raster_corner three[3] = {corners[v[0]], corners[v[1]], corners[v[2]]};
         for (uint32_t k = 0; k < 3; k++) {
-            memcpy(three[k].normal, normals[3 * t + k], sizeof(three[k].normal));
+            memcpy(three[k].normal, normals[3 * t + k], sizeof three[k].normal);
         }
         raster_triangle(&canvas->raster, three, &surface);
     }

@@ -1,7 +1,7 @@
-/* client/ctl/picture/picture.h - meshes and contacts as a PNG or SVG.
+/* client/ctl/picture/picture.h - draws meshes and contacts into a PNG or SVG file.
  *
- * Room:     client/ctl. May include: error.h, raster.h, pccd_types.h.
- * Does:     places a camera that sees everything, renders, writes the file.
+ * Room:     client/ctl. May include: error.h, picture_scene.h.
+ * Does:     place a camera that sees everything, render, write the file.
  * Does not: open a window, or need a graphics card.
  * Threads:  one at a time; nothing is shared.
  * Source:   raster.h; libpng's simplified interface.
@@ -9,64 +9,10 @@
 #ifndef CTL_PICTURE_H
 #define CTL_PICTURE_H
 
-#include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 
 #include "error.h"
-
-#define PICTURE_WIDTH    1200
-#define PICTURE_HEIGHT   900
-#define PICTURE_SIDE_MAX 8192
-
-struct picture_mesh {
-    const float (*x)[3];
-    const uint32_t (*triangles)[3];
-    uint32_t vertex_count;
-    uint32_t triangle_count;
-    float front[3], back[3]; /* colours of the sides, 0 .. 1 */
-};
-
-/* A contact: where, and which of the groups it belongs to. */
-struct picture_mark {
-    float at[3];
-    uint32_t group;
-    bool is_chosen; /* drawn larger */
-};
-
-/* What is to be seen: a ball that fills the picture's height. */
-struct picture_place {
-    float at[3];
-    float radius;
-};
-
-struct picture_group {
-    char label[48]; /* "": not in the legend */
-    float colour[3];
-};
-
-/* A run of colours in the legend: those of the groups, from the first to the last. */
-struct picture_scale {
-    char title[48];
-    char low[16], high[16];
-};
-
-enum picture_up { PICTURE_UP_Y = 0, PICTURE_UP_Z, PICTURE_UP_X };
-
-struct picture {
-    const struct picture_mesh *meshes;
-    const struct picture_mark *marks;
-    const struct picture_group *groups;
-    uint32_t mesh_count, mark_count, group_count;
-    float from[3]; /* direction from the middle of the scene to the eye */
-    enum picture_up up;
-    uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
-    float zoom;             /* 0: everything is seen, just so; 2: twice as large */
-    bool is_at_marks;       /* the marks are what is to be seen */
-    const struct picture_place *place; /* this is, and not the marks; NULL: no place */
-    const char *title;
-    const struct picture_scale *scale; /* NULL: none */
-};
+#include "picture_scene.h"
 
 /* Render to `file`, whose name is `path`: a PNG, or, where `path` ends with .svg, that
  * with marks and legend as shapes and text. Errors: E_SYSTEM, E_NOMEM. */

@@ -1,14 +1,17 @@
-/* client/ctl/picture/picture_canvas.h - a picture before it becomes a file.
+/* client/ctl/picture/picture_canvas.h - a picture while it is drawn: camera, canvas and
+ * measures.
  *
- * Room:     client/ctl. May include: picture.h, raster.h.
- * Does:     what the parts of a picture share: camera, canvas, measures.
+ * Room:     client/ctl. May include: picture_scene.h, raster.h.
+ * Does:     hold what the parts of a picture share.
  * Does not: leave the room.
  * Threads:  one at a time.
  */
 #ifndef CTL_PICTURE_CANVAS_H
 #define CTL_PICTURE_CANVAS_H
 
-#include "picture.h"
+#include <stdio.h>
+
+#include "picture_scene.h"
 #include "raster.h"
 
 #define PICTURE_OVERSAMPLING 2     /* canvas pixels of one picture pixel, each way */

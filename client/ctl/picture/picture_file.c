@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "pccd_types.h"
+#include "picture.h"
 #include "picture_canvas.h"
 
 static png_image image_of(const struct picture_canvas *canvas)

@@ -108,7 +108,7 @@ bool raster_init(struct raster *raster, uint32_t width, uint32_t height)
     raster->width = width;
     raster->height = height;
     raster->rgb = malloc(pixels * 3);
-    raster->nearness = malloc(pixels * sizeof(*raster->nearness));
+    raster->nearness = malloc(pixels * sizeof *raster->nearness);
     if (raster->rgb != NULL && raster->nearness != NULL) {
         return true;
     }
@@ -158,7 +158,7 @@ void raster_clear(struct raster *raster, const float top[3], const float bottom[
         }
     }
     memset(raster->nearness, 0,
-           (size_t)raster->width * raster->height * sizeof(*raster->nearness));
+           (size_t)raster->width * raster->height * sizeof *raster->nearness);
 }
 
 /* Ambient light from above, a lamp, a little light from the eye, and a soft highlight;

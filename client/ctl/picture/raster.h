@@ -1,7 +1,7 @@
-/* client/ctl/picture/raster.h - triangles, dots and text on a canvas with depth.
+/* client/ctl/picture/raster.h - draws triangles, dots and text on a canvas with depth.
  *
  * Room:     client/ctl. May include: the C library.
- * Does:     fills shaded triangles with a depth buffer, draws dots and a small font.
+ * Does:     fill shaded triangles with a depth buffer; draw dots and a small font.
  * Does not: know meshes, cameras or files (see picture.c).
  * Threads:  one per canvas.
  * Source:   edge functions (Pineda 1988).

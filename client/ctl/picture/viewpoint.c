@@ -94,7 +94,7 @@ void viewpoint_choose(const struct still *still, float from[3])
         normalize(side);
     }
     cross(side, normal, other); /* of the plane, towards the eye that is wanted */
-    for (uint32_t i = 0; i < TURNS * sizeof(tilts) / sizeof(tilts[0]); i++) {
+    for (uint32_t i = 0; i < TURNS * sizeof tilts / sizeof tilts[0]; i++) {
         double tilt = tilts[i / TURNS], flat = sqrt(1 - tilt * tilt);
         double turn = 2 * M_PI * (i % TURNS) / TURNS;
         double way[3];

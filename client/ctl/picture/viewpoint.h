@@ -1,8 +1,9 @@
-/* client/ctl/picture/viewpoint.h - from where a contact can be seen.
+/* client/ctl/picture/viewpoint.h - chooses a camera direction from which a contact is
+ * visible.
  *
  * Room:     client/ctl. May include: still.h.
- * Does:     find a direction from which nothing is in front of a contact, and from which
- *           the two surfaces are seen to meet: from aside.
+ * Does:     find a direction from which nothing is in front of the contact, and from
+ *           which the two surfaces are seen from the side.
  * Does not: draw.
  * Threads:  [any]; nothing is shared.
  */

@@ -38,26 +38,26 @@ static bool take(struct answers *answers, const struct record_view *view)
     struct record_frame frame;
     switch (view->kind) {
     case RECORD_BEGIN:
-        memcpy(&answers->begin, view->payload, sizeof(answers->begin));
+        memcpy(&answers->begin, view->payload, sizeof answers->begin);
         return true;
     case RECORD_FRAME:
-        memcpy(&frame, view->payload, sizeof(frame));
+        memcpy(&frame, view->payload, sizeof frame);
         answers->frames++;
         answers->last_step = frame.step;
         return true;
     case RECORD_ANSWER:
         if (!array_reserve((void **)&answers->items, answers->count, &answers->room,
-                           sizeof(*answers->items))) {
+                           sizeof *answers->items)) {
             return false;
         }
-        memcpy(&answers->items[answers->count++], view->payload, sizeof(*answers->items));
+        memcpy(&answers->items[answers->count++], view->payload, sizeof *answers->items);
         return true;
     case RECORD_RECORDS:
         if (!array_reserve((void **)&answers->pages, answers->page_count,
-                           &answers->page_room, sizeof(*answers->pages))) {
+                           &answers->page_room, sizeof *answers->pages)) {
             return false;
         }
-        memcpy(&head, view->payload, sizeof(head));
+        memcpy(&head, view->payload, sizeof head);
         answers->pages[answers->page_count++] =
             (struct answers_page){head.step, head.first, head.count, view->offset};
         return true;
@@ -79,11 +79,10 @@ int answers_read(struct answers *answers, struct record_reader *reader,
         }
     }
     if (answers->count > 0) {
-        qsort(answers->items, answers->count, sizeof(*answers->items), compare_answers);
+        qsort(answers->items, answers->count, sizeof *answers->items, compare_answers);
     }
     if (answers->page_count > 0) {
-        qsort(answers->pages, answers->page_count, sizeof(*answers->pages),
-              compare_pages);
+        qsort(answers->pages, answers->page_count, sizeof *answers->pages, compare_pages);
     }
     return got == 0 ? PCCD_OK : ctl_error_set(error, got, "%s", reader->text);
 }
@@ -92,7 +91,7 @@ void answers_deinit(struct answers *answers)
 {
     free(answers->items);
     free(answers->pages);
-    memset(answers, 0, sizeof(*answers));
+    memset(answers, 0, sizeof *answers);
 }
 
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step)
@@ -100,7 +99,7 @@ const struct record_answer *answers_find(const struct answers *answers, uint64_t
     const struct record_answer key = {.step = step};
     return answers->count == 0 ? NULL
                                : bsearch(&key, answers->items, answers->count,
-                                         sizeof(*answers->items), compare_answers);
+                                         sizeof *answers->items, compare_answers);
 }
 
 /* The first page of a step, or where it would be. */
@@ -131,7 +130,7 @@ static int append(struct record_reader *reader, const struct answers_page *page,
         return ctl_error_set(error, PCCD_E_FORMAT, "at byte %" PRIu64 ": %s",
                              page->offset, got < 0 ? reader->text : "no records");
     }
-    memcpy(&head, view.payload, sizeof(head));
+    memcpy(&head, view.payload, sizeof head);
     if (head.record_bytes != record_bytes) {
         return ctl_error_set(error, PCCD_E_FORMAT,
                              "at byte %" PRIu64 ": records of another mode",
@@ -147,7 +146,7 @@ static int append(struct record_reader *reader, const struct answers_page *page,
         *room = bytes + bytes / 2;
     }
     memcpy((uint8_t *)*to + *count * head.record_bytes,
-           (const uint8_t *)view.payload + sizeof(head),
+           (const uint8_t *)view.payload + sizeof head,
            (size_t)head.count * head.record_bytes);
     *count += head.count;
     return PCCD_OK;

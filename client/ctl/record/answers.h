@@ -1,8 +1,9 @@
-/* client/ctl/record/answers.h - what was answered, by step.
+/* client/ctl/record/answers.h - the answers in a recording, looked up by step.
  *
  * Room:     client/ctl. May include: error.h, client/record/reader.h.
- * Does:     read a recording once, and keep its answers and where their records are.
- * Does not: keep records.
+ * Does:     read a recording once, and keep its answers and the places of their records
+ *           in the file.
+ * Does not: keep the records themselves.
  * Threads:  one.
  */
 #ifndef CTL_ANSWERS_H

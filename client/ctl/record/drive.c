@@ -13,6 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "coordinates.h"
+#include "filter.h"
+
 static int failed(const struct drive *drive, int status, const char *what,
                   struct ctl_error *error)
 {
@@ -36,29 +39,30 @@ static int expect(uint32_t wanted, uint32_t given, const char *what,
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-static int make_scene(struct drive *drive, const struct record_scene *scene,
+static int make_scene(struct drive *drive, uint32_t scene, double rebuild_ratio,
+                      uint32_t quality, uint32_t rebuild_triangles_max,
                       struct ctl_error *error)
 {
-    const struct pccd_scene_settings settings = {
-        .quality = (enum pccd_quality)scene->quality,
-        .rebuild_triangles_max = scene->rebuild_triangles_max,
-        .rebuild_ratio = scene->rebuild_ratio};
+    const struct pccd_scene_settings settings = {.quality = (enum pccd_quality)quality,
+                                                 .rebuild_triangles_max =
+                                                     rebuild_triangles_max,
+                                                 .rebuild_ratio = rebuild_ratio};
     uint32_t made = 0;
-    pccd_want(drive->client, scene->scene);
+    pccd_want(drive->client, scene);
     int status = pccd_scene_create(drive->client, &settings, &made);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded scene", error);
     }
-    return expect(scene->scene, made, "scene", error);
+    return expect(scene, made, "scene", error);
 }
 
 /* A mesh of the world; want = 0: under any handle. */
-static int make_mesh(struct drive *drive, const struct world_mesh *mesh, uint32_t want,
+static int make_mesh(struct drive *drive, const struct registry_mesh *mesh, uint32_t want,
                      uint32_t *made, struct ctl_error *error)
 {
     pccd_want(drive->client, want);
     int status = pccd_mesh_create(
-        drive->client, mesh->x, PCCD_FORMAT_F64, mesh->vertex_count,
+        drive->client, mesh->x, (enum pccd_format)mesh->format, mesh->vertex_count,
         (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count, made, NULL);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded mesh", error);
@@ -80,10 +84,11 @@ static int add_object(struct drive *drive, uint32_t scene, uint32_t mesh, uint32
 
 /* Move an object to where it is: a step of its own, from there to there. */
 static int place_object(struct drive *drive, uint32_t scene,
-                        const struct world_object *object, struct ctl_error *error)
+                        const struct registry_object *object, struct ctl_error *error)
 {
-    const struct pccd_step_settings settings = {.mode = PCCD_MODE_ANY};
-    struct pccd_answer answer;
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings), .mode = PCCD_MODE_ANY};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
     int status =
         pccd_step_x0x1(drive->client, scene, object->handle, object->x1, object->x1,
                        PCCD_FORMAT_F64, object->mesh->vertex_count, &settings, &answer);
@@ -94,17 +99,15 @@ static int place_object(struct drive *drive, uint32_t scene,
     return PCCD_OK;
 }
 
-/* What an object may meet; all of it, as it is. */
+/* All attributes of an object, as they are. */
 static int filter_object(struct drive *drive, uint32_t scene,
-                         const struct world_object *object, struct ctl_error *error)
+                         const struct registry_object *object, struct ctl_error *error)
 {
-    const struct pccd_object_settings settings = {.what = PCCD_OBJECT_ALL,
-                                                  .self_collision = object->self,
-                                                  .group = object->group,
-                                                  .mask = object->mask};
-    if (object->self && object->group == 1 && object->mask == UINT64_MAX) {
-        return PCCD_OK; /* as it was made */
+    struct pccd_object_settings settings = {.what = PCCD_OBJECT_ALL};
+    if (common_attributes_are_at_first(&object->attributes)) {
+        return PCCD_OK;
     }
+    COMMON_ATTRIBUTES_COPY(&settings, &object->attributes);
     int status = pccd_object_set(drive->client, scene, object->handle, &settings);
     return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
 }
@@ -114,7 +117,7 @@ static int set_pairs(struct drive *drive, uint32_t scene, const uint8_t *pairs,
 {
     for (uint32_t i = 0; i < count; i++) {
         uint32_t pair[2];
-        memcpy(pair, pairs + i * sizeof(pair), sizeof(pair));
+        memcpy(pair, pairs + i * sizeof pair, sizeof pair);
         int status = pccd_pair_ignore(drive->client, scene, pair[0], pair[1], ignored);
         if (status != PCCD_OK) {
             return failed(drive, status, "a recorded pair", error);
@@ -123,32 +126,42 @@ static int set_pairs(struct drive *drive, uint32_t scene, const uint8_t *pairs,
     return PCCD_OK;
 }
 
+static int ignore_pair(struct drive *drive, uint32_t scene,
+                       const struct registry_pair *pair, struct ctl_error *error)
+{
+    const uint32_t handles[2] = {pair->a, pair->b};
+    return set_pairs(drive, scene, (const uint8_t *)handles, 1, true, error);
+}
+
 /* Where the objects of a scene are, and what they may meet. */
-static int begin_places(struct drive *drive, const struct world_scene *scene,
+static int begin_places(struct drive *drive, struct registry_scene *scene,
                         struct ctl_error *error)
 {
     int status = PCCD_OK;
     for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-        const struct world_object *object = &scene->objects[i];
-        status = object->has_moved ? place_object(drive, scene->handle, object, error)
-                                   : PCCD_OK;
+        const struct registry_object *object = &scene->objects[i];
+        status = object->placing != REGISTRY_AS_REGISTERED
+                     ? place_object(drive, scene->handle, object, error)
+                     : PCCD_OK;
         if (status == PCCD_OK) {
             status = filter_object(drive, scene->handle, object, error);
         }
     }
-    return status == PCCD_OK
-               ? set_pairs(drive, scene->handle, (const uint8_t *)scene->ignored.items,
-                           scene->ignored.count, true, error)
-               : status;
+    registry_pairs_settle(&scene->ignored);
+    for (uint32_t i = 0; i < scene->ignored.count && status == PCCD_OK; i++) {
+        status = ignore_pair(drive, scene->handle, &scene->ignored.said[i], error);
+    }
+    return status;
 }
 
 /* Objects of a mesh that is gone: of one that is made for them and destroyed again. */
-static int add_orphans(struct drive *drive, const struct world *world,
-                       const struct world_mesh *mesh, struct ctl_error *error)
+static int add_orphans(struct drive *drive, const struct registry *world,
+                       const struct registry_mesh *mesh, struct ctl_error *error)
 {
     uint32_t made = 0;
     int status = make_mesh(drive, mesh, 0, &made, error);
-    for (struct world_scene *scene = world->scenes; scene != NULL; scene = scene->next) {
+    for (struct registry_scene *scene = world->scenes; scene != NULL;
+         scene = scene->next) {
         for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
             if (scene->objects[i].mesh == mesh) {
                 status = add_object(drive, scene->handle, made, scene->objects[i].handle,
@@ -162,48 +175,51 @@ static int add_orphans(struct drive *drive, const struct world *world,
     return status;
 }
 
-static int begin_meshes(struct drive *drive, const struct world *world,
+static int begin_meshes(struct drive *drive, const struct registry *world,
                         struct ctl_error *error)
 {
     int status = PCCD_OK;
-    for (struct world_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
+    for (struct registry_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
          mesh = mesh->next) {
         uint32_t made = 0;
-        status =
-            mesh->is_gone ? PCCD_OK : make_mesh(drive, mesh, mesh->handle, &made, error);
+        status = mesh->is_destroyed ? PCCD_OK
+                                    : make_mesh(drive, mesh, mesh->handle, &made, error);
     }
     return status;
 }
 
-static int begin_objects(struct drive *drive, const struct world *world,
+static int begin_objects(struct drive *drive, const struct registry *world,
                          struct ctl_error *error)
 {
     int status = PCCD_OK;
-    for (struct world_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
+    for (struct registry_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
          scene = scene->next) {
-        status = make_scene(drive, &scene->settings, error);
+        const struct registry_settings *settings = &scene->settings;
+        status = make_scene(drive, scene->handle, settings->rebuild_ratio,
+                            settings->quality, settings->rebuild_triangles_max, error);
         for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-            const struct world_object *object = &scene->objects[i];
-            if (!object->mesh->is_gone) {
+            const struct registry_object *object = &scene->objects[i];
+            if (!object->mesh->is_destroyed) {
                 status = add_object(drive, scene->handle, object->mesh->handle,
                                     object->handle, error);
             }
         }
     }
-    for (struct world_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
+    for (struct registry_mesh *mesh = world->meshes; mesh != NULL && status == PCCD_OK;
          mesh = mesh->next) {
-        status = mesh->is_gone ? add_orphans(drive, world, mesh, error) : PCCD_OK;
+        status = mesh->is_destroyed ? add_orphans(drive, world, mesh, error) : PCCD_OK;
     }
     return status;
 }
 
-int drive_begin(struct drive *drive, const struct world *world, struct ctl_error *error)
+int drive_begin(struct drive *drive, const struct registry *world,
+                struct ctl_error *error)
 {
     int status = begin_meshes(drive, world, error);
     if (status == PCCD_OK) {
         status = begin_objects(drive, world, error);
     }
-    for (struct world_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
+    for (struct registry_scene *scene = world->scenes; scene != NULL && status == PCCD_OK;
          scene = scene->next) {
         status = begin_places(drive, scene, error);
     }
@@ -213,17 +229,17 @@ int drive_begin(struct drive *drive, const struct world *world, struct ctl_error
 
 /* ---- the log ----------------------------------------------------------------------- */
 
-static int follow_mesh(struct drive *drive, const struct world *world,
+static int follow_mesh(struct drive *drive, const struct registry *world,
                        const struct record_view *view, struct ctl_error *error)
 {
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
     struct record_mesh head;
-    memcpy(&head, view->payload, sizeof(head));
-    size_t each = head.format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+    memcpy(&head, view->payload, sizeof head);
+    size_t each = common_vertex_bytes(head.format);
     const void *triangles = x + (head.vertex_count * each + 7) / 8 * 8;
     uint32_t made = head.mesh;
     int status;
-    if (world_mesh(world, head.mesh) != NULL) {
+    if (registry_mesh(world, head.mesh) != NULL) {
         status =
             pccd_mesh_replace(drive->client, head.mesh, x, (enum pccd_format)head.format,
                               head.vertex_count, triangles, head.triangle_count, NULL);
@@ -243,7 +259,7 @@ static int follow_gone(struct drive *drive, const struct record_view *view,
                        struct ctl_error *error)
 {
     struct record_gone gone;
-    memcpy(&gone, view->payload, sizeof(gone));
+    memcpy(&gone, view->payload, sizeof gone);
     int status = view->kind == RECORD_MESH_GONE
                      ? pccd_mesh_destroy(drive->client, gone.mesh)
                  : view->kind == RECORD_SCENE_GONE
@@ -257,11 +273,10 @@ static int follow_filter(struct drive *drive, const struct record_view *view,
                          struct ctl_error *error)
 {
     struct record_filter filter;
-    memcpy(&filter, view->payload, sizeof(filter));
-    const struct pccd_object_settings settings = {.what = filter.what,
-                                                  .self_collision = filter.self != 0,
-                                                  .group = filter.group,
-                                                  .mask = filter.mask};
+    struct common_attributes given;
+    record_filter_read(view->payload, view->bytes, &filter, &given);
+    struct pccd_object_settings settings = {.what = filter.what};
+    COMMON_ATTRIBUTES_COPY(&settings, &given);
     int status = pccd_object_set(drive->client, filter.scene, filter.object, &settings);
     return status == PCCD_OK ? status : failed(drive, status, "a recorded mask", error);
 }
@@ -270,21 +285,21 @@ static int follow_pairs(struct drive *drive, const struct record_view *view,
                         struct ctl_error *error)
 {
     struct record_pairs pairs;
-    memcpy(&pairs, view->payload, sizeof(pairs));
-    return set_pairs(drive, pairs.scene, (const uint8_t *)view->payload + sizeof(pairs),
+    memcpy(&pairs, view->payload, sizeof pairs);
+    return set_pairs(drive, pairs.scene, (const uint8_t *)view->payload + sizeof pairs,
                      pairs.count, pairs.ignored != 0, error);
 }
 
 /* Those of its pairs that ignore each other. */
-static int ignore_again(struct drive *drive, const struct world_scene *scene,
+static int ignore_again(struct drive *drive, struct registry_scene *scene,
                         uint32_t object, struct ctl_error *error)
 {
     int status = PCCD_OK;
+    registry_pairs_settle(&scene->ignored);
     for (uint32_t i = 0; i < scene->ignored.count && status == PCCD_OK; i++) {
-        const uint32_t *pair = scene->ignored.items[i];
-        if (pair[0] == object || pair[1] == object) {
-            status =
-                set_pairs(drive, scene->handle, (const uint8_t *)pair, 1, true, error);
+        const struct registry_pair *pair = &scene->ignored.said[i];
+        if (pair->a == object || pair->b == object) {
+            status = ignore_pair(drive, scene->handle, pair, error);
         }
     }
     return status;
@@ -292,15 +307,15 @@ static int ignore_again(struct drive *drive, const struct world_scene *scene,
 
 /* An object with a mesh of its own, which is destroyed under it. One that is there goes
  * before, and what it may meet is said again. */
-static int follow_guest(struct drive *drive, const struct world *world,
+static int follow_guest(struct drive *drive, const struct registry *world,
                         const struct record_view *view, struct ctl_error *error)
 {
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_guest);
     struct record_guest head;
-    memcpy(&head, view->payload, sizeof(head));
-    const struct world_scene *scene = world_scene(world, head.scene);
-    const struct world_object *known =
-        scene != NULL ? world_object(scene, head.object) : NULL;
+    memcpy(&head, view->payload, sizeof head);
+    struct registry_scene *scene = registry_scene(world, head.scene);
+    const struct registry_object *known =
+        scene != NULL ? registry_object(scene, head.object) : NULL;
     uint32_t mesh = 0;
     int status = PCCD_OK;
     if (known != NULL) {
@@ -328,7 +343,7 @@ static int follow_guest(struct drive *drive, const struct world *world,
                : status;
 }
 
-int drive_follow(struct drive *drive, const struct world *world,
+int drive_follow(struct drive *drive, const struct registry *world,
                  const struct record_view *view, struct ctl_error *error)
 {
     struct record_scene scene;
@@ -337,10 +352,11 @@ int drive_follow(struct drive *drive, const struct world *world,
     case RECORD_MESH:
         return follow_mesh(drive, world, view, error);
     case RECORD_SCENE:
-        memcpy(&scene, view->payload, sizeof(scene));
-        return make_scene(drive, &scene, error);
+        memcpy(&scene, view->payload, sizeof scene);
+        return make_scene(drive, scene.scene, scene.rebuild_ratio, scene.quality,
+                          scene.rebuild_triangles_max, error);
     case RECORD_OBJECT:
-        memcpy(&object, view->payload, sizeof(object));
+        memcpy(&object, view->payload, sizeof object);
         return add_object(drive, object.scene, object.mesh, object.object, error);
     case RECORD_SCENE_GONE:
     case RECORD_MESH_GONE:
@@ -361,9 +377,9 @@ int drive_follow(struct drive *drive, const struct world *world,
 
 static size_t range_bytes(const struct record_segment *segment)
 {
-    return segment->kind == RECORD_RIGID        ? 12 * sizeof(double)
-           : segment->format == PCCD_FORMAT_F64 ? segment->count * sizeof(double[3])
-                                                : segment->count * sizeof(float[3]);
+    return segment->kind == RECORD_RIGID
+               ? 12 * sizeof(double)
+               : segment->count * common_vertex_bytes(segment->format);
 }
 
 static int add_segment(struct pccd_frame *frame, const struct record_segment *segment,
@@ -374,8 +390,8 @@ static int add_segment(struct pccd_frame *frame, const struct record_segment *se
     int status;
     if (segment->kind == RECORD_RIGID) {
         double m0[12], m1[12];
-        memcpy(m0, slot + segment->offset0, sizeof(m0));
-        memcpy(m1, slot + segment->offset1, sizeof(m1));
+        memcpy(m0, slot + segment->offset0, sizeof m0);
+        memcpy(m1, slot + segment->offset1, sizeof m1);
         return pccd_frame_rigid(frame, segment->object, segment->first, segment->count,
                                 m0, m1);
     }
@@ -396,15 +412,14 @@ static int add_segment(struct pccd_frame *frame, const struct record_segment *se
 static int submit(struct drive *drive, const struct record_frame *frame,
                   const uint8_t *slot, uint64_t *step)
 {
-    const struct pccd_step_settings settings = {
-        .mode = (enum pccd_mode)frame->mode,
-        .method = (enum pccd_method)frame->method,
-        .threads = frame->threads,
-        .scheduler = (enum pccd_scheduler)frame->scheduler,
-        .high_level = (enum pccd_high_level)frame->high_level,
-        .refit = (enum pccd_refit)frame->refit,
-        .tolerance = frame->tolerance,
-        .deadline_ns = frame->deadline_ns};
+    const struct pccd_step_settings settings = {.struct_bytes =
+                                                    sizeof(struct pccd_step_settings),
+                                                .mode = (enum pccd_mode)frame->mode,
+                                                .method = (enum pccd_method)frame->method,
+                                                .threads = frame->threads,
+                                                .tuning = drive->tuning,
+                                                .tolerance = frame->tolerance,
+                                                .deadline_ns = frame->deadline_ns};
     struct record_segment segment;
     struct pccd_frame made;
     uint64_t bytes = 0;
@@ -412,7 +427,7 @@ static int submit(struct drive *drive, const struct record_frame *frame,
         return pccd_submit_still(drive->client, frame->scene, &settings, step);
     }
     for (uint32_t i = 0; i < frame->segment_count; i++) {
-        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         bytes += range_bytes(&segment) * (segment.kind == RECORD_X1 ? 1 : 2);
     }
     int status =
@@ -421,7 +436,7 @@ static int submit(struct drive *drive, const struct record_frame *frame,
         return status;
     }
     for (uint32_t i = 0; i < frame->segment_count && status == PCCD_OK; i++) {
-        memcpy(&segment, slot + i * sizeof(segment), sizeof(segment));
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
         status = add_segment(&made, &segment, slot);
     }
     if (status != PCCD_OK) {

@@ -1,8 +1,8 @@
-/* client/ctl/record/drive.h - a daemon that does what a recorded session did.
+/* client/ctl/record/drive.h - makes a daemon repeat what a recorded client did.
  *
  * Room:     client/ctl. May include: world.h, pccd.h.
- * Does:     bring a daemon to where a world is, under the same handles, and keep it
- *           there; submit recorded steps and collect their answers.
+ * Does:     register everything in a daemon as the recorded client had it, under the same
+ *           handles, and keep it so; submit recorded steps and collect their answers.
  * Does not: read files, or compare.
  * Threads:  one.
  */
@@ -15,17 +15,19 @@
 struct drive {
     struct pccd_client *client; /* the caller's */
     bool is_begun;
-    struct pccd_answer answer; /* of the last step: numbers; no records */
-    void *records;             /* ours: those that were collected */
+    char tuning[PCCD_TUNING_BYTES]; /* of the next step; the caller's to set */
+    struct pccd_answer answer;      /* of the last step: numbers; no records */
+    void *records;                  /* ours: those that were collected */
     uint64_t record_count;
     size_t record_room; /* bytes */
 };
 
 /* Tell the daemon of everything in `world`. */
-int drive_begin(struct drive *drive, const struct world *world, struct ctl_error *error);
+int drive_begin(struct drive *drive, const struct registry *world,
+                struct ctl_error *error);
 /* Follow a chunk that is not a step, after drive_begin; `world` has not followed it
  * yet. */
-int drive_follow(struct drive *drive, const struct world *world,
+int drive_follow(struct drive *drive, const struct registry *world,
                  const struct record_view *view, struct ctl_error *error);
 /* Submit a step with these settings, which the caller may have changed, and wait for its
  * answer. A step that fails in the daemon is an answer: drive->answer.status. With

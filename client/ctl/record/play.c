@@ -15,9 +15,12 @@
 #include <string.h>
 #include <time.h>
 
+#include "answer_hash.h"
 #include "answers.h"
+#include "clock.h"
 #include "ctl.h"
 #include "drive.h"
+#include "former_tuning.h"
 #include "progress.h"
 
 struct player {
@@ -28,7 +31,7 @@ struct player {
     struct record_reader reader;
     struct record_reader pages; /* the same file, at the records of answers */
     struct answers answers;
-    struct world world;
+    struct registry world;
     struct drive drive;
     struct progress progress;
     struct step_trace trace;
@@ -40,13 +43,6 @@ struct player {
     uint64_t last_step; /* read of the log */
 };
 
-static uint64_t now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-
 bool play_is_repeatable(int status)
 {
     return status == PCCD_OK || status == PCCD_E_INVAL || status == PCCD_E_HANDLE ||
@@ -54,16 +50,31 @@ bool play_is_repeatable(int status)
            status == PCCD_E_INDEX;
 }
 
+void play_hash(const struct play_step *step, uint64_t hash[2])
+{
+    const struct pccd_answer *answer = step->answer;
+    if (step->hash_version == PCCD_HASH_VERSION || answer->status != PCCD_OK ||
+        answer->mode == PCCD_MODE_ANY) {
+        memcpy(hash, answer->hash, sizeof answer->hash);
+    } else if (answer->mode == PCCD_MODE_PAIRS) {
+        record_answer_hash(step->hash_version, step->pairs, step->count,
+                           sizeof *step->pairs, hash);
+    } else {
+        record_answer_hash(step->hash_version, step->contacts, step->count,
+                           sizeof *step->contacts, hash);
+    }
+}
+
 /* Wait until as much time has passed as then. */
 static void keep_pace(struct player *player, uint64_t then_ns)
 {
     if (player->begun_ns == 0) {
-        player->begun_ns = now_ns();
+        player->begun_ns = common_now_ns();
         player->begun_then_ns = then_ns;
         return;
     }
     uint64_t at_ns = player->begun_ns + (then_ns - player->begun_then_ns);
-    uint64_t now = now_ns();
+    uint64_t now = common_now_ns();
     if (then_ns > player->begun_then_ns && at_ns > now) {
         const struct timespec pause = {(time_t)((at_ns - now) / 1000000000u),
                                        (long)((at_ns - now) % 1000000000u)};
@@ -96,11 +107,13 @@ static int repeat(struct player *player, const struct record_view *view,
                   struct play_step *step, struct ctl_error *error)
 {
     struct record_frame asked = *frame;
-    bool collects = player->settings.needs_records;
+    /* A hash of another version is computed from the records. */
+    bool collects =
+        player->settings.needs_records || step->hash_version != PCCD_HASH_VERSION;
     asked.deadline_ns = 0; /* would end it anywhere */
     if (player->settings.method != PCCD_METHOD_DEFAULT) {
         asked.method = player->settings.method;
-        asked.scheduler = asked.high_level = asked.refit = 0;
+        player->drive.tuning[0] = '\0';
     }
     if (player->settings.threads != 0) {
         asked.threads = player->settings.threads;
@@ -111,9 +124,9 @@ static int repeat(struct player *player, const struct record_view *view,
     if (player->settings.is_traced) {
         step_trace_begin(&player->trace, player->drive.client);
     }
-    uint64_t begin_ns = now_ns();
+    uint64_t begin_ns = common_now_ns();
     int status = drive_step(&player->drive, &asked, slot, collects, error);
-    player->summary->seconds += (double)(now_ns() - begin_ns) * 1e-9;
+    player->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
     if (status != PCCD_OK) {
         return status;
     }
@@ -154,7 +167,8 @@ static int show_step(struct player *player, const struct record_view *view,
     struct play_step step = {.number = frame->step,
                              .time_ns = view->time_ns,
                              .frame = frame,
-                             .recorded = answers_find(&player->answers, frame->step)};
+                             .recorded = answers_find(&player->answers, frame->step),
+                             .hash_version = record_reader_hash_version(&player->reader)};
     step.has_other_pairs = asks_daemon && frame->mode == PCCD_MODE_PAIRS &&
                            (player->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
     int status = asks_daemon ? repeat(player, view, frame, slot, &step, error)
@@ -168,49 +182,45 @@ static int show_step(struct player *player, const struct record_view *view,
     if (status != PCCD_OK) {
         return status;
     }
-    step.scene = world_scene(&player->world, frame->scene);
+    step.scene = registry_scene(&player->world, frame->scene);
     return player->show(player->context, &step, error);
 }
 
 static int follow_frame(struct player *player, const struct record_view *view,
-                        struct ctl_error *error)
+                        const struct record_frame *frame, struct ctl_error *error)
 {
     const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
-    struct record_frame frame;
-    memcpy(&frame, view->payload, sizeof(frame));
-    const struct record_answer *recorded = answers_find(&player->answers, frame.step);
+    const struct record_answer *recorded = answers_find(&player->answers, frame->step);
     bool asks_daemon = player->settings.source == PLAY_DAEMON ||
                        (player->answers.begin.flags & RECORD_HAS_RECORDS) == 0;
     int status = PCCD_OK;
-    progress_update(&player->progress, frame.step);
-    player->wanted += is_shown(player, frame.step);
-    player->last_step = frame.step;
+    progress_update(&player->progress, frame->step);
+    player->wanted += is_shown(player, frame->step);
+    player->last_step = frame->step;
     if (recorded != NULL && !play_is_repeatable(recorded->status)) {
         player->summary->skipped++;
         return PCCD_OK;
     }
-    if (!is_shown(player, frame.step)) {
+    if (!is_shown(player, frame->step)) {
         return recorded == NULL || recorded->status == PCCD_OK
-                   ? world_step(&player->world, &frame, slot, error)
+                   ? world_step(&player->world, frame, slot, error)
                    : PCCD_OK;
     }
     if (asks_daemon) {
         status = begin_drive(player, error);
     }
-    return status == PCCD_OK ? show_step(player, view, &frame, slot, asks_daemon, error)
+    return status == PCCD_OK ? show_step(player, view, frame, slot, asks_daemon, error)
                              : status;
 }
 
 /* A step of another client in a shared scene. */
 static int follow_move(struct player *player, const struct record_view *view,
-                       struct ctl_error *error)
+                       const struct record_frame *frame, struct ctl_error *error)
 {
     const uint8_t *slot = (const uint8_t *)view->payload + sizeof(struct record_frame);
-    struct record_frame frame;
-    memcpy(&frame, view->payload, sizeof(frame));
-    int status = player->drive.is_begun ? drive_move(&player->drive, &frame, slot, error)
-                                        : PCCD_OK;
-    return status == PCCD_OK ? world_step(&player->world, &frame, slot, error) : status;
+    int status =
+        player->drive.is_begun ? drive_move(&player->drive, frame, slot, error) : PCCD_OK;
+    return status == PCCD_OK ? world_step(&player->world, frame, slot, error) : status;
 }
 
 /* What to do about it is to stop before; a range ends where the next step is read. */
@@ -224,6 +234,20 @@ static int damaged(const struct player *player, int status, struct ctl_error *er
                                text, player->last_step - 1);
 }
 
+/* A FRAME or a MOVE. How its threads shared the work, the chunk before has told; in
+ * earlier recordings its head does. */
+static int follow_motion(struct player *player, const struct record_view *view,
+                         const struct record_frame *frame, struct ctl_error *error)
+{
+    if (player->drive.tuning[0] == '\0') {
+        record_former_tuning(frame, player->drive.tuning);
+    }
+    int status = view->kind == RECORD_FRAME ? follow_frame(player, view, frame, error)
+                                            : follow_move(player, view, frame, error);
+    player->drive.tuning[0] = '\0';
+    return status;
+}
+
 static int follow(struct player *player, struct ctl_error *error)
 {
     struct record_view view;
@@ -232,17 +256,17 @@ static int follow(struct player *player, struct ctl_error *error)
         if (got < 0) {
             return damaged(player, got, error);
         }
-        if (view.kind == RECORD_FRAME) {
-            struct record_frame frame;
-            memcpy(&frame, view.payload, sizeof(frame));
-            if (player->settings.last != 0 && frame.step > player->settings.last) {
-                return PCCD_OK;
-            }
-            status = follow_frame(player, &view, error);
+        if (view.kind == RECORD_TUNING) {
+            memcpy(player->drive.tuning, view.payload, sizeof player->drive.tuning);
             continue;
         }
-        if (view.kind == RECORD_MOVE) {
-            status = follow_move(player, &view, error);
+        if (view.kind == RECORD_FRAME || view.kind == RECORD_MOVE) {
+            struct record_frame frame;
+            memcpy(&frame, view.payload, sizeof frame);
+            if (player->settings.last != 0 && frame.step > player->settings.last) {
+                return PCCD_OK; /* a MOVE has no number */
+            }
+            status = follow_motion(player, &view, &frame, error);
             continue;
         }
         if (player->drive.is_begun) {
@@ -317,7 +341,7 @@ int play(const struct play_settings *settings, play_fn show, void *context,
                             .context = context,
                             .reader = {.fd = -1},
                             .pages = {.fd = -1}};
-    memset(summary, 0, sizeof(*summary));
+    memset(summary, 0, sizeof *summary);
     int status = open_all(&player, error);
     if (status == PCCD_OK) {
         progress_begin(&player.progress, settings->label,
@@ -329,7 +353,7 @@ int play(const struct play_settings *settings, play_fn show, void *context,
     }
     drive_deinit(&player.drive);
     pccd_close(player.drive.client);
-    world_deinit(&player.world);
+    registry_deinit(&player.world);
     answers_deinit(&player.answers);
     record_reader_deinit(&player.reader);
     record_reader_deinit(&player.pages);

@@ -1,9 +1,10 @@
-/* client/ctl/record/play.h - the steps of a recording, one after the other.
+/* client/ctl/record/play.h - goes through the steps of a recording, and has a daemon
+ * compute them again if wanted.
  *
  * Room:     client/ctl. May include: world.h, link.h, step_trace.h, pccd.h.
- * Does:     read a recording, follow it, have a daemon repeat it where that is asked for,
- *           and show each step with what was answered then and now.
- * Does not: judge: that is who is shown the steps.
+ * Does:     read a recording, follow it, and show each step to the caller with what was
+ *           answered then and now.
+ * Does not: judge answers: the caller does.
  * Threads:  one.
  */
 #ifndef CTL_PLAY_H
@@ -24,8 +25,9 @@ struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct record_frame *frame;
-    const struct world_scene *scene;
+    const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
+    uint32_t hash_version;                /* of the recorded hash */
     const struct pccd_answer *answer;    /* the daemon's, numbers only; NULL: not asked */
     const struct pccd_contact *contacts; /* [count]; NULL: none, or not asked for */
     const struct pccd_pair *pairs;       /* [count] */
@@ -71,6 +73,10 @@ struct play_summary {
 
 int play(const struct play_settings *settings, play_fn show, void *context,
          struct play_summary *summary, struct ctl_error *error);
+
+/* The hash of the daemon's answer to a step by the version of the recorded hash, so that
+ * the two can be compared. */
+void play_hash(const struct play_step *step, uint64_t hash[2]);
 
 /* Whether a step that failed so fails again. */
 bool play_is_repeatable(int status);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "names.h"
 #include "report.h"
 #include "shown.h"
 
@@ -25,12 +26,13 @@ enum { OPTION_STEPS = 256 + 96, OPTION_METHOD, OPTION_THREADS, OPTION_JSON };
 static const struct argp_option option_list[] = {
     {"steps", OPTION_STEPS, "A..B", 0,
      "From step A to step B, as the recorded program numbered them; A.. and ..B and A "
-     "alone are ranges too. What was before A is not repeated: the daemon is told where "
-     "things were",
+     "alone are ranges too. Steps before A are not repeated: the daemon is told where "
+     "everything was",
      0},
     {"method", OPTION_METHOD, "paper|wide", 0,
-     "Have the steps computed by paper or wide (default: as recorded)", 0},
-    {"threads", OPTION_THREADS, "N", 0, "By at most N threads (default: as recorded)", 0},
+     "Compute the steps by the method paper or wide (default: as recorded)", 0},
+    {"threads", OPTION_THREADS, "N", 0, "Use at most N threads (default: as recorded)",
+     0},
     {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {0},
 };
@@ -69,7 +71,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_METHOD:
         for (uint32_t i = 0; i < PCCD_METHOD_COUNT; i++) {
-            if (strcmp(report_method_name((enum pccd_method)i), text) == 0) {
+            if (strcmp(common_method_name((enum pccd_method)i), text) == 0) {
                 options->play.method = (enum pccd_method)i;
                 return 0;
             }
@@ -105,7 +107,7 @@ const struct argp play_options_argp = {
 
 void play_options_init(struct play_options *options, const char *label)
 {
-    memset(options, 0, sizeof(*options));
+    memset(options, 0, sizeof *options);
     options->link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
     options->play.link = &options->link;
     options->play.label = label;

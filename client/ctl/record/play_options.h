@@ -1,7 +1,8 @@
-/* client/ctl/record/play_options.h - options of the commands that read a recording.
+/* client/ctl/record/play_options.h - the options that all commands which read a recording
+ * have in common.
  *
  * Room:     client/ctl. May include: link.h, play.h.
- * Does:     FILE, --steps, --method, --threads, --json and the daemon's options.
+ * Does:     provide FILE, --steps, --method, --threads, --json and the daemon's options.
  * Does not: know what a command does with the steps.
  * Threads:  one.
  */

@@ -18,7 +18,7 @@
 static void keep_failure(struct step_trace *trace, struct pccd_client *client, int status)
 {
     trace->status = status;
-    snprintf(trace->text, sizeof(trace->text), "%s", pccd_error_text(client));
+    snprintf(trace->text, sizeof trace->text, "%s", pccd_error_text(client));
 }
 
 void step_trace_begin(struct step_trace *trace, struct pccd_client *client)
@@ -46,7 +46,7 @@ static bool make_room(struct step_trace *trace, uint32_t count)
         return false;
     }
     if (room > trace->room) {
-        void *grown = realloc(trace->events, room * sizeof(*trace->events));
+        void *grown = realloc(trace->events, room * sizeof *trace->events);
         if (grown == NULL) {
             return false;
         }
@@ -116,5 +116,5 @@ void step_trace_end(struct step_trace *trace, struct pccd_client *client)
 void step_trace_deinit(struct step_trace *trace)
 {
     free(trace->events);
-    memset(trace, 0, sizeof(*trace));
+    memset(trace, 0, sizeof *trace);
 }

@@ -1,7 +1,7 @@
-/* client/ctl/record/step_trace.h - what a daemon's threads did in one step.
+/* client/ctl/record/step_trace.h - traces what a daemon's threads do during one step.
  *
  * Room:     client/ctl. May include: pccd.h.
- * Does:     record a step, and keep the events of the team that lie in it and are long
+ * Does:     record a step, and keep those events of the team that lie in it and are long
  *           enough to be seen.
  * Does not: write files (trace_file.h).
  * Threads:  one.

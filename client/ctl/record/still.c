@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "json_text.h"
+#include "kinds.h"
 #include "plural.h"
 #include "shown.h"
 
@@ -35,13 +36,14 @@ static int no_memory(struct ctl_error *error)
 
 /* A float has eight digits: where most of them say how far off the scene is, that is said
  * apart. */
-static void choose_origin(const struct world_scene *scene, double t, struct still *still)
+static void choose_origin(const struct registry_scene *scene, double t,
+                          struct still *still)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
     double extent = 0, far = 0;
     for (uint32_t o = 0; o < scene->object_count; o++) {
-        const struct world_object *object = &scene->objects[o];
+        const struct registry_object *object = &scene->objects[o];
         for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
             double a = object->x0[i / 3][i % 3], b = object->x1[i / 3][i % 3];
             low[i % 3] = fmin(low[i % 3], a + t * (b - a));
@@ -58,18 +60,18 @@ static void choose_origin(const struct world_scene *scene, double t, struct stil
     }
 }
 
-static bool take_object(const struct world_object *from, double t, const double origin[3],
-                        struct still_object *object)
+static bool take_object(const struct registry_object *from, double t,
+                        const double origin[3], struct still_object *object)
 {
-    const struct world_mesh *mesh = from->mesh;
+    const struct registry_mesh *mesh = from->mesh;
     *object = (struct still_object){
         .handle = from->handle,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
-        .x = malloc(mesh->vertex_count * sizeof(*object->x)),
-        .motion = malloc(mesh->vertex_count * sizeof(*object->motion)),
-        .triangles = malloc(mesh->triangle_count * sizeof(*object->triangles)),
-        .hits = calloc(mesh->triangle_count, sizeof(*object->hits))};
+        .x = malloc(mesh->vertex_count * sizeof *object->x),
+        .motion = malloc(mesh->vertex_count * sizeof *object->motion),
+        .triangles = malloc(mesh->triangle_count * sizeof *object->triangles),
+        .hits = calloc(mesh->triangle_count, sizeof *object->hits)};
     if (object->x == NULL || object->motion == NULL || object->triangles == NULL ||
         object->hits == NULL) {
         return false;
@@ -82,7 +84,7 @@ static bool take_object(const struct world_object *from, double t, const double 
         }
     }
     memcpy(object->triangles, mesh->triangles,
-           mesh->triangle_count * sizeof(*object->triangles));
+           mesh->triangle_count * sizeof *object->triangles);
     return true;
 }
 
@@ -98,19 +100,19 @@ static struct still_object *find_object(const struct still *still, uint32_t hand
 
 /* The vertices of a feature: its number of them, 0 for one that there is not. */
 static uint32_t corners_of(const struct still_object *object,
-                           const struct world_mesh *mesh, uint32_t feature, uint32_t size,
-                           uint32_t corners[3])
+                           const struct registry_mesh *mesh, uint32_t feature,
+                           uint32_t size, uint32_t corners[3])
 {
     if (size == 1 && feature < object->vertex_count) {
         corners[0] = feature;
         return 1;
     }
     if (size == 2 && feature < mesh->edge_count) {
-        memcpy(corners, mesh->edges[feature], 2 * sizeof(*corners));
+        memcpy(corners, mesh->edges[feature], 2 * sizeof *corners);
         return 2;
     }
     if (size == 3 && feature < object->triangle_count) {
-        memcpy(corners, object->triangles[feature], 3 * sizeof(*corners));
+        memcpy(corners, object->triangles[feature], 3 * sizeof *corners);
         return 3;
     }
     return 0;
@@ -129,22 +131,22 @@ static void widen(struct still_contact *contact, const struct still_object *obje
 }
 
 /* Where the second feature is touched; false for a record that makes no sense. */
-static bool place_contact(const struct still *still, const struct world_scene *scene,
+static bool place_contact(const struct still *still, const struct registry_scene *scene,
                           const struct pccd_contact *from, struct still_contact *to)
 {
     const struct still_object *a = find_object(still, from->object_a);
     const struct still_object *b = find_object(still, from->object_b);
-    const struct world_object *known_a = world_object(scene, from->object_a);
-    const struct world_object *known_b = world_object(scene, from->object_b);
-    bool is_vf = from->kind == PCCD_VF;
-    float u = from->param[0], v = from->param[1];
+    const struct registry_object *known_a = registry_object(scene, from->object_a);
+    const struct registry_object *known_b = registry_object(scene, from->object_b);
+    double w[2][3];
     uint32_t of_a[3], of_b[3];
     if (a == NULL || b == NULL || known_a == NULL || known_b == NULL ||
-        (!is_vf && from->kind != PCCD_EE)) {
+        from->kind >= PCCD_KIND_COUNT) {
         return false;
     }
-    uint32_t count_a = corners_of(a, known_a->mesh, from->feature_a, is_vf ? 1 : 2, of_a);
-    uint32_t count_b = corners_of(b, known_b->mesh, from->feature_b, is_vf ? 3 : 2, of_b);
+    const uint32_t *points = common_kinds[from->kind].points;
+    uint32_t count_a = corners_of(a, known_a->mesh, from->feature_a, points[0], of_a);
+    uint32_t count_b = corners_of(b, known_b->mesh, from->feature_b, points[1], of_b);
     if (count_a == 0 || count_b == 0) {
         return false;
     }
@@ -155,14 +157,16 @@ static bool place_contact(const struct still *still, const struct world_scene *s
                                  .feature_a = from->feature_a,
                                  .object_b = from->object_b,
                                  .feature_b = from->feature_b};
-    memcpy(to->normal, from->normal, sizeof(to->normal));
+    memcpy(to->normal, from->normal, sizeof to->normal);
+    common_contact_weights((enum pccd_kind)from->kind, from->param, w);
     for (uint32_t k = 0; k < 3; k++) {
-        const float *first = b->x[of_b[0]], *second = b->x[of_b[1]];
-        to->at[k] = is_vf
-                        ? (1.0f - u - v) * first[k] + u * second[k] + v * b->x[of_b[2]][k]
-                        : first[k] + v * (second[k] - first[k]);
+        double at = 0;
+        for (uint32_t i = 0; i < count_b; i++) {
+            at += w[1][i] * (double)b->x[of_b[i]][k];
+        }
+        to->at[k] = (float)at;
     }
-    if (is_vf) {
+    if (points[1] == 3) {
         b->hits[from->feature_b]++;
     }
     widen(to, a, of_a, count_a);
@@ -219,8 +223,8 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
             return status;
         }
     }
-    still->objects = calloc(step->scene->object_count + 1, sizeof(*still->objects));
-    still->contacts = calloc(step->count + 1, sizeof(*still->contacts));
+    still->objects = calloc(step->scene->object_count + 1, sizeof *still->objects);
+    still->contacts = calloc(step->count + 1, sizeof *still->contacts);
     if (still->objects == NULL || still->contacts == NULL) {
         return no_memory(error);
     }
@@ -255,7 +259,7 @@ int still_take(const struct play_settings *settings, const struct still_at *at,
                struct still *still, struct play_summary *summary, struct ctl_error *error)
 {
     struct taking taking = {.still = still, .at = at};
-    memset(still, 0, sizeof(*still));
+    memset(still, 0, sizeof *still);
     int status = play(settings, take, &taking, summary, error);
     if (status == PCCD_OK && !taking.is_taken) {
         status =
@@ -298,5 +302,5 @@ void still_deinit(struct still *still)
     }
     free(still->objects);
     free(still->contacts);
-    memset(still, 0, sizeof(*still));
+    memset(still, 0, sizeof *still);
 }

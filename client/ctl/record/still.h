@@ -1,9 +1,10 @@
-/* client/ctl/record/still.h - one step of a recording, to be looked at.
+/* client/ctl/record/still.h - one step of a recording at one moment, ready to be drawn or
+ * exported.
  *
  * Room:     client/ctl. May include: play.h.
  * Does:     copy the objects of a step as they are at one time, and place its contacts on
- *           them; say what was made of it.
- * Does not: draw, or write what others read.
+ *           them; describe them in words.
+ * Does not: draw, or write a file.
  * Threads:  one.
  */
 #ifndef CTL_STILL_H

@@ -15,10 +15,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
-#include "oracle_scene.h"
+#include "answer_hash.h"
+#include "kinds.h"
+#include "oracle.h"
 
 #define TOLERANCE    1e-6
 #define BRACKET_BITS 60u
@@ -85,68 +84,71 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
 
 /* ---- features ---------------------------------------------------------------------- */
 
-static struct oracle_object oracle_object(const struct world_object *object)
+const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
+                               const uint32_t *feature)
 {
-    return (struct oracle_object){.object_id = object->handle,
-                                  .vertex_count = object->mesh->vertex_count,
-                                  .triangle_count = object->mesh->triangle_count,
-                                  .x0 = (const double(*)[3])object->x0,
-                                  .x1 = (const double(*)[3])object->x1,
-                                  .triangles =
-                                      (const uint32_t(*)[3])object->mesh->triangles};
+    if (*feature >= verify_feature_count(mesh, points)) {
+        return NULL;
+    }
+    return points == 1   ? feature
+           : points == 2 ? mesh->edges[*feature]
+                         : mesh->triangles[*feature];
 }
 
-void verify_points(const struct world_scene *scene, const struct pccd_pair *pair,
+uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points)
+{
+    return points == 1   ? mesh->vertex_count
+           : points == 2 ? mesh->edge_count
+                         : mesh->triangle_count;
+}
+
+void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
                    double p[8][3])
 {
-    const struct world_object *a = world_object(scene, pair->object_a);
-    const struct world_object *b = world_object(scene, pair->object_b);
-    const struct oracle_object oracle_a = oracle_object(a), oracle_b = oracle_object(b);
-    if (pair->kind == PCCD_VF) {
-        oracle_vf_points(&oracle_a, pair->feature_a, &oracle_b, pair->feature_b, p);
-    } else {
-        oracle_ee_points(&oracle_a, a->mesh->edges[pair->feature_a], &oracle_b,
-                         b->mesh->edges[pair->feature_b], p);
+    const uint32_t *points = common_kinds[pair->kind].points;
+    const uint32_t handles[2] = {pair->object_a, pair->object_b};
+    const uint32_t features[2] = {pair->feature_a, pair->feature_b};
+    uint32_t at = 0;
+    for (int side = 0; side < 2; side++) {
+        const struct registry_object *object = registry_object(scene, handles[side]);
+        const uint32_t *v = verify_feature(object->mesh, points[side], &features[side]);
+        for (uint32_t i = 0; i < points[side]; i++, at++) {
+            memcpy(p[at], object->x0[v[i]], sizeof p[at]);
+            memcpy(p[4 + at], object->x1[v[i]], sizeof p[4 + at]);
+        }
+    }
+    for (; at < 4; at++) {
+        memcpy(p[at], p[at - 1], sizeof p[at]);
+        memcpy(p[4 + at], p[3 + at], sizeof p[4 + at]);
     }
 }
 
 /* Whether a pair names two features that there are and that may touch; else why not. */
-static const char *misnamed(const struct world_scene *scene, const struct pccd_pair *pair)
+static const char *misnamed(const struct registry_scene *scene,
+                            const struct pccd_pair *pair)
 {
-    const struct world_object *a = world_object(scene, pair->object_a);
-    const struct world_object *b = world_object(scene, pair->object_b);
-    const uint32_t *va, *vb;
-    uint32_t count_a, count_b;
+    const struct registry_object *a = registry_object(scene, pair->object_a);
+    const struct registry_object *b = registry_object(scene, pair->object_b);
     if (a == NULL || b == NULL) {
         return "the record names an object that is not in the scene";
     }
-    if (!world_may_meet(scene, a, b)) {
+    if (!registry_may_meet(scene, a, b)) {
         return a == b ? "the record's object may not meet itself"
                       : "the record's objects may not meet each other";
     }
-    if (pair->kind == PCCD_VF) {
-        if (pair->feature_a >= a->mesh->vertex_count ||
-            pair->feature_b >= b->mesh->triangle_count) {
-            return "the record names a vertex or face that there is not";
-        }
-        va = &pair->feature_a;
-        vb = b->mesh->triangles[pair->feature_b];
-        count_a = 1;
-        count_b = 3;
-    } else if (pair->kind == PCCD_EE) {
-        if (pair->feature_a >= a->mesh->edge_count ||
-            pair->feature_b >= b->mesh->edge_count) {
-            return "the record names an edge that there is not";
-        }
-        if (pair->object_a > pair->object_b ||
-            (a == b && pair->feature_a >= pair->feature_b)) {
-            return "the record has its edges in the wrong order";
-        }
-        va = a->mesh->edges[pair->feature_a];
-        vb = b->mesh->edges[pair->feature_b];
-        count_a = count_b = 2;
-    } else {
+    if (pair->kind >= PCCD_KIND_COUNT) {
         return "the record has an unknown kind";
+    }
+    const uint32_t count_a = common_kinds[pair->kind].points[0];
+    const uint32_t count_b = common_kinds[pair->kind].points[1];
+    const uint32_t *va = verify_feature(a->mesh, count_a, &pair->feature_a);
+    const uint32_t *vb = verify_feature(b->mesh, count_b, &pair->feature_b);
+    if (va == NULL || vb == NULL) {
+        return "the record names a feature that there is not";
+    }
+    if (count_a == count_b && (pair->object_a > pair->object_b ||
+                               (a == b && pair->feature_a >= pair->feature_b))) {
+        return "the record has its features in the wrong order";
     }
     for (uint32_t i = 0; a == b && i < count_a * count_b; i++) {
         if (va[i / count_b] == vb[i % count_b]) {
@@ -160,10 +162,10 @@ bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
                   const struct pccd_pair *pair, const char *format, ...)
 {
     va_list arguments;
-    memset(witness, 0, sizeof(*witness));
+    memset(witness, 0, sizeof *witness);
     witness->step = step->number;
     va_start(arguments, format);
-    (void)vsnprintf(witness->what, sizeof(witness->what), format, arguments);
+    (void)vsnprintf(witness->what, sizeof witness->what, format, arguments);
     va_end(arguments);
     if (pair == NULL) {
         return false;
@@ -194,7 +196,8 @@ bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
 /* What its floats must be, whatever the rounding. */
 static const char *malformed(const struct pccd_contact *contact, double tolerance)
 {
-    double u = (double)contact->param[0], v = (double)contact->param[1];
+    double w[2][3];
+    bool are_inside = true;
     double length = 0;
     for (int k = 0; k < 3; k++) {
         length += (double)contact->normal[k] * (double)contact->normal[k];
@@ -206,10 +209,11 @@ static const char *malformed(const struct pccd_contact *contact, double toleranc
         contact->toi_hi - contact->toi > tolerance) {
         return "the record's time is wider than the tolerance";
     }
-    if ((contact->flags & PCCD_PROVED) != 0 &&
-        !(u >= -SLACK && v >= -SLACK &&
-          (contact->kind == PCCD_VF ? u + v <= 1 + SLACK
-                                    : u <= 1 + SLACK && v <= 1 + SLACK))) {
+    common_contact_weights((enum pccd_kind)contact->kind, contact->param, w);
+    for (int i = 0; i < 6; i++) {
+        are_inside = are_inside && w[i / 3][i % 3] >= -SLACK;
+    }
+    if ((contact->flags & PCCD_PROVED) != 0 && !are_inside) {
         return "the record's parameters are outside of its features";
     }
     if (!(length == 0 || fabs(sqrt(length) - 1) <= SLACK)) {
@@ -305,19 +309,23 @@ static bool check_sums(const struct play_step *step, struct verify_witness *witn
     const struct record_answer *then = step->recorded;
     const struct pccd_answer *now = step->answer;
     double first = 2;
-    XXH128_hash_t hash = XXH3_128bits(records, step->count * each);
+    uint64_t hash[2];
     for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
         first = fmin(first, step->contacts[i].toi);
     }
-    if (now != NULL && (now->hash[0] != hash.high64 || now->hash[1] != hash.low64)) {
+    record_answer_hash(PCCD_HASH_VERSION, records, step->count, each, hash);
+    if (now != NULL && memcmp(now->hash, hash, sizeof hash) != 0) {
         return verify_wrong(witness, step, NULL,
                             "the daemon's hash is not that of its records");
     }
     if (then != NULL && then->status == PCCD_OK && then->incomplete <= 1 &&
-        !step->has_other_pairs &&
-        (then->hash[0] != hash.high64 || then->hash[1] != hash.low64)) {
-        return verify_wrong(witness, step, NULL, "the recorded hash is not that of %s",
-                            now != NULL ? "a daemon's records" : "the recorded records");
+        !step->has_other_pairs) {
+        record_answer_hash(step->hash_version, records, step->count, each, hash);
+        if (memcmp(then->hash, hash, sizeof hash) != 0) {
+            return verify_wrong(
+                witness, step, NULL, "the recorded hash is not that of %s",
+                now != NULL ? "a daemon's records" : "the recorded records");
+        }
     }
     if (step->pairs == NULL && first != verify_toi_first(step)) {
         return verify_wrong(witness, step, NULL,

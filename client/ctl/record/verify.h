@@ -1,8 +1,9 @@
-/* client/ctl/record/verify.h - whether the answer to a step is right.
+/* client/ctl/record/verify.h - checks the answer of a recorded step against exact
+ * arithmetic (`pccdctl verify`).
  *
  * Room:     client/ctl. May include: play.h, oracle.h.
- * Does:     put every record, and a sample of what is not among them, to exact rational
- *           arithmetic, which shares nothing with the engine that answered.
+ * Does:     recompute every record, and a sample of pairs that were not reported, by
+ *           exact rational arithmetic that shares nothing with the engine.
  * Does not: print.
  * Threads:  one.
  * Source:   the definition of a contact in oracle.h.
@@ -52,8 +53,14 @@ bool verify_near(const struct play_step *step, const struct verify_settings *set
 
 /* Whether the answer holds the pair. */
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
-/* The eight points of a pair of features that exist. */
-void verify_points(const struct world_scene *scene, const struct pccd_pair *pair,
+/* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
+ * there is none of that index. A vertex is its own. */
+uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points);
+const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
+                               const uint32_t *feature);
+/* The eight points of a pair of features that exist, in the order of oracle.h; a kind of
+ * fewer repeats the last. */
+void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
                    double p[8][3]);
 /* *witness, with the exact time of the pair's contact if it has one. Returns false. */
 bool verify_wrong(struct verify_witness *witness, const struct play_step *step,

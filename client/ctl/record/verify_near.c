@@ -11,6 +11,7 @@
 #include <inttypes.h>
 #include <stddef.h>
 
+#include "kinds.h"
 #include "oracle.h"
 #include "verify.h"
 
@@ -41,7 +42,7 @@ static uint64_t next(struct draw *draw)
 }
 
 /* Of the motion of `count` vertices: exact, for it only compares. */
-static struct box box_of(const struct world_object *object, const uint32_t *v,
+static struct box box_of(const struct registry_object *object, const uint32_t *v,
                          uint32_t count)
 {
     struct box box;
@@ -127,55 +128,32 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     return true;
 }
 
-/* All faces near a vertex. */
-static bool try_vertex(struct draw *draw, const struct world_object *object,
-                       uint32_t vertex)
+/* All pairs of a kind that a feature may make with features near it, as the first or,
+ * where both sides are of one sort, as the second. */
+static bool try_feature(struct draw *draw, enum pccd_kind kind,
+                        const struct registry_object *object, uint32_t feature)
 {
-    const struct world_scene *scene = draw->step->scene;
-    struct box box = box_of(object, &vertex, 1);
+    const struct registry_scene *scene = draw->step->scene;
+    const uint32_t *points = common_kinds[kind].points;
+    const uint32_t *own = verify_feature(object->mesh, points[0], &feature);
+    struct box box = box_of(object, own, points[0]);
     widen(&box);
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct world_object *other = &scene->objects[i];
-        for (uint32_t f = 0;
-             world_may_meet(scene, object, other) && f < other->mesh->triangle_count;
-             f++) {
-            const uint32_t *v = other->mesh->triangles[f];
-            struct box near = box_of(other, v, 3);
-            if (!meet(&box, &near) || (other == object && share(&vertex, 1, v, 3))) {
+        const struct registry_object *other = &scene->objects[i];
+        uint32_t count = verify_feature_count(other->mesh, points[1]);
+        for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
+            const uint32_t *v = verify_feature(other->mesh, points[1], &f);
+            struct box near = box_of(other, v, points[1]);
+            if (!meet(&box, &near) ||
+                (other == object && share(own, points[0], v, points[1]))) {
                 continue;
             }
-            const struct pccd_pair pair = {PCCD_VF, object->handle, vertex, other->handle,
-                                           f};
-            if (!judge(draw, &pair)) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-/* All edges near an edge. */
-static bool try_edge(struct draw *draw, const struct world_object *object, uint32_t edge)
-{
-    const struct world_scene *scene = draw->step->scene;
-    const uint32_t *own = object->mesh->edges[edge];
-    struct box box = box_of(object, own, 2);
-    widen(&box);
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct world_object *other = &scene->objects[i];
-        for (uint32_t e = 0;
-             world_may_meet(scene, object, other) && e < other->mesh->edge_count; e++) {
-            const uint32_t *v = other->mesh->edges[e];
-            struct box near = box_of(other, v, 2);
-            if (!meet(&box, &near) || (other == object && share(own, 2, v, 2))) {
-                continue;
-            }
-            bool is_first =
-                object->handle < other->handle || (object == other && edge < e);
+            bool is_first = points[0] != points[1] || object->handle < other->handle ||
+                            (object == other && feature < f);
             const struct pccd_pair pair =
                 is_first
-                    ? (struct pccd_pair){PCCD_EE, object->handle, edge, other->handle, e}
-                    : (struct pccd_pair){PCCD_EE, other->handle, e, object->handle, edge};
+                    ? (struct pccd_pair){kind, object->handle, feature, other->handle, f}
+                    : (struct pccd_pair){kind, other->handle, f, object->handle, feature};
             if (!judge(draw, &pair)) {
                 return false;
             }
@@ -185,9 +163,9 @@ static bool try_edge(struct draw *draw, const struct world_object *object, uint3
 }
 
 /* An object, by its share of all triangles. */
-static const struct world_object *draw_object(struct draw *draw, uint64_t *triangle)
+static const struct registry_object *draw_object(struct draw *draw, uint64_t *triangle)
 {
-    const struct world_scene *scene = draw->step->scene;
+    const struct registry_scene *scene = draw->step->scene;
     uint64_t all = 0;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         all += scene->objects[i].mesh->triangle_count;
@@ -216,13 +194,14 @@ bool verify_near(const struct play_step *step, const struct verify_settings *set
          i < DRAWS_MAX && draw.left > 0 && is_right && step->scene->object_count > 0;
          i++) {
         uint64_t triangle;
-        const struct world_object *object = draw_object(&draw, &triangle);
-        if (i % 2 == 0) {
+        const struct registry_object *object = draw_object(&draw, &triangle);
+        enum pccd_kind kind = i % PCCD_KIND_COUNT;
+        if (common_kinds[kind].points[0] == 1) {
             const uint32_t *corners = object->mesh->triangles[triangle];
-            is_right = try_vertex(&draw, object, corners[next(&draw) % 3]);
+            is_right = try_feature(&draw, kind, object, corners[next(&draw) % 3]);
         } else if (object->mesh->edge_count > 0) {
-            is_right = try_edge(&draw, object,
-                                (uint32_t)(next(&draw) % object->mesh->edge_count));
+            uint32_t edge = (uint32_t)(next(&draw) % object->mesh->edge_count);
+            is_right = try_feature(&draw, kind, object, edge);
         }
     }
     return is_right;

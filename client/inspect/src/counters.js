@@ -18,7 +18,7 @@ const TEXTS = {
   allocs: "allocations the engine made",
   rebuilds: "subtrees built anew in the traversal",
   rebuilt_triangles: "triangles of these",
-  swaps: "large subtrees, built aside, put in place",
+  swaps: "large subtrees, built in the background, put in place",
   swapped_triangles: "triangles of these",
 };
 

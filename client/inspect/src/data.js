@@ -1,4 +1,4 @@
-// data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect.h).
+// data.js - what pccdctl inspect wrote into the page (client/ctl/inspect/inspect_data.h).
 //
 // Each blob is an element with base64 text. A section begins at a multiple of 12 bytes, so
 // that its part of the text can be decoded without the rest.
@@ -16,7 +16,7 @@ const STEPS_KEPT = 12; // decoded ones
 
 export const KINDS = ["vertex-face", "edge-edge"];
 export const EVENT_KINDS = ["step", "refit", "task unit", "subtree", "pairs", "high-level node",
-  "tests", "rebuild", "built aside", "wait", "merge"];
+  "tests", "rebuild", "built in the background", "wait", "merge"];
 
 function decode(text) {
   const binary = atob(text);

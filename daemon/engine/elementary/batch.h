@@ -1,15 +1,16 @@
-/* daemon/engine/elementary/batch.h - elementary tests of many pairs at once.
+/* daemon/engine/elementary/batch.h - does the elementary tests of many candidate pairs at
+ * once, with vector instructions.
  *
- * Room:     engine. May include: kernel.h, solve.h.
- * Does:     decide a chunk of pairs of one kind, with the same answers as eng_solve, bit
- *           for bit, whatever the instruction set.
+ * Room:     engine. May include: exact.h, kernel.h.
+ * Does:     decide a chunk of pairs of one kind. For VF and EE the results equal those of
+ *           eng_solve bit for bit, whatever the instruction set.
  * Threads:  one thread for one scratch.
  */
 #ifndef ENG_BATCH_H
 #define ENG_BATCH_H
 
+#include "exact.h"
 #include "kernel.h"
-#include "solve.h"
 
 /* Pairs of one kind that are tested together: what they touch stays in the cache. */
 #define ENG_CHUNK_MAX 1024u
@@ -24,8 +25,8 @@ enum eng_batch_from {
 /* Answers to a chunk, and what the owner wants to be asked meanwhile. 64 KiB. */
 struct eng_batch {
     /* Set by the owner; NULL: never. Called after each query that needed exact
-     * arithmetic, which takes up to 25 ms where exponents are very far apart; true: the
-     * rest of the chunk is left out. */
+     * arithmetic, and every 0.2 ms or so within one; true: the rest of the chunk is left
+     * out, and the query at hand, too, if it has not been decided. */
     bool (*should_stop)(void *owner);
     void *owner;
     enum eng_batch_from from;      /* set by the owner */
@@ -37,12 +38,12 @@ struct eng_batch {
     uint32_t unsure[ENG_CHUNK_MAX];
 };
 
-/* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`; VF: vertex,
- * corners 0 1 2; EE: a0 a1 b0 b1. `tolerance` and `t_end` as for eng_solve. `exact`
+/* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, in the
+ * order of struct eng_query. `tolerance` and `t_end` as for eng_solve. `exact`
  * NULL: pairs that take a search are left out, batch->unsure_count of them. Returns how
  * many pairs have a contact that begins before or at t_end: batch->index[i] is the pair,
  * batch->hits[i] its hit. */
-uint32_t eng_batch_test(const struct eng_kernels *kernels, enum eng_kind kind,
+uint32_t eng_batch_test(const struct eng_kernels *kernels, enum pccd_kind kind,
                         const struct eng_point *points, const uint32_t (*quads)[4],
                         uint32_t count, double tolerance, double t_end,
                         struct eng_exact *exact, struct eng_batch *batch);

@@ -7,6 +7,8 @@
  */
 #include "closest.h"
 
+#include <stdbool.h>
+
 #include "vec.h"
 
 /* Sides of the domain in (beta, gamma): start and direction. */
@@ -26,7 +28,7 @@ static void gap_at(const struct eng_pose *pose, double beta, double gamma, doubl
 
 /* Projection of p to the plane of b and c, if it falls into the domain. `is_sure`: b and
  * c span a plane beyond doubt; else another place may be nearer. */
-static bool inside(enum eng_kind kind, const struct eng_pose *pose, double *beta,
+static bool inside(enum pccd_kind kind, const struct eng_pose *pose, double *beta,
                    double *gamma, bool *is_sure)
 {
     double n[3];
@@ -45,10 +47,10 @@ static bool inside(enum eng_kind kind, const struct eng_pose *pose, double *beta
     if (!(*beta >= 0 && *gamma >= 0)) {
         return false;
     }
-    return kind == ENG_VF ? *beta + *gamma <= 1 : *beta <= 1 && *gamma <= 1;
+    return kind == PCCD_VF ? *beta + *gamma <= 1 : *beta <= 1 && *gamma <= 1;
 }
 
-void eng_closest_to_origin(enum eng_kind kind, const struct eng_pose *pose,
+void eng_closest_to_origin(enum pccd_kind kind, const struct eng_pose *pose,
                            struct eng_closest *closest)
 {
     double best = INFINITY;
@@ -60,8 +62,8 @@ void eng_closest_to_origin(enum eng_kind kind, const struct eng_pose *pose,
         }
         best = eng_dot(closest->gap, closest->gap);
     }
-    const double(*sides)[4] = kind == ENG_VF ? triangle_sides : square_sides;
-    int side_count = kind == ENG_VF ? 3 : 4;
+    const double(*sides)[4] = kind == PCCD_VF ? triangle_sides : square_sides;
+    int side_count = kind == PCCD_VF ? 3 : 4;
     for (int i = 0; i < side_count; i++) {
         double start[3];
         double along[3] = {0, 0, 0};

@@ -13,14 +13,14 @@
 #include "vec.h"
 
 /* Smallest and largest d . (p - beta b - gamma c) over the corners of the domain. */
-static void project(enum eng_kind kind, const struct eng_pose *pose, const double d[3],
+static void project(enum pccd_kind kind, const struct eng_pose *pose, const double d[3],
                     double *low, double *high)
 {
     double p = eng_dot(d, pose->p);
     double b = eng_dot(d, pose->b);
     double c = eng_dot(d, pose->c);
     double corner[4] = {p, p - b, p - c, p - b - c};
-    int corner_count = kind == ENG_VF ? 3 : 4;
+    int corner_count = kind == PCCD_VF ? 3 : 4;
     for (int i = 0; i < corner_count; i++) {
         *low = corner[i] < *low ? corner[i] : *low;
         *high = corner[i] > *high ? corner[i] : *high;

@@ -7,6 +7,7 @@
  */
 #include "exact.h"
 
+#include <assert.h>
 #include <limits.h>
 #include <math.h>
 
@@ -45,6 +46,7 @@ static void load(struct eng_exact *exact, const double (*x)[3])
         double mantissa = frexp(x[i / 3][i % 3], &exponent);
         mpz_set_d(exact->z[POINTS + i], ldexp(mantissa, 53));
         if (mantissa != 0) {
+            assert(exponent - low <= ENG_EXACT_BITS);
             mpz_mul_2exp(exact->z[POINTS + i], exact->z[POINTS + i],
                          (unsigned long)(exponent - 53 - low));
         }
@@ -97,9 +99,9 @@ static bool on_segment(struct eng_exact *exact, int i, int j, int k)
 
 /* n = 0: the triangle is a segment or a point, or the edges are parallel or points.
  * Coplanar parallel edges share a point iff an end of one lies on the other. */
-static bool degenerate_touches(struct eng_exact *exact, enum eng_kind kind)
+static bool degenerate_touches(struct eng_exact *exact, enum pccd_kind kind)
 {
-    if (kind == ENG_VF) {
+    if (kind == PCCD_VF) {
         return on_segment(exact, 0, 1, 2) || on_segment(exact, 0, 2, 3) ||
                on_segment(exact, 0, 1, 3);
     }
@@ -107,7 +109,7 @@ static bool degenerate_touches(struct eng_exact *exact, enum eng_kind kind)
            on_segment(exact, 2, 0, 1) || on_segment(exact, 3, 0, 1);
 }
 
-static bool is_in_domain(struct eng_exact *exact, enum eng_kind kind)
+static bool is_in_domain(struct eng_exact *exact, enum pccd_kind kind)
 {
     cross(exact, T, P, C);
     dot(exact, G1, T, N);
@@ -117,7 +119,7 @@ static bool is_in_domain(struct eng_exact *exact, enum eng_kind kind)
         return false;
     }
     dot(exact, NN, N, N);
-    if (kind == ENG_VF) {
+    if (kind == PCCD_VF) {
         mpz_add(exact->z[TMP], exact->z[G1], exact->z[G2]);
         return mpz_cmp(exact->z[TMP], exact->z[NN]) <= 0;
     }
@@ -128,7 +130,7 @@ static bool is_in_domain(struct eng_exact *exact, enum eng_kind kind)
 bool eng_exact_share_corner(const struct eng_query *query, int end)
 {
     const double(*x)[3] = query->x[end];
-    int split = query->kind == ENG_VF ? 1 : 2;
+    int split = query->kind == PCCD_VF ? 1 : 2;
     for (int i = 0; i < split; i++) {
         for (int j = split; j < 4; j++) {
             if (x[i][0] == x[j][0] && x[i][1] == x[j][1] && x[i][2] == x[j][2]) {
@@ -151,7 +153,7 @@ struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_que
     const int point1 = POINTS + 3;
     const int point2 = POINTS + 6;
     const int point3 = POINTS + 9;
-    if (query->kind == ENG_VF) {
+    if (query->kind == PCCD_VF) {
         sub(exact, P, point0, point1);
         sub(exact, B, point2, point1);
         sub(exact, C, point3, point1);

@@ -1,11 +1,11 @@
-/* daemon/engine/elementary/exact.h - exact answers, for what rounding hides.
+/* daemon/engine/elementary/exact.h - decides an elementary test by exact integer
+ * arithmetic, for the cases in which rounding hides the answer.
  *
- * Room:     engine. May include: poly.h, query.h, residue.h, GMP.
- * Does:     decide on the binary inputs whether two features touch at t = 0 or t = 1,
+ * Room:     engine. May include: poly.h, query.h, residue.h, root_sign.h, GMP.
+ * Does:     decide, from the binary inputs, whether two features touch at t = 0 or t = 1,
  *           which side of each other they are on, and whether they meet within a span of
  *           time.
- * Threads:  one thread for one scratch. Nothing is allocated once the numbers have grown
- *           to the size that the inputs need.
+ * Threads:  one thread for one scratch. Decisions allocate nothing.
  */
 #ifndef ENG_EXACT_H
 #define ENG_EXACT_H
@@ -13,9 +13,19 @@
 #include "poly.h"
 #include "query.h"
 #include "residue.h"
+#include "root_sign.h"
 
 #define ENG_EXACT_WORDS      40
 #define ENG_EXACT_CONDITIONS 5
+#define ENG_EXACT_EVENTS     4
+
+/* Coordinates are integers below 2^ENG_EXACT_BITS: doubles below 2^60, times 2^1126, as
+ * if denormal ones had 53 bits, too. */
+#define ENG_EXACT_BITS 1186
+
+/* No interval [num, num + 1] / 2^k is shorter than 2^-ENG_EXACT_DEPTH of its span: roots
+ * are alone in theirs before (BOUNDS.md), and nobody asks for more. */
+#define ENG_EXACT_DEPTH 7296ul
 
 /* Intervals num / 2^k of a span, see exact_span.c. */
 struct eng_exact_chain {
@@ -26,37 +36,78 @@ struct eng_exact_chain {
     int variations;
 };
 
-/* Polynomials over a span, see exact_span.c. */
+/* Whether anybody still waits for the decision at hand. Set by eng_batch_test. */
+struct eng_exact_watch {
+    bool (*should_stop)(void *owner); /* NULL: never. Asked every few intervals */
+    void *owner;
+    uint32_t looked_at; /* intervals */
+    bool has_stopped;   /* the decision is given up: what is answered means nothing */
+};
+
+/* The cubic and the conditions of query.h as polynomials in time, see exact_span.c. */
+struct eng_exact_form {
+    struct eng_poly det;
+    struct eng_poly n[3];
+    struct eng_poly side[ENG_EXACT_CONDITIONS][3]; /* see exact_roots.h */
+};
+
+/* "This point lies on that segment", over the step. */
+struct eng_exact_event {
+    bool is_loaded;
+    bool never;              /* it is not even on the segment's line */
+    struct eng_poly common;  /* 0 where it is on the line; degree -1: all the time */
+    struct eng_poly between; /* >= 0 where it is between the ends, if on the line */
+};
+
+/* A query and what is asked about it, see exact_span.c. */
 struct eng_exact_span {
-    mpz_t x[2][4][3]; /* points at the ends of the span, scaled to integers */
-    mpz_t l, r;       /* the ends, scaled by a power of two */
-    mpz_t num;        /* interval at hand: [num, num + 1] / 2^k of the span */
-    mpz_t end;        /* scratch */
-    mpz_t before;     /* num where a search for an earlier interval began */
-    mpz_t base_num;   /* the interval of `base`: the last one that was refined */
+    struct eng_exact_watch watch;
+    struct eng_query query;             /* that `whole` is of */
+    bool is_loaded;                     /* it is of any */
+    mpz_t x[2][4][3];                   /* points at t = 0 and 1, scaled to integers */
+    struct eng_residue_points residues; /* of x */
+    struct eng_exact_form whole;        /* over the step */
+    bool has_sides;                     /* whole.side is set */
+    struct eng_exact_event events[ENG_EXACT_EVENTS];
+    struct eng_exact_form part;  /* over the span, if that is shorter */
+    struct eng_exact_form *form; /* one of these: over the span */
+    mpz_t l, width;              /* the span, times 2^time_k */
+    unsigned long time_k;
+    mpz_t num;      /* interval at hand: [num, num + 1] / 2^k of the span */
+    mpz_t end;      /* scratch */
+    mpz_t before;   /* num where a search for an earlier interval began */
+    mpz_t base_num; /* the interval of `base`: the last one that was refined */
     unsigned long base_k;
     struct eng_exact_chain chains[ENG_POLY_TERMS]; /* [chain_count] */
     int chain_count;
-    struct eng_residue_points residues; /* of x */
     bool wants_first;
     unsigned long depth_min; /* k of the interval around a first root, at least */
     double found[2];         /* the earliest begin and end, of the span */
-    struct eng_poly p[3], b[3], c[3], n[3], m[3];
-    struct eng_poly det, beta, gamma, nn;
-    struct eng_poly condition[ENG_EXACT_CONDITIONS];
-    struct eng_poly common[ENG_EXACT_CONDITIONS]; /* with the root's polynomial */
-    struct eng_poly root, zoomed, base, sign, scratch[3];
+    struct eng_poly p[3], b[3], c[3];
+    struct eng_poly to_j[3], to_k[3], line[3], common; /* of the event at hand */
+    struct eng_poly
+        condition[ENG_EXACT_CONDITIONS];  /* over interval value_num, value_k */
+    bool has_value[ENG_EXACT_CONDITIONS]; /* `condition` is set */
+    unsigned long value_k;
+    mpz_t value_num;
+    struct eng_poly root, zoomed, base, sign, scratch;
+    struct eng_root_sign root_sign;
 };
 
-/* Integers that keep their memory from query to query. */
+/* Integers, in one block that suffices for every query. */
 struct eng_exact {
     mpz_t z[ENG_EXACT_WORDS];
     struct eng_exact_span span;
     uint64_t queries; /* answered so far by this arithmetic */
+    mp_limb_t *block;
 };
 
-void eng_exact_init(struct eng_exact *exact);
+/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+int eng_exact_init(struct eng_exact *exact);
 void eng_exact_deinit(struct eng_exact *exact);
+
+/* Of the block. Pages of it are taken when numbers become as long as that. */
+size_t eng_exact_bytes(void);
 
 struct eng_moment {
     bool touching; /* the closed features share a point */
@@ -74,7 +125,7 @@ struct eng_moment eng_exact_moment(struct eng_exact *exact, const struct eng_que
                                    int end);
 
 /* Is there a contact at some t in [l, r], 0 <= l < r <= 1? By the definition, without
- * error. Typically 10 to 100 us. */
+ * error. Typically 5 to 50 us; bench/README.md has how long at most. */
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
                      double r);
 

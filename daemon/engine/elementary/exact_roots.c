@@ -13,77 +13,192 @@
 #include <math.h>
 #include <string.h>
 
-static bool accepts(const struct eng_conditions *conditions, int i, int sign)
+/* ---- conditions -------------------------------------------------------------------- */
+
+/* Which of span->condition are 0 at the root at hand, or have one sign throughout the
+ * interval. */
+struct plains {
+    bool is_plain[ENG_EXACT_CONDITIONS];
+};
+
+static int sign_at_left(struct eng_exact_span *span, const struct eng_poly *poly,
+                        unsigned long k)
 {
-    return conditions->last_is_strict && i == conditions->count - 1 ? sign > 0
-                                                                    : sign >= 0;
+    eng_poly_zoom(&span->sign, poly, span->num, k);
+    return eng_poly_sign_at_0(&span->sign);
 }
 
+/* The sides are parallel to n, so one coordinate tells their signs, where n has one that
+ * is not 0. */
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
                             const struct eng_conditions *conditions, unsigned long k)
 {
+    int axis = 0;
+    int n = 1;
+    if (conditions->has_plane) {
+        n = sign_at_left(span, &span->form->n[0], k);
+        while (n == 0 && axis < 2) {
+            n = sign_at_left(span, &span->form->n[++axis], k);
+        }
+    }
+    for (int i = 0; n != 0 && i < conditions->count; i++) {
+        if (sign_at_left(span, &span->form->side[i][axis], k) * n < 0) {
+            return false;
+        }
+    }
+    return n != 0;
+}
+
+/* Signs of the coordinates of n at a root, 0 where they are not known. One is, if n is
+ * not 0; which one is returned, else -1. */
+static int find_normal(struct eng_exact_span *span, const struct eng_root *root, int n[3])
+{
+    int found = -1;
+    for (int axis = 0; axis < 3; axis++) {
+        int sign;
+        bool is_plain = eng_poly_is_plain(&span->sign, &span->form->n[axis], span->num,
+                                          root->k, &sign);
+        n[axis] = is_plain ? sign : 0;
+        found = n[axis] != 0 ? axis : found;
+    }
+    for (int axis = 0; axis < 3 && found < 0; axis++) {
+        n[axis] = eng_root_sign_of(&span->root_sign, &span->form->n[axis], root);
+        found = n[axis] != 0 ? axis : -1;
+    }
+    return found;
+}
+
+/* Does some coordinate of a side tell its sign cheaply: it and that of n have no root in
+ * the interval? */
+static bool is_side_plain(struct eng_exact_span *span, const struct eng_poly side[3],
+                          const int n[3], unsigned long k, int *sign)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (n[axis] != 0 &&
+            eng_poly_is_plain(&span->sign, &side[axis], span->num, k, sign)) {
+            *sign *= n[axis];
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Do the conditions hold at the only root in the interval at hand? */
+static bool hold_at_root(struct eng_exact_span *span,
+                         const struct eng_conditions *conditions, unsigned long k,
+                         struct plains *plains)
+{
+    int before = 0;
+    for (int i = 0; before == 0; i++) {
+        before = mpz_sgn(span->zoomed.c[i]);
+    }
+    const struct eng_root root = {&span->root, &span->num, k, before};
+    bool is_known[ENG_EXACT_CONDITIONS];
+    int n[3] = {1, 0, 0};
+    int axis = conditions->has_plane ? find_normal(span, &root, n) : 0;
+    if (axis < 0) {
+        return false;
+    }
     for (int i = 0; i < conditions->count; i++) {
-        eng_poly_zoom(&span->sign, &span->condition[i], span->num, k);
-        if (!accepts(conditions, i, eng_poly_sign_at_0(&span->sign))) {
+        int sign;
+        is_known[i] = is_side_plain(span, span->form->side[i], n, k, &sign);
+        if (is_known[i] && sign < 0) {
+            return false;
+        }
+        plains->is_plain[i] = is_known[i] && sign == 0;
+    }
+    for (int i = 0; i < conditions->count; i++) {
+        if (is_known[i]) {
+            continue;
+        }
+        int sign = 0;
+        if (conditions->is_zero == NULL || !conditions->is_zero(span, i, &root)) {
+            sign = eng_root_sign_of(&span->root_sign, &span->form->side[i][axis], &root);
+        }
+        if (sign * n[axis] < 0) {
+            return false;
+        }
+        plains->is_plain[i] = sign == 0;
+    }
+    return true;
+}
+
+/* A root is found at which the conditions hold. */
+static void begin_values(struct eng_exact_span *span,
+                         const struct eng_conditions *conditions, struct plains *plains)
+{
+    for (int i = 0; i < conditions->value_count; i++) {
+        span->has_value[i] = false;
+        plains->is_plain[i] = i < conditions->count && plains->is_plain[i];
+    }
+    mpz_set_ui(span->value_num, 0);
+    span->value_k = 0;
+}
+
+/* span->end and what is returned name the interval at hand, as seen from the interval
+ * around it that the values are of. */
+static unsigned long set_local(struct eng_exact_span *span, unsigned long k)
+{
+    mpz_mul_2exp(span->end, span->value_num, k - span->value_k);
+    mpz_sub(span->end, span->num, span->end);
+    return k - span->value_k;
+}
+
+static void zoom_value(struct eng_exact_span *span, int i, mpz_t num, unsigned long k)
+{
+    eng_poly_zoom(&span->sign, &span->condition[i], num, k);
+    eng_poly_shorten(&span->sign);
+    eng_poly_copy(&span->condition[i], &span->sign);
+}
+
+static bool is_plain(struct eng_exact_span *span, const struct eng_conditions *conditions,
+                     int i, unsigned long k)
+{
+    int sign;
+    if (!span->has_value[i]) {
+        conditions->set_value(span, conditions, i);
+        zoom_value(span, i, span->value_num, span->value_k);
+        span->has_value[i] = true;
+    }
+    unsigned long local_k = set_local(span, k);
+    return eng_poly_is_plain(&span->sign, &span->condition[i], span->end, local_k, &sign);
+}
+
+/* Does each of the values have one sign throughout the interval at hand, or is 0 at the
+ * root? Those that do are noted: they do so in all intervals within it. */
+static bool are_plain(struct eng_exact_span *span,
+                      const struct eng_conditions *conditions, unsigned long k,
+                      struct plains *plains)
+{
+    for (int i = 0; i < conditions->value_count; i++) {
+        plains->is_plain[i] = plains->is_plain[i] || is_plain(span, conditions, i, k);
+        if (!plains->is_plain[i]) {
             return false;
         }
     }
     return true;
 }
 
-enum verdict { NO, YES, REFINE };
+/* Numbers become longer with each zoom, so it waits until an interval's place takes this
+ * many bits. */
+#define ZOOM_BITS 128ul
 
-/* The roots that condition i shares with the root's polynomial. */
-static void set_common(struct eng_exact_span *span, int i)
+/* From now on only intervals within the one at hand are asked about. */
+static void zoom_values(struct eng_exact_span *span,
+                        const struct eng_conditions *conditions, unsigned long k,
+                        const struct plains *plains)
 {
-    if (eng_residue_are_coprime(&span->root, &span->condition[i])) {
-        span->common[i].degree = 0; /* none */
-        mpz_set_ui(span->common[i].c[0], 1);
+    unsigned long local_k = set_local(span, k);
+    if (local_k < ZOOM_BITS) {
         return;
     }
-    eng_poly_copy(&span->scratch[1], &span->root);
-    eng_poly_copy(&span->scratch[2], &span->condition[i]);
-    eng_poly_gcd(&span->common[i], &span->scratch[1], &span->scratch[2]);
-}
-
-/* What is known of the conditions at one root. */
-struct known {
-    bool has_common[ENG_EXACT_CONDITIONS]; /* span->common is set; for any root */
-    bool holds[ENG_EXACT_CONDITIONS];      /* in all of the interval at hand */
-};
-
-/* The interval holds exactly one root. A condition has a known sign there if it has no
- * root in the interval, or if it shares the root. What holds in the interval is noted: it
- * does so in all that are within it. */
-static enum verdict judge(struct eng_exact_span *span,
-                          const struct eng_conditions *conditions, unsigned long k,
-                          struct known *known)
-{
-    enum verdict verdict = YES;
-    for (int i = 0; i < conditions->count; i++) {
-        int sign;
-        if (known->holds[i]) {
-            continue;
+    for (int i = 0; i < conditions->value_count; i++) {
+        if (!plains->is_plain[i] && span->has_value[i]) {
+            zoom_value(span, i, span->end, local_k);
         }
-        eng_poly_zoom(&span->sign, &span->condition[i], span->num, k);
-        if (eng_poly_variations(&span->sign, &sign) > 0) {
-            if (!known->has_common[i]) {
-                set_common(span, i);
-                known->has_common[i] = true;
-            }
-            eng_poly_zoom(&span->sign, &span->common[i], span->num, k);
-            if (eng_poly_variations(&span->sign, &sign) % 2 == 0) {
-                verdict = REFINE;
-                continue;
-            }
-            sign = 0;
-        }
-        if (!accepts(conditions, i, sign)) {
-            return NO;
-        }
-        known->holds[i] = true;
     }
-    return verdict;
+    mpz_set(span->value_num, span->num);
+    span->value_k = k;
 }
 
 /* The interval after `num` / 2^k in order of time, merged upwards where both halves are
@@ -142,24 +257,20 @@ static bool divide_between(mpz_t num, mpz_srcptr a, mpz_srcptr b, mpz_t scratch,
     return true;
 }
 
-/* Where one root, or the middle of more, would be if the polynomial or its slope were
- * linear over the interval at hand. */
+/* Where one root would be if the polynomial were linear over the interval at hand; the
+ * middle of two, if its slope were; the middle of three, where the slope of that is 0. */
 static bool guess(struct eng_exact_span *span, int variations, unsigned long stride)
 {
     struct eng_poly *f = &span->zoomed;
     mpz_ptr at_0 = f->scratch[0];
     mpz_ptr at_1 = f->scratch[1];
+    mpz_set(at_0, f->c[variations - 1]);
     mpz_set_ui(at_1, 0);
-    if (variations == 1) {
-        mpz_set(at_0, f->c[0]);
-        for (int i = 0; i <= f->degree; i++) {
-            mpz_add(at_1, at_1, f->c[i]);
-        }
-    } else {
-        mpz_set(at_0, f->c[1]);
-        for (int i = 1; i <= f->degree; i++) {
-            mpz_addmul_ui(at_1, f->c[i], (unsigned long)i);
-        }
+    for (int i = variations - 1; i <= f->degree; i++) {
+        unsigned long factor = variations == 1   ? 1
+                               : variations == 2 ? (unsigned long)i
+                                                 : (unsigned long)(i * (i - 1) / 2);
+        mpz_addmul_ui(at_1, f->c[i], factor);
     }
     return divide_between(span->end, at_0, at_1, f->scratch[2], stride);
 }
@@ -258,24 +369,24 @@ static bool leave(struct eng_exact_span *span, unsigned long *k)
     return span->chain_count < before;
 }
 
-/* One root is in the interval `num` / 2^k, at which a verdict is known, and was not at
- * 2^`low`: back to the first interval around it at which it is, where bisection stops. */
+/* The values are plain in the interval `num` / 2^k, and were not at 2^`low`: back to
+ * the first interval around it in which they are, where bisection stops. */
 static void step_back(struct eng_exact_span *span,
                       const struct eng_conditions *conditions, unsigned long low,
-                      unsigned long *k, struct known known)
+                      unsigned long *k, struct plains plains)
 {
     mpz_set(span->before, span->num);
     unsigned long last = *k;
     unsigned long high = last;
     while (high - low > 1) {
         unsigned long middle = low + (high - low) / 2;
-        struct known then = known;
         mpz_fdiv_q_2exp(span->num, span->before, last - middle);
-        if (judge(span, conditions, middle, &then) == REFINE) {
-            low = middle;
-            known = then;
-        } else {
+        struct plains then = plains;
+        if (are_plain(span, conditions, middle, &then)) {
             high = middle;
+        } else {
+            low = middle;
+            plains = then;
         }
     }
     mpz_fdiv_q_2exp(span->num, span->before, last - high);
@@ -297,6 +408,8 @@ static void refine(struct eng_exact_span *span, int variations, unsigned long *k
         /* No farther than where bisection may stop. */
         most = most < span->depth_min - *k ? most : span->depth_min - *k;
     }
+    assert(*k < ENG_EXACT_DEPTH);
+    most = most < ENG_EXACT_DEPTH - *k ? most : ENG_EXACT_DEPTH - *k;
     if (most > 1 && leap(span, variations, most)) {
         *k += most;
         set_bottom(span, *k);
@@ -324,25 +437,42 @@ static void zoom(struct eng_exact_span *span, unsigned long k)
     }
 }
 
-bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
-                       const struct eng_conditions *conditions)
+/* Intervals from a look at the clock to the next one, up to 30 us each. */
+#define INTERVALS_A_LOOK 8u
+
+static bool should_stop(struct eng_exact_watch *watch)
 {
-    struct known known = {{false}, {false}};
-    struct known before; /* the interval at hand was judged */
-    unsigned long k = 0;
-    unsigned long stride = 2;
-    unsigned long undecided = 0; /* k of the last interval around one root without one */
-    span->chain_count = 0;
-    if (poly->degree < 1) {
-        return false;
+    if (watch->should_stop != NULL && !watch->has_stopped &&
+        ++watch->looked_at % INTERVALS_A_LOOK == 0) {
+        watch->has_stopped = watch->should_stop(watch->owner);
     }
+    return watch->has_stopped;
+}
+
+/* Each root once. */
+static void set_root(struct eng_exact_span *span, const struct eng_poly *poly)
+{
     if (eng_residue_is_square_free(poly)) {
         eng_poly_copy(&span->root, poly);
         eng_poly_shorten(&span->root);
     } else {
-        eng_poly_square_free(&span->root, poly, &span->scratch[0], &span->scratch[1],
-                             &span->scratch[2]);
+        eng_poly_square_free(&span->root, poly);
     }
+}
+
+bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
+                       const struct eng_conditions *conditions)
+{
+    struct plains plains = {{false}};
+    bool is_found = false; /* the interval at hand has one root, which satisfies */
+    unsigned long k = 0;
+    unsigned long stride = 2;
+    unsigned long undecided = 0; /* k of the last interval around it that was not plain */
+    span->chain_count = 0;
+    if (poly->degree < 1) {
+        return false;
+    }
+    set_root(span, poly);
     mpz_set_ui(span->num, 1);
     bool at_1 = eng_poly_sign_at_1(&span->root) == 0 &&
                 eng_roots_hold_at_left(span, conditions, 0);
@@ -354,28 +484,39 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
     mpz_set_si(span->base_num, -1); /* there is none */
     while (k > 0 || mpz_sgn(span->num) == 0) {
         int sign;
+        if (should_stop(&span->watch)) {
+            return false;
+        }
         if (eng_poly_sign_at_0(&span->zoomed) == 0 &&
             eng_roots_hold_at_left(span, conditions, k)) {
             eng_roots_found_at(span, k, 0);
             return true;
         }
         int roots = eng_poly_variations(&span->zoomed, &sign);
-        before = known;
-        enum verdict verdict = roots == 0   ? NO
-                               : roots == 1 ? judge(span, conditions, k, &known)
-                                            : REFINE;
-        if (verdict == YES && (!span->wants_first || k >= span->depth_min)) {
-            if (span->wants_first && undecided >= span->depth_min && k > undecided + 1) {
-                step_back(span, conditions, undecided, &k, before);
+        if (roots == 1 && !is_found) {
+            is_found = hold_at_root(span, conditions, k, &plains);
+            if (is_found && !span->wants_first) {
+                return true;
             }
-            eng_roots_found_at(span, k, 1);
-            return true;
+            if (is_found) {
+                begin_values(span, conditions, &plains);
+            }
         }
-        undecided = verdict == REFINE ? k : 0;
-        if (verdict == NO) {
-            /* What holds around one root does so no further than the chain's bottom. */
+        if (roots == 1 && is_found && k >= span->depth_min) {
+            struct plains now = plains;
+            if (k == ENG_EXACT_DEPTH || are_plain(span, conditions, k, &now)) {
+                if (k < ENG_EXACT_DEPTH && undecided > 0 && k > undecided + 1) {
+                    step_back(span, conditions, undecided, &k, plains);
+                }
+                eng_roots_found_at(span, k, 1);
+                return true;
+            }
+            plains = now;
+            undecided = k;
+            zoom_values(span, conditions, k, &plains);
+        }
+        if (roots == 0 || (roots == 1 && !is_found)) {
             if (leave(span, &k) || roots > 0) {
-                memset(known.holds, 0, sizeof known.holds);
                 stride = 2;
             }
             zoom(span, k);

@@ -1,4 +1,5 @@
-/* daemon/engine/elementary/exact_roots.h - roots in a span that satisfy conditions.
+/* daemon/engine/elementary/exact_roots.h - finds, exactly, the first time at which a
+ * polynomial is zero while others have given signs: the time of a contact.
  *
  * Room:     engine. May include: exact.h.
  * Does:     tell whether a polynomial has a root in [0, 1] at which other polynomials
@@ -12,14 +13,23 @@
 
 #include "exact.h"
 
-/* What span->condition[count] demand at a root: >= 0, or > 0 for the last one if
- * `last_is_strict`. */
+/* What is demanded at a root. With a plane: span->n is not 0, and the sides, which are
+ * span->side[0 .. count - 1], are parallel to it there and do not point the other way.
+ * Without: the first coordinates of the sides are not negative. */
 struct eng_conditions {
     int count;
-    bool last_is_strict;
+    bool has_plane;
+    int value_count; /* `count`, or one more */
+    /* Set span->condition[i] to a polynomial that is not negative at a root that
+     * satisfies: one for each side, which with a plane is side . n, and then n . n, which
+     * is not 0 there. How far they are from 0 decides how short an interval is named. */
+    void (*set_value)(struct eng_exact_span *span,
+                      const struct eng_conditions *conditions, int i);
+    /* Is side i certainly 0 at the root? NULL: nobody knows without computing. */
+    bool (*is_zero)(struct eng_exact_span *span, int i, const struct eng_root *root);
 };
 
-/* Do all conditions hold at the left end of interval `num` / 2^k? */
+/* Do the conditions hold at the left end of interval `num` / 2^k? */
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
                             const struct eng_conditions *conditions, unsigned long k);
 
@@ -27,8 +37,8 @@ bool eng_roots_hold_at_left(struct eng_exact_span *span,
  * merged with what was found before. */
 void eng_roots_found_at(struct eng_exact_span *span, unsigned long k, unsigned wide);
 
-/* Does some root of `poly` (not zero) in [0, 1] satisfy the first conditions->count of
- * span->condition? Ends because distinct roots separate and shared ones are recognised.
+/* Does some root in [0, 1] of `poly`, which is of degree 3 or less and not zero, satisfy
+ * the conditions?
  * With span->wants_first the root is the first of them, and span->found says where; else
  * it is any. */
 bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,

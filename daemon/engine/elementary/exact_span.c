@@ -1,8 +1,9 @@
 /* daemon/engine/elementary/exact_span.c - exact answers about a span of time.
  *
  * Room:     engine.
- * Does:     write the conditions of query.h as integer polynomials in the span's own time
- *           and decide whether some time satisfies them.
+ * Does:     write the conditions of query.h as integer polynomials in time, once for all
+ *           spans that are asked about, then in the span's own time, and decide whether
+ *           some time satisfies them.
  * Threads:  one thread for one scratch.
  *
  * A contact with independent b, c is a root of det at which every condition polynomial is
@@ -15,78 +16,12 @@
  *           or  a point-on-segment event occurs,
  *           or  det vanishes throughout and the features meet at the start of the span.
  */
+#include <assert.h>
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 #include "exact_roots.h"
-
-static void init_all(struct eng_poly *polys, int count,
-                     void (*init)(struct eng_poly *poly))
-{
-    for (int i = 0; i < count; i++) {
-        init(&polys[i]);
-    }
-}
-
-static void for_all_polys(struct eng_exact_span *span,
-                          void (*init)(struct eng_poly *poly))
-{
-    init_all(span->p, 3, init);
-    init_all(span->b, 3, init);
-    init_all(span->c, 3, init);
-    init_all(span->n, 3, init);
-    init_all(span->m, 3, init);
-    init_all(&span->det, 1, init);
-    init_all(&span->beta, 1, init);
-    init_all(&span->gamma, 1, init);
-    init_all(&span->nn, 1, init);
-    init_all(span->condition, ENG_EXACT_CONDITIONS, init);
-    init_all(span->common, ENG_EXACT_CONDITIONS, init);
-    init_all(&span->root, 1, init);
-    init_all(&span->zoomed, 1, init);
-    init_all(&span->base, 1, init);
-    init_all(&span->sign, 1, init);
-    init_all(span->scratch, 3, init);
-}
-
-void eng_exact_init(struct eng_exact *exact)
-{
-    for (int i = 0; i < ENG_EXACT_WORDS; i++) {
-        mpz_init2(exact->z[i], 1024);
-    }
-    for (int i = 0; i < 24; i++) {
-        mpz_init2(exact->span.x[i / 12][i / 3 % 4][i % 3], 1024);
-    }
-    mpz_init2(exact->span.l, 2048);
-    mpz_init2(exact->span.r, 2048);
-    mpz_init2(exact->span.num, 1024);
-    mpz_init2(exact->span.end, 1024);
-    mpz_init2(exact->span.before, 1024);
-    mpz_init2(exact->span.base_num, 1024);
-    exact->span.base_k = 0;
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_init2(exact->span.chains[i].top, 1024);
-        mpz_init2(exact->span.chains[i].bottom, 1024);
-    }
-    for_all_polys(&exact->span, eng_poly_init);
-    exact->queries = 0;
-}
-
-void eng_exact_deinit(struct eng_exact *exact)
-{
-    for (int i = 0; i < ENG_EXACT_WORDS; i++) {
-        mpz_clear(exact->z[i]);
-    }
-    for (int i = 0; i < 24; i++) {
-        mpz_clear(exact->span.x[i / 12][i / 3 % 4][i % 3]);
-    }
-    mpz_clears(exact->span.l, exact->span.r, exact->span.num, exact->span.end,
-               exact->span.before, exact->span.base_num, NULL);
-    for (int i = 0; i < ENG_POLY_TERMS; i++) {
-        mpz_clears(exact->span.chains[i].top, exact->span.chains[i].bottom, NULL);
-    }
-    for_all_polys(&exact->span, eng_poly_deinit);
-}
 
 /* Exponent of the lowest bit that `value` may have. */
 static int lowest_exponent(double value, int low)
@@ -106,49 +41,34 @@ static void set_scaled(mpz_t out, double value, int low)
     double mantissa = frexp(value, &exponent);
     mpz_set_d(out, ldexp(mantissa, 53));
     if (mantissa != 0) {
+        assert(exponent - low <= ENG_EXACT_BITS);
         mpz_mul_2exp(out, out, (unsigned long)(exponent - 53 - low));
     }
 }
 
-/* Points at both ends of the span: x(t) = (1 - t) x0 + t x1, times one power of two. */
-static void load_points(struct eng_exact *exact, const struct eng_query *query, double l,
-                        double r)
+/* Points at both ends of the step, times one power of two. */
+static void load_points(struct eng_exact_span *span)
 {
-    struct eng_exact_span *span = &exact->span;
     int low = INT_MAX;
-    int low_time = 0;
-    low_time = lowest_exponent(l, lowest_exponent(r, low_time));
-    set_scaled(span->l, l, low_time);
-    set_scaled(span->r, r, low_time);
     for (int i = 0; i < 24; i++) {
-        low = lowest_exponent(query->x[i / 12][i / 3 % 4][i % 3], low);
+        low = lowest_exponent(span->query.x[i / 12][i / 3 % 4][i % 3], low);
     }
-    mpz_t *x0 = &exact->z[0];
-    mpz_t *x1 = &exact->z[1];
-    for (int i = 0; i < 12; i++) {
-        set_scaled(*x0, query->x[0][i / 3][i % 3], low);
-        set_scaled(*x1, query->x[1][i / 3][i % 3], low);
-        mpz_sub(*x1, *x1, *x0);
-        mpz_mul_2exp(*x0, *x0, (unsigned long)-low_time);
-        mpz_t *at_l = &span->x[0][i / 3][i % 3];
-        mpz_t *at_r = &span->x[1][i / 3][i % 3];
-        mpz_set(*at_l, *x0);
-        mpz_addmul(*at_l, span->l, *x1);
-        mpz_set(*at_r, *x0);
-        mpz_addmul(*at_r, span->r, *x1);
+    for (int i = 0; i < 24; i++) {
+        set_scaled(span->x[i / 12][i / 3 % 4][i % 3],
+                   span->query.x[i / 12][i / 3 % 4][i % 3], low);
     }
 }
 
-/* out[k] = point i - point j over the span. */
-static void set_difference(struct eng_exact *exact, struct eng_poly out[3], int i, int j)
+/* out[k] = point i - point j over the step. */
+static void set_difference(struct eng_exact_span *span, struct eng_poly out[3], int i,
+                           int j)
 {
-    struct eng_exact_span *span = &exact->span;
-    mpz_t *d0 = &exact->z[0];
-    mpz_t *d1 = &exact->z[1];
     for (int k = 0; k < 3; k++) {
-        mpz_sub(*d0, span->x[0][i][k], span->x[0][j][k]);
-        mpz_sub(*d1, span->x[1][i][k], span->x[1][j][k]);
-        eng_poly_set_linear(&out[k], *d0, *d1);
+        mpz_ptr d0 = out[k].scratch[0];
+        mpz_ptr d1 = out[k].scratch[1];
+        mpz_sub(d0, span->x[0][i][k], span->x[0][j][k]);
+        mpz_sub(d1, span->x[1][i][k], span->x[1][j][k]);
+        eng_poly_set_linear(&out[k], d0, d1);
     }
 }
 
@@ -157,8 +77,8 @@ static void cross(struct eng_exact_span *span, struct eng_poly out[3],
 {
     for (int k = 0; k < 3; k++) {
         eng_poly_mul(&out[k], &a[(k + 1) % 3], &b[(k + 2) % 3]);
-        eng_poly_mul(&span->scratch[0], &a[(k + 2) % 3], &b[(k + 1) % 3]);
-        eng_poly_sub(&out[k], &out[k], &span->scratch[0]);
+        eng_poly_mul(&span->scratch, &a[(k + 2) % 3], &b[(k + 1) % 3]);
+        eng_poly_sub(&out[k], &out[k], &span->scratch);
     }
 }
 
@@ -167,130 +87,239 @@ static void dot(struct eng_exact_span *span, struct eng_poly *out,
 {
     out->degree = -1;
     for (int k = 0; k < 3; k++) {
-        eng_poly_mul(&span->scratch[0], &a[k], &b[k]);
-        eng_poly_add(out, out, &span->scratch[0]);
+        eng_poly_mul(&span->scratch, &a[k], &b[k]);
+        eng_poly_add(out, out, &span->scratch);
     }
 }
 
-/* Does point i lie on the closed segment from j to k at some time? */
-static bool event_occurs(struct eng_exact *exact, int i, int j, int k)
+/* out = a over the span. */
+static void set_part(struct eng_exact_span *span, struct eng_poly *out,
+                     const struct eng_poly *a)
 {
-    struct eng_exact_span *span = &exact->span;
-    if (eng_residue_misses_line(&span->residues, span->x, exact->z, i, j, k)) {
-        return false;
-    }
-    set_difference(exact, span->p, i, j);
-    set_difference(exact, span->b, i, k);
-    cross(span, span->m, span->p, span->b);
-    dot(span, &span->beta, span->p, span->b); /* <= 0 between the ends */
-    eng_poly_gcd(&span->gamma, &span->m[0], &span->m[1]);
-    eng_poly_gcd(&span->det, &span->gamma, &span->m[2]);
-    if (span->det.degree < 0) {
-        /* On one line all the time: is the product ever <= 0? */
-        const struct eng_conditions none = {0, false};
-        if (eng_poly_sign_at_0(&span->beta) <= 0) {
-            mpz_set_ui(span->num, 0);
-            eng_roots_found_at(span, 0, 0);
-            return true;
-        }
-        return eng_roots_satisfy(span, &span->beta, &none);
-    }
-    const struct eng_conditions between = {1, false};
-    eng_poly_negate(&span->beta);
-    eng_poly_copy(&span->condition[0], &span->beta);
-    return eng_roots_satisfy(span, &span->det, &between);
+    eng_poly_narrow(out, a, span->l, span->width, span->time_k);
 }
 
-static bool any_event_occurs(struct eng_exact *exact, enum eng_kind kind)
+static void set_event_value(struct eng_exact_span *span,
+                            const struct eng_conditions *conditions, int i)
 {
-    static const int vf[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
-    static const int ee[][3] = {{0, 2, 3}, {1, 2, 3}, {2, 0, 1}, {3, 0, 1}};
-    const int(*events)[3] = kind == ENG_VF ? vf : ee;
-    int count = kind == ENG_VF ? 3 : 4;
+    (void)conditions;
+    eng_poly_copy(&span->condition[i], &span->form->side[i][0]);
+}
+
+/* Point i on the line through points j and k, over the step. */
+static void load_event(struct eng_exact_span *span, struct eng_exact_event *event,
+                       const int points[3])
+{
+    struct eng_poly *m = span->line;
+    int i = points[0];
+    int j = points[1];
+    int k = points[2];
+    event->is_loaded = true;
+    event->never = eng_residue_misses_line(&span->residues, span->x, m->scratch, i, j, k);
+    if (event->never) {
+        return;
+    }
+    set_difference(span, span->to_j, i, j);
+    set_difference(span, span->to_k, i, k);
+    cross(span, m, span->to_j, span->to_k);
+    dot(span, &event->between, span->to_j, span->to_k);
+    eng_poly_negate(&event->between);
+    eng_poly_gcd(&span->common, &m[0], &m[1]);
+    eng_poly_gcd(&event->common, &span->common, &m[2]);
+    event->never = event->common.degree == 0;
+}
+
+/* Does the point lie on the closed segment from j to k at some time of the span? */
+static bool event_occurs(struct eng_exact_span *span, const struct eng_exact_event *event)
+{
+    struct eng_poly *between = &span->part.side[0][0];
+    span->form = &span->part;
+    set_part(span, between, &event->between);
+    if (event->common.degree >= 0) {
+        const struct eng_conditions is_between = {1, false, 1, set_event_value, NULL};
+        set_part(span, &span->part.det, &event->common);
+        return eng_roots_satisfy(span, &span->part.det, &is_between);
+    }
+    /* On one line all the time. */
+    const struct eng_conditions none = {0, false, 0, NULL, NULL};
+    if (eng_poly_sign_at_0(between) >= 0) {
+        mpz_set_ui(span->num, 0);
+        eng_roots_found_at(span, 0, 0);
+        return true;
+    }
+    return eng_roots_satisfy(span, between, &none);
+}
+
+/* The event that is side number `event` being 0. */
+static struct eng_exact_event *event_of(struct eng_exact_span *span, int number)
+{
+    static const int vf[][3] = {{0, 1, 3}, {0, 1, 2}, {0, 2, 3}};
+    static const int ee[][3] = {{0, 2, 3}, {2, 0, 1}, {1, 2, 3}, {3, 0, 1}};
+    struct eng_exact_event *event = &span->events[number];
+    if (!event->is_loaded) {
+        load_event(span, event, span->query.kind == PCCD_VF ? vf[number] : ee[number]);
+    }
+    return event;
+}
+
+static bool any_event_occurs(struct eng_exact_span *span)
+{
+    int count = span->query.kind == PCCD_VF ? 3 : 4;
     bool any = false;
-    for (int i = 0; i < count && !(any && !exact->span.wants_first); i++) {
-        any |= event_occurs(exact, events[i][0], events[i][1], events[i][2]);
+    for (int i = 0; i < count && !(any && !span->wants_first); i++) {
+        const struct eng_exact_event *event = event_of(span, i);
+        any |= !event->never && event_occurs(span, event);
     }
     return any;
 }
 
-static void set_det(struct eng_exact *exact, enum eng_kind kind)
+static void set_det(struct eng_exact_span *span, enum pccd_kind kind)
 {
-    struct eng_exact_span *span = &exact->span;
-    if (kind == ENG_VF) {
-        set_difference(exact, span->p, 0, 1);
-        set_difference(exact, span->b, 2, 1);
-        set_difference(exact, span->c, 3, 1);
+    struct eng_exact_form *whole = &span->whole;
+    if (kind == PCCD_VF) {
+        set_difference(span, span->p, 0, 1);
+        set_difference(span, span->b, 2, 1);
+        set_difference(span, span->c, 3, 1);
     } else {
-        set_difference(exact, span->p, 2, 0);
-        set_difference(exact, span->b, 1, 0);
-        set_difference(exact, span->c, 2, 3);
+        set_difference(span, span->p, 2, 0);
+        set_difference(span, span->b, 1, 0);
+        set_difference(span, span->c, 2, 3);
     }
-    cross(span, span->n, span->b, span->c);
-    dot(span, &span->det, span->p, span->n);
-    eng_poly_shorten(&span->det);
+    cross(span, whole->n, span->b, span->c);
+    dot(span, &whole->det, span->p, whole->n);
+    eng_poly_shorten(&whole->det);
 }
 
 /* Does det, which is not zero throughout, certainly not vanish in [0, 1]? */
-static bool det_keeps_its_sign(struct eng_exact_span *span)
+static bool keeps_its_sign(struct eng_poly *det)
 {
     int sign;
-    return eng_poly_sign_at_0(&span->det) != 0 && eng_poly_sign_at_1(&span->det) != 0 &&
-           eng_poly_variations(&span->det, &sign) == 0;
+    return eng_poly_sign_at_0(det) != 0 && eng_poly_sign_at_1(det) != 0 &&
+           eng_poly_variations(det, &sign) == 0;
 }
 
-/* The conditions of the domain; after set_det. */
-static struct eng_conditions set_conditions(struct eng_exact *exact, enum eng_kind kind)
+/* beta n.n, gamma n.n and so on, and n.n. */
+static void set_domain_value(struct eng_exact_span *span,
+                             const struct eng_conditions *conditions, int i)
 {
-    struct eng_exact_span *span = &exact->span;
-    dot(span, &span->nn, span->n, span->n);
-    cross(span, span->m, span->p, span->c);
-    dot(span, &span->beta, span->m, span->n);
-    cross(span, span->m, span->b, span->p);
-    dot(span, &span->gamma, span->m, span->n);
-    int count = 0;
-    eng_poly_copy(&span->condition[count++], &span->beta);
-    eng_poly_copy(&span->condition[count++], &span->gamma);
-    eng_poly_sub(&span->condition[count++], &span->nn, &span->beta);
-    if (kind == ENG_VF) {
-        eng_poly_sub(&span->condition[2], &span->condition[2], &span->gamma);
-    } else {
-        eng_poly_sub(&span->condition[count++], &span->nn, &span->gamma);
+    const struct eng_exact_form *form = span->form;
+    dot(span, &span->condition[i], i < conditions->count ? form->side[i] : form->n,
+        form->n);
+    eng_poly_shorten(&span->condition[i]);
+}
+
+/* The conditions of the domain over the step; p, b and c are those of set_det. Where
+ * p = beta b + gamma c, p x c is beta n and b x p is gamma n; n less one of these, or
+ * less both, says how far beta and gamma, or their sum, are below 1. */
+static void set_sides(struct eng_exact_span *span, enum pccd_kind kind)
+{
+    const struct eng_poly *n = span->whole.n;
+    struct eng_poly(*side)[3] = span->whole.side;
+    if (span->has_sides) {
+        return;
     }
-    eng_poly_copy(&span->condition[count++], &span->nn);
-    for (int i = 0; i < count; i++) {
-        eng_poly_shorten(&span->condition[i]);
+    span->has_sides = true;
+    cross(span, side[0], span->p, span->c);
+    cross(span, side[1], span->b, span->p);
+    for (int k = 0; k < 3; k++) {
+        eng_poly_sub(&side[2][k], &n[k], &side[0][k]);
+        if (kind == PCCD_VF) {
+            eng_poly_sub(&side[2][k], &side[2][k], &side[1][k]);
+        } else {
+            eng_poly_sub(&side[3][k], &n[k], &side[1][k]);
+        }
     }
-    return (struct eng_conditions){count, true};
+}
+
+/* Is a side 0 at a root of det? Then the event is there: events are roots of det. */
+static bool is_side_zero(struct eng_exact_span *span, int i, const struct eng_root *root)
+{
+    const struct eng_exact_event *event = event_of(span, i);
+    int sign;
+    if (event->never || event->common.degree < 0) {
+        return !event->never;
+    }
+    set_part(span, &span->scratch, &event->common);
+    eng_poly_zoom(&span->sign, &span->scratch, *root->num, root->k);
+    /* With 2 it is alone, if at all, and twice: whoever computes the sign will know. */
+    return eng_poly_variations(&span->sign, &sign) == 1;
+}
+
+/* The conditions of the domain over the span. */
+static struct eng_conditions set_domain(struct eng_exact_span *span, enum pccd_kind kind)
+{
+    int count = kind == PCCD_VF ? 3 : 4;
+    set_sides(span, kind);
+    for (int k = 0; k < 3 && span->form == &span->part; k++) {
+        set_part(span, &span->part.n[k], &span->whole.n[k]);
+        for (int i = 0; i < count; i++) {
+            set_part(span, &span->part.side[i][k], &span->whole.side[i][k]);
+        }
+    }
+    return (struct eng_conditions){count, true, count + 1, set_domain_value,
+                                   is_side_zero};
+}
+
+/* What does not depend on the span: one query is asked about several. */
+static void load(struct eng_exact_span *span, const struct eng_query *query)
+{
+    if (span->is_loaded && span->query.kind == query->kind &&
+        memcmp(span->query.x, query->x, sizeof query->x) == 0) {
+        return;
+    }
+    span->query = *query;
+    span->is_loaded = true;
+    load_points(span);
+    set_det(span, query->kind);
+    span->has_sides = false;
+    eng_residue_load(&span->residues, span->x);
+    for (int i = 0; i < ENG_EXACT_EVENTS; i++) {
+        span->events[i].is_loaded = false;
+    }
+}
+
+static void set_span(struct eng_exact_span *span, double l, double r)
+{
+    int low = lowest_exponent(l, lowest_exponent(r, 0));
+    set_scaled(span->l, l, low);
+    set_scaled(span->width, r, low);
+    mpz_sub(span->width, span->width, span->l);
+    span->time_k = (unsigned long)-low;
+    span->form = l == 0 && r == 1 ? &span->whole : &span->part;
+    if (span->form == &span->part) {
+        set_part(span, &span->part.det, &span->whole.det);
+    }
 }
 
 static bool meets(struct eng_exact *exact, const struct eng_query *query, double l,
                   double r)
 {
     struct eng_exact_span *span = &exact->span;
+    if (span->watch.has_stopped) {
+        return false;
+    }
     exact->queries++;
     span->found[0] = INFINITY;
     span->found[1] = INFINITY;
-    load_points(exact, query, l, r);
-    set_det(exact, query->kind);
-    eng_residue_load(&span->residues, span->x);
+    load(span, query);
+    set_span(span, l, r);
     bool any = false;
-    if (span->det.degree < 0) {
-        struct eng_conditions conditions = set_conditions(exact, query->kind);
+    if (span->whole.det.degree < 0) {
+        struct eng_conditions conditions = set_domain(span, query->kind);
         mpz_set_ui(span->num, 0);
         any = eng_roots_hold_at_left(span, &conditions, 0);
         if (any) {
             eng_roots_found_at(span, 0, 0);
             return true;
         }
-    } else if (!det_keeps_its_sign(span)) {
-        struct eng_conditions conditions = set_conditions(exact, query->kind);
-        any = eng_roots_satisfy(span, &span->det, &conditions);
+    } else if (!keeps_its_sign(&span->form->det)) {
+        struct eng_conditions conditions = set_domain(span, query->kind);
+        any = eng_roots_satisfy(span, &span->form->det, &conditions);
     }
     if (any && !span->wants_first) {
         return true;
     }
-    return any_event_occurs(exact, query->kind) || any;
+    return any_event_occurs(span) || any;
 }
 
 bool eng_exact_meets(struct eng_exact *exact, const struct eng_query *query, double l,
@@ -309,6 +338,7 @@ bool eng_exact_first(struct eng_exact *exact, const struct eng_query *query,
     frexp(width / tolerance, &exponent); /* width / tolerance < 2^exponent */
     span->wants_first = true;
     span->depth_min = exponent > 0 ? (unsigned long)exponent + 1 : 1;
+    assert(span->depth_min < ENG_EXACT_DEPTH);
     if (!meets(exact, query, *l, *r)) {
         return false;
     }

@@ -8,6 +8,7 @@
  */
 #include "motion.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #include "closest.h"
@@ -51,7 +52,7 @@ void eng_motion_init(struct eng_motion *motion, const struct eng_query *query)
     motion->kind = query->kind;
     for (int end = 0; end < 2; end++) {
         const double(*x)[3] = query->x[end];
-        if (query->kind == ENG_VF) {
+        if (query->kind == PCCD_VF) {
             eng_sub(motion->p[end], x[0], x[1]);
             eng_sub(motion->b[end], x[2], x[1]);
             eng_sub(motion->c[end], x[3], x[1]);
@@ -202,7 +203,7 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion,
         return ENG_OUTSIDE;
     }
     bool inside = beta > e_beta && gamma > e_gamma;
-    if (motion->kind == ENG_VF) {
+    if (motion->kind == PCCD_VF) {
         double rest = nn - beta - gamma;
         double e_rest =
             e_nn + e_beta + e_gamma + 4 * ENG_U * (nn + fabs(beta) + fabs(gamma));
@@ -252,7 +253,7 @@ void eng_motion_describe(const struct eng_motion *motion, double t, double f_sta
     *gamma = closest.gamma;
 
     /* p - beta b - gamma c points from face to vertex, but from edge a to edge b. */
-    double from_b_to_a = motion->kind == ENG_VF ? 1 : -1;
+    double from_b_to_a = motion->kind == PCCD_VF ? 1 : -1;
     double n[3];
     eng_cross(n, pose.b, pose.c);
     if (eng_dot(n, n) > 0x1p-80 * eng_dot(pose.b, pose.b) * eng_dot(pose.c, pose.c)) {

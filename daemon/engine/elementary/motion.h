@@ -1,19 +1,21 @@
-/* motion.h - the three difference vectors of a query over time, with
- * bounds.
+/* daemon/engine/elementary/motion.h - the motion of two features over the step, as
+ * floating point with error bounds.
  *
- * Room:     engine. May include: query.h.
- * Does:     poses at a time, the cubic in Bernstein form over a span, where (beta, gamma)
- *           lies over a short span, and the description of a contact.
+ * Room:     engine. May include: pose.h, query.h.
+ * Does:     give the difference vectors of a query at a time with bounds of their error,
+ *           the cubic in Bernstein form over a span, the region of (beta, gamma) over a
+ *           short span, and the description of a contact.
  * Threads:  [any].
  * Source:   query.h; error bounds in BOUNDS.md.
  */
 #ifndef ENG_MOTION_H
 #define ENG_MOTION_H
 
+#include "pose.h"
 #include "query.h"
 
 struct eng_motion {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     double p[2][3]; /* at t = 0 and 1; scaled by one power of two */
     double b[2][3];
     double c[2][3];
@@ -21,12 +23,6 @@ struct eng_motion {
     double size_b;
     double size_c;
     double e_det; /* |computed - true| of det and of each Bernstein coefficient */
-};
-
-struct eng_pose {
-    double p[3];
-    double b[3];
-    double c[3];
 };
 
 enum eng_domain { ENG_OUTSIDE, ENG_INSIDE, ENG_UNSURE };
@@ -54,7 +50,7 @@ enum eng_domain eng_motion_domain(const struct eng_motion *motion,
                                   const struct eng_pose *l, const struct eng_pose *r);
 
 /* (beta, gamma), inside the domain, and the normal of a contact at time t, as in struct
- * eng_contact. f_start is det at t = 0. */
+ * pccd_contact. f_start is det at t = 0. */
 void eng_motion_describe(const struct eng_motion *motion, double t, double f_start,
                          double *beta, double *gamma, float normal[3]);
 

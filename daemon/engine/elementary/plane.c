@@ -85,7 +85,7 @@ static enum eng_plane look(const struct eng_query *query, const int role[4], int
 
 enum eng_plane eng_plane_look(const struct eng_query *query, double l, double r)
 {
-    int role_count = query->kind == ENG_VF ? 3 : 4;
+    int role_count = query->kind == PCCD_VF ? 3 : 4;
     if (r - l > WIDTH_MAX) {
         return ENG_PLANE_UNSURE;
     }
@@ -178,7 +178,7 @@ static enum eng_plane first_along(const struct eng_query *query, int axis,
                                   double tolerance, double *l, double *r)
 {
     enum eng_plane plane = ENG_PLANE_MISS;
-    int role_count = query->kind == ENG_VF ? 3 : 4;
+    int role_count = query->kind == PCCD_VF ? 3 : 4;
     for (int i = 0; i < role_count; i++) {
         double x;
         double y;
@@ -222,10 +222,10 @@ static const int *roles_aside(const struct eng_query *query, int axis)
     } else {
         return NULL;
     }
-    if (query->kind == ENG_VF && fourth == 0) {
+    if (query->kind == PCCD_VF && fourth == 0) {
         return NULL; /* a face in the plane */
     }
-    const int *role = roles[query->kind][query->kind == ENG_VF ? fourth - 1 : fourth];
+    const int *role = roles[query->kind][query->kind == PCCD_VF ? fourth - 1 : fourth];
     double x0 = query->x[0][role[1]][axis];
     double x1 = query->x[1][role[1]][axis];
     bool is_above = query->x[0][fourth][axis] > x0 && query->x[1][fourth][axis] > x1;

@@ -1,14 +1,17 @@
-/* daemon/engine/elementary/plane.h - contacts within the plane of two axes.
+/* daemon/engine/elementary/plane.h - decides queries in which several points share
+ * exactly the same x, y or z, as on a table or in a regular mesh.
  *
  * Room:     engine. May include: query.h.
  * Does:     decide queries in which three or four points have exactly equal x, y or z at
- *           both ends of the step, as in meshes that are symmetric, regular or on a
- *           table: there a point meets an edge in a plane, and whether it is inside the
- *           domain, or coplanar at all, is a zero that rounding hides.
+ *           both ends of the step. In that plane a point meets an edge, and rounding
+ *           would hide whether the point is inside the domain or the points are coplanar
+ *           at all.
  * Threads:  [any].
  */
 #ifndef ENG_PLANE_H
 #define ENG_PLANE_H
+
+#include <stdbool.h>
 
 #include "query.h"
 

@@ -1,9 +1,10 @@
-/* daemon/engine/elementary/poly.h - polynomials with integer coefficients, exactly.
+/* daemon/engine/elementary/poly.h - exact arithmetic with polynomials whose coefficients
+ * are integers of any size.
  *
- * Room:     engine. May include: GMP.
- * Does:     arithmetic up to degree 4, greatest common divisors, and counting roots in
+ * Room:     engine. May include: limbs.h, GMP.
+ * Does:     compute up to degree 4, find greatest common divisors, and count roots in
  *           dyadic intervals by Descartes' rule of signs.
- * Threads:  [any]; a polynomial belongs to one thread. Memory is kept from use to use.
+ * Threads:  [any]; a polynomial belongs to one thread.
  * Source:   Collins and Akritas 1976 (real roots by bisection and sign variations).
  */
 #ifndef ENG_POLY_H
@@ -11,6 +12,8 @@
 
 #include <gmp.h>
 #include <stdbool.h>
+
+#include "limbs.h"
 
 #define ENG_POLY_TERMS 5 /* degree <= 4 */
 
@@ -21,8 +24,16 @@ struct eng_poly {
     mpz_t scratch[ENG_POLY_TERMS]; /* of the operations, so that they allocate nothing */
 };
 
-void eng_poly_init(struct eng_poly *poly);
-void eng_poly_deinit(struct eng_poly *poly);
+/* What a polynomial may become. The rest of its numbers have no room at all. */
+struct eng_poly_size {
+    int terms;           /* coefficients */
+    size_t bits;         /* of each */
+    int scratch_count;   /* numbers of its scratch: whether an operation has it as its */
+    size_t scratch_bits; /* output, or counts its variations, says how many */
+};
+
+void eng_poly_place(struct eng_poly *poly, struct eng_limbs *limbs,
+                    const struct eng_poly_size *size);
 
 /* Outputs may not be the same object as inputs, except for `out` = `a` in add and sub. */
 void eng_poly_copy(struct eng_poly *out, const struct eng_poly *a);
@@ -39,16 +50,23 @@ void eng_poly_negate(struct eng_poly *poly);
  * `out` is neither. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
-/* The polynomial with the same roots, each simple, up to a constant factor. `a` is not
- * zero; s, d and common are scratch. */
-void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a,
-                          struct eng_poly *s, struct eng_poly *d,
-                          struct eng_poly *common);
+/* a = a positive multiple of what division by b leaves of a. b has a degree of 1 or more
+ * and a positive leading coefficient. */
+void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b);
+
+/* The polynomial with the same roots, each simple, up to a constant factor. `a` is of
+ * degree 1 to 3. */
+void eng_poly_square_free(struct eng_poly *out, const struct eng_poly *a);
 
 /* out(y) = 2^(k degree) a((num + y) / 2^k): the interval [num, num + 1] / 2^k becomes
  * [0, 1]; signs are kept. */
 void eng_poly_zoom(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
                    unsigned long k);
+
+/* out(y) = 2^(k degree) a((num + width y) / 2^k): the span from num / 2^k on becomes
+ * [0, 1]; signs are kept. */
+void eng_poly_narrow(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
+                     const mpz_t width, unsigned long k);
 
 /* Divide by the largest power of two that divides all coefficients. */
 void eng_poly_shorten(struct eng_poly *poly);
@@ -60,5 +78,10 @@ int eng_poly_sign_at_1(struct eng_poly *poly);
  * there, counted with multiplicity, and of the same parity. With none, *sign is the sign
  * throughout (0, 1) (0 only for the zero polynomial); else it is meaningless. */
 int eng_poly_variations(struct eng_poly *poly, int *sign);
+
+/* Are there no variations of `a` over [num, num + 1] / 2^k, which is within [0, 1]? Then
+ * *sign is as above. Long numbers are rounded as long as their signs are sure. */
+bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t num,
+                       unsigned long k, int *sign);
 
 #endif

@@ -26,7 +26,7 @@ eng_base_t eng_query_rebase(const struct eng_query *query, struct eng_query *reb
 {
     int order[4] = {0, 1, 2, 3};
     eng_base_t base = 0;
-    if (query->kind == ENG_VF) {
+    if (query->kind == PCCD_VF) {
         double best = distance(query, 0, 1);
         for (unsigned corner = 1; corner < 3; corner++) {
             double d = distance(query, 0, 1 + (int)corner);
@@ -70,10 +70,10 @@ static float to_unit(double weight)
     return (float)(weight < 0 ? 0 : weight > 1 ? 1 : weight);
 }
 
-void eng_rebase_params(enum eng_kind kind, eng_base_t base, double beta, double gamma,
+void eng_rebase_params(enum pccd_kind kind, eng_base_t base, double beta, double gamma,
                        float param[2])
 {
-    if (kind == ENG_VF) {
+    if (kind == PCCD_VF) {
         double weight[3];
         weight[base] = 1 - beta - gamma;
         weight[(base + 1) % 3] = beta;

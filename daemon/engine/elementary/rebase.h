@@ -1,9 +1,10 @@
-/* daemon/engine/elementary/rebase.h - the corner from which a query is measured.
+/* daemon/engine/elementary/rebase.h - chooses from which corner a query is measured, so
+ * that its numbers are small and error bounds are tight.
  *
  * Room:     engine. May include: query.h.
  * Does:     reorder the points of a query so that the vector p between the features
  *           starts and ends at the points nearest to each other. Every error bound is
- *           proportional to the size of p, so a vertex a micrometre from a corner of a
+ *           proportional to the size of p: a vertex one micrometre from a corner of a
  *           metre-wide face is decided a million times more finely.
  * Threads:  [any].
  */
@@ -21,7 +22,7 @@ eng_base_t eng_query_rebase(const struct eng_query *query, struct eng_query *reb
 
 /* (beta, gamma) of the reordered query to the parameters of the original: VF the weights
  * of corners 1 and 2, EE the positions along a and b. */
-void eng_rebase_params(enum eng_kind kind, eng_base_t base, double beta, double gamma,
+void eng_rebase_params(enum pccd_kind kind, eng_base_t base, double beta, double gamma,
                        float param[2]);
 
 #endif

@@ -70,14 +70,6 @@ static struct residue divisor_of(struct residue a, struct residue b)
     return a.degree >= 0 ? a : b;
 }
 
-bool eng_residue_are_coprime(const struct eng_poly *a, const struct eng_poly *b)
-{
-    struct residue ra = residue_of(a);
-    struct residue rb = residue_of(b);
-    bool keeps_degree = ra.degree == a->degree || rb.degree == b->degree;
-    return keeps_degree && divisor_of(ra, rb).degree == 0;
-}
-
 bool eng_residue_is_square_free(const struct eng_poly *poly)
 {
     struct residue a = residue_of(poly);

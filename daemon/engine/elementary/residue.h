@@ -1,9 +1,12 @@
-/* daemon/engine/elementary/residue.h - polynomials modulo a prime.
+/* daemon/engine/elementary/residue.h - shows quickly that two polynomials have no common
+ * root, by computing modulo a prime.
  *
  * Room:     engine. May include: poly.h.
- * Does:     tell that two polynomials have no common root, or one no double root, by
- *           numbers of 61 bits: a hundred times as fast as a greatest common divisor.
- * Does not: tell that there is a common root; whoever is not told asks poly.h.
+ * Does:     tell that two polynomials have no common root, or that one has no double
+ *           root, with numbers of 61 bits. This is a hundred times as fast as a greatest
+ *           common divisor.
+ * Does not: tell that there is a common root; a caller that gets no proof here asks
+ *           poly.h.
  * Threads:  [any].
  *
  * A common divisor of integer polynomials a and b divides them modulo the prime, too. If
@@ -17,9 +20,6 @@
 #include <stdint.h>
 
 #include "poly.h"
-
-/* Have a and b certainly no root in common? Neither is zero. */
-bool eng_residue_are_coprime(const struct eng_poly *a, const struct eng_poly *b);
 
 /* Has the polynomial, of degree 1 or more, certainly no root twice? */
 bool eng_residue_is_square_free(const struct eng_poly *poly);

@@ -7,6 +7,8 @@
  */
 #include "separate.h"
 
+#include "kinds.h"
+
 #ifdef __SSE2__
 #include <emmintrin.h>
 #endif
@@ -133,5 +135,6 @@ INLINE bool separates(const struct eng_query *query, int split)
 
 bool eng_query_separates(const struct eng_query *query)
 {
-    return query->kind == ENG_VF ? separates(query, 1) : separates(query, 2);
+    return common_kinds[query->kind].points[0] == 1 ? separates(query, 1)
+                                                    : separates(query, 2);
 }

@@ -1,13 +1,16 @@
-/* daemon/engine/elementary/separate.h - fixed directions between two features.
+/* daemon/engine/elementary/separate.h - rejects most queries cheaply: along a fixed
+ * direction, such as the x axis, the two features stay apart.
  *
  * Room:     engine. May include: query.h.
- * Does:     reject the queries that an axis or the diagonal of two axes tells apart: of
- *           those whose boxes overlap, most.
+ * Does:     try the three axes and the diagonals of two axes. Of the queries whose boxes
+ *           overlap, this rejects most.
  * Threads:  [any].
  * Source:   BOUNDS.md, "Axes" and "Filter, diagonal directions".
  */
 #ifndef ENG_SEPARATE_H
 #define ENG_SEPARATE_H
+
+#include <stdbool.h>
 
 #include "query.h"
 

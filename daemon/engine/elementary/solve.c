@@ -148,7 +148,7 @@ static enum look narrow(struct search *search, struct span span, struct eng_hit 
         eng_exact_first(search->exact, &search->query, search->tolerance, &span.l,
                         &span.r);
     }
-    set_hit(search, span.l, span.r, ENG_PROVED, hit);
+    set_hit(search, span.l, span.r, PCCD_PROVED, hit);
     return LOOK_HIT;
 }
 
@@ -162,7 +162,7 @@ static enum look look_at_rest(struct search *search, struct eng_hit *hit)
     if (!eng_exact_first(search->exact, &search->query, search->tolerance, &l, &r)) {
         return LOOK_EMPTY;
     }
-    set_hit(search, l, r, ENG_PROVED, hit);
+    set_hit(search, l, r, PCCD_PROVED, hit);
     return LOOK_HIT;
 }
 
@@ -280,14 +280,14 @@ bool eng_search(const struct eng_query *query, double tolerance, double t_end,
     search.span_count = 0;
     eng_motion_init(&search.motion, &search.query);
     if (touches_at_start(&search)) {
-        set_hit(&search, 0, 0, ENG_PROVED | ENG_INITIAL, hit);
+        set_hit(&search, 0, 0, PCCD_PROVED | PCCD_INITIAL, hit);
         return true;
     }
     double l;
     double r;
     switch (eng_plane_first(&search.query, search.tolerance, &l, &r)) {
     case ENG_PLANE_MEET:
-        set_hit(&search, l, r, ENG_PROVED, hit);
+        set_hit(&search, l, r, PCCD_PROVED, hit);
         return l <= t_end;
     case ENG_PLANE_MISS:
         return false;

@@ -1,8 +1,9 @@
-/* daemon/engine/elementary/solve.h - the certified solver of one elementary test.
+/* daemon/engine/elementary/solve.h - decides one elementary test with certainty: contact
+ * or no contact, and when.
  *
  * Room:     engine. May include: exact.h.
- * Does:     decide a query that no filter could reject: a miss is certain, a contact
- *           exists, and what rounding hides is decided by exact arithmetic.
+ * Does:     decide a query of VF or EE that no filter could reject. A miss is certain, a
+ *           contact exists, and exact arithmetic decides what rounding hides.
  * Threads:  one thread for one scratch.
  * Source:   query.h; error bounds are derived in BOUNDS.md.
  */

@@ -1,7 +1,7 @@
-/* daemon/engine/elementary/vec.h - vectors of three doubles.
+/* daemon/engine/elementary/vec.h - vectors of three doubles: add, subtract, dot, cross.
  *
  * Room:     engine. May include: the C library.
- * Does:     inline operations; each written operation is one rounding
+ * Does:     define inline operations in which each written operation rounds once
  *           (-ffp-contract=off).
  * Threads:  [any].
  */

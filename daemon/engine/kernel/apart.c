@@ -10,6 +10,9 @@
  * t, and by convexity no point of one feature is a point of the other. Comparisons of
  * doubles are exact: there is no margin.
  */
+#include <assert.h>
+
+#include "kinds.h"
 #include "table.h"
 
 /* A record is x0 y0 z0 word x1 y1 z1 word. */
@@ -54,7 +57,8 @@ struct order {
     struct record c, d; /* or c < d along one */
 };
 
-ENG_INLINE struct order order_of(enum eng_kind kind, const struct eng_point *points,
+/* `points_a`: those of the first feature; the rest are the other one's. */
+ENG_INLINE struct order order_of(uint32_t points_a, const struct eng_point *points,
                                  const uint32_t quad[4])
 {
     struct record a = load(&points[quad[0]]);
@@ -63,7 +67,7 @@ ENG_INLINE struct order order_of(enum eng_kind kind, const struct eng_point *poi
     struct record d = load(&points[quad[3]]);
     struct record low = least(c, d);
     struct record high = most(c, d);
-    if (kind == ENG_VF) {
+    if (points_a == 1) {
         return (struct order){a, least(b, low), most(b, high), a};
     }
     return (struct order){most(a, b), low, high, least(a, b)};
@@ -85,7 +89,7 @@ ENG_INLINE uint32_t axes_of(uint64_t below, uint64_t above)
     return (uint32_t)_pext_u64(any, 0x8080808080808080u);
 }
 
-ENG_INLINE uint32_t not_apart(enum eng_kind kind, const struct eng_point *points,
+ENG_INLINE uint32_t not_apart(uint32_t points_a, const struct eng_point *points,
                               const uint32_t (*quads)[4], uint32_t count, uint32_t *kept)
 {
     const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
@@ -96,7 +100,7 @@ ENG_INLINE uint32_t not_apart(enum eng_kind kind, const struct eng_point *points
         uint8_t above[BYTES + 8];
         uint32_t i;
         for (i = 0; i < n; i++) {
-            struct order order = order_of(kind, points, quads[first + i]);
+            struct order order = order_of(points_a, points, quads[first + i]);
             below[i] = (uint8_t)eng_dm_bits(eng_d_less(order.a.v[0], order.b.v[0]));
             above[i] = (uint8_t)eng_dm_bits(eng_d_less(order.c.v[0], order.d.v[0]));
         }
@@ -136,12 +140,12 @@ ENG_INLINE bool is_apart(const struct order *order)
     return (bits & 7u) != 0;
 }
 
-ENG_INLINE uint32_t not_apart(enum eng_kind kind, const struct eng_point *points,
+ENG_INLINE uint32_t not_apart(uint32_t points_a, const struct eng_point *points,
                               const uint32_t (*quads)[4], uint32_t count, uint32_t *kept)
 {
     uint32_t kept_count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        struct order order = order_of(kind, points, quads[i]);
+        struct order order = order_of(points_a, points, quads[i]);
         kept[kept_count] = i;
         kept_count += !is_apart(&order);
     }
@@ -150,9 +154,10 @@ ENG_INLINE uint32_t not_apart(enum eng_kind kind, const struct eng_point *points
 
 #endif
 
-uint32_t ENG_KERNEL(apart)(enum eng_kind kind, const struct eng_point *points,
+uint32_t ENG_KERNEL(apart)(enum pccd_kind kind, const struct eng_point *points,
                            const uint32_t (*quads)[4], uint32_t count, uint32_t *kept)
 {
-    return kind == ENG_VF ? not_apart(ENG_VF, points, quads, count, kept)
-                          : not_apart(ENG_EE, points, quads, count, kept);
+    assert(common_kinds[kind].points[0] <= 2);
+    return common_kinds[kind].points[0] == 1 ? not_apart(1, points, quads, count, kept)
+                                             : not_apart(2, points, quads, count, kept);
 }

@@ -1,9 +1,10 @@
-/* daemon/engine/kernel/axes.h - pairs that an axis separates, from marks.
+/* daemon/engine/kernel/axes.h - rejects pairs that lie apart along an axis, by comparing
+ * points rounded to a grid of whole numbers.
  *
  * Room:     engine. May include: marks.h.
- * Does:     compare marks as they lie in memory, with nothing turned, for the many pairs
- *           of boxes around whole motions that end here: what apart.c does, from half the
- *           bytes.
+ * Does:     compare marks in the layout that they have in memory, for the many pairs
+ *           whose features an axis separates for the whole step: what apart.c does, from
+ *           half the bytes.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   BOUNDS.md: a gap of two units at both ends is one all the time.
  */
@@ -37,12 +38,12 @@ ENG_INLINE void eng_axes_reach(const struct eng_corners *pair, int first, int la
     }
 }
 
-ENG_INLINE void eng_axes_look(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_axes_look(enum pccd_kind kind, const struct eng_sieve *sieve,
                               const uint32_t *a, const uint32_t *b, uint8_t *below,
                               uint8_t *above)
 {
     struct eng_corners pair = eng_corners_of(kind, sieve, *a, *b);
-    const int split = kind == ENG_VF ? 1 : 2;
+    const int split = kind == PCCD_VF ? 1 : 2;
     *below = *above = 0;
     for (int i = 0; i < 6; i++) {
         int32_t low[2] = {0, 0};
@@ -85,7 +86,7 @@ ENG_INLINE uint32_t eng_axes_above(eng_fi a, eng_fi b)
 }
 
 /* The bits of ENG_F_LANES pairs. */
-ENG_INLINE void eng_axes_look(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_axes_look(enum pccd_kind kind, const struct eng_sieve *sieve,
                               const uint32_t *a, const uint32_t *b, uint8_t *below,
                               uint8_t *above)
 {
@@ -106,7 +107,7 @@ ENG_INLINE void eng_axes_look(enum eng_kind kind, const struct eng_sieve *sieve,
             }
             eng_fi low = eng_fi_min(mark[2], mark[3]);
             eng_fi high = eng_fi_max(mark[2], mark[3]);
-            if (kind == ENG_VF) {
+            if (kind == PCCD_VF) {
                 low = eng_fi_min(mark[1], low);
                 high = eng_fi_max(mark[1], high);
                 bits[0] |= eng_axes_above(low, mark[0]) << 4 * end;

@@ -1,11 +1,12 @@
-/* daemon/engine/kernel/begin.h - boxes in whole numbers as they are at t = 0.
+/* daemon/engine/kernel/begin.h - compares quantised boxes as they are at the beginning of
+ * the step, for a search that ends shortly after t = 0.
  *
- * Room:     engine. May include: narrow.h, overlap.h.
- * Does:     compare them as they lie in the trees, up to a time so near that hardly
- *           anything has moved: nothing is made ready.
+ * Room:     engine. May include: quantised.h, overlap.h.
+ * Does:     compare boxes in their stored form, up to a time at which hardly anything has
+ *           moved, so that nothing has to be prepared.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
- * A number (narrow.h) grows by at most `farthest` from the one end of the step to the
+ * A number (quantised.h) grows by at most `farthest` from the one end of the step to the
  * other, so a sum of two by 2 t_end farthest until t_end. Where that and the sum are
  * negative the boxes are apart all the while. The same holds of a box around others,
  * whose numbers are the largest of theirs.
@@ -13,24 +14,24 @@
 #ifndef ENG_BEGIN_H
 #define ENG_BEGIN_H
 
-#include "narrow.h"
 #include "overlap.h"
+#include "quantised.h"
 
-/* What two boxes around the way up to a time grow by for their rounding alone (narrow.h):
- * as long as they grow by less, boxes that are compared as they begin are the smaller
- * ones. */
-#define ENG_NARROW_GROWTH_MAX (2 * ENG_NARROW_REACH_SPARE)
+/* What two boxes around the way up to a time grow by for their rounding alone
+ * (quantised.h): as long as they grow by less, boxes that are compared as they begin are
+ * the smaller ones. */
+#define ENG_QUANTISED_GROWTH_MAX (2 * ENG_QUANTISED_REACH_SPARE)
 
 /* What two numbers that grow by `farthest` or less grow by together until t_end, 0 .. 1,
- * rounded up to a whole number >= 1; 0: more than ENG_NARROW_GROWTH_MAX. */
-ENG_INLINE uint32_t narrow_growth(uint32_t farthest, float t_end)
+ * rounded up to a whole number >= 1; 0: more than ENG_QUANTISED_GROWTH_MAX. */
+ENG_INLINE uint32_t quantised_growth(uint32_t farthest, float t_end)
 {
     float growth = 2 * t_end * (float)farthest; /* off by 2^-23 of itself */
-    return growth < ENG_NARROW_GROWTH_MAX ? 1 + (uint32_t)growth : 0;
+    return growth < ENG_QUANTISED_GROWTH_MAX ? 1 + (uint32_t)growth : 0;
 }
 
 /* Bit i: the box may meet that in lane i while numbers grow by `growth` together.
- * `turned`: the box, against rows that are not (narrow.h). */
+ * `turned`: the box, against rows that are not (quantised.h). */
 ENG_INLINE uint32_t overlap_from_begin(struct bounds box, struct bounds rows, bool turned,
                                        uint32_t growth)
 {

@@ -1,13 +1,15 @@
-/* daemon/engine/kernel/boxes.h - moving boxes in rows of sixteen.
+/* daemon/engine/kernel/boxes.h - moving boxes stored sixteen at a time, a row for each
+ * bound, ready for vector instructions.
  *
  * Room:     engine. May include: the C library.
- * Does:     name the two forms of a box at both ends of a step, and what two blocks of
- *           boxes are joined with.
+ * Does:     name the two forms of a box at both ends of a step, and the parameters of a
+ *           join of two blocks of boxes.
  * Threads:  [any].
  *
- * A bound is kept as its distance outward: minus the lower, plus the upper. So a union is
- * a maximum everywhere, and two boxes are apart along an axis, one below the other, where
- * -lower(a) + upper(b) < 0: the sign of a sum is exact, whatever it was rounded to.
+ * A bound is stored as its distance outward: minus the lower bound, plus the upper. So a
+ * union is a maximum everywhere. Two boxes are apart along an axis, one below the other,
+ * where -lower(a) + upper(b) < 0. The sign of such a sum is exact, however it was
+ * rounded.
  */
 #ifndef ENG_BOXES_H
 #define ENG_BOXES_H
@@ -39,28 +41,28 @@ struct eng_wide_block {
 /* Boxes in whole numbers of 16 bits, two to a lane: [end][axis][lane], each an outward
  * distance below (bits 0 .. 15) and one above (bits 16 .. 31), in cells of a grid. Larger
  * than the boxes by a cell or so, and compared by half as many operations. */
-struct eng_narrow_block {
+struct eng_quantised_block {
     _Alignas(64) uint32_t row[2][3][ENG_WIDE];
 };
 
 /* One of them: [end][2 axis]: above, [end][2 axis + 1]: below; the last two are 0. */
-struct eng_narrow_box {
+struct eng_quantised_box {
     _Alignas(32) int16_t half[2][8];
 };
 
 /* From the distances in a float box to cells: x scale[axis] + below or above[axis]. The
- * two, which are the origin and its opposite, add up to ENG_NARROW_ROUND or more. */
-struct eng_narrowing {
+ * two, which are the origin and its opposite, add up to ENG_QUANTISED_ROUND or more. */
+struct eng_quantising {
     float scale[4]; /* powers of two; the fourth of all is 0 */
     float below[4];
     float above[4];
 };
 
-/* Makes up for what two conversions are off by (narrow.c). */
-#define ENG_NARROW_ROUND 0x1.08p0f
+/* Makes up for what two conversions are off by (make_quantised.c). */
+#define ENG_QUANTISED_ROUND 0x1.08p0f
 
 /* The most cells that a bound may be away from the origin: so that the numbers of no box,
- * INT16_MIN, meet none, with what narrow.h adds. */
-#define ENG_NARROW_REACH 32700
+ * INT16_MIN, meet none, with what quantised.h adds. */
+#define ENG_QUANTISED_REACH 32700
 
 #endif

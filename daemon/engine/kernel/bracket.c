@@ -33,7 +33,7 @@
 #define GROUPS (PAIRS / ENG_D_LANES)
 
 /* Append the contacts of the lanes `bits` that begin in time. */
-ENG_INLINE void write_hits(enum eng_kind kind, const struct lanes *lanes, uint32_t bits,
+ENG_INLINE void write_hits(enum pccd_kind kind, const struct lanes *lanes, uint32_t bits,
                            eng_d x, eng_d y, const struct eng_spot *spot, double t_end,
                            struct eng_bracketed *out)
 {
@@ -45,13 +45,13 @@ ENG_INLINE void write_hits(enum eng_kind kind, const struct lanes *lanes, uint32
     eng_d_store(at[1], y);
 #pragma GCC unroll 5
     for (int i = 0; i < 5; i++) {
-        eng_d_narrow(as[i], numbers[i]);
+        eng_d_quantised(as[i], numbers[i]);
     }
     uint32_t count = out->hit_count;
     for (; bits != 0; bits &= bits - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(bits);
         struct eng_hit *hit = &out->hits[count];
-        hit->flags = ENG_PROVED;
+        hit->flags = PCCD_PROVED;
         hit->toi = at[0][lane];
         hit->toi_hi = at[1][lane];
         hit->param[0] = as[0][lane];
@@ -67,7 +67,7 @@ ENG_INLINE void write_hits(enum eng_kind kind, const struct lanes *lanes, uint32
 
 /* Enclose the roots and write down what meets there. What certainly misses there, and
  * not more, is returned. */
-ENG_INLINE eng_dm close(enum eng_kind kind, enum look look, struct lanes *lanes,
+ENG_INLINE eng_dm close(enum pccd_kind kind, enum look look, struct lanes *lanes,
                         const struct limits *limits, struct eng_bracketed *out)
 {
     struct bracket at = enclose(kind, look, lanes, limits);
@@ -101,7 +101,7 @@ ENG_INLINE void find_roots(enum look look, struct lanes lanes[GROUPS], uint32_t 
 }
 
 /* One look at a few groups. */
-ENG_INLINE void look_at(enum eng_kind kind, enum look look, struct lanes lanes[GROUPS],
+ENG_INLINE void look_at(enum pccd_kind kind, enum look look, struct lanes lanes[GROUPS],
                         uint32_t count, const struct limits *limits,
                         struct eng_bracketed *out)
 {
@@ -135,7 +135,7 @@ ENG_INLINE void look_at(enum eng_kind kind, enum look look, struct lanes lanes[G
 
 /* Look at pairs[count]. Those that are not decided go to `left`, which may be `pairs`;
  * returns how many. */
-ENG_INLINE uint32_t look_at_all(enum eng_kind kind, enum look look,
+ENG_INLINE uint32_t look_at_all(enum pccd_kind kind, enum look look,
                                 const struct eng_point *points,
                                 const uint32_t (*quads)[4], const uint32_t *pairs,
                                 uint32_t count, const struct limits *limits,
@@ -168,7 +168,7 @@ ENG_INLINE uint32_t look_at_all(enum eng_kind kind, enum look look,
     return left_count;
 }
 
-ENG_INLINE void bracket(enum eng_kind kind, const struct eng_point *points,
+ENG_INLINE void bracket(enum pccd_kind kind, const struct eng_point *points,
                         const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                         double tolerance, double t_end, struct eng_bracketed *out)
 {
@@ -179,13 +179,13 @@ ENG_INLINE void bracket(enum eng_kind kind, const struct eng_point *points,
                                      out, out->unsure + out->unsure_count);
 }
 
-void ENG_KERNEL(bracket)(enum eng_kind kind, const struct eng_point *points,
+void ENG_KERNEL(bracket)(enum pccd_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                          double tolerance, double t_end, struct eng_bracketed *out)
 {
-    if (kind == ENG_VF) {
-        bracket(ENG_VF, points, quads, pairs, count, tolerance, t_end, out);
+    if (kind == PCCD_VF) {
+        bracket(PCCD_VF, points, quads, pairs, count, tolerance, t_end, out);
     } else {
-        bracket(ENG_EE, points, quads, pairs, count, tolerance, t_end, out);
+        bracket(PCCD_EE, points, quads, pairs, count, tolerance, t_end, out);
     }
 }

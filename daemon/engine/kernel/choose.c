@@ -1,7 +1,7 @@
 /* daemon/engine/kernel/choose.c - which instruction set.
  *
  * Room:     engine.
- * Does:     see kernel.h.
+ * Does:     see isa.h.
  * Threads:  [any]: two threads that choose at a time choose the same.
  */
 #include <stdatomic.h>
@@ -74,4 +74,9 @@ const struct eng_kernels *eng_kernels(void)
         atomic_store_explicit(&chosen, kernels, memory_order_relaxed);
     }
     return kernels;
+}
+
+const char *eng_kernels_name(const struct eng_kernels *kernels)
+{
+    return kernels->name;
 }

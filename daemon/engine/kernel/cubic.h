@@ -1,7 +1,9 @@
-/* daemon/engine/kernel/cubic.h - cubics in Bernstein form over the step, a lane each.
+/* daemon/engine/kernel/cubic.h - the cubic whose roots are the possible times of contact,
+ * for several pairs at once, one in each vector lane.
  *
- * Room:     engine. May include: vectors.h.
- * Does:     coefficients with their error, sides of intervals of time, approximate roots.
+ * Room:     engine. May include: query.h, vectors.h.
+ * Does:     compute coefficients with their error, the sign over intervals of time, and
+ *           approximate roots, in Bernstein form over the step.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   BOUNDS.md for every constant times u.
  *

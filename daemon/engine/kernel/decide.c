@@ -23,7 +23,7 @@ ENG_INLINE void find_root(enum look look, struct lanes *lanes)
 }
 
 /* Look at the interval at hand: does a contact begin in it? */
-ENG_INLINE enum eng_decision look_at_root(enum eng_kind kind, enum look look,
+ENG_INLINE enum eng_decision look_at_root(enum pccd_kind kind, enum look look,
                                           struct lanes *lanes,
                                           const struct limits *limits,
                                           struct eng_hit *hit)
@@ -35,7 +35,7 @@ ENG_INLINE enum eng_decision look_at_root(enum eng_kind kind, enum look look,
     }
     eng_d numbers[5];
     describe(kind, lanes, &at.spot, numbers);
-    hit->flags = ENG_PROVED;
+    hit->flags = PCCD_PROVED;
     hit->toi = at.x;
     hit->toi_hi = at.y;
     hit->param[0] = (float)numbers[0];
@@ -47,7 +47,7 @@ ENG_INLINE enum eng_decision look_at_root(enum eng_kind kind, enum look look,
 }
 
 /* The look for all shapes, of a pair that the first look has left open. */
-ENG_INLINE enum eng_decision look_again(enum eng_kind kind, struct lanes *lanes,
+ENG_INLINE enum eng_decision look_again(enum pccd_kind kind, struct lanes *lanes,
                                         const struct limits *limits, struct eng_hit *hit)
 {
     enum eng_decision verdict = ENG_MISSES;
@@ -69,16 +69,16 @@ ENG_INLINE enum eng_decision look_again(enum eng_kind kind, struct lanes *lanes,
 static __attribute__((noinline)) enum eng_decision
 look_again_vf(struct lanes *lanes, const struct limits *limits, struct eng_hit *hit)
 {
-    return look_again(ENG_VF, lanes, limits, hit);
+    return look_again(PCCD_VF, lanes, limits, hit);
 }
 
 static __attribute__((noinline)) enum eng_decision
 look_again_ee(struct lanes *lanes, const struct limits *limits, struct eng_hit *hit)
 {
-    return look_again(ENG_EE, lanes, limits, hit);
+    return look_again(PCCD_EE, lanes, limits, hit);
 }
 
-ENG_INLINE enum eng_decision decide(enum eng_kind kind, const struct eng_query *query,
+ENG_INLINE enum eng_decision decide(enum pccd_kind kind, const struct eng_query *query,
                                     const struct limits *limits, struct eng_hit *hit)
 {
     struct lanes lanes = {.count = 1};
@@ -106,16 +106,16 @@ ENG_INLINE enum eng_decision decide(enum eng_kind kind, const struct eng_query *
                           .cubic = lanes.cubic,
                           .starts_below = lanes.starts_below,
                           .count = 1};
-    return kind == ENG_VF ? look_again_vf(&again, limits, hit)
-                          : look_again_ee(&again, limits, hit);
+    return kind == PCCD_VF ? look_again_vf(&again, limits, hit)
+                           : look_again_ee(&again, limits, hit);
 }
 
 enum eng_decision eng_decide(const struct eng_query *query, double tolerance,
                              double t_end, struct eng_hit *hit)
 {
     const struct limits limits = limits_of(tolerance, t_end);
-    enum eng_decision verdict = query->kind == ENG_VF
-                                    ? decide(ENG_VF, query, &limits, hit)
-                                    : decide(ENG_EE, query, &limits, hit);
+    enum eng_decision verdict = query->kind == PCCD_VF
+                                    ? decide(PCCD_VF, query, &limits, hit)
+                                    : decide(PCCD_EE, query, &limits, hit);
     return verdict == ENG_MEETS && !(hit->toi <= t_end) ? ENG_MISSES : verdict;
 }

@@ -1,8 +1,9 @@
-/* daemon/engine/kernel/enclose.h - a root of a cubic, and what is there.
+/* daemon/engine/kernel/enclose.h - finds the time of a contact: encloses a root of a
+ * cubic between two times, and describes the contact there.
  *
  * Room:     engine. May include: interval.h.
- * Does:     come near to the root in the interval at hand, enclose it between two times
- *           at which the sign is certain, and describe a contact there.
+ * Does:     approach the root in the current interval, enclose it between two times at
+ *           which the sign is certain, and describe a contact there.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   BOUNDS.md.
  */
@@ -125,7 +126,7 @@ struct bracket {
 };
 
 /* Enclose the roots. */
-ENG_INLINE struct bracket enclose(enum eng_kind kind, enum look look,
+ENG_INLINE struct bracket enclose(enum pccd_kind kind, enum look look,
                                   const struct lanes *lanes, const struct limits *limits)
 {
     const eng_d zero = {0};
@@ -139,28 +140,28 @@ ENG_INLINE struct bracket enclose(enum eng_kind kind, enum look look,
     at.y = eng_d_min(r, lanes->root + reach);
     eng_d width = at.y - at.x;
     eng_dm enclosed = encloses(look, lanes, at.x, at.y);
-    eng_dm is_narrow = eng_d_at_most(width, limits->width);
+    eng_dm is_quantised = eng_d_at_most(width, limits->width);
     eng_dm is_short = eng_d_at_most(width, zero + WIDTH_MISS_MAX);
     at.spot = eng_spot_of(kind, &lanes->motion, at.x, at.y, look == LOOK_ALL);
-    at.meets = eng_dm_and(eng_dm_and(enclosed, is_narrow), at.spot.inside);
+    at.meets = eng_dm_and(eng_dm_and(enclosed, is_quantised), at.spot.inside);
     at.passed = eng_dm_and(eng_dm_and(enclosed, is_short), at.spot.outside);
     return at;
 }
 
 /* What a hit says of a contact: params and normal. */
-ENG_INLINE void describe(enum eng_kind kind, const struct lanes *lanes,
+ENG_INLINE void describe(enum pccd_kind kind, const struct lanes *lanes,
                          const struct eng_spot *spot, eng_d numbers[5])
 {
     const eng_d one = (eng_d){0} + 1;
     eng_d scale = 1 / spot->nn;
     eng_d beta = spot->param[0] * scale;
     eng_d gamma = spot->param[1] * scale;
-    numbers[0] = kind == ENG_EE ? eng_d_min(beta, one) : beta;
-    numbers[1] = kind == ENG_EE ? eng_d_min(gamma, one) : gamma;
+    numbers[0] = kind == PCCD_EE ? eng_d_min(beta, one) : beta;
+    numbers[1] = kind == PCCD_EE ? eng_d_min(gamma, one) : gamma;
     /* VF: from the face to the side of the vertex; EE: from b to a. */
     eng_d unit = eng_d_sqrt(scale);
-    unit = kind == ENG_VF ? eng_d_select(lanes->starts_below, -unit, unit)
-                          : eng_d_select(lanes->starts_below, unit, -unit);
+    unit = kind == PCCD_VF ? eng_d_select(lanes->starts_below, -unit, unit)
+                           : eng_d_select(lanes->starts_below, unit, -unit);
     numbers[2] = spot->n.x * unit;
     numbers[3] = spot->n.y * unit;
     numbers[4] = spot->n.z * unit;

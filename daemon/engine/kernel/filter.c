@@ -24,7 +24,7 @@ struct pairs {
     struct eng_v edge[2]; /* EE: a1 - a0 */
 };
 
-ENG_INLINE struct pairs load(enum eng_kind kind, const struct eng_group *group)
+ENG_INLINE struct pairs load(enum pccd_kind kind, const struct eng_group *group)
 {
     struct pairs pairs;
     struct eng_v x[4][2];
@@ -32,12 +32,12 @@ ENG_INLINE struct pairs load(enum eng_kind kind, const struct eng_group *group)
     for (int i = 0; i < 4; i++) {
         eng_group_load(group, i, x[i]);
     }
-    pairs.count = kind == ENG_VF ? 3 : 4;
+    pairs.count = kind == PCCD_VF ? 3 : 4;
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
 #pragma GCC unroll 4
         for (int k = 0; k < pairs.count; k++) {
-            pairs.d[end][k] = kind == ENG_VF
+            pairs.d[end][k] = kind == PCCD_VF
                                   ? eng_v_sub(x[0][end], x[1 + k][end])
                                   : eng_v_sub(x[2 + k / 2][end], x[k % 2][end]);
         }
@@ -137,9 +137,9 @@ ENG_INLINE eng_dm separated(const struct pairs *pairs)
 
 /* Bernstein coefficients of the cubic over the step, the middle ones times three, all
  * beyond their error on one side? */
-ENG_INLINE eng_dm one_sided(enum eng_kind kind, const struct pairs *pairs)
+ENG_INLINE eng_dm one_sided(enum pccd_kind kind, const struct pairs *pairs)
 {
-    const bool is_vf = kind == ENG_VF;
+    const bool is_vf = kind == PCCD_VF;
     const struct eng_v p[3] = {pairs->d[0][0], is_vf ? pairs->d[0][1] : pairs->edge[0],
                                pairs->d[0][2]};
     const struct eng_v q[3] = {pairs->d[1][0], is_vf ? pairs->d[1][1] : pairs->edge[1],
@@ -166,7 +166,7 @@ ENG_INLINE eng_dm one_sided(enum eng_kind kind, const struct pairs *pairs)
  * depends on the scene, nine of ten pairs with balls in flight by the one, with draped
  * cloth by the other: the better one goes first, and often makes the second superfluous.
  * What is rejected does not depend on the order. */
-ENG_INLINE uint32_t rejected(enum eng_kind kind, const struct pairs *pairs,
+ENG_INLINE uint32_t rejected(enum pccd_kind kind, const struct pairs *pairs,
                              bool *cubic_first)
 {
     uint32_t first = *cubic_first ? eng_dm_bits(one_sided(kind, pairs))
@@ -182,7 +182,7 @@ ENG_INLINE uint32_t rejected(enum eng_kind kind, const struct pairs *pairs,
     return first | second;
 }
 
-ENG_INLINE uint32_t filter(enum eng_kind kind, bool by_diagonals,
+ENG_INLINE uint32_t filter(enum pccd_kind kind, bool by_diagonals,
                            const struct eng_point *points, const uint32_t (*quads)[4],
                            const uint32_t *pairs, uint32_t count, uint32_t *kept)
 {
@@ -201,7 +201,7 @@ ENG_INLINE uint32_t filter(enum eng_kind kind, bool by_diagonals,
 
 /* The diagonals take a third of the time and come last: on recorded cloth the others
  * leave 7 to 34 % of the pairs, which are worth loading again. */
-ENG_INLINE uint32_t filter_both(enum eng_kind kind, const struct eng_point *points,
+ENG_INLINE uint32_t filter_both(enum pccd_kind kind, const struct eng_point *points,
                                 const uint32_t (*quads)[4], const uint32_t *pairs,
                                 uint32_t count, uint32_t *kept)
 {
@@ -209,10 +209,10 @@ ENG_INLINE uint32_t filter_both(enum eng_kind kind, const struct eng_point *poin
     return filter(kind, true, points, quads, kept, count, kept);
 }
 
-uint32_t ENG_KERNEL(filter)(enum eng_kind kind, const struct eng_point *points,
+uint32_t ENG_KERNEL(filter)(enum pccd_kind kind, const struct eng_point *points,
                             const uint32_t (*quads)[4], const uint32_t *pairs,
                             uint32_t count, uint32_t *kept)
 {
-    return kind == ENG_VF ? filter_both(ENG_VF, points, quads, pairs, count, kept)
-                          : filter_both(ENG_EE, points, quads, pairs, count, kept);
+    return kind == PCCD_VF ? filter_both(PCCD_VF, points, quads, pairs, count, kept)
+                           : filter_both(PCCD_EE, points, quads, pairs, count, kept);
 }

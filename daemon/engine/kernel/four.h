@@ -1,7 +1,8 @@
-/* daemon/engine/kernel/four.h - a side of one box, whatever the instruction set.
+/* daemon/engine/kernel/four.h - a vector of four floats on every instruction set: one
+ * side of one box.
  *
  * Room:     engine. May include: the C library.
- * Does:     four floats in a vector.
+ * Does:     define the vector, and the maximum of two.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_FOUR_H

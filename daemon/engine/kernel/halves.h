@@ -1,4 +1,5 @@
-/* daemon/engine/kernel/halves.h - lanes of two whole numbers.
+/* daemon/engine/kernel/halves.h - vector arithmetic on pairs of 16-bit numbers that share
+ * a 32-bit lane, for quantised boxes.
  *
  * Room:     engine. May include: lanes_pack.h, arm_neon.h.
  * Does:     compute with numbers of 16 bits, two to a lane of 32.
@@ -13,7 +14,7 @@
 #include <arm_neon.h>
 #endif
 
-ENG_INLINE int32_t narrow_clamped(int32_t x)
+ENG_INLINE int32_t quantised_clamped(int32_t x)
 {
     return x < INT16_MIN ? INT16_MIN : x > INT16_MAX ? INT16_MAX : x;
 }
@@ -31,8 +32,8 @@ ENG_INLINE eng_fi eng_fi_add_halves(eng_fi a, eng_fi b)
     return (eng_fi)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 #else
     for (uint32_t i = 0; i < ENG_F_LANES; i++) {
-        int32_t low = narrow_clamped((int16_t)a[i] + (int16_t)b[i]);
-        int32_t high = narrow_clamped((a[i] >> 16) + (b[i] >> 16));
+        int32_t low = quantised_clamped((int16_t)a[i] + (int16_t)b[i]);
+        int32_t high = quantised_clamped((a[i] >> 16) + (b[i] >> 16));
         a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
     }
     return a;

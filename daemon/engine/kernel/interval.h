@@ -1,8 +1,9 @@
-/* daemon/engine/kernel/interval.h - parts of a step with a root of a cubic each.
+/* daemon/engine/kernel/interval.h - intervals of the step in which a cubic has at most
+ * one root, and those without a root, which are dropped.
  *
  * Room:     engine. May include: cubic.h, spot.h.
- * Does:     name what is known of the pairs in the lanes; open their cubics; find those
- *           that certainly have no root, and those that fall, which have one.
+ * Does:     name what is known of the pairs in the lanes; set up their cubics; find the
+ *           cubics that certainly have no root, and those that only fall, which have one.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   BOUNDS.md.
  */

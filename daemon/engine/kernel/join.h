@@ -1,12 +1,13 @@
-/* daemon/engine/kernel/join.h - blocks of boxes that are joined.
+/* daemon/engine/kernel/join.h - finds the overlapping pairs between blocks of sixteen
+ * boxes: parameters and results of that inner loop.
  *
  * Room:     engine. May include: boxes.h, the C library.
- * Does:     say what pairs of blocks are joined by, and hold what they have found until
- *           there is room for it.
+ * Does:     describe which blocks are joined, and hold the pairs found until there is
+ *           room for them.
  * Threads:  one thread for one round; the blocks are only read.
  *
- * Pairs of blocks are joined many at a time, in loops that go through all of them: each
- * with as few branches that cannot be foreseen as one has, its end.
+ * Many pairs of blocks are joined in one loop over all of them. So each pair costs as few
+ * mispredicted branches as a single one: the end of its loop.
  */
 #ifndef ENG_JOIN_H
 #define ENG_JOIN_H
@@ -30,15 +31,15 @@ struct eng_join {
     const struct eng_extents *b_boxes; /* around each block of b */
     /* The same in whole numbers, or NULL: only of features that move. a and b then say
      * whether the lists are the same, and nothing else is read of them. */
-    const struct eng_narrow_block *a_narrow;
-    const struct eng_narrow_block *b_narrow;
-    const struct eng_narrow_box *b_narrow_boxes;
+    const struct eng_quantised_block *a_quantised;
+    const struct eng_quantised_block *b_quantised;
+    const struct eng_quantised_box *b_quantised_boxes;
     /* Of features: three (faces) or two (edges) arrays of the vertices of each; vertices
      * stand for themselves: NULL. Pairs that share one are left out. */
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
     enum eng_join_boxes boxes;
-    uint32_t farthest;      /* the most that a whole number grows by (narrow_blocks) */
+    uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */
     bool in_time;           /* of moving boxes, those that no time brings together on all
                              * axes are left out, too */
@@ -61,12 +62,12 @@ struct eng_near_block {
 /* A block as it is compared, if that is not as it lies there. */
 union eng_join_ready {
     struct eng_near_block near;
-    struct eng_narrow_block narrow;
+    struct eng_quantised_block quantised;
 };
 
 union eng_join_around {
     struct eng_extents box;
-    struct eng_narrow_box narrow;
+    struct eng_quantised_box quantised;
 };
 
 /* Pairs of blocks that wait, and what those before them have found. */

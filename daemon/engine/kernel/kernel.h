@@ -1,8 +1,8 @@
-/* daemon/engine/kernel/kernel.h - the inner loops, once for every instruction set.
+/* daemon/engine/kernel/kernel.h - the inner loops of the engine, one version for every
+ * instruction set.
  *
- * Room:     engine. May include: join.h, query.h, sieve.h, the C library.
- * Does:     name the instruction sets and the functions that each of them has; choose
- *           the set that this processor runs best, or the one that PCCD_CPU names.
+ * Room:     engine. May include: box_frame.h, isa.h, join.h, query.h, sieve.h.
+ * Does:     name the functions that each instruction set has (isa.h chooses the set).
  * Does not: know meshes, scenes or threads.
  * Threads:  [any].
  *
@@ -19,19 +19,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "frame.h"
+#include "box_frame.h"
+#include "isa.h"
 #include "join.h"
 #include "query.h"
 #include "sieve.h"
-
-enum eng_isa {
-    ENG_ISA_SCALAR, /* everywhere */
-    ENG_ISA_SSE4,   /* x86-64: SSE 4.2 */
-    ENG_ISA_AVX2,   /* x86-64: AVX2, BMI2 */
-    ENG_ISA_AVX512, /* x86-64: AVX-512 F, VL, DQ, BW, BMI2 */
-    ENG_ISA_NEON,   /* AArch64 */
-    ENG_ISA_COUNT
-};
 
 /* One vertex at both ends of the step, one cache line. The words are free for the owner;
  * kernels do not look at them. */
@@ -88,46 +80,50 @@ struct eng_kernels {
     /* Blocks, and the boxes around them, in whole numbers; *farthest is raised to the
      * most that one grows by from t = 0 to t = 1. False: one of them is beyond what the
      * numbers hold; then none may be used. */
-    bool (*narrow_blocks)(const struct eng_wide_block *blocks,
-                          const struct eng_extents *around, uint32_t count,
-                          const struct eng_narrowing *narrowing,
-                          struct eng_narrow_block *narrow,
-                          struct eng_narrow_box *narrow_around, uint32_t *farthest);
+    bool (*quantised_blocks)(const struct eng_wide_block *blocks,
+                             const struct eng_extents *around, uint32_t count,
+                             const struct eng_quantising *quantising,
+                             struct eng_quantised_block *quantised,
+                             struct eng_quantised_box *quantised_around,
+                             uint32_t *farthest);
 
     /* The pairs that the boxes of blocks of job->a and of job->b make, which may meet in
      * the step: of the round's pairs of blocks, as many as there is room for in
      * out_a[room] and out_b[room]; returns how many. Again, with room for ENG_WIDE or
      * more, until eng_join_has_ended. Of a block with itself no pair twice or turned
-     * round. Nodes: self-pairs too, unless there is no box; edges and faces (against
-     * vertices, which are a): none, and none that share a vertex. */
+     * round. Nodes: self-pairs too, unless there is no box; features: none, and none that
+     * share a vertex. */
     uint32_t (*join_nodes)(struct eng_join *job, struct eng_join_round *round,
                            uint32_t *out_a, uint32_t *out_b, uint32_t room);
-    uint32_t (*join_edges)(struct eng_join *job, struct eng_join_round *round,
-                           uint32_t *out_a, uint32_t *out_b, uint32_t room);
-    uint32_t (*join_faces)(struct eng_join *job, struct eng_join_round *round,
-                           uint32_t *out_a, uint32_t *out_b, uint32_t room);
+    /* The same of the features of a kind. */
+    uint32_t (*join_features[PCCD_KIND_COUNT])(struct eng_join *job,
+                                               struct eng_join_round *round,
+                                               uint32_t *out_a, uint32_t *out_b,
+                                               uint32_t room);
 
-    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. */
+    /* Elementary tests of `count` pairs of one kind; quads as in batch.h. `apart` knows
+     * every kind; sift, filter and bracket know those with has_kernels in eng_solvers: VF
+     * and EE, which the cubic of query.h decides. */
 
     /* The pairs a[count + ENG_SIEVE_SPARE], b[..] that neither axes and time nor the
      * cubic nor face diagonals reject, from their marks: to the front in the same order;
      * returns how many. */
-    uint32_t (*sift)(enum eng_kind kind, struct eng_sieve *sieve, uint32_t *a,
+    uint32_t (*sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                      uint32_t *b, uint32_t count);
 
     /* Write the pairs 0 .. count-1 that no axis separates over the whole step to
      * kept[count]; returns how many. */
-    uint32_t (*apart)(enum eng_kind kind, const struct eng_point *points,
+    uint32_t (*apart)(enum pccd_kind kind, const struct eng_point *points,
                       const uint32_t (*quads)[4], uint32_t count, uint32_t *kept);
     /* The same by face diagonals and by the cubic, of the pairs pairs[count]; kept may be
      * `pairs`. */
-    uint32_t (*filter)(enum eng_kind kind, const struct eng_point *points,
+    uint32_t (*filter)(enum pccd_kind kind, const struct eng_point *points,
                        const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                        uint32_t *kept);
     /* Decide pairs[count], which is changed: append the contacts that begin before or at
      * t_end and what is unsure to `out`, whose arrays have room for `count` more; the
      * rest are misses. */
-    void (*bracket)(enum eng_kind kind, const struct eng_point *points,
+    void (*bracket)(enum pccd_kind kind, const struct eng_point *points,
                     const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                     double tolerance, double t_end, struct eng_bracketed *out);
 };
@@ -139,17 +135,5 @@ enum eng_decision { ENG_MISSES, ENG_MEETS, ENG_OPEN };
  * set; a contact that begins after t_end is a miss. */
 enum eng_decision eng_decide(const struct eng_query *query, double tolerance,
                              double t_end, struct eng_hit *hit);
-
-/* The kernels of an instruction set; NULL if this processor, or this build, has none. */
-const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
-
-/* The set of that name, "scalar", "sse4", "avx2", "avx512" or "neon"; NULL or "": the
- * best that the processor has. NULL: there is no such set here. */
-const struct eng_kernels *eng_kernels_named(const char *name);
-
-/* What PCCD_CPU names, or the best; chosen at the first call and kept. A name that
- * this processor cannot follow counts as none: programs check it first, with
- * eng_kernels_named, and say so. */
-const struct eng_kernels *eng_kernels(void);
 
 #endif

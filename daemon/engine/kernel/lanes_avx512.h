@@ -1,13 +1,14 @@
-/* daemon/engine/kernel/lanes_avx512.h - masks in registers of their own.
+/* daemon/engine/kernel/lanes_avx512.h - the AVX-512 version of lanes.h: a mask is a
+ * register of bits.
  *
- * Room:     engine. May include: lanes.h.
- * Does:     see lanes.h.
+ * Room:     engine. May include: lane_types.h.
+ * Does:     define the masks and comparisons that lanes.h promises.
  * Threads:  [any]; inline only.
  */
 #ifndef ENG_LANES_AVX512_H
 #define ENG_LANES_AVX512_H
 
-#include "lanes.h" /* for the types; what comes here is a part of it */
+#include "lane_types.h"
 
 #if ENG_VECTOR_BYTES == 64 /* so that the header compiles alone */
 

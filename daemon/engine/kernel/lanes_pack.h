@@ -1,8 +1,9 @@
-/* daemon/engine/kernel/lanes_pack.h - integers in lanes, and lanes into lists.
+/* daemon/engine/kernel/lanes_pack.h - moves the results of vector comparisons into lists:
+ * signs become bits, and set bits become numbers.
  *
  * Room:     engine. May include: lanes.h, immintrin.h.
- * Does:     signs and equality as bits; write the numbers of the set bits one after the
- *           other.
+ * Does:     turn signs and equality into bits; write the numbers of the set bits one
+ *           after the other.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_LANES_PACK_H

@@ -1,14 +1,16 @@
-/* daemon/engine/kernel/lanes_scalar.h - vectors of one number.
+/* daemon/engine/kernel/lanes_scalar.h - the version of lanes.h without vectors: one
+ * number at a time, the reference for all others.
  *
- * Room:     engine. May include: lanes.h, immintrin.h.
- * Does:     see lanes.h. The numbers stay in the registers of numbers, masks included:
- *           one-lane vectors of integers would go through the others and back.
+ * Room:     engine. May include: lane_types.h, immintrin.h.
+ * Does:     define what lanes.h promises. Numbers stay in the registers for numbers,
+ *           masks included: vectors of one integer would travel to the other registers
+ *           and back.
  * Threads:  [any]; inline only.
  */
 #ifndef ENG_LANES_SCALAR_H
 #define ENG_LANES_SCALAR_H
 
-#include "lanes.h" /* for the types; what comes here is a part of it */
+#include "lane_types.h"
 
 #if ENG_VECTOR_BYTES == 8 /* so that the header compiles alone */
 

@@ -1,13 +1,14 @@
-/* daemon/engine/kernel/lanes_vector.h - masks that are vectors.
+/* daemon/engine/kernel/lanes_vector.h - the version of lanes.h for SSE 4.2, AVX2 and
+ * NEON: a mask is a vector of all-ones and zeros.
  *
- * Room:     engine. May include: lanes.h.
- * Does:     see lanes.h.
+ * Room:     engine. May include: lane_types.h.
+ * Does:     define the masks and comparisons that lanes.h promises.
  * Threads:  [any]; inline only.
  */
 #ifndef ENG_LANES_VECTOR_H
 #define ENG_LANES_VECTOR_H
 
-#include "lanes.h" /* for the types; what comes here is a part of it */
+#include "lane_types.h"
 
 #if ENG_VECTOR_BYTES > 8 && ENG_VECTOR_BYTES < 64 /* so that the header compiles alone */
 

@@ -8,7 +8,7 @@ kernel_sources = \
     daemon/engine/kernel/axes.h \
     daemon/engine/kernel/begin.h \
     daemon/engine/kernel/bounds.c \
-    daemon/engine/kernel/boxes.c \
+    daemon/engine/kernel/make_boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
     daemon/engine/kernel/cubic.h \
@@ -16,11 +16,11 @@ kernel_sources = \
     daemon/engine/kernel/filter.c \
     daemon/engine/kernel/halves.h \
     daemon/engine/kernel/interval.h \
-    daemon/engine/kernel/join.c \
+    daemon/engine/kernel/join_blocks.c \
     daemon/engine/kernel/join.h \
     daemon/engine/kernel/four.h \
-    daemon/engine/kernel/frame.h \
     daemon/engine/kernel/kernel.h \
+    daemon/engine/kernel/lane_types.h \
     daemon/engine/kernel/lanes.h \
     daemon/engine/kernel/lanes_avx512.h \
     daemon/engine/kernel/lanes_pack.h \
@@ -29,8 +29,8 @@ kernel_sources = \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
     daemon/engine/kernel/meeting.h \
-    daemon/engine/kernel/narrow.c \
-    daemon/engine/kernel/narrow.h \
+    daemon/engine/kernel/make_quantised.c \
+    daemon/engine/kernel/quantised.h \
     daemon/engine/kernel/near.h \
     daemon/engine/kernel/overlap.h \
     daemon/engine/kernel/pieces.h \

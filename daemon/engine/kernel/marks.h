@@ -1,9 +1,9 @@
-/* daemon/engine/kernel/marks.h - points on the grid to vectors, a pair to each lane.
+/* daemon/engine/kernel/marks.h - loads points that were rounded to a grid (marks),
+ * several at once, for the sieve.
  *
  * Room:     engine. May include: lanes_pack.h, query.h, sieve.h.
- * Does:     differences between the marks of as many pairs as a vector has floats. Whole
- *           records are subtracted as they lie in memory, then turned: three differences
- *           are less to turn than four points.
+ * Does:     subtract the marks of as many pairs as a vector has floats, in memory order,
+ *           then transpose the three differences, which is less than four points.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_MARKS_H
@@ -24,10 +24,10 @@ struct eng_corners {
 };
 
 ENG_INLINE struct eng_corners
-eng_corners_of(enum eng_kind kind, const struct eng_sieve *sieve, uint32_t a, uint32_t b)
+eng_corners_of(enum pccd_kind kind, const struct eng_sieve *sieve, uint32_t a, uint32_t b)
 {
     const struct eng_mark *marks = sieve->marks;
-    if (kind == ENG_VF) {
+    if (kind == PCCD_VF) {
         return (struct eng_corners){{&marks[a], &marks[sieve->b_corner[0][b]],
                                      &marks[sieve->b_corner[1][b]],
                                      &marks[sieve->b_corner[2][b]]}};
@@ -61,7 +61,7 @@ ENG_INLINE void eng_marks_turn(const __m512i a[4], __m512i out[3])
     out[2] = _mm512_unpacklo_epi64(zw01, zw23);
 }
 
-ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
 {
     __m512i halves[2][3][3];
@@ -119,7 +119,7 @@ ENG_INLINE struct eng_g eng_marks_turn(const __m256i a[4])
                           (eng_fi)_mm256_unpacklo_epi64(zw01, zw23)};
 }
 
-ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
 {
     __m256i v[2][3][4];
@@ -146,7 +146,7 @@ ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve
 
 #elif ENG_VECTOR_BYTES == 16
 
-ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
 {
     eng_fi v[2][3][4];
@@ -179,7 +179,7 @@ ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve
 
 #else
 
-ENG_INLINE void eng_marks_load(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
 {
     struct eng_corners p = eng_corners_of(kind, sieve, *a, *b);

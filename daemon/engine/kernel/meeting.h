@@ -1,8 +1,9 @@
-/* daemon/engine/kernel/meeting.h - when boxes that move can meet.
+/* daemon/engine/kernel/meeting.h - rejects pairs of moving boxes that overlap along each
+ * axis at some time, but never along all axes at the same time.
  *
  * Room:     engine. May include: halves.h, lanes_pack.h, overlap.h.
- * Does:     tell pairs of boxes that overlap along each axis, but never along all at a
- *           time.
+ * Does:     compute for each axis the span of time in which the boxes overlap, and reject
+ *           pairs whose spans have no common time.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
  * What moving boxes let through may be apart along x up to some time and along y from an
@@ -19,12 +20,12 @@
  * 3 u + u) and u for the factor, and that, 1 + 2^-19, leaves 32 u. 2^-120 covers products
  * below the normal range.
  *
- * In whole numbers (narrow.h) the h of either end are sums of two of 16 bits, exact as
+ * In whole numbers (quantised.h) the h of either end are sums of two of 16 bits, exact as
  * floats, and at least those of the boxes, in cells: so is what is between them, and what
  * can meet along an axis can by these numbers, too. Whatever they tell apart is. Here,
  * too, the two h0 add up to no less than the boxes' sizes: so do the two numbers of a box
- * (narrow.c). None may be saturated, though: one that is too small at the one end would
- * shorten the time.
+ * (make_quantised.c). None may be saturated, though: one that is too small at the one end
+ * would shorten the time.
  */
 #ifndef ENG_MEETING_H
 #define ENG_MEETING_H
@@ -116,8 +117,8 @@ ENG_INLINE void meeting_along(const struct gaps *gaps, struct fraction *from,
 }
 
 /* Bit i: no time brings the box and that of lane i together. Only for pairs that
- * overlap; `narrow`: both are in whole numbers. */
-ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool narrow)
+ * overlap; `quantised`: both are in whole numbers. */
+ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool quantised)
 {
     uint32_t bits = 0;
     for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
@@ -125,8 +126,8 @@ ENG_INLINE uint32_t never_together(struct bounds box, struct bounds rows, bool n
         struct fraction to[3];
 #pragma GCC unroll 3
         for (uint32_t axis = 0; axis < 3; axis++) {
-            struct gaps gaps = narrow ? gaps_as_pairs(box, rows, axis, at)
-                                      : gaps_as_floats(box, rows, axis, at);
+            struct gaps gaps = quantised ? gaps_as_pairs(box, rows, axis, at)
+                                         : gaps_as_floats(box, rows, axis, at);
             meeting_along(&gaps, &from[axis], &to[axis]);
         }
         struct fraction begin = later(later(from[0], from[1]), from[2]);

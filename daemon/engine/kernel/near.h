@@ -1,9 +1,9 @@
-/* daemon/engine/kernel/near.h - the boxes around the way up to a time that is near.
+/* daemon/engine/kernel/near.h - encloses a moving box, from t = 0 to a time t_end, in one
+ * box that stands still.
  *
  * Room:     engine. May include: four.h, join.h, lanes.h.
- * Does:     write a moving box as one that stands still, around all that it covers up to
- *           t_end: two of them are compared with half of what moving ones take, and up to
- *           a near time they are hardly larger.
+ * Does:     write that box. Two of them are compared with half the work of two moving
+ *           ones, and up to a near time they are hardly larger.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
  * A bound's outward distance goes from x0 to x1: up to t_end it is at most x0 + p with

@@ -1,17 +1,18 @@
-/* daemon/engine/kernel/overlap.h - one box against sixteen.
+/* daemon/engine/kernel/overlap.h - compares one box with sixteen others at once.
  *
- * Room:     engine. May include: boxes.h, lanes_pack.h, narrow.h.
- * Does:     say which of them it may meet, by each of the rules that there are.
+ * Room:     engine. May include: boxes.h, lanes_pack.h, quantised.h.
+ * Does:     say which of them it may meet, for moving boxes, swept boxes, quantised
+ *           boxes, and for boxes up to a given time.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
  * One box against sixteen takes, a register of sixteen lanes wide: per axis four sums and
  * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12
- * with compares, of which one is). No box has a zero with a sign (boxes.c), so the sum of
- * two bounds that touch is 0 without one. Boxes that stand still take half of that: plain
- * swept ones, and those up to a time that is near (near.h).
+ * with compares, of which one is). No box has a zero with a sign (make_boxes.c), so the
+ * sum of two bounds that touch is 0 without one. Boxes that stand still take half of
+ * that: plain swept ones, and those up to a time that is near (near.h).
  *
- * Boxes in whole numbers (narrow.h) take half of either: features that move are compared
- * so where the scene allows it.
+ * Boxes in whole numbers (quantised.h) take half of either: features that move are
+ * compared so where the scene allows it.
  *
  * Up to a time. The gap along an axis, g(t) = (1 - t) g0 + t g1, is linear: where g0 > 0,
  * it stays positive up to t_end if g(t_end) > 0. What is computed here is h = -g: h0 and
@@ -29,7 +30,7 @@
 
 #include "boxes.h"
 #include "lanes_pack.h"
-#include "narrow.h"
+#include "quantised.h"
 
 #define PARTS (ENG_WIDE / ENG_F_LANES)
 
@@ -49,15 +50,15 @@ enum rule {
     RULE_UNTIL,
     RULE_SWEPT,
     RULE_NEAR,
-    RULE_NARROW_STEP,
-    RULE_NARROW_UNTIL,
-    RULE_NARROW_NEAR,
-    RULE_NARROW_BEGIN
+    RULE_QUANTISED_STEP,
+    RULE_QUANTISED_UNTIL,
+    RULE_QUANTISED_NEAR,
+    RULE_QUANTISED_BEGIN
 };
 
-ENG_INLINE bool is_narrow(enum rule rule)
+ENG_INLINE bool is_quantised(enum rule rule)
 {
-    return rule >= RULE_NARROW_STEP;
+    return rule >= RULE_QUANTISED_STEP;
 }
 
 /* s / t of the comment above. */
@@ -144,13 +145,13 @@ ENG_INLINE eng_fi apart_as_pairs(struct bounds box, struct bounds rows, uint32_t
     for (uint32_t axis = 0; axis < 3; axis++) {
         h0[axis] = eng_fi_add_halves(eng_fi_all(word_of(box, 0, axis)),
                                      eng_fi_load(place_of(rows, 0, axis, at)));
-        if (rule != RULE_NARROW_NEAR) {
+        if (rule != RULE_QUANTISED_NEAR) {
             eng_fi h1 = eng_fi_add_halves(eng_fi_all(word_of(box, 1, axis)),
                                           eng_fi_load(place_of(rows, 1, axis, at)));
             signs = eng_fi_or_and(signs, h0[axis], h1);
         }
     }
-    return rule == RULE_NARROW_NEAR ? eng_fi_or_or(h0[0], h0[1], h0[2]) : signs;
+    return rule == RULE_QUANTISED_NEAR ? eng_fi_or_or(h0[0], h0[1], h0[2]) : signs;
 }
 
 /* Bit i: the box may meet that in lane i. */
@@ -161,7 +162,7 @@ ENG_INLINE uint32_t overlap(struct bounds box, struct bounds rows, enum rule rul
     UNROLL_PARTS
     for (uint32_t part = 0; part < PARTS; part++) {
         uint32_t at = part * ENG_F_LANES;
-        eng_left left = is_narrow(rule)
+        eng_left left = is_quantised(rule)
                             ? eng_left_of_halves(apart_as_pairs(box, rows, at, rule))
                             : eng_left_of(apart_as_floats(box, rows, at, rule, until));
         bits |= eng_left_bits(left) << at;

@@ -1,7 +1,8 @@
-/* daemon/engine/kernel/pieces.h - the intervals of a cubic that turns.
+/* daemon/engine/kernel/pieces.h - cuts the step where a cubic turns, so that each piece
+ * has at most one root.
  *
  * Room:     engine. May include: interval.h.
- * Does:     cut the step where cubics turn, and go on from one interval to the next.
+ * Does:     find where the cubics turn, and go on from one interval to the next.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   BOUNDS.md.
  */

@@ -1,12 +1,14 @@
-/* daemon/engine/kernel/sieve.h - points in whole numbers, for a first look at pairs.
+/* daemon/engine/kernel/sieve.h - points rounded to a grid of whole numbers, by which most
+ * pairs are rejected before doubles are read.
  *
  * Room:     engine. May include: the C library.
- * Does:     name a grid over a scene, the points on it, and what a sieve works on.
+ * Does:     name a grid over a scene, the points on it (marks), and what the sieve works
+ *           on.
  * Threads:  [any].
  *
- * Half as many bytes as the points themselves, and twice as many in a vector. Differences
- * of whole numbers are exact, so what the sieve may reject depends on the size of a pair
- * and not on how far it is from the origin.
+ * Marks take half the bytes of the points themselves, so a vector holds twice as many.
+ * Differences of whole numbers are exact, so what the sieve may reject depends on the
+ * size of a pair and not on its distance from the origin.
  */
 #ifndef ENG_SIEVE_H
 #define ENG_SIEVE_H

@@ -59,12 +59,12 @@ ENG_INLINE eng_fi coordinate(struct eng_g g, int axis)
 
 /* By how much b lies above a and a above b, of marks 1, 2, 3 minus mark 0 along a
  * direction; negative where they overlap. */
-ENG_INLINE void gaps_of(enum eng_kind kind, const eng_fi d[3], eng_fi gaps[2])
+ENG_INLINE void gaps_of(enum pccd_kind kind, const eng_fi d[3], eng_fi gaps[2])
 {
     const eng_fi zero = {0};
     eng_fi low = eng_fi_min(d[1], d[2]);
     eng_fi high = eng_fi_max(d[1], d[2]);
-    if (kind == ENG_VF) {
+    if (kind == PCCD_VF) {
         gaps[0] = eng_fi_min(d[0], low);
         gaps[1] = -eng_fi_max(d[0], high);
     } else {
@@ -102,7 +102,7 @@ ENG_INLINE void cut(struct span *span, const eng_f gaps0[2], const eng_f gaps1[2
 
 /* Do x, y and z together leave no time up to t_end? A true gap is less than two units
  * smaller than the one on the grid. */
-ENG_INLINE uint32_t never_together(enum eng_kind kind, const struct eng_g d[2][3],
+ENG_INLINE uint32_t never_together(enum pccd_kind kind, const struct eng_g d[2][3],
                                    eng_f t_end)
 {
     const eng_f zero = {0};
@@ -130,7 +130,7 @@ ENG_INLINE uint32_t never_together(enum eng_kind kind, const struct eng_g d[2][3
 
 /* Separated along x+-y, y+-z or z+-x? Halves of coordinates, rounded down, so that their
  * sums fit; a gap of four in them is one. */
-ENG_INLINE uint32_t separated(enum eng_kind kind, const struct eng_g d[2][3])
+ENG_INLINE uint32_t separated(enum pccd_kind kind, const struct eng_g d[2][3])
 {
     const eng_fi zero = {0};
     eng_fi widest = zero;
@@ -218,8 +218,9 @@ ENG_INLINE void fill(const uint32_t *a, const uint32_t *b, uint32_t n,
 }
 
 /* Differences of the pairs a[n], b[n]. */
-ENG_INLINE void load(enum eng_kind kind, const struct eng_sieve *sieve, const uint32_t *a,
-                     const uint32_t *b, uint32_t n, struct eng_g d[2][3])
+ENG_INLINE void load(enum pccd_kind kind, const struct eng_sieve *sieve,
+                     const uint32_t *a, const uint32_t *b, uint32_t n,
+                     struct eng_g d[2][3])
 {
     if (n == ENG_F_LANES) {
         eng_marks_load(kind, sieve, a, b, d);
@@ -231,7 +232,7 @@ ENG_INLINE void load(enum eng_kind kind, const struct eng_sieve *sieve, const ui
 }
 
 /* The pairs that no axis separates move to the front; returns how many. */
-ENG_INLINE uint32_t pass_axes(enum eng_kind kind, const struct eng_sieve *sieve,
+ENG_INLINE uint32_t pass_axes(enum pccd_kind kind, const struct eng_sieve *sieve,
                               uint32_t *a, uint32_t *b, uint32_t count)
 {
     struct eng_axes axes;
@@ -261,7 +262,7 @@ ENG_INLINE uint32_t pass_axes(enum eng_kind kind, const struct eng_sieve *sieve,
 
 /* The pairs that none of `tests` rejects move to the front; returns how many. *gone: how
  * many the first of the tests, of this order, has rejected. */
-ENG_INLINE uint32_t pass(enum eng_kind kind, enum tests tests, bool is_cut,
+ENG_INLINE uint32_t pass(enum pccd_kind kind, enum tests tests, bool is_cut,
                          const struct eng_sieve *sieve, uint32_t *a, uint32_t *b,
                          uint32_t count, uint32_t *gone)
 {
@@ -289,7 +290,7 @@ ENG_INLINE uint32_t pass(enum eng_kind kind, enum tests tests, bool is_cut,
  * in flight by the one, with draped cloth by the other: the better one goes first, over
  * all pairs, the second with the diagonals over what that leaves. What is rejected does
  * not depend on the order. */
-ENG_INLINE uint32_t sift(enum eng_kind kind, bool is_cut, struct eng_sieve *sieve,
+ENG_INLINE uint32_t sift(enum pccd_kind kind, bool is_cut, struct eng_sieve *sieve,
                          uint32_t *a, uint32_t *b, uint32_t count)
 {
     uint32_t first;
@@ -318,18 +319,18 @@ ENG_INLINE uint32_t sift(enum eng_kind kind, bool is_cut, struct eng_sieve *siev
 
 static uint32_t sift_vf(struct eng_sieve *sieve, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    return sieve->t_end < 1 ? sift(ENG_VF, true, sieve, a, b, count)
-                            : sift(ENG_VF, false, sieve, a, b, count);
+    return sieve->t_end < 1 ? sift(PCCD_VF, true, sieve, a, b, count)
+                            : sift(PCCD_VF, false, sieve, a, b, count);
 }
 
 static uint32_t sift_ee(struct eng_sieve *sieve, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    return sieve->t_end < 1 ? sift(ENG_EE, true, sieve, a, b, count)
-                            : sift(ENG_EE, false, sieve, a, b, count);
+    return sieve->t_end < 1 ? sift(PCCD_EE, true, sieve, a, b, count)
+                            : sift(PCCD_EE, false, sieve, a, b, count);
 }
 
-uint32_t ENG_KERNEL(sift)(enum eng_kind kind, struct eng_sieve *sieve, uint32_t *a,
+uint32_t ENG_KERNEL(sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                           uint32_t *b, uint32_t count)
 {
-    return kind == ENG_VF ? sift_vf(sieve, a, b, count) : sift_ee(sieve, a, b, count);
+    return kind == PCCD_VF ? sift_vf(sieve, a, b, count) : sift_ee(sieve, a, b, count);
 }

@@ -1,8 +1,10 @@
-/* daemon/engine/kernel/spot.h - where two features are to each other, a pair to a lane.
+/* daemon/engine/kernel/spot.h - where two features are relative to each other at one
+ * time, several pairs at once.
  *
  * Room:     engine. May include: points.h.
- * Does:     load the motion of pairs; say of a short time whether the plane's contact is
- *           certainly inside or certainly outside the features, and describe it.
+ * Does:     load the motion of pairs. For a short span of time, say whether the point in
+ *           which a feature crosses the other's plane is certainly inside or certainly
+ *           outside the features, and describe it.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  * Source:   query.h; every constant times u is derived in BOUNDS.md.
  */
@@ -18,13 +20,14 @@ struct eng_motion_lanes {
 };
 
 /* x[point][end], points as in struct eng_query. */
-ENG_INLINE struct eng_motion_lanes eng_motion_of(enum eng_kind kind, struct eng_v x[4][2])
+ENG_INLINE struct eng_motion_lanes eng_motion_of(enum pccd_kind kind,
+                                                 struct eng_v x[4][2])
 {
     struct eng_motion_lanes motion;
 #pragma GCC unroll 2
     for (int end = 0; end < 2; end++) {
         struct eng_v *v = motion.v[end];
-        if (kind == ENG_VF) {
+        if (kind == PCCD_VF) {
             v[0] = eng_v_sub(x[0][end], x[1][end]);
             v[1] = eng_v_sub(x[0][end], x[2][end]);
             v[2] = eng_v_sub(x[0][end], x[3][end]);
@@ -41,7 +44,7 @@ ENG_INLINE struct eng_motion_lanes eng_motion_of(enum eng_kind kind, struct eng_
     return motion;
 }
 
-ENG_INLINE struct eng_motion_lanes eng_motion_load(enum eng_kind kind,
+ENG_INLINE struct eng_motion_lanes eng_motion_load(enum pccd_kind kind,
                                                    const struct eng_group *group)
 {
     struct eng_v x[4][2];
@@ -58,7 +61,7 @@ struct eng_spot {
     eng_dm outside; /* certainly no contact at any time of it */
     struct eng_v n; /* b x c in its middle */
     eng_d nn;       /* its square, up to rounding */
-    eng_d param[2]; /* as in struct eng_contact, times nn */
+    eng_d param[2]; /* as in struct pccd_contact, times nn */
 };
 
 /* `e` is the error of a product of four coordinates, `e_flat` that of one of two, by
@@ -141,7 +144,7 @@ ENG_INLINE struct eng_spot eng_spot_ee(const struct eng_v v[3], const eng_d size
 }
 
 /* In the bracket [x, y], which is short. */
-ENG_INLINE struct eng_spot eng_spot_of(enum eng_kind kind,
+ENG_INLINE struct eng_spot eng_spot_of(enum pccd_kind kind,
                                        const struct eng_motion_lanes *motion, eng_d x,
                                        eng_d y, bool closely)
 {
@@ -154,8 +157,8 @@ ENG_INLINE struct eng_spot eng_spot_of(enum eng_kind kind,
     }
     eng_d e = 52 * (y - x) + 424 * ENG_U;
     eng_d e_flat = 5 * (y - x) + 40 * ENG_U;
-    return kind == ENG_VF ? eng_spot_vf(v, motion->size, e, e_flat, closely)
-                          : eng_spot_ee(v, motion->size, e, e_flat, closely);
+    return kind == PCCD_VF ? eng_spot_vf(v, motion->size, e, e_flat, closely)
+                           : eng_spot_ee(v, motion->size, e, e_flat, closely);
 }
 
 #endif

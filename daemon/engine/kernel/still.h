@@ -1,4 +1,5 @@
-/* daemon/engine/kernel/still.h - sixteen boxes that stand still, in registers.
+/* daemon/engine/kernel/still.h - sixteen boxes that stand still, kept in registers while
+ * many other boxes are compared with them.
  *
  * Room:     engine. May include: overlap.h.
  * Does:     keep a block's rows where they are not read again for each box that is

@@ -21,11 +21,13 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .place_points = ENG_KERNEL(place_points),
     .box_fold = ENG_KERNEL(box_fold),
     .box_unite = ENG_KERNEL(box_unite),
-    .narrow_blocks = ENG_KERNEL(narrow_blocks),
+    .quantised_blocks = ENG_KERNEL(quantised_blocks),
     .join_nodes = ENG_KERNEL(join_nodes),
-    .join_edges = ENG_KERNEL(join_edges),
-    .join_faces = ENG_KERNEL(join_faces),
-    .apart = ENG_KERNEL(apart),
+#define JOIN_FEATURES(NAME, value, name, ...)                                            \
+    .join_features[PCCD_##NAME] = ENG_KERNEL(join_##name),
+    PCCD_KIND_LIST(JOIN_FEATURES)
+#undef JOIN_FEATURES
+        .apart = ENG_KERNEL(apart),
     .sift = ENG_KERNEL(sift),
     .filter = ENG_KERNEL(filter),
     .bracket = ENG_KERNEL(bracket),

@@ -1,4 +1,5 @@
-/* daemon/engine/kernel/vectors.h - vectors of three coordinates, a pair to each lane.
+/* daemon/engine/kernel/vectors.h - vectors of three coordinates, several at once, one in
+ * each lane.
  *
  * Room:     engine. May include: lanes.h.
  * Does:     the operations of elementary/vec.h, lane by lane; each written operation is

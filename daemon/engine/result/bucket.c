@@ -2,14 +2,14 @@
  *
  * Room:     engine.
  * Does:     radix sort of (key, address) within the cache, then one copy of each record;
- *           counts and hashes the records while they are there.
+ *           counts the records and hashes them while they are in the cache.
  * Threads:  bucket.h.
  */
 #include "bucket.h"
 
 #include <assert.h>
 
-static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
+static_assert(sizeof(struct pccd_contact) == 64 && sizeof(struct pccd_pair) == 20,
               "records");
 
 /* Records copied while the next ones are on their way to the cache. */
@@ -43,7 +43,7 @@ static void sort_items(const struct eng_merge *merge, struct eng_radix_key *item
     }
 }
 
-static void gather_contacts(struct eng_contact *to, const struct eng_radix_key *items,
+static void gather_contacts(struct pccd_contact *to, const struct eng_radix_key *items,
                             size_t count, struct eng_counts *counts)
 {
     for (size_t i = 0; i < count; i++) {
@@ -51,14 +51,14 @@ static void gather_contacts(struct eng_contact *to, const struct eng_radix_key *
             __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
         }
         memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
-        counts->vf += to[i].kind == ENG_VF;
-        counts->possible += !(to[i].flags & ENG_PROVED);
-        counts->initial += (to[i].flags & ENG_INITIAL) != 0;
+        counts->kind[to[i].kind]++;
+        counts->possible += !(to[i].flags & PCCD_PROVED);
+        counts->initial += (to[i].flags & PCCD_INITIAL) != 0;
         counts->toi_first = to[i].toi < counts->toi_first ? to[i].toi : counts->toi_first;
     }
 }
 
-static void gather_pairs(struct eng_pair *to, const struct eng_radix_key *items,
+static void gather_pairs(struct pccd_pair *to, const struct eng_radix_key *items,
                          size_t count, struct eng_counts *counts)
 {
     for (size_t i = 0; i < count; i++) {
@@ -66,12 +66,14 @@ static void gather_pairs(struct eng_pair *to, const struct eng_radix_key *items,
             __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
         }
         memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
-        counts->vf += to[i].kind == ENG_VF;
+        counts->kind[to[i].kind]++;
     }
 }
 
-/* Bring the parts of bucket `b` together, list by list; one list's are together. */
-static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32_t *count)
+/* Bring the parts of bucket `b` together, list by list; one list's are together. *place:
+ * of its first record in the answer. */
+static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32_t *place,
+                                     uint32_t *count)
 {
     const struct eng_merge_share *first = &merge->shares[0];
     uint32_t position = 0;
@@ -81,7 +83,7 @@ static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32
         position += share->begin[b] - share->first;
         n += share->begin[b + 1] - share->begin[b];
     }
-    merge->position[b] = position;
+    *place = position;
     *count = n;
     if (merge->threads == 1) {
         return merge->items + first->begin[b];
@@ -96,44 +98,25 @@ static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32
     return merge->other + position;
 }
 
-void eng_bucket_blocks(const struct eng_merge *merge, uint32_t b, uint64_t blocks[2])
-{
-    uint64_t bytes = merge->out->record_bytes;
-    uint64_t begin = merge->position[b] * bytes;
-    uint64_t end = merge->position[b] + (uint64_t)merge->size[b];
-    end = (end < merge->kept ? end : merge->kept) * bytes;
-    uint64_t all = eng_hash_blocks(merge->kept * bytes);
-    blocks[0] = (begin + ENG_HASH_BLOCK_BYTES - 1) / ENG_HASH_BLOCK_BYTES;
-    blocks[1] = end / ENG_HASH_BLOCK_BYTES < all ? end / ENG_HASH_BLOCK_BYTES : all;
-}
-
 void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *counts)
 {
+    assert(b < merge->splitters.buckets);
+    uint32_t begin;
     uint32_t count;
-    struct eng_radix_key *items = collect(merge, b, &count);
-    merge->size[b] = count;
-    uint64_t begin = merge->position[b];
+    struct eng_radix_key *items = collect(merge, b, &begin, &count);
     if (count == 0 || begin >= merge->kept) {
         return;
     }
     uint64_t kept = merge->kept - begin < count ? merge->kept - begin : count;
     /* The places of the records are the sort's scratch before they are filled: 20 bytes
      * or more for 16, behind at most 4 to the next place that is aligned. */
-    unsigned char *to = merge->out->data + begin * merge->out->record_bytes;
+    unsigned char *to = merge->out->data + (size_t)begin * merge->out->record_bytes;
     uintptr_t place = ((uintptr_t)to + 7) & ~(uintptr_t)7;
     sort_items(merge, items, (struct eng_radix_key *)place, count, 0);
-    if (merge->out->record_bytes == sizeof(struct eng_pair)) {
-        gather_pairs((struct eng_pair *)(void *)to, items, kept, counts);
+    if (merge->out->record_bytes == sizeof(struct pccd_pair)) {
+        gather_pairs((struct pccd_pair *)(void *)to, items, kept, counts);
     } else {
-        gather_contacts((struct eng_contact *)(void *)to, items, kept, counts);
+        gather_contacts((struct pccd_contact *)(void *)to, items, kept, counts);
     }
-}
-
-void eng_bucket_hash(struct eng_merge *merge, uint32_t b)
-{
-    uint64_t blocks[2];
-    eng_bucket_blocks(merge, b, blocks);
-    for (uint64_t i = blocks[0]; i < blocks[1]; i++) {
-        eng_hash_block(merge->out->data + i * ENG_HASH_BLOCK_BYTES, &merge->sums[i]);
-    }
+    counts->hash += eng_hash_records(to, kept, merge->out->record_bytes);
 }

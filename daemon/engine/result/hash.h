@@ -1,11 +1,13 @@
-/* daemon/engine/result/hash.h - the hash of an answer, alone or in shares.
+/* daemon/engine/result/hash.h - the hash of an answer: one number that differs when any
+ * record differs.
  *
- * Room:     engine. May include: the C library.
- * Does:     XXH3-128 without a seed. What a block of the data adds to the hash depends on
- *           that block alone, so many threads can look at a block each; what is left for
- *           one is to chain the sums, a sixteenth of the bytes.
+ * Room:     engine. May include: the C library; hash.c: pccd_types.h.
+ * Does:     version 2 of the hash (proto/PROTOCOL.md, "The hash of an answer"): the sum,
+ *           modulo 2^128, of the XXH3-128 of each record and of the number of records. A
+ *           sum does not ask for an order, so each thread adds up the records at hand,
+ *           and pages or parts of a scene add up as well. Whether the order is canonical
+ *           is for tests to check.
  * Threads:  [any].
- * Source:   xxHash 0.8, doc/xxhash_spec.md, "XXH3 algorithm for large inputs".
  */
 #ifndef ENG_HASH_H
 #define ENG_HASH_H
@@ -13,30 +15,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define ENG_HASH_BLOCK_BYTES 1024u
+/* Hashes of records, added up; 0 for none. */
+__extension__ typedef unsigned __int128 eng_hash_sum;
 
-/* What one whole block adds. */
-struct eng_hash_sum {
-    uint64_t lane[8];
-};
+/* What `count` records, one behind the other, add. */
+eng_hash_sum eng_hash_records(const void *records, uint64_t count, uint32_t record_bytes);
 
-/* XXH3-128 of `bytes`: hash[0] high, hash[1] low. */
-void eng_hash(const void *data, size_t bytes, uint64_t hash[2]);
+/* The hash of all `count` records whose sum is known: hash[0] high, hash[1] low. */
+void eng_hash_end(eng_hash_sum sum, uint64_t count, uint64_t hash[2]);
 
-/* Blocks of `bytes` that have a sum; the rest, 1 to 1024 bytes, is taken at the end. */
-static inline size_t eng_hash_blocks(size_t bytes)
-{
-    return bytes == 0 ? 0 : (bytes - 1) / ENG_HASH_BLOCK_BYTES;
-}
-
-void eng_hash_block(const unsigned char *block, struct eng_hash_sum *sum);
-
-/* The same as eng_hash, for more than 240 bytes (the algorithm is another for fewer),
- * from the sums of all blocks in their order. */
-void eng_hash_begin(struct eng_hash_sum *chain);
-void eng_hash_add(struct eng_hash_sum *chain, const struct eng_hash_sum *blocks,
-                  size_t count);
-void eng_hash_end(struct eng_hash_sum *chain, const void *data, size_t bytes,
-                  uint64_t hash[2]);
+/* The hash of an answer in mode any: XXH3-128 of the verdict. */
+void eng_hash_verdict(uint32_t verdict, uint64_t hash[2]);
 
 #endif

@@ -12,8 +12,9 @@
 #include "bucket.h"
 #include "clock.h"
 #include "memory.h"
+#include "pccd_types.h"
 
-static_assert(sizeof(struct eng_name) == sizeof(struct eng_pair), "its words");
+static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
 
 /* Records below which a second thread costs more than it saves. */
 #define SMALL_MAX 3000u
@@ -30,16 +31,10 @@ static_assert(sizeof(struct eng_name) == sizeof(struct eng_pair), "its words");
 #define SAMPLES_MAX            2048u /* of all threads, if each has few */
 #define SAMPLES_PER_THREAD_MIN 32u
 
-/* Bytes of scratch for each record, and records more for what is rounded up. */
-#define SCRATCH_BYTES 40u
-#define SCRATCH_EXTRA 64u
+/* Bytes of scratch for each record: an item twice, and its bucket. */
+#define SCRATCH_BYTES (2 * sizeof(struct eng_radix_key) + sizeof(uint16_t))
 
-static_assert(SCRATCH_EXTRA * (SCRATCH_BYTES - 2 * sizeof(struct eng_radix_key) -
-                               sizeof(uint16_t) - sizeof(struct eng_hash_sum) / 16) >=
-                  sizeof(struct eng_hash_sum),
-              "a sum for each 16 records and one");
-
-static const struct eng_counts no_counts = {0, 0, 0, 2};
+static const struct eng_counts no_counts = {.toi_first = 2};
 
 void eng_merge_init(struct eng_merge *merge)
 {
@@ -76,7 +71,7 @@ uint64_t eng_merge_bytes(const struct eng_merge *merge)
 static int reserve_shares(struct eng_merge *merge, uint32_t count)
 {
     if (count <= merge->share_capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     struct eng_merge_share *shares = eng_alloc(count, sizeof *shares);
     /* Fewer threads take more samples each, but no more together. */
@@ -86,32 +81,31 @@ static int reserve_shares(struct eng_merge *merge, uint32_t count)
     if (!shares || !samples) {
         eng_free(shares);
         eng_free(samples);
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     eng_free(merge->shares);
     eng_free(merge->samples);
     merge->shares = shares;
     merge->samples = samples;
     merge->share_capacity = count;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 static int reserve_scratch(struct eng_merge *merge)
 {
     if (merge->total > UINT32_MAX) {
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     if (merge->total > merge->capacity) {
-        uint64_t capacity = merge->total + merge->total / 2 + SCRATCH_EXTRA;
+        uint64_t capacity = merge->total + merge->total / 2;
         struct eng_radix_key *items = eng_alloc(capacity, SCRATCH_BYTES);
         if (!items) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
         eng_free(merge->items);
         merge->items = items;
         merge->other = items + capacity;
-        merge->sums = (struct eng_hash_sum *)(merge->other + capacity);
-        merge->buckets = (uint16_t *)(merge->sums + capacity / 16 + 1);
+        merge->buckets = (uint16_t *)(merge->other + capacity);
         merge->capacity = capacity;
     }
     return eng_records_reserve(merge->out, merge->total);
@@ -120,8 +114,9 @@ static int reserve_scratch(struct eng_merge *merge)
 int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
                     uint32_t count, struct eng_records *out)
 {
+    assert(count >= 1 && lists[0] && out);
     int status = reserve_shares(merge, count);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     for (uint32_t i = 0; i < count; i++) {
@@ -135,7 +130,7 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
     atomic_store_explicit(&merge->is_given_up, false, memory_order_relaxed);
     atomic_store_explicit(&merge->arrived, 0, memory_order_relaxed);
     atomic_store_explicit(&merge->next, 0, memory_order_relaxed);
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 void eng_merge_set_cancel(struct eng_merge *merge, const atomic_bool *cancel)
@@ -231,10 +226,10 @@ static int plan(struct eng_merge *merge)
     merge->out->count = 0;
     merge->splitters.buckets = 0;
     if (merge->total == 0) {
-        return ENG_OK; /* the answer's memory may be NULL, which has no places */
+        return PCCD_OK; /* the answer's memory may be NULL, which has no places */
     }
     int status = reserve_scratch(merge);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         eng_order_set(&merge->order, &range);
         choose_buckets(merge);
     }
@@ -277,6 +272,7 @@ static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *
 /* Divide a list into the buckets. */
 void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
 {
+    assert(thread < merge->threads);
     struct eng_merge_share *share = &merge->shares[thread];
     uint32_t buckets = merge->splitters.buckets;
     uint32_t *begin = share->begin;
@@ -302,6 +298,7 @@ void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
 
 void eng_merge_finish(struct eng_merge *merge, uint32_t thread)
 {
+    assert(thread < merge->threads);
     struct eng_counts counts = no_counts; /* apart from the other threads' */
     for (;;) {
         /* Relaxed: each bucket is handed out once; the barriers order the rest. */
@@ -310,9 +307,6 @@ void eng_merge_finish(struct eng_merge *merge, uint32_t thread)
             break;
         }
         eng_bucket_finish(merge, b, &counts);
-        if (merge->state == ENG_MERGE_SHARED) {
-            eng_bucket_hash(merge, b);
-        }
     }
     merge->shares[thread].counts = counts;
 }
@@ -323,10 +317,10 @@ void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread
     /* Acquire and release: whoever comes last reads what all have written. */
     if (atomic_fetch_add_explicit(&merge->arrived, 1, memory_order_acq_rel) + 1 ==
         threads) {
-        merge->begin_ns = eng_now_ns();
+        merge->begin_ns = common_now_ns();
         merge->threads = threads;
         int status = plan(merge);
-        merge->state = status != ENG_OK           ? ENG_MERGE_NOMEM
+        merge->state = status != PCCD_OK          ? ENG_MERGE_NOMEM
                        : merge->total < SMALL_MAX ? ENG_MERGE_SMALL
                                                   : ENG_MERGE_SHARED;
     }
@@ -335,11 +329,11 @@ void eng_merge_survey(struct eng_merge *merge, uint32_t threads, uint32_t thread
 static void merge_alone(struct eng_merge *merge)
 {
     if (merge->state == ENG_MERGE_OPEN) {
-        merge->begin_ns = eng_now_ns();
+        merge->begin_ns = common_now_ns();
         for (uint32_t t = 0; t < merge->threads; t++) {
             look_at(merge, merge->threads, t);
         }
-        merge->state = plan(merge) == ENG_OK ? ENG_MERGE_SMALL : ENG_MERGE_NOMEM;
+        merge->state = plan(merge) == PCCD_OK ? ENG_MERGE_SMALL : ENG_MERGE_NOMEM;
     }
     if (merge->state == ENG_MERGE_SMALL && merge->total > 0) {
         for (uint32_t t = 0; t < merge->threads; t++) {
@@ -349,61 +343,30 @@ static void merge_alone(struct eng_merge *merge)
     }
 }
 
-/* Sums that no bucket has made: of the answer's blocks at .. end - 1. */
-static void fill_sums(struct eng_merge *merge, uint64_t at, uint64_t end)
+int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
 {
-    for (; at < end; at++) {
-        eng_hash_block(merge->out->data + at * ENG_HASH_BLOCK_BYTES, &merge->sums[at]);
-    }
-}
-
-/* From the sums of the buckets' blocks, and the blocks that lie in two of them. */
-static void chain(struct eng_merge *merge, size_t bytes, uint64_t hash[2])
-{
-    struct eng_hash_sum sum;
-    uint64_t at = 0;
-    uint64_t all = eng_hash_blocks(bytes);
-    for (uint32_t b = 0; b < merge->splitters.buckets; b++) {
-        uint64_t blocks[2];
-        eng_bucket_blocks(merge, b, blocks);
-        if (blocks[0] < blocks[1]) {
-            fill_sums(merge, at, blocks[0]);
-            at = blocks[1];
-        }
-    }
-    fill_sums(merge, at, all);
-    eng_hash_begin(&sum);
-    eng_hash_add(&sum, merge->sums, all);
-    eng_hash_end(&sum, merge->out->data, bytes, hash);
-}
-
-int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts, uint64_t hash[2])
-{
+    assert(merge->out); /* begun */
     merge_alone(merge);
     *counts = no_counts;
     if (merge->state == ENG_MERGE_NOMEM) {
         merge->out->count = 0;
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     if (eng_merge_is_given_up(merge)) {
         merge->out->count = 0;
-        eng_hash(merge->out->data, 0, hash);
-        return ENG_OK;
+        return PCCD_OK;
     }
     merge->out->count = merge->kept;
     for (uint32_t t = 0; t < merge->threads; t++) {
         const struct eng_counts *part = &merge->shares[t].counts;
-        counts->vf += part->vf;
+        for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+            counts->kind[kind] += part->kind[kind];
+        }
         counts->possible += part->possible;
         counts->initial += part->initial;
+        counts->hash += part->hash;
         counts->toi_first =
             part->toi_first < counts->toi_first ? part->toi_first : counts->toi_first;
     }
-    size_t bytes = merge->kept * merge->out->record_bytes;
-    if (merge->state == ENG_MERGE_SHARED && eng_hash_blocks(bytes) > 0) {
-        chain(merge, bytes, hash);
-    } else {
-        eng_hash(merge->out->data, bytes, hash);
-    }
-    return ENG_OK;
+    return PCCD_OK;
 }

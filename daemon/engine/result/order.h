@@ -1,9 +1,10 @@
-/* daemon/engine/result/order.h - the canonical order of records, in few bits.
+/* daemon/engine/result/order.h - packs the canonical order of a record into one 64-bit
+ * key, so that sorting compares single words.
  *
- * Room:     engine. May include: step.h.
- * Does:     read the five words that order a record; pack them into as many bits as their
- *           ranges leave, most significant first, so that one 64-bit word compares them
- *           as a rule (two kinds, a few objects and 2^20 features a side: 46 bits).
+ * Room:     engine. May include: pccd_types.h.
+ * Does:     read the five words that order a record, and pack them into as many bits as
+ *           their ranges need, most significant first. One 64-bit word is usually enough:
+ *           two kinds, a few objects and 2^20 features a side take 46 bits.
  * Threads:  [any].
  */
 #ifndef ENG_ORDER_H
@@ -14,7 +15,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "step.h"
+#include "pccd_types.h"
 
 #define ENG_NAME_WORDS 5u
 
@@ -24,9 +25,9 @@ struct eng_name {
 };
 
 /* A contact has its flags between kind and objects. */
-static_assert(offsetof(struct eng_contact, object_a) == 8 &&
-                  offsetof(struct eng_contact, feature_b) == 20 &&
-                  offsetof(struct eng_pair, feature_b) == 16,
+static_assert(offsetof(struct pccd_contact, object_a) == 8 &&
+                  offsetof(struct pccd_contact, feature_b) == 20 &&
+                  offsetof(struct pccd_pair, feature_b) == 16,
               "names");
 
 /* Of each word the smallest and the largest value. */
@@ -43,12 +44,12 @@ struct eng_order {
     uint32_t words;                /* of a key: 1 to 3 */
 };
 
-/* A word of the name of an eng_pair or eng_contact record, wherever it keeps it. */
+/* A word of the name of a pccd_pair or pccd_contact record, wherever it keeps it. */
 static inline uint32_t eng_name_word(const unsigned char *record, uint32_t record_bytes,
                                      unsigned word)
 {
     uint32_t value;
-    bool has_flags = record_bytes != sizeof(struct eng_pair) && word > 0;
+    bool has_flags = record_bytes != sizeof(struct pccd_pair) && word > 0;
     memcpy(&value, record + 4 * (word + (has_flags ? 1 : 0)), sizeof value);
     return value;
 }
@@ -77,11 +78,11 @@ static inline int eng_name_compare(const struct eng_name *a, const struct eng_na
 static inline void eng_name_write(const struct eng_name *name, unsigned char *record,
                                   uint32_t record_bytes)
 {
-    if (record_bytes == sizeof(struct eng_pair)) {
+    if (record_bytes == sizeof(struct pccd_pair)) {
         memcpy(record, name, sizeof *name);
     } else {
-        memcpy(record + offsetof(struct eng_contact, kind), &name->word[0], 4);
-        memcpy(record + offsetof(struct eng_contact, object_a), &name->word[1], 16);
+        memcpy(record + offsetof(struct pccd_contact, kind), &name->word[0], 4);
+        memcpy(record + offsetof(struct pccd_contact, object_a), &name->word[1], 16);
     }
 }
 

@@ -6,6 +6,7 @@
  */
 #include "pool.h"
 
+#include <assert.h>
 #include <stddef.h>
 
 #include "memory.h"
@@ -38,6 +39,7 @@ void eng_pool_deinit(struct eng_pool *pool)
 
 void eng_pool_reset(struct eng_pool *pool, uint32_t workers)
 {
+    assert(workers >= 1);
     uint32_t taken = atomic_load_explicit(&pool->taken, memory_order_relaxed);
     free_spilled(pool);
     if (taken > pool->capacity || pool->capacity < workers) {

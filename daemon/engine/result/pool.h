@@ -1,9 +1,10 @@
-/* daemon/engine/result/pool.h - blocks of memory shared by the workers of a step.
+/* daemon/engine/result/pool.h - blocks of memory that the threads of a step take for
+ * their results.
  *
  * Room:     engine. May include: the C library.
- * Does:     hand out blocks of a fixed size without a lock; the pool is as large as the
- *           last step needed, so a warm step takes nothing from the system whichever
- *           worker finds most. A step that needs more gets it, block by block.
+ * Does:     hand out blocks of a fixed size without a lock. The pool is as large as the
+ *           last step needed, so a warm step takes nothing from the system, whichever
+ *           thread finds most. A step that needs more gets it, block by block.
  * Threads:  take: any worker; the rest: [compute], between steps.
  */
 #ifndef ENG_POOL_H

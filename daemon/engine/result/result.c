@@ -1,8 +1,8 @@
-/* daemon/engine/result/result.c - the records of a step, as they are found.
+/* daemon/engine/result/result.c - the memory of an answer.
  *
  * Room:     engine.
- * Does:     fill blocks; cut a list that is too long; grow the memory of the answer.
- * Threads:  one thread for one list.
+ * Does:     grow it, and free it.
+ * Threads:  [compute].
  */
 #include "result.h"
 
@@ -10,127 +10,7 @@
 #include <string.h>
 
 #include "memory.h"
-#include "merge.h"
-
-static_assert(sizeof(struct eng_contact) == 64 && sizeof(struct eng_pair) == 20,
-              "records");
-
-void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
-                     uint32_t record_bytes, uint64_t limit)
-{
-    *found = (struct eng_found){.pool = pool,
-                                .record_bytes = record_bytes,
-                                .per_block = sizeof found->first->data / record_bytes,
-                                .limit = limit};
-    eng_name_range_init(&found->range);
-}
-
-/* The block that takes the next record, or NULL: no memory. */
-static struct eng_block *open_block(struct eng_found *found)
-{
-    if (found->last && found->last->count < found->per_block) {
-        return found->last;
-    }
-    struct eng_block *block = found->last ? found->last->next : NULL;
-    if (block) { /* a cut has emptied it */
-        found->last = block;
-        return block;
-    }
-    block = eng_pool_take(found->pool);
-    if (!block) {
-        return NULL;
-    }
-    if (found->last) {
-        found->last->next = block;
-    } else {
-        found->first = block;
-    }
-    found->last = block;
-    return block;
-}
-
-/* Fill the blocks with `count` records from `sorted`, >= 1; the rest of them is empty. */
-static void refill(struct eng_found *found, const unsigned char *sorted, uint64_t count)
-{
-    uint64_t left = count;
-    for (struct eng_block *block = found->first; block; block = block->next) {
-        block->count = left < found->per_block ? (uint32_t)left : found->per_block;
-        memcpy(block->data, sorted, (size_t)block->count * found->record_bytes);
-        sorted += (size_t)block->count * found->record_bytes;
-        left -= block->count;
-        if (block->count > 0) {
-            found->last = block;
-        }
-    }
-    found->count = count;
-    found->cut_at = eng_name_of(sorted - found->record_bytes, found->record_bytes);
-    found->is_cut = true;
-    found->overflowed = true;
-}
-
-/* Keep the first `limit` records in order. ENG_E_NOMEM: all stay. */
-static int cut(struct eng_found *found)
-{
-    struct eng_found *const lists[1] = {found};
-    struct eng_records sorted = {0};
-    struct eng_merge merge;
-    struct eng_counts counts;
-    uint64_t hash[2];
-    eng_merge_init(&merge);
-    int status = eng_merge_begin(&merge, lists, 1, &sorted);
-    if (status == ENG_OK) {
-        status = eng_merge_end(&merge, &counts, hash);
-    }
-    if (status == ENG_OK) {
-        refill(found, sorted.data, sorted.count);
-    }
-    eng_records_deinit(&sorted);
-    eng_merge_deinit(&merge);
-    return status;
-}
-
-/* Is a record of that name kept? A list grows to a quarter more than its limit and one
- * block before it is cut, so that cutting costs each record little. */
-static bool has_room(struct eng_found *found, const struct eng_name *name)
-{
-    bool is_full = found->count >= found->limit + found->limit / 4 + found->per_block;
-    if (found->limit == 0 || (is_full && cut(found) != ENG_OK)) {
-        return false;
-    }
-    return !found->is_cut || eng_name_compare(name, &found->cut_at) < 0;
-}
-
-void *eng_found_add(struct eng_found *found, const struct eng_pair *name)
-{
-    struct eng_name words;
-    memcpy(&words, name, sizeof words);
-    struct eng_block *block = has_room(found, &words) ? open_block(found) : NULL;
-    if (!block) {
-        found->overflowed = true;
-        return NULL;
-    }
-    eng_name_range_add(&found->range, &words);
-    found->count++;
-    unsigned char *record = block->data + (size_t)block->count++ * found->record_bytes;
-    eng_name_write(&words, record, found->record_bytes);
-    return record;
-}
-
-void eng_found_keep(struct eng_found *found, uint64_t count)
-{
-    uint64_t left = count;
-    if (found->count <= count) {
-        return;
-    }
-    for (struct eng_block *block = found->first; block; block = block->next) {
-        block->count = left < block->count ? (uint32_t)left : block->count;
-        left -= block->count;
-        if (block->count > 0) {
-            found->last = block;
-        }
-    }
-    found->count = count;
-}
+#include "pccd_types.h"
 
 void eng_records_deinit(struct eng_records *records)
 {
@@ -140,16 +20,17 @@ void eng_records_deinit(struct eng_records *records)
 
 int eng_records_reserve(struct eng_records *records, uint64_t count)
 {
+    assert(records->record_bytes > 0);
     if (count * records->record_bytes <= records->capacity_bytes) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     uint64_t capacity = count + count / 2;
     unsigned char *data = eng_alloc(capacity, records->record_bytes);
     if (!data) {
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     eng_free(records->data);
     records->data = data;
     records->capacity_bytes = capacity * records->record_bytes;
-    return ENG_OK;
+    return PCCD_OK;
 }

@@ -1,7 +1,8 @@
-/* daemon/engine/result/result.h - the records of a step, as they are found.
+/* daemon/engine/result/result.h - the list in which one thread collects the records that
+ * it finds.
  *
  * Room:     engine. May include: order.h, pool.h.
- * Does:     append records in any order; hold them in one piece (merge.h).
+ * Does:     append records in any order; hold the merged list (merge.h).
  * Threads:  one thread for one list.
  */
 #ifndef ENG_RESULT_H
@@ -10,7 +11,7 @@
 #include "order.h"
 #include "pool.h"
 
-/* What one worker found, eng_contact or eng_pair records, in blocks of the
+/* What one worker found, pccd_contact or pccd_pair records, in blocks of the
  * step's pool. */
 struct eng_found {
     struct eng_pool *pool;
@@ -31,7 +32,7 @@ void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
 
 /* One more record, named, for the caller to fill in before the next call. NULL: it comes
  * after `limit` others in order, or memory ran out (overflowed). */
-void *eng_found_add(struct eng_found *found, const struct eng_pair *name);
+void *eng_found_add(struct eng_found *found, const struct pccd_pair *name);
 
 /* The answer: records in one piece. Memory stays for the next step. */
 struct eng_records {
@@ -46,7 +47,7 @@ void eng_found_keep(struct eng_found *found, uint64_t count);
 
 void eng_records_deinit(struct eng_records *records);
 
-/* Room for `count` records of record_bytes each; ENG_E_NOMEM: as before. */
+/* Room for `count` records of record_bytes each; PCCD_E_NOMEM: as before. */
 int eng_records_reserve(struct eng_records *records, uint64_t count);
 
 #endif

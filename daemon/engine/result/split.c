@@ -7,10 +7,13 @@
  */
 #include "split.h"
 
+#include <assert.h>
+
 void eng_splitters_set(struct eng_splitters *splitters,
                        const struct eng_radix_key *samples, size_t count,
                        uint32_t buckets)
 {
+    assert(buckets >= 1 && buckets <= ENG_SPLIT_BUCKETS_MAX);
     uint64_t weight = 0;
     for (size_t i = 0; i < count; i++) {
         weight += samples[i].index;

@@ -1,8 +1,10 @@
-/* daemon/engine/result/split.h - buckets of about the same size for any keys.
+/* daemon/engine/result/split.h - divides keys into buckets of about equal size, for a
+ * sort by several threads.
  *
  * Room:     engine. May include: radix.h.
- * Does:     choose keys that divide a sample evenly, find the bucket of a key. Where keys
- *           crowd the buckets are narrow, so none is much larger than the others.
+ * Does:     choose keys that divide a sample evenly, and find the bucket of a key. Where
+ *           keys are dense the buckets are narrow, so that none is much larger than the
+ *           others.
  * Threads:  set: one thread; find: [any] after it.
  * Source:   Frazer, McKellar: Samplesort (1970); Sanders, Winkel: Super scalar sample
  *           sort (2004) for the tree without branches.

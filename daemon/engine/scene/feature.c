@@ -10,6 +10,7 @@
  */
 #include "feature.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -129,7 +130,7 @@ static int sort_all(const struct eng_mesh *mesh, size_t most, unsigned ignored,
         eng_free(by->keys);
         by->keys = eng_alloc(most, 2 * sizeof *by->keys);
         if (!by->keys) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
     }
     by->repeats = 0;
@@ -141,7 +142,7 @@ static int sort_all(const struct eng_mesh *mesh, size_t most, unsigned ignored,
             by->repeats += entry[i] >> ignored == entry[i - 1] >> ignored;
         }
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* ---- triangles, edges, vertices ---------------------------------------------------- */
@@ -236,26 +237,27 @@ static int look_at_all(const struct eng_mesh *mesh, struct by_vertex *by,
                        struct eng_mesh_info *info)
 {
     int status = sort_all(mesh, deal(mesh, say_corners, by), 0, by);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     info->duplicate_count = (uint32_t)by->repeats;
     status = sort_all(mesh, deal(mesh, say_sides, by), 32, by);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
-    if (by->count - by->repeats > ENG_COUNT_MAX) {
-        return ENG_E_LIMIT;
+    if (by->count - by->repeats > PROTO_COUNT_MAX) {
+        return PCCD_E_LIMIT;
     }
     info->edge_count = (uint32_t)(by->count - by->repeats);
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 int eng_feature_derive(struct eng_mesh *mesh)
 {
+    assert(mesh->corners && mesh->x);
     uint32_t n = mesh->info.triangle_count;
     size_t vertex_count = mesh->info.vertex_count;
-    int status = ENG_E_NOMEM;
+    int status = PCCD_E_NOMEM;
     struct eng_mesh_info info = mesh->info;
     struct by_vertex by = {.first = eng_alloc(vertex_count + 1, sizeof *by.first),
                            .entry = eng_alloc((size_t)n * 3, sizeof *by.entry)};
@@ -266,13 +268,13 @@ int eng_feature_derive(struct eng_mesh *mesh)
         goto out;
     }
     status = look_at_all(mesh, &by, &info);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         goto out;
     }
     triangles = eng_alloc(n, sizeof *triangles);
     edges = eng_alloc(info.edge_count, sizeof *edges);
     if (!triangles || !edges) {
-        status = ENG_E_NOMEM;
+        status = PCCD_E_NOMEM;
         goto out;
     }
     for (uint32_t t = 0; t < n; t++) {
@@ -299,6 +301,7 @@ out:
 
 void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first)
 {
+    assert(first);
     uint32_t v = 0;
     for (uint32_t e = 0; e < mesh->info.edge_count; e++) {
         for (; v <= mesh->edges[e][1]; v++) {

@@ -1,8 +1,9 @@
-/* daemon/engine/scene/feature.h - unique edges and who owns which feature.
+/* daemon/engine/scene/feature.h - derives the unique edges of a mesh, and assigns each
+ * vertex and edge to one triangle.
  *
  * Room:     engine. May include: topology.h.
- * Does:     derive, once per mesh, the unique edges and an owner triangle for every
- *           vertex and edge, so that each feature is tested through exactly one triangle.
+ * Does:     do so once per mesh, so that each feature is tested through exactly one
+ *           triangle.
  * Threads:  one thread for one mesh.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
@@ -12,7 +13,7 @@
 #include "topology.h"
 
 /* Fill triangles, edges and the counts of `mesh` from corners and x. The owner of a
- * feature is the first triangle that has it. ENG_E_NOMEM, ENG_E_LIMIT:
+ * feature is the first triangle that has it. PCCD_E_NOMEM, PCCD_E_LIMIT:
  * nothing changed. */
 int eng_feature_derive(struct eng_mesh *mesh);
 

@@ -6,6 +6,7 @@
  */
 #include "frames.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -60,6 +61,7 @@ static double scale_for(double far)
 
 struct eng_frame eng_frame_alone(const struct eng_mesh *mesh, const double (*x)[3])
 {
+    assert(mesh->triangles && x);
     struct eng_frame frame = plain;
     double size = eng_bounds_size(&mesh->bounds);
     if (is_fine_enough(farthest_of(&mesh->bounds), size * mesh->fineness)) {
@@ -228,6 +230,7 @@ static void place_groups(struct eng_scene *scene, uint32_t count, int axis)
 static void shift_to(struct eng_scene *scene, const struct eng_object *finest,
                      unsigned to)
 {
+    assert(finest->mesh);
     const double *anchor =
         scene->x[to][finest->vertices.first + finest->mesh->triangles[0].v[0]];
     double shift[3];
@@ -281,6 +284,7 @@ bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high
 
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
 {
+    assert(from <= 1 && to <= 1);
     struct detail detail = detail_of(scene, from, to);
     double low[3];
     double high[3];

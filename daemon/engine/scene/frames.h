@@ -1,8 +1,9 @@
-/* daemon/engine/scene/frames.h - where the boxes of a scene's objects are measured from.
+/* daemon/engine/scene/frames.h - chooses the frame of each object: the local coordinates
+ * in which its boxes are stored.
  *
- * Room:     engine. May include: frame.h, mesh.h.
- * Does:     choose a frame for each object before a step, so that single precision is
- *           fine enough for its boxes wherever the object is and however small.
+ * Room:     engine. May include: world.h.
+ * Does:     choose them before a step, so that single precision is fine enough for the
+ *           boxes of every object, however far away and however small.
  * Does not: touch what is decided exactly: elementary tests read the coordinates.
  * Threads:  [compute].
  *
@@ -16,29 +17,7 @@
 #ifndef ENG_FRAMES_H
 #define ENG_FRAMES_H
 
-#include "frame.h"
-#include "mesh.h"
-
-struct eng_scene;
-
-/* One object along one axis, while frames are chosen. */
-struct eng_frame_item {
-    double low[2]; /* at both ends */
-    double high[2];
-    double next_low[2]; /* the least of this object and all behind it */
-    uint32_t object;
-};
-
-/* Of a scene. */
-struct eng_framing {
-    /* Which frames the boxes are measured in: the number of the choice, which shows
-     * whether boxes are older; 0: in coordinates as they are. */
-    uint64_t number;
-    uint64_t chosen;              /* the last number */
-    double scale;                 /* of all frames; 1 if there are none */
-    unsigned ends[2];             /* of x[]: the ends of the step that they are for */
-    struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
-};
+#include "world.h"
 
 /* Choose the frames of all objects: of a step whose t = 0 is in the positions x[from] and
  * t = 1 in x[to]. Objects are measured as they are as long as that is fine enough, which

@@ -8,10 +8,12 @@
  */
 #include "ingest.h"
 
+#include <assert.h>
 #include <omp.h>
 #include <stdatomic.h>
 #include <string.h>
 
+#include "coordinates.h"
 #include "kernel.h"
 #include "wait.h"
 
@@ -29,9 +31,10 @@ static void copy_once(void *to, const void *from, size_t bytes)
     __asm__ volatile("" : : : "memory");
 }
 
-int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
+int eng_ingest_positions(double (*out)[3], enum pccd_format format, uint32_t count,
                          const void *source, struct eng_bounds *bounds)
 {
+    assert(count == 0 || (out && source));
     const unsigned char *from = source;
     const struct eng_kernels *kernels = eng_kernels();
     float block[BLOCK * 3];
@@ -39,40 +42,41 @@ int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t coun
         uint32_t n = count - done < BLOCK ? count - done : BLOCK;
         double *to = out[done];
         bool good;
-        if (format == ENG_F64) {
+        if (format == PCCD_FORMAT_F64) {
             copy_once(to, from, (size_t)n * 24u);
             from += (size_t)n * 24u;
-            good = kernels->all_within(to, n * 3u, ENG_COORDINATE_MAX);
+            good = kernels->all_within(to, n * 3u, PROTO_COORDINATE_MAX);
         } else {
             copy_once(block, from, (size_t)n * 12u);
             from += (size_t)n * 12u;
-            good = kernels->widen_within(to, block, n * 3u, ENG_COORDINATE_MAX);
+            good = kernels->widen_within(to, block, n * 3u, PROTO_COORDINATE_MAX);
         }
         if (!good) {
-            return ENG_E_NOTFINITE;
+            return PCCD_E_NOTFINITE;
         }
         if (bounds) {
             kernels->bound_positions((const double(*)[3])out + done, n, bounds);
         }
         done += n;
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* Positions first .. of a team's copy. */
-static int ingest_chunk(double (*out)[3], enum eng_format format, uint32_t count,
+static int ingest_chunk(double (*out)[3], enum pccd_format format, uint32_t count,
                         const void *source, uint32_t first, struct eng_bounds *bounds)
 {
-    size_t bytes = format == ENG_F64 ? 24 : 12;
+    size_t bytes = common_vertex_bytes(format);
     uint32_t n = count - first < TEAM_CHUNK ? count - first : TEAM_CHUNK;
     return eng_ingest_positions(out + first, format, n,
                                 (const unsigned char *)source + first * bytes, bounds);
 }
 
-int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
+int eng_ingest_by_team(double (*out)[3], enum pccd_format format, uint32_t count,
                        const void *source, struct eng_copiers copiers,
                        struct eng_bounds *bounds)
 {
+    assert(copiers.threads >= 1);
     if (copiers.threads < 2 || count < TEAM_MIN) {
         return eng_ingest_positions(out, format, count, source, bounds);
     }
@@ -83,17 +87,17 @@ int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
     atomic_int status;
     atomic_init(&next, 0);
     atomic_init(&ended, 0);
-    atomic_init(&status, ENG_OK);
+    atomic_init(&status, PCCD_OK);
 #pragma omp parallel num_threads((int)threads)
     {
         uint32_t thread = (uint32_t)omp_get_thread_num();
         uint32_t team_count = (uint32_t)omp_get_num_threads();
         struct eng_bounds seen = ENG_NO_BOUNDS;
-        eng_place_thread(copiers.places, thread, team_count);
+        eng_affinity_bind_thread(copiers.affinity, thread, team_count);
         for (uint32_t i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed);
              i < chunks; i = atomic_fetch_add_explicit(&next, 1, memory_order_relaxed)) {
             int failed = ingest_chunk(out, format, count, source, i * TEAM_CHUNK, &seen);
-            if (failed != ENG_OK) {
+            if (failed != PCCD_OK) {
                 atomic_store_explicit(&status, failed, memory_order_relaxed);
             }
         }
@@ -102,7 +106,7 @@ int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
         /* The runtime's barrier would lend nobody a processor: where another burns, the
          * copy of one chunk took up to 7 ms. */
         atomic_fetch_add_explicit(&ended, 1, memory_order_acq_rel);
-        eng_wait_plainly(copiers.places, thread, &ended, team_count);
+        eng_wait_plainly(copiers.affinity, thread, &ended, team_count);
     } /* the end of the region orders all copies before what follows */
     return atomic_load_explicit(&status, memory_order_relaxed);
 }
@@ -110,6 +114,7 @@ int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
 int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,
                          const void *source, uint32_t *bad_triangle)
 {
+    assert(count == 0 || (out && source));
     const unsigned char *from = source;
     for (uint32_t done = 0; done < count;) {
         uint32_t n = count - done < BLOCK ? count - done : BLOCK;
@@ -119,17 +124,18 @@ int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_cou
             if (out[i][0] >= vertex_count || out[i][1] >= vertex_count ||
                 out[i][2] >= vertex_count) {
                 *bad_triangle = i;
-                return ENG_E_INDEX;
+                return PCCD_E_INDEX;
             }
         }
         done += n;
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 int eng_ingest_transform(double out[12], const void *source)
 {
+    assert(out && source);
     copy_once(out, source, 12u * sizeof(double));
-    return eng_kernels()->all_within(out, 12, ENG_COORDINATE_MAX) ? ENG_OK
-                                                                  : ENG_E_NOTFINITE;
+    return eng_kernels()->all_within(out, 12, PROTO_COORDINATE_MAX) ? PCCD_OK
+                                                                    : PCCD_E_NOTFINITE;
 }

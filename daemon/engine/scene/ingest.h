@@ -1,8 +1,9 @@
-/* daemon/engine/scene/ingest.h - copy and check what another process may be writing.
+/* daemon/engine/scene/ingest.h - copies positions and triangles out of memory that
+ * another process may be changing, and checks the copy.
  *
- * Room:     engine. May include: frame.h, mesh.h, place.h.
- * Does:     move coordinates and indices from foreign memory to private memory in blocks,
- *           and check the private copy: each foreign byte is read exactly once.
+ * Room:     engine. May include: box_frame.h, mesh.h, processors.h.
+ * Does:     copy coordinates and indices to private memory in blocks and check the
+ *           private copy: each foreign byte is read exactly once.
  * Threads:  [any].
  */
 #ifndef ENG_INGEST_H
@@ -10,33 +11,33 @@
 
 #include <stdint.h>
 
-#include "frame.h"
+#include "box_frame.h"
 #include "mesh.h"
-#include "place.h"
+#include "processors.h"
 
 /* Who copies many positions. */
 struct eng_copiers {
     uint32_t threads; /* at least 1, the caller among them */
-    const struct eng_places *places;
+    const struct eng_affinity *affinity;
 };
 
 /* `count` positions of `format` at `source` to double[count][3]. Conversion from float is
- * exact. Bounds, unless NULL, are widened to hold them. Returns 0, or ENG_E_NOTFINITE
+ * exact. Bounds, unless NULL, are widened to hold them. Returns 0, or PCCD_E_NOTFINITE
  * with part of `out` written. */
-int eng_ingest_positions(double (*out)[3], enum eng_format format, uint32_t count,
+int eng_ingest_positions(double (*out)[3], enum pccd_format format, uint32_t count,
                          const void *source, struct eng_bounds *bounds);
 
 /* The same, where there are enough of them by several threads. [compute] */
-int eng_ingest_by_team(double (*out)[3], enum eng_format format, uint32_t count,
+int eng_ingest_by_team(double (*out)[3], enum pccd_format format, uint32_t count,
                        const void *source, struct eng_copiers copiers,
                        struct eng_bounds *bounds);
 
 /* `count` triangles to uint32_t[count][3]; every index must be < vertex_count. Returns 0,
- * or ENG_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
+ * or PCCD_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
 int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,
                          const void *source, uint32_t *bad_triangle);
 
-/* A transform double[12]: finite and |.| <= 1e18, else ENG_E_NOTFINITE. */
+/* A transform double[12]: finite and |.| <= 1e18, else PCCD_E_NOTFINITE. */
 int eng_ingest_transform(double out[12], const void *source);
 
 #endif

@@ -6,10 +6,11 @@
  */
 #include "masks.h"
 
+#include <assert.h>
 #include <string.h>
 
+#include "array.h"
 #include "memory.h"
-#include "world.h"
 
 static const struct eng_masks_entry at_first = {
     .group = 1, .mask = UINT64_MAX, .self = true};
@@ -34,21 +35,22 @@ uint64_t eng_masks_bytes(const struct eng_masks *masks)
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity)
 {
     if (capacity <= masks->capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
-    if (eng_world_grow(&masks->entries, capacity, sizeof *masks->entries) != ENG_OK) {
-        return ENG_E_NOMEM;
+    if (eng_array_grow(&masks->entries, capacity, sizeof *masks->entries) != PCCD_OK) {
+        return PCCD_E_NOMEM;
     }
     for (uint32_t i = masks->capacity; i < capacity; i++) {
         masks->entries[i] = at_first;
     }
     masks->capacity = capacity;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 void eng_masks_set(struct eng_masks *masks, uint32_t object,
                    const struct eng_object_filter *bits)
 {
+    assert(object < masks->capacity && bits);
     struct eng_masks_entry *entry = &masks->entries[object];
     masks->changed_count -= entry->is_changed;
     entry->group = bits->group;
@@ -62,22 +64,23 @@ void eng_masks_set(struct eng_masks *masks, uint32_t object,
 
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored)
 {
+    assert(a != b && a < masks->capacity && b < masks->capacity);
     bool was_ignored = eng_masks_ignores(masks, a, b);
     if (ignored == was_ignored) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     if (!ignored) {
         eng_pairset_remove(&masks->ignored, a, b);
         masks->entries[a].ignored--;
         masks->entries[b].ignored--;
         masks->version++;
-        return ENG_OK;
+        return PCCD_OK;
     }
-    if (masks->ignored.count >= ENG_IGNORED_MAX) {
-        return ENG_E_LIMIT;
+    if (masks->ignored.count >= PROTO_IGNORED_PER_SCENE) {
+        return PCCD_E_LIMIT;
     }
     int status = eng_pairset_add(&masks->ignored, a, b);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         masks->entries[a].ignored++;
         masks->entries[b].ignored++;
         masks->version++;
@@ -87,6 +90,7 @@ int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignor
 
 void eng_masks_hide(struct eng_masks *masks, uint32_t object)
 {
+    assert(object < masks->capacity);
     const struct eng_object_filter nothing = {.group = 0, .mask = 0, .self = false};
     eng_masks_set(masks, object, &nothing);
     masks->entries[object].is_hidden = true;
@@ -111,6 +115,7 @@ void eng_masks_forget_hidden(struct eng_masks *masks)
 
 void eng_masks_forget(struct eng_masks *masks, uint32_t object)
 {
+    assert(object < masks->capacity);
     struct eng_masks_entry *entry = &masks->entries[object];
     uint32_t from = 0;
     uint32_t other;

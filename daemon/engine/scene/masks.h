@@ -1,15 +1,16 @@
-/* daemon/engine/scene/masks.h - which objects of a scene are tested against each other.
+/* daemon/engine/scene/masks.h - decides which objects of a scene are tested against each
+ * other: groups, masks and ignored pairs.
  *
  * Room:     engine. May include: pairset.h, scene.h, the C library.
  * Does:     keep the bits of every object and the pairs that are ignored; say of two
  *           objects whether they may meet.
- * Does not: leave anything out: wide_owner.h and taskunit.c do.
+ * Does not: skip anything itself: wide_owner.h and taskunit.c do.
  * Threads:  changed by [compute] between steps; read by the [team].
  *
  * Two objects may meet if a.group & b.mask and b.group & a.mask, and the pair is not
- * ignored; an object may meet itself if its self-collision is on. That is two ands of
- * what stands in two cache lines; only between objects that are both part of any ignored
- * pair the set of these is asked. So nothing is precomputed for pairs of objects, of
+ * ignored. An object may meet itself if its self-collision is on. This takes two ands of
+ * words in two cache lines. The set of ignored pairs is asked only about two objects that
+ * are both part of an ignored pair. So nothing is precomputed for pairs of objects, of
  * which there may be 2^32, and any setting may change with every step.
  */
 #ifndef ENG_MASKS_H
@@ -39,7 +40,7 @@ void eng_masks_init(struct eng_masks *masks);
 void eng_masks_deinit(struct eng_masks *masks);
 uint64_t eng_masks_bytes(const struct eng_masks *masks);
 
-/* Room for objects 0 .. capacity - 1; new ones are as objects begin. ENG_E_NOMEM. */
+/* Room for objects 0 .. capacity - 1; new ones are as objects begin. PCCD_E_NOMEM. */
 int eng_masks_reserve(struct eng_masks *masks, uint32_t capacity);
 
 /* The object is about to go away: it meets nothing any more. */
@@ -52,7 +53,7 @@ void eng_masks_forget(struct eng_masks *masks, uint32_t object);
 
 void eng_masks_set(struct eng_masks *masks, uint32_t object,
                    const struct eng_object_filter *bits);
-/* Two different objects. ENG_E_LIMIT, ENG_E_NOMEM: as before. */
+/* Two different objects. PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
 
 /* Is there anything that may be left out? If not, nobody needs to ask. */

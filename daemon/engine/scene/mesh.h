@@ -1,8 +1,10 @@
-/* daemon/engine/scene/mesh.h - topology and registered positions of a triangle mesh.
+/* daemon/engine/scene/mesh.h - a triangle mesh as it was registered: triangles, edges and
+ * first positions, which never change.
  *
- * Room:     engine. May include: status.h.
+ * Room:     engine. May include: the C library.
  * Does:     take vertices and triangles in chunks, check them, derive the unique edges
- *           and the ownership of features once; immutable after commit.
+ *           and the ownership of features once. A mesh cannot be changed after its
+ *           commit.
  * Does not: move (scene.h) or build hierarchies (build.h).
  * Threads:  a mesh is used by one thread at a time until commit; afterwards by any.
  * Source:   paper section 3.1 (representative triangles, Curtis 2008).
@@ -13,12 +15,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "status.h"
-
-#define ENG_COUNT_MAX      2147483647u /* 2^31 - 1 */
-#define ENG_COORDINATE_MAX 1e18
-
-enum eng_format { ENG_F32 = 0, ENG_F64 = 1 };
+#include "pccd_types.h"
+#include "proto_limits.h"
 
 struct eng_mesh;
 
@@ -31,8 +29,8 @@ struct eng_mesh_info {
     uint32_t isolated_count;   /* vertices in no triangle */
 };
 
-/* A mesh to be filled. Counts 1 .. ENG_COUNT_MAX, else ENG_E_INVAL. Allocates everything
- * the data needs; ENG_E_NOMEM leaves nothing behind. The caller holds one reference. */
+/* A mesh to be filled. Counts 1 .. PROTO_COUNT_MAX, else PCCD_E_INVAL. Allocates all that
+ * the data needs; PCCD_E_NOMEM leaves nothing behind. The caller holds one reference. */
 int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh);
 
 /* Another reference / drop one. NULL is allowed in release. [any] */
@@ -44,10 +42,10 @@ void eng_mesh_release(struct eng_mesh *mesh);
  * written; it can be sent again. Chunks may come in any order and overlap; commit
  * requires that first+count calls covered everything (tracked as a prefix: chunks must be
  * contiguous, each starting at or before the end of what has arrived).
- * Errors: ENG_E_INVAL (range), ENG_E_STATE (committed, or a gap), ENG_E_NOTFINITE. */
-int eng_mesh_write_vertices(struct eng_mesh *mesh, enum eng_format format, uint32_t first,
-                            uint32_t count, const void *source);
-/* Triangles are uint32_t[3]; indices are checked here: ENG_E_INDEX, *bad_triangle set. */
+ * Errors: PCCD_E_INVAL (range), PCCD_E_STATE (committed, a gap), PCCD_E_NOTFINITE. */
+int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
+                            uint32_t first, uint32_t count, const void *source);
+/* Triangles are uint32_t[3]; indices are checked: PCCD_E_INDEX, *bad_triangle set. */
 int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                              const void *source, uint32_t *bad_triangle);
 
@@ -55,8 +53,8 @@ int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t cou
 void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
                        uint32_t *triangles);
 
-/* Derive edges, ownership and counts. ENG_E_STATE: data missing or committed already;
- * ENG_E_LIMIT: more than ENG_COUNT_MAX edges; ENG_E_NOMEM: can be tried again. */
+/* Derive edges, ownership and counts. PCCD_E_STATE: data missing or committed already;
+ * PCCD_E_LIMIT: more than PROTO_COUNT_MAX edges; PCCD_E_NOMEM: can be tried again. */
 int eng_mesh_commit(struct eng_mesh *mesh);
 bool eng_mesh_is_committed(const struct eng_mesh *mesh);
 

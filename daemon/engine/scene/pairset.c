@@ -11,7 +11,7 @@
 
 #include "clock.h"
 #include "memory.h"
-#include "status.h"
+#include "pccd_types.h"
 
 #define CAPACITY_MIN 64u
 
@@ -33,7 +33,7 @@ static uint32_t home_of(const struct eng_pairset *set, uint64_t key)
 static uint32_t find(const struct eng_pairset *set, uint64_t key)
 {
     uint32_t at = home_of(set, key);
-    while (set->places[at] != key && set->places[at] != ENG_PAIRSET_EMPTY) {
+    while (set->slots[at] != key && set->slots[at] != ENG_PAIRSET_EMPTY) {
         at = (at + 1) & (set->capacity - 1);
     }
     return at;
@@ -41,13 +41,13 @@ static uint32_t find(const struct eng_pairset *set, uint64_t key)
 
 void eng_pairset_deinit(struct eng_pairset *set)
 {
-    eng_free(set->places);
+    eng_free(set->slots);
     *set = (struct eng_pairset){0};
 }
 
 size_t eng_pairset_bytes(const struct eng_pairset *set)
 {
-    return set->capacity * sizeof *set->places;
+    return set->capacity * sizeof *set->slots;
 }
 
 /* Places for twice as many. */
@@ -55,38 +55,39 @@ static int grow(struct eng_pairset *set)
 {
     struct eng_pairset more = *set;
     more.capacity = set->capacity ? 2 * set->capacity : CAPACITY_MIN;
-    more.factor = set->capacity ? set->factor : (eng_now_ns() + (uintptr_t)set) << 1 | 1;
-    more.places = eng_alloc(more.capacity, sizeof *more.places);
-    if (!more.places) {
-        return ENG_E_NOMEM;
+    more.factor =
+        set->capacity ? set->factor : (common_now_ns() + (uintptr_t)set) << 1 | 1;
+    more.slots = eng_alloc(more.capacity, sizeof *more.slots);
+    if (!more.slots) {
+        return PCCD_E_NOMEM;
     }
-    memset(more.places, 0xff, more.capacity * sizeof *more.places); /* empty */
+    memset(more.slots, 0xff, more.capacity * sizeof *more.slots); /* empty */
     for (uint32_t i = 0; i < set->capacity; i++) {
-        uint64_t key = set->places[i];
+        uint64_t key = set->slots[i];
         if (key != ENG_PAIRSET_EMPTY) {
-            more.places[find(&more, key)] = key;
+            more.slots[find(&more, key)] = key;
         }
     }
-    eng_free(set->places);
+    eng_free(set->slots);
     *set = more;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
 {
     uint64_t key = key_of(a, b);
     if (eng_pairset_has(set, a, b)) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     if (2 * (set->count + 1) > set->capacity) {
         int status = grow(set);
-        if (status != ENG_OK) {
+        if (status != PCCD_OK) {
             return status;
         }
     }
-    set->places[find(set, key)] = key;
+    set->slots[find(set, key)] = key;
     set->count++;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* Empty a place. What follows it without a gap and would be looked for from there, or
@@ -94,15 +95,15 @@ int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b)
 static void clear(struct eng_pairset *set, uint32_t gap)
 {
     uint32_t mask = set->capacity - 1;
-    for (uint32_t at = (gap + 1) & mask; set->places[at] != ENG_PAIRSET_EMPTY;
+    for (uint32_t at = (gap + 1) & mask; set->slots[at] != ENG_PAIRSET_EMPTY;
          at = (at + 1) & mask) {
-        uint32_t home = home_of(set, set->places[at]);
+        uint32_t home = home_of(set, set->slots[at]);
         if (((at - home) & mask) >= ((at - gap) & mask)) {
-            set->places[gap] = set->places[at];
+            set->slots[gap] = set->slots[at];
             gap = at;
         }
     }
-    set->places[gap] = ENG_PAIRSET_EMPTY;
+    set->slots[gap] = ENG_PAIRSET_EMPTY;
     if (--set->count == 0) {
         eng_pairset_deinit(set);
     }
@@ -118,7 +119,7 @@ void eng_pairset_remove(struct eng_pairset *set, uint32_t a, uint32_t b)
 bool eng_pairset_has(const struct eng_pairset *set, uint32_t a, uint32_t b)
 {
     uint64_t key = key_of(a, b);
-    return set->count > 0 && set->places[find(set, key)] == key;
+    return set->count > 0 && set->slots[find(set, key)] == key;
 }
 
 bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
@@ -127,7 +128,7 @@ bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
     /* What moves up into a place that was emptied is looked at next; what goes round from
      * the start to the end of the places was looked at before. */
     for (; *from < set->capacity; ++*from) {
-        uint64_t key = set->places[*from];
+        uint64_t key = set->slots[*from];
         uint32_t lesser = (uint32_t)(key >> 32);
         uint32_t greater = (uint32_t)key;
         if (key != ENG_PAIRSET_EMPTY && (lesser == a || greater == a)) {
@@ -142,7 +143,7 @@ bool eng_pairset_take(struct eng_pairset *set, uint32_t a, uint32_t *from,
 bool eng_pairset_next(const struct eng_pairset *set, uint32_t *from, uint32_t pair[2])
 {
     while (*from < set->capacity) {
-        uint64_t key = set->places[(*from)++];
+        uint64_t key = set->slots[(*from)++];
         if (key != ENG_PAIRSET_EMPTY) {
             pair[0] = (uint32_t)(key >> 32);
             pair[1] = (uint32_t)key;
@@ -159,12 +160,12 @@ void eng_pairset_prune(struct eng_pairset *set,
      * from the start was asked about there, and stays: up to the first gap, which nothing
      * goes round, those are asked about last. */
     uint32_t start = 0;
-    while (start < set->capacity && set->places[start] != ENG_PAIRSET_EMPTY) {
+    while (start < set->capacity && set->slots[start] != ENG_PAIRSET_EMPTY) {
         start++;
     }
     for (uint32_t i = 0, n = set->capacity; i < n && set->capacity > 0;) {
         uint32_t at = (start + i) & (set->capacity - 1);
-        uint64_t key = set->places[at];
+        uint64_t key = set->slots[at];
         if (key != ENG_PAIRSET_EMPTY &&
             goes(context, (uint32_t)(key >> 32), (uint32_t)key)) {
             clear(set, at); /* without the last one, there are no places */

@@ -1,7 +1,9 @@
-/* daemon/engine/scene/pairset.h - a set of unordered pairs of numbers.
+/* daemon/engine/scene/pairset.h - a hash set of pairs of numbers in which (a, b) and (b,
+ * a) are the same pair.
  *
  * Room:     engine. May include: the C library.
- * Does:     add, remove and find pairs in O(1); drop all pairs of a number in O(room).
+ * Does:     add, remove and find a pair in O(1); remove all pairs that hold a number in
+ *           O(capacity).
  * Threads:  changed by one thread at a time, while nobody reads; reads: [any].
  */
 #ifndef ENG_PAIRSET_H
@@ -15,7 +17,7 @@
  * hash names on; a place that is taken away is filled by those behind it, so that a
  * search ends at the first empty one. */
 struct eng_pairset {
-    uint64_t *places;  /* [capacity] lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
+    uint64_t *slots;   /* [capacity] lesser << 32 | greater, or ENG_PAIRSET_EMPTY */
     uint64_t factor;   /* of the hash, odd: who chooses the pairs does not know it */
     uint32_t capacity; /* a power of two; 0: no memory is held */
     uint32_t count;    /* at most half of the capacity */
@@ -27,7 +29,7 @@ struct eng_pairset {
 void eng_pairset_deinit(struct eng_pairset *set);
 size_t eng_pairset_bytes(const struct eng_pairset *set);
 
-/* a != b. ENG_E_NOMEM: the set is as before. */
+/* a != b. PCCD_E_NOMEM: the set is as before. */
 int eng_pairset_add(struct eng_pairset *set, uint32_t a, uint32_t b);
 
 /* The memory goes with the last pair. */

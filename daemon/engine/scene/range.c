@@ -38,23 +38,24 @@ static void remove_hole(struct eng_ranges *ranges, uint32_t i)
 static int reserve_hole(struct eng_ranges *ranges)
 {
     if (ranges->taken < ranges->hole_capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     uint32_t capacity = ranges->hole_capacity ? ranges->hole_capacity * 2 : 16;
     struct eng_range *holes = eng_realloc(ranges->holes, capacity, sizeof *holes);
     if (!holes) {
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     ranges->holes = holes;
     ranges->hole_capacity = capacity;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first)
 {
+    assert(count >= 1);
     assert(count > 0);
     int status = reserve_hole(ranges);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     for (uint32_t i = 0; i < ranges->hole_count; i++) {
@@ -67,20 +68,22 @@ int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first)
                 remove_hole(ranges, i);
             }
             ranges->taken++;
-            return ENG_OK;
+            return PCCD_OK;
         }
     }
     if (count > ranges->limit - ranges->end) {
-        return ENG_E_LIMIT;
+        return PCCD_E_LIMIT;
     }
     *first = ranges->end;
     ranges->end += count;
     ranges->taken++;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 void eng_ranges_give(struct eng_ranges *ranges, uint32_t first, uint32_t count)
 {
+    assert(count >= 1 && count <= ranges->end && first <= ranges->end - count);
+    assert(ranges->taken > 0);
     uint32_t i = 0;
     while (i < ranges->hole_count && ranges->holes[i].first < first) {
         i++;

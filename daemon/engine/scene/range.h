@@ -1,9 +1,9 @@
-/* daemon/engine/scene/range.h - ranges of consecutive indices in growing arrays.
+/* daemon/engine/scene/range.h - hands out ranges of consecutive indices in an array, so
+ * that objects come and go without moving others.
  *
- * Room:     engine. May include: status.h.
- * Does:     hand out and take back [first, first + count); the owner of the arrays grows
- *           them when `end` passes their capacity. Objects come and go without moving
- *           others.
+ * Room:     engine. May include: the C library.
+ * Does:     hand out and take back [first, first + count). The owner of the arrays grows
+ *           them when `end` passes their capacity.
  * Threads:  one thread for one allocator.
  */
 #ifndef ENG_RANGE_H
@@ -11,7 +11,7 @@
 
 #include <stdint.h>
 
-#include "status.h"
+#include "pccd_types.h"
 
 struct eng_range {
     uint32_t first;
@@ -30,8 +30,8 @@ struct eng_ranges {
 void eng_ranges_init(struct eng_ranges *ranges, uint32_t limit);
 void eng_ranges_deinit(struct eng_ranges *ranges);
 
-/* First fit, else from the end. count >= 1. ENG_E_LIMIT: would pass the limit;
- * ENG_E_NOMEM. */
+/* First fit, else from the end. count >= 1. PCCD_E_LIMIT: would pass the limit;
+ * PCCD_E_NOMEM. */
 int eng_ranges_take(struct eng_ranges *ranges, uint32_t count, uint32_t *first);
 
 /* Give a taken range back; merges with neighbouring holes. Cannot fail: take reserves the

@@ -1,9 +1,9 @@
-/* daemon/engine/scene/scene.h - objects, where they are, and where a step takes them.
+/* daemon/engine/scene/scene.h - a scene: its objects, where they are, and where the next
+ * step moves them.
  *
- * Room:     engine. May include: mesh.h, status.h.
- * Does:     hold any number of objects, each with its own hierarchy, merged into one
- *           tree; add and remove objects between steps; stage the positions of a step so
- *           that a step that fails changes nothing.
+ * Room:     engine. May include: mesh.h.
+ * Does:     hold any number of objects; add and remove objects between steps; stage the
+ *           positions of a step, so that a step that fails changes nothing.
  * Does not: detect collisions (step.h).
  * Threads:  [compute]; one thread at a time for one scene.
  * Source:   paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every
@@ -17,25 +17,16 @@
 
 #include "mesh.h"
 
-#define ENG_THREADS_MAX 256u       /* of one step */
-#define ENG_IGNORED_MAX (1u << 18) /* pairs of objects of one scene: 4 MiB */
-
-struct eng_places;
+struct eng_affinity;
 struct eng_scene;
 
-/* How hierarchies are built. The answer does not depend on it. */
-enum eng_quality {
-    ENG_QUALITY_MEDIAN = 0, /* median of the centroids along the longest axis */
-    ENG_QUALITY_SAH = 1     /* binned surface area heuristic: slower to build */
-};
-
 struct eng_scene_settings {
-    enum eng_quality quality;
+    enum pccd_quality quality;
     /* A node whose volume is less than this times the sum of its children's, which
      * overlap then, is reconstructed (paper section 6.2). 0: never; at most 1. */
     double rebuild_ratio;
     /* Triangles below which a subtree is reconstructed at once when the traversal touches
-     * it; larger ones are built aside, a share in every step. */
+     * it; larger ones are built in the background, a share in every step. */
     uint32_t rebuild_triangles_max;
     /* That put an added object's features in order; 0: one. Changes nothing else. */
     uint32_t threads;
@@ -43,28 +34,27 @@ struct eng_scene_settings {
 
 #define ENG_SCENE_SETTINGS_DEFAULT                                                       \
     {                                                                                    \
-        ENG_QUALITY_MEDIAN, 0.9, 1024, 1                                                 \
+        PCCD_QUALITY_MEDIAN, 0.9, 1024, 1                                                \
     }
 
-/* An empty scene; `settings` NULL: the defaults. ENG_E_INVAL, ENG_E_NOMEM. */
-int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene);
-void eng_scene_free(struct eng_scene *scene); /* NULL is allowed */
+/* NULL is allowed. A scene is made by eng_scene_new (step.h). */
+void eng_scene_free(struct eng_scene *scene);
 
 /* Add an instance of a committed mesh at its registered positions, build its hierarchy,
  * and merge it in. `object_id` is the number that records carry; it must be new to the
  * scene. *object_idx stays valid until removal and may be reused after it.
- * Errors: ENG_E_STATE (not committed), ENG_E_INVAL (id in use), ENG_E_LIMIT, ENG_E_NOMEM;
- * the scene is unchanged then. */
+ * Errors: PCCD_E_STATE (not committed), PCCD_E_INVAL (id in use), PCCD_E_LIMIT,
+ * PCCD_E_NOMEM; the scene is unchanged then. */
 int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t object_id,
                   uint32_t *object_idx);
 
-/* Remove an object. ENG_E_INVAL if there is none. The other hierarchies stay as
+/* Remove an object. PCCD_E_INVAL if there is none. The other hierarchies stay as
  * they are. */
 int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx);
 
 /* Give an object another committed mesh: it stands still at the new mesh's registered
  * positions, with a hierarchy of its own, under the same index and id; the other objects
- * are not touched. Errors as eng_scene_add, and ENG_E_INVAL if there is no object; the
+ * are not touched. Errors as eng_scene_add, and PCCD_E_INVAL if there is no object; the
  * scene is unchanged then. */
 int eng_scene_replace(struct eng_scene *scene, uint32_t object_idx,
                       struct eng_mesh *mesh);
@@ -92,14 +82,14 @@ struct eng_object_filter {
         1, UINT64_MAX, true                                                              \
     }
 
-/* ENG_E_INVAL if there is no such object; a pair is of two. ignored = true, or false to
- * take it back; it goes with either object. ENG_E_LIMIT: ENG_IGNORED_MAX are;
- * ENG_E_NOMEM. What is as it should be stays so. */
+/* PCCD_E_INVAL if there is no such object; a pair is of two. ignored = true, or false to
+ * take it back; it goes with either object. PCCD_E_LIMIT: PROTO_IGNORED_PER_SCENE are;
+ * PCCD_E_NOMEM. What is as it should be stays so. */
 int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
                          const struct eng_object_filter *filter);
 int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
                          struct eng_object_filter *filter);
-/* Of an object that will be removed: from now on it meets nothing. ENG_E_INVAL: there is
+/* Of an object that will be removed: from now on it meets nothing. PCCD_E_INVAL: there is
  * none. Then, once for all of these: the pairs that they are part of go. */
 int eng_scene_hide(struct eng_scene *scene, uint32_t object_idx);
 void eng_scene_forget_hidden(struct eng_scene *scene);
@@ -129,8 +119,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene);
  * forgets it. Objects without a write stand still at their last end positions. A failed
  * write leaves the staging open for abort only.
  *
- * Ranges first .. first+count-1 of the object's vertices, count >= 1 (ENG_E_INVAL); two
- * writes to one vertex in one step are ENG_E_OVERLAP; coordinates ENG_E_NOTFINITE.
+ * Ranges first .. first+count-1 of the object's vertices, count >= 1 (PCCD_E_INVAL); two
+ * writes to one vertex in one step are PCCD_E_SEGMENT; coordinates PCCD_E_NOTFINITE.
  * Sources may be memory that another process writes: each byte is read once. */
 void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
@@ -140,13 +130,13 @@ bool eng_stage_overlaps(struct eng_scene *scene);
 /* After begin: `threads` may copy what follows, placed as those of a step are (step.h);
  * 1 and NULL unless this is called. */
 void eng_stage_share(struct eng_scene *scene, uint32_t threads,
-                     const struct eng_places *places);
+                     const struct eng_affinity *affinity);
 
 /* End positions; the start is the last end. `x1`: packed [count][3] in `format`. */
-int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                  uint32_t first, uint32_t count, const void *x1);
 /* Both ends. */
-int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                    uint32_t first, uint32_t count, const void *x0, const void *x1);
 /* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
  * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the

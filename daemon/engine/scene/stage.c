@@ -13,9 +13,11 @@
 #include <string.h>
 
 #include "clock.h"
+#include "coordinates.h"
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
+#include "step_settings.h"
 
 void eng_stage_begin(struct eng_scene *scene)
 {
@@ -28,10 +30,10 @@ void eng_stage_begin(struct eng_scene *scene)
 }
 
 void eng_stage_share(struct eng_scene *scene, uint32_t threads,
-                     const struct eng_places *places)
+                     const struct eng_affinity *affinity)
 {
     scene->copiers = (struct eng_copiers){
-        threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX, places};
+        threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX, affinity};
 }
 
 void eng_stage_abort(struct eng_scene *scene)
@@ -46,13 +48,13 @@ static int remember(struct eng_scene *scene, struct eng_write write)
         uint32_t capacity = scene->write_capacity ? scene->write_capacity * 2 : 16;
         struct eng_write *writes = eng_realloc(scene->writes, capacity, sizeof *writes);
         if (!writes) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
         scene->writes = writes;
         scene->write_capacity = capacity;
     }
     scene->writes[scene->write_count++] = write;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* The write that was opened last. */
@@ -64,18 +66,18 @@ static struct eng_write *last_write(const struct eng_scene *scene)
 static int reserve_start(struct eng_scene *scene)
 {
     if (scene->start_capacity >= scene->vertex_capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
     double(*start)[3] = eng_alloc(scene->vertex_capacity, sizeof *start);
     if (!start) {
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     /* Vertices are only added between steps: nothing of this step waits in the
      * old one. */
     eng_free(scene->start);
     scene->start = start;
     scene->start_capacity = scene->vertex_capacity;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* Check a write, note it, and on the first partial write of this step give the rest of
@@ -86,15 +88,15 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
     struct eng_object *object = eng_scene_object(scene, object_idx);
     if (!scene->staging || !object || count == 0 || first > object->vertices.count ||
         count > object->vertices.count - first) {
-        return ENG_E_INVAL;
+        return PCCD_E_INVAL;
     }
     int status = remember(
         scene, (struct eng_write){
                    object_idx, first, count, has_start, {ENG_NO_BOUNDS, ENG_NO_BOUNDS}});
-    if (status == ENG_OK && has_start) {
+    if (status == PCCD_OK && has_start) {
         status = reserve_start(scene);
     }
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
     bool whole = count == object->vertices.count;
@@ -105,39 +107,39 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
     }
     object->staged = scene->stage;
     object->still = false;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
-int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                  uint32_t first, uint32_t count, const void *x1)
 {
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     int status = open_write(scene, object_idx, first, count, false);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
         status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
                                     scene->copiers, &last_write(scene)->bounds[1]);
     }
-    scene->stage_ns += eng_now_ns() - begin_ns;
+    scene->stage_ns += common_now_ns() - begin_ns;
     return status;
 }
 
-int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum eng_format format,
+int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                    uint32_t first, uint32_t count, const void *x0, const void *x1)
 {
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     int status = open_write(scene, object_idx, first, count, true);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
         struct eng_write *write = last_write(scene);
         status = eng_ingest_by_team(scene->start + v, format, count, x0, scene->copiers,
                                     &write->bounds[0]);
-        if (status == ENG_OK) {
+        if (status == PCCD_OK) {
             status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
                                         scene->copiers, &write->bounds[1]);
         }
     }
-    scene->stage_ns += eng_now_ns() - begin_ns;
+    scene->stage_ns += common_now_ns() - begin_ns;
     return status;
 }
 
@@ -147,45 +149,43 @@ static int transform(double (*out)[3], const double (*x)[3], uint32_t count,
 {
     bool bad = false;
     for (uint32_t i = 0; i < count; i++) {
+        common_transform(m, x[i], out[i]);
         for (int k = 0; k < 3; k++) {
-            const double *row = m + 4 * k;
-            double y =
-                ((row[0] * x[i][0] + row[1] * x[i][1]) + row[2] * x[i][2]) + row[3];
-            out[i][k] = y;
-            bad |= !(y <= ENG_COORDINATE_MAX && y >= -ENG_COORDINATE_MAX);
+            double y = out[i][k];
+            bad |= !(y <= PROTO_COORDINATE_MAX && y >= -PROTO_COORDINATE_MAX);
         }
     }
     if (!bad) {
         eng_kernels()->bound_positions((const double(*)[3])out, count, bounds);
     }
-    return bad ? ENG_E_NOTFINITE : ENG_OK;
+    return bad ? PCCD_E_NOTFINITE : PCCD_OK;
 }
 
 int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first,
                     uint32_t count, const void *m0, const void *m1)
 {
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     double matrix0[12];
     double matrix1[12];
     int status = open_write(scene, object_idx, first, count, true);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_ingest_transform(matrix0, m0);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         status = eng_ingest_transform(matrix1, m1);
     }
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         const struct eng_object *object = &scene->objects[object_idx];
         const double(*rest)[3] = (const double(*)[3])object->mesh->x + first;
         uint32_t v = object->vertices.first + first;
         struct eng_write *write = last_write(scene);
         status = transform(scene->start + v, rest, count, matrix0, &write->bounds[0]);
-        if (status == ENG_OK) {
+        if (status == PCCD_OK) {
             status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1,
                                &write->bounds[1]);
         }
     }
-    scene->stage_ns += eng_now_ns() - begin_ns;
+    scene->stage_ns += common_now_ns() - begin_ns;
     return status;
 }
 
@@ -298,13 +298,14 @@ static void measure_written(struct eng_scene *scene)
 
 int eng_stage_commit(struct eng_scene *scene)
 {
-    uint64_t begin_ns = eng_now_ns();
+    assert(scene->now <= 1);
+    uint64_t begin_ns = common_now_ns();
     if (!scene->staging) {
         eng_stage_begin(scene);
     }
     if (eng_stage_overlaps(scene)) {
         eng_stage_abort(scene);
-        return ENG_E_OVERLAP;
+        return PCCD_E_SEGMENT;
     }
     take_starts(scene);
     measure_written(scene);
@@ -322,6 +323,6 @@ int eng_stage_commit(struct eng_scene *scene)
     scene->now = 1 - scene->now;
     scene->staging = false;
     scene->write_count = 0;
-    scene->stage_ns += eng_now_ns() - begin_ns;
-    return ENG_OK;
+    scene->stage_ns += common_now_ns() - begin_ns;
+    return PCCD_OK;
 }

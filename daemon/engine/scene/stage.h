@@ -1,7 +1,7 @@
-/* daemon/engine/scene/stage.h - from staged writes to the positions of a step.
+/* daemon/engine/scene/stage.h - makes the staged positions those of the step that begins.
  *
  * Room:     engine. May include: world.h.
- * Does:     the end of staging, for step.c; scene.h declares the writes themselves.
+ * Does:     end the staging, for step.c; scene.h declares the writes themselves.
  * Threads:  [compute].
  */
 #ifndef ENG_STAGE_H
@@ -19,7 +19,7 @@ struct eng_write {
 };
 
 /* Close the staging (if none is open: an empty one) and move the scene on: x[1 - now] is
- * then t = 0 and x[now] t = 1. ENG_E_OVERLAP: two writes to one vertex; the scene stands
+ * then t = 0 and x[now] t = 1. PCCD_E_SEGMENT: two writes to one vertex; the scene stands
  * where it stood and the staging is gone. */
 int eng_stage_commit(struct eng_scene *scene);
 

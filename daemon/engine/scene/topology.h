@@ -1,8 +1,9 @@
-/* daemon/engine/scene/topology.h - the inside of a mesh.
+/* daemon/engine/scene/topology.h - the fields of a mesh, for the files that fill, derive
+ * or read it.
  *
- * Room:     engine. May include: frame.h, mesh.h.
- * Does:     show struct eng_mesh to the files that read or derive it: mesh.c, feature.c,
- *           scene.c. Immutable after commit, so any thread may read it then.
+ * Room:     engine. May include: box_frame.h, mesh.h.
+ * Does:     define struct eng_mesh. It does not change after commit, so any thread may
+ *           read it then.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
 #ifndef ENG_TOPOLOGY_H
@@ -10,7 +11,7 @@
 
 #include <stdatomic.h>
 
-#include "frame.h"
+#include "box_frame.h"
 #include "mesh.h"
 
 /* Ownership bits of a triangle: bit k: it owns corner k; bit 3 + k: it owns the edge from
@@ -24,14 +25,6 @@
 struct eng_face {
     uint32_t v[3];
     uint32_t owns; /* ENG_OWNS_* */
-};
-
-/* Of a scene. */
-struct eng_triangle {
-    uint32_t v[3];
-    uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */
-    uint32_t owns;   /* ENG_OWNS_* */
-    uint32_t object; /* index */
 };
 
 struct eng_mesh {

@@ -8,20 +8,16 @@
 
 #include <string.h>
 
+#include "array.h"
 #include "memory.h"
 #include "world.h"
-
-const enum eng_wide_kind eng_wide_trees_of[ENG_KINDS][2] = {
-    [ENG_VF] = {ENG_WIDE_VERTICES, ENG_WIDE_FACES},
-    [ENG_EE] = {ENG_WIDE_EDGES, ENG_WIDE_EDGES}};
 
 void eng_wide_init(struct eng_wide *wide)
 {
     memset(wide, 0, sizeof *wide);
     wide->kernels = eng_kernels();
-    eng_wide_resort_init(&wide->resort);
     atomic_init(&wide->left_grid, false);
-    atomic_init(&wide->left_narrow, false);
+    atomic_init(&wide->left_quantised, false);
     atomic_init(&wide->farthest, 0);
     wide->frame_scale = 1;
     wide->is_stale = true;
@@ -29,7 +25,7 @@ void eng_wide_init(struct eng_wide *wide)
 
 void eng_wide_deinit(struct eng_wide *wide)
 {
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         eng_free(tree->blocks);
         eng_free(tree->boxes);
@@ -43,28 +39,25 @@ void eng_wide_deinit(struct eng_wide *wide)
     eng_free(wide->marks);
     eng_free(wide->slot_of);
     eng_free(wide->items);
-    eng_wide_owners_deinit(&wide->owners);
-    eng_wide_resort_deinit(&wide->resort);
 }
 
-static uint32_t corner_count(enum eng_wide_kind kind)
+static uint32_t corner_count(enum pccd_tree kind)
 {
-    return kind == ENG_WIDE_FACES ? 3 : kind == ENG_WIDE_EDGES ? 2 : 0;
+    return kind == PCCD_TREE_FACES ? 3 : kind == PCCD_TREE_EDGES ? 2 : 0;
 }
 
 uint64_t eng_wide_bytes(const struct eng_wide *wide)
 {
     uint64_t bytes =
-        eng_wide_owners_bytes(&wide->owners) +
         (uint64_t)wide->slot_of_capacity * sizeof *wide->slot_of +
         (uint64_t)wide->item_capacity * sizeof *wide->items +
-        (uint64_t)wide->trees[ENG_WIDE_VERTICES].slot_capacity *
+        (uint64_t)wide->trees[PCCD_TREE_VERTICES].slot_capacity *
             (sizeof *wide->points + sizeof *wide->point_boxes + sizeof *wide->marks);
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
         bytes +=
             (uint64_t)tree->block_capacity * (sizeof *tree->blocks + sizeof *tree->boxes);
-        if (kind != ENG_WIDE_VERTICES) {
+        if (kind != PCCD_TREE_VERTICES) {
             bytes += (uint64_t)tree->slot_capacity *
                      (corner_count(kind) * sizeof *tree->corner[0] + sizeof *tree->keys);
         }
@@ -110,9 +103,9 @@ static struct eng_split_item item_of(const struct eng_scene *scene, uint32_t obj
 static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
 {
     if (scene->object_count > wide->item_capacity) {
-        uint32_t capacity = eng_world_grown(wide->item_capacity, scene->object_count);
-        int status = eng_world_grow(&wide->items, capacity, sizeof *wide->items);
-        if (status != ENG_OK) {
+        uint32_t capacity = eng_array_grown(wide->item_capacity, scene->object_count);
+        int status = eng_array_grow(&wide->items, capacity, sizeof *wide->items);
+        if (status != PCCD_OK) {
             return status;
         }
         wide->item_capacity = capacity;
@@ -126,21 +119,22 @@ static int order_objects(struct eng_wide *wide, const struct eng_scene *scene)
     if (count > 1) {
         eng_wide_sort(wide->items, count, 1);
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* Slots of a tree over all objects. The last vertex slot is nobody's: that of features
  * which are nowhere. */
 static uint64_t count_slots(const struct eng_wide *wide, const struct eng_scene *scene,
-                            enum eng_wide_kind kind)
+                            enum pccd_tree kind)
 {
     uint64_t end = 0;
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        uint32_t count = scene->objects[wide->items[i].id].order->count[kind];
+        uint32_t count =
+            eng_wide_order_of(&scene->objects[wide->items[i].id])->count[kind];
         end = (end + alignment(count) - 1) / alignment(count) * alignment(count);
         end += count;
     }
-    end += kind == ENG_WIDE_VERTICES;
+    end += kind == PCCD_TREE_VERTICES;
     return end > ENG_WIDE ? end : ENG_WIDE;
 }
 
@@ -162,61 +156,61 @@ static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
     return first;
 }
 
-static int reserve_slots(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t count)
+static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t count)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     if (count <= tree->slot_capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
-    uint32_t capacity = round_up(eng_world_grown(tree->slot_capacity, count), ENG_WIDE);
-    int status = ENG_OK;
-    if (kind == ENG_WIDE_VERTICES) {
-        status = eng_world_grow(&wide->points, capacity, sizeof *wide->points);
-        if (status == ENG_OK) {
+    uint32_t capacity = round_up(eng_array_grown(tree->slot_capacity, count), ENG_WIDE);
+    int status = PCCD_OK;
+    if (kind == PCCD_TREE_VERTICES) {
+        status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
+        if (status == PCCD_OK) {
             status =
-                eng_world_grow(&wide->point_boxes, capacity, sizeof *wide->point_boxes);
+                eng_array_grow(&wide->point_boxes, capacity, sizeof *wide->point_boxes);
         }
-        if (status == ENG_OK) {
-            status = eng_world_grow(&wide->marks, capacity, sizeof *wide->marks);
+        if (status == PCCD_OK) {
+            status = eng_array_grow(&wide->marks, capacity, sizeof *wide->marks);
         }
     } else {
-        status = eng_world_grow(&tree->keys, capacity, sizeof *tree->keys);
+        status = eng_array_grow(&tree->keys, capacity, sizeof *tree->keys);
     }
-    for (uint32_t k = 0; k < corner_count(kind) && status == ENG_OK; k++) {
-        status = eng_world_grow(&tree->corner[k], capacity, sizeof *tree->corner[k]);
+    for (uint32_t k = 0; k < corner_count(kind) && status == PCCD_OK; k++) {
+        status = eng_array_grow(&tree->corner[k], capacity, sizeof *tree->corner[k]);
     }
-    tree->slot_capacity = status == ENG_OK ? capacity : tree->slot_capacity;
+    tree->slot_capacity = status == PCCD_OK ? capacity : tree->slot_capacity;
     return status;
 }
 
 static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
 {
     if (count <= tree->block_capacity) {
-        return ENG_OK;
+        return PCCD_OK;
     }
-    uint32_t capacity = eng_world_grown(tree->block_capacity, count);
-    int status = eng_world_grow(&tree->blocks, capacity, sizeof *tree->blocks);
-    if (status == ENG_OK) {
-        status = eng_world_grow(&tree->boxes, capacity, sizeof *tree->boxes);
+    uint32_t capacity = eng_array_grown(tree->block_capacity, count);
+    int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
+    if (status == PCCD_OK) {
+        status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
     }
-    tree->block_capacity = status == ENG_OK ? capacity : tree->block_capacity;
+    tree->block_capacity = status == PCCD_OK ? capacity : tree->block_capacity;
     return status;
 }
 
 /* Room for everything. */
 static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
-                   const uint32_t slots[ENG_WIDE_KINDS], uint32_t level_count)
+                   const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
 {
-    int status = ENG_OK;
+    int status = PCCD_OK;
     if (scene->vertex_capacity > wide->slot_of_capacity) {
         status =
-            eng_world_grow(&wide->slot_of, scene->vertex_capacity, sizeof *wide->slot_of);
+            eng_array_grow(&wide->slot_of, scene->vertex_capacity, sizeof *wide->slot_of);
         wide->slot_of_capacity =
-            status == ENG_OK ? scene->vertex_capacity : wide->slot_of_capacity;
+            status == PCCD_OK ? scene->vertex_capacity : wide->slot_of_capacity;
     }
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS && status == ENG_OK; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES && status == PCCD_OK; kind++) {
         status = reserve_slots(wide, kind, slots[kind]);
-        if (status == ENG_OK) {
+        if (status == PCCD_OK) {
             status = reserve_blocks(&wide->trees[kind],
                                     count_blocks(slots[kind], level_count, NULL));
         }
@@ -225,40 +219,40 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
 }
 
 /* Slots from `first` up to `end` belong to nobody. */
-static void clear(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t first,
+static void clear(struct eng_wide *wide, enum pccd_tree kind, uint32_t first,
                   uint32_t end)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     for (uint32_t slot = first; slot < end; slot++) {
-        if (kind == ENG_WIDE_VERTICES) {
+        if (kind == PCCD_TREE_VERTICES) {
             memset(&wide->points[slot], 0, sizeof wide->points[slot]);
             wide->points[slot].word0 = ENG_WIDE_NOBODY;
             continue;
         }
         tree->keys[slot] = ENG_WIDE_NOBODY;
         for (uint32_t k = 0; k < corner_count(kind); k++) {
-            tree->corner[k][slot] = wide->trees[ENG_WIDE_VERTICES].slot_count - 1;
+            tree->corner[k][slot] = wide->trees[PCCD_TREE_VERTICES].slot_count - 1;
         }
     }
 }
 
 /* The features of one object into its slots. */
 static void fill(struct eng_wide *wide, const struct eng_scene *scene,
-                 uint32_t object_idx, enum eng_wide_kind kind, uint32_t first)
+                 uint32_t object_idx, enum pccd_tree kind, uint32_t first)
 {
     const struct eng_object *object = &scene->objects[object_idx];
     struct eng_wide_tree *tree = &wide->trees[kind];
     const struct eng_mesh *mesh = object->mesh;
     const uint32_t *slot_of = wide->slot_of + object->vertices.first;
-    for (uint32_t i = 0; i < object->order->count[kind]; i++) {
-        uint32_t feature = object->order->feature[kind][i];
+    for (uint32_t i = 0; i < eng_wide_order_of(object)->count[kind]; i++) {
+        uint32_t feature = eng_wide_order_of(object)->feature[kind][i];
         uint32_t slot = first + i;
         if (feature == ENG_WIDE_NO_FEATURE) {
             clear(wide, kind, slot, slot + 1);
             continue;
         }
         eng_wide_key key = (uint64_t)object->id << 32 | feature;
-        if (kind == ENG_WIDE_VERTICES) {
+        if (kind == PCCD_TREE_VERTICES) {
             uint32_t vertex = object->vertices.first + feature;
             memset(&wide->points[slot], 0, sizeof wide->points[slot]);
             wide->points[slot].word0 = (uint64_t)object_idx << 32 | vertex;
@@ -267,7 +261,7 @@ static void fill(struct eng_wide *wide, const struct eng_scene *scene,
             continue;
         }
         const uint32_t *corners =
-            kind == ENG_WIDE_EDGES ? mesh->edges[feature] : mesh->triangles[feature].v;
+            kind == PCCD_TREE_EDGES ? mesh->edges[feature] : mesh->triangles[feature].v;
         tree->keys[slot] = key;
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             tree->corner[k][slot] = slot_of[corners[k]];
@@ -284,16 +278,16 @@ static void set_nowhere(struct eng_extents *boxes, uint32_t count)
 }
 
 static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
-                         const uint32_t slots[ENG_WIDE_KINDS])
+                         const uint32_t slots[ENG_WIDE_TREES])
 {
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t end = 0;
         tree->slot_count = slots[kind];
         set_nowhere(tree->boxes, count_blocks(tree->slot_count, wide->level_count, tree));
         for (uint32_t i = 0; i < scene->object_count; i++) {
             const struct eng_object *object = &scene->objects[wide->items[i].id];
-            uint32_t count = object->order->count[kind];
+            uint32_t count = eng_wide_order_of(object)->count[kind];
             uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
             fill(wide, scene, wide->items[i].id, kind, first);
@@ -301,21 +295,21 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         }
         clear(wide, kind, end, tree->slot_count);
     }
-    set_nowhere(wide->point_boxes, wide->trees[ENG_WIDE_VERTICES].slot_count);
+    set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
 }
 
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
 {
     int status = order_objects(wide, scene);
-    if (status != ENG_OK) {
+    if (status != PCCD_OK) {
         return status;
     }
-    uint32_t slots[ENG_WIDE_KINDS];
+    uint32_t slots[ENG_WIDE_TREES];
     uint32_t level_count = 1;
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint64_t count = count_slots(wide, scene, kind);
         if (count > UINT32_MAX - ENG_WIDE) {
-            return ENG_E_NOMEM;
+            return PCCD_E_NOMEM;
         }
         slots[kind] = round_up(count, ENG_WIDE);
         while ((uint64_t)ENG_WIDE << (level_count - 1) * ENG_WIDE_BITS < slots[kind]) {
@@ -323,9 +317,9 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         }
     }
     status = reserve(wide, scene, slots, level_count);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         wide->level_count = level_count;
-        wide->owners.masks = NULL;
+        wide->assembled++;
         put_together(wide, scene, slots);
         wide->is_stale = false;
         wide->boxes_are_old = true;

@@ -1,17 +1,17 @@
-/* daemon/engine/wide/wide.h - the trees of the method `wide`.
+/* daemon/engine/wide/wide.h - the trees of the method `wide`: sixteen children a node,
+ * without pointers, one tree each for vertices, edges and faces.
  *
- * Room:     engine. May include: kernel.h, wide_order.h, wide_owner.h, wide_resort.h,
- *           the C library.
- * Does:     hold three trees over all objects of a scene: vertices, edges, faces. Slot i
- *           of a tree is one feature, in an order in which neighbours are near; block i
- *           of level 0 holds the boxes of slots 16 i .. 16 i + 15, block i of level k
- *           those of blocks 16 i .. of level k - 1: no pointers.
- * Does not: change within a step but for the boxes.
+ * Room:     engine. May include: kernel.h, wide_order.h, world.h, the C library.
+ * Does:     hold three trees over all objects of a scene. Slot i of a tree is one
+ *           feature, in an order in which neighbours are near. Block i of level 0 holds
+ *           the boxes of slots 16 i .. 16 i + 15; block i of level k those of blocks 16 i
+ *           .. 16 i + 15 of level k - 1.
+ * Does not: change within a step, except for the boxes.
  * Threads:  [compute]; inside a step the team reads it, and writes boxes of its own.
  *
- * Objects start at a multiple of 16 slots, large ones at one of 256 or more, so that
- * their groups stay together; slots between them are nowhere. All trees have the same
- * number of levels, the highest with one block.
+ * An object starts at a multiple of 16 slots, a large one at a multiple of 256 or more,
+ * so that its groups stay together. Slots between objects are empty. All trees have the
+ * same number of levels; the highest has one block.
  */
 #ifndef ENG_WIDE_TREES_H
 #define ENG_WIDE_TREES_H
@@ -20,20 +20,22 @@
 #include <stdatomic.h>
 
 #include "kernel.h"
+#include "kinds.h"
 #include "wide_order.h"
-#include "wide_owner.h"
-#include "wide_resort.h"
-
-struct eng_object;
-struct eng_scene;
+#include "world.h"
 
 /* 16^8 = 2^32 slots. */
 #define ENG_WIDE_LEVELS_MAX 8u
 
 #define ENG_WIDE_NOBODY UINT64_MAX /* in eng_point.word0 */
 
-/* The trees of the two features of a pair. */
-extern const enum eng_wide_kind eng_wide_trees_of[ENG_KINDS][2];
+/* The tree of the features of a side, 0 or 1, of a kind of pair. */
+static inline enum pccd_tree eng_wide_tree_of(enum pccd_kind kind, int side)
+{
+    static_assert(PCCD_TREE_VERTICES == 0 && PCCD_TREE_EDGES == 1 && PCCD_TREE_FACES == 2,
+                  "a feature of one point more is of the next tree");
+    return (enum pccd_tree)(common_kinds[kind].points[side] - 1);
+}
 
 /* Of a feature: object id << 32 | local index. Records are in the order of the keys. */
 typedef uint64_t eng_wide_key;
@@ -45,7 +47,7 @@ struct eng_wide_tree {
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
     /* [block_capacity] In a step that compares whole numbers these are in the place of
-     * level 0: eng_wide_narrow_blocks. */
+     * level 0: eng_wide_quantised_blocks. */
     struct eng_wide_block *blocks;
     struct eng_extents *boxes; /* [block_capacity] around each block */
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
@@ -54,8 +56,9 @@ struct eng_wide_tree {
 
 struct eng_wide {
     const struct eng_kernels *kernels; /* of refit and traversal; the step's */
-    struct eng_wide_tree trees[ENG_WIDE_KINDS];
+    struct eng_wide_tree trees[ENG_WIDE_TREES];
     uint32_t level_count; /* of each tree */
+    uint32_t assembled;   /* how often they were put together; goes round */
     /* Vertices, by slot: word0 is its object's index << 32 | its own in the scene's
      * arrays, or ENG_WIDE_NOBODY; word1 its key. */
     struct eng_point *points;
@@ -69,9 +72,9 @@ struct eng_wide {
      * this fits, unless a vertex was beyond their reach. That is known, as left_grid is,
      * when all vertices are done, and decides for edges and faces, whose boxes are within
      * those of vertices. */
-    struct eng_narrowing narrowing;
-    bool makes_narrow;
-    atomic_bool left_narrow;
+    struct eng_quantising quantising;
+    bool makes_quantised;
+    atomic_bool left_quantised;
     atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
     bool boxes_are_old;   /* not made since the trees were put together */
     uint64_t frames;      /* of the last step: as in the scene */
@@ -80,19 +83,29 @@ struct eng_wide {
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] the objects in their order */
     uint32_t item_capacity;
-    struct eng_wide_owners owners; /* made anew after the trees */
     /* Steps, by kind of pair, that do not look at the times of nodes: it did not pay. */
-    uint32_t steps_without_times[ENG_KINDS];
-    struct eng_wide_resort resort;
+    uint32_t steps_without_times[PCCD_KIND_COUNT];
     bool is_stale; /* objects came or went, or have a new order, since it was made */
 };
+
+/* That of a scene. It begins what is in its slot (wide_state.h). */
+static inline struct eng_wide *eng_wide_of(const struct eng_scene *scene)
+{
+    return scene->slots[ENG_SLOT_WIDE];
+}
+
+/* The order of an object's features in the trees. */
+static inline struct eng_wide_order *eng_wide_order_of(const struct eng_object *object)
+{
+    return object->slots[ENG_SLOT_WIDE];
+}
 
 void eng_wide_init(struct eng_wide *wide);
 void eng_wide_deinit(struct eng_wide *wide);
 uint64_t eng_wide_bytes(const struct eng_wide *wide);
 
-/* Put the trees of all objects together, from their orders (eng_object.order). Boxes are
- * not up to date afterwards. O(features); ENG_E_NOMEM: as before, and still stale. */
+/* Put the trees of all objects together, from their orders (eng_wide_order_of). Boxes are
+ * not up to date afterwards. O(features); PCCD_E_NOMEM: as before, and still stale. */
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
 
 /* Where the slots of an object with `count` features begin, those before it having ended
@@ -106,10 +119,17 @@ void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool s
 
 /* The same in parts that any threads may do: all chunks 0 .. eng_wide_refit_chunks - 1 of
  * vertices, then those of edges and faces, then what is above. [team] */
-uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind);
+uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind);
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum eng_wide_kind kind, uint32_t chunk, bool swept);
+                          enum pccd_tree kind, uint32_t chunk, bool swept);
 void eng_wide_refit_above(struct eng_wide *wide, bool swept);
+
+static inline eng_wide_key eng_wide_key_of(const struct eng_wide *wide,
+                                           enum pccd_tree tree, uint32_t slot)
+{
+    return tree == PCCD_TREE_VERTICES ? wide->points[slot].word1
+                                      : wide->trees[tree].keys[slot];
+}
 
 static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree *tree,
                                                      uint32_t level)
@@ -117,23 +137,23 @@ static inline struct eng_wide_block *eng_wide_blocks(const struct eng_wide_tree 
     return tree->blocks + tree->first[level];
 }
 
-/* Of features that are in whole numbers (eng_wide_has_narrow): one after the other where
- * the floats of level 0 would be, which take as much and more; then the boxes around
- * them. So a step that does the other thing than the last one needs no memory. */
-static inline struct eng_narrow_block *
-eng_wide_narrow_blocks(const struct eng_wide_tree *tree)
+/* Of features that are in whole numbers (eng_wide_has_quantised): one after the other
+ * where the floats of level 0 would be, which take as much and more; then the boxes
+ * around them. So a step that does the other thing than the last one needs no memory. */
+static inline struct eng_quantised_block *
+eng_wide_quantised_blocks(const struct eng_wide_tree *tree)
 {
-    return (struct eng_narrow_block *)(void *)tree->blocks;
+    return (struct eng_quantised_block *)(void *)tree->blocks;
 }
 
-static inline struct eng_narrow_box *
-eng_wide_narrow_boxes(const struct eng_wide_tree *tree)
+static inline struct eng_quantised_box *
+eng_wide_quantised_boxes(const struct eng_wide_tree *tree)
 {
-    static_assert(sizeof(struct eng_narrow_block) + sizeof(struct eng_narrow_box) <=
+    static_assert(sizeof(struct eng_quantised_block) + sizeof(struct eng_quantised_box) <=
                       sizeof(struct eng_wide_block),
                   "room for both");
-    return (struct eng_narrow_box *)(void *)(eng_wide_narrow_blocks(tree) +
-                                             tree->block_count[0]);
+    return (struct eng_quantised_box *)(void *)(eng_wide_quantised_blocks(tree) +
+                                                tree->block_count[0]);
 }
 
 static inline struct eng_extents *eng_wide_boxes(const struct eng_wide_tree *tree,

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "frames.h"
 #include "world.h"
 
 /* Half a side of the grid is at least twice what the scene needs when it is made, and
@@ -22,7 +23,7 @@
 bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3])
 {
-    const struct eng_wide_tree *tree = &wide->trees[ENG_WIDE_VERTICES];
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
     const struct eng_extents *box = eng_wide_boxes(tree, wide->level_count - 1);
     if (wide->boxes_are_old || scene->framing.number != wide->frames) {
         return eng_frames_extent(scene, low, high);
@@ -49,13 +50,12 @@ static bool still_fits(const struct eng_grid *grid, const double low[3],
     return half >= USED_LEAST * reach;
 }
 
-struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind)
+struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind)
 {
-    const struct eng_wide_tree *edges = &wide->trees[ENG_WIDE_EDGES];
-    const struct eng_wide_tree *b =
-        &wide->trees[kind == ENG_VF ? ENG_WIDE_FACES : ENG_WIDE_EDGES];
+    const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];
+    const struct eng_wide_tree *b = &wide->trees[eng_wide_tree_of(kind, 1)];
     return (struct eng_sieve){.marks = wide->marks,
-                              .a_corner = {edges->corner[0], edges->corner[1]},
+                              .a_corner = {a->corner[0], a->corner[1]},
                               .b_corner = {b->corner[0], b->corner[1], b->corner[2]},
                               .t_end = 1};
 }

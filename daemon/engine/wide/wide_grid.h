@@ -1,9 +1,10 @@
-/* daemon/engine/wide/wide_grid.h - the grid of the sieve, from where the scene was.
+/* daemon/engine/wide/wide_grid.h - chooses the grid of the sieve (sieve.h) from where the
+ * scene was in the last step.
  *
  * Room:     engine. May include: wide.h.
- * Does:     lay the grid over the scene before its vertices are put on it: by the boxes
- *           of the last step, as those of this one are made together with the marks. A
- *           step that goes beyond it does without the sieve.
+ * Does:     lay the grid over the scene before its vertices are placed on it: by the
+ *           boxes of the last step, because those of this step are made together with the
+ *           marks. A step that leaves the grid does without the sieve.
  * Threads:  as marked.
  */
 #ifndef ENG_WIDE_GRID_H
@@ -22,7 +23,7 @@ bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
                      double low[3], double high[3]);
 
 /* For all pairs of a kind over the whole step. [any] */
-struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum eng_kind kind);
+struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind);
 
 /* After the refit: may a sieve use the marks? [any] */
 static inline bool eng_wide_has_marks(const struct eng_wide *wide)

@@ -11,7 +11,8 @@
 #include <assert.h>
 #include <string.h>
 
-#include "wide_narrow.h"
+#include "wide_owner.h"
+#include "wide_quantised.h"
 
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
@@ -24,18 +25,19 @@
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes)
 {
+    assert(wide->level_count >= 1 && wide->level_count <= ENG_WIDE_LEVELS_MAX);
     uint32_t farthest = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
     join->kernels = wide->kernels;
-    join->filtered = NULL;
+    join->owners = NULL;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
     memset(join->below, 0, sizeof join->below);
     memset(join->jobs, 0, sizeof join->jobs);
-    for (int kind = 0; kind < ENG_KINDS; kind++) {
-        const struct eng_wide_tree *a = &wide->trees[eng_wide_trees_of[kind][0]];
-        const struct eng_wide_tree *b = &wide->trees[eng_wide_trees_of[kind][1]];
-        bool is_narrow = boxes == ENG_JOIN_MOVING && eng_wide_has_narrow(wide);
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];
+        const struct eng_wide_tree *b = &wide->trees[eng_wide_tree_of(kind, 1)];
+        bool is_quantised = boxes == ENG_JOIN_MOVING && eng_wide_has_quantised(wide);
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
@@ -45,10 +47,10 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
                                      .boxes = boxes,
                                      .farthest = farthest,
                                      .t_end = 1};
-            if (is_narrow && level == 0) {
-                job->a_narrow = eng_wide_narrow_blocks(a);
-                job->b_narrow = eng_wide_narrow_blocks(b);
-                job->b_narrow_boxes = eng_wide_narrow_boxes(b);
+            if (is_quantised && level == 0) {
+                job->a_quantised = eng_wide_quantised_blocks(a);
+                job->b_quantised = eng_wide_quantised_blocks(b);
+                job->b_quantised_boxes = eng_wide_quantised_boxes(b);
             }
             for (int k = 0; k < 3; k++) {
                 job->a_corner[k] = a->corner[k];
@@ -63,8 +65,9 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
 
 void eng_wide_join_until(struct eng_wide_join *join, float t_end)
 {
+    assert(t_end >= 0 && t_end <= 1);
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
-        for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
+        for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
             job->t_end = t_end;
             if (t_end <= NEAR_MOST) {
@@ -75,14 +78,14 @@ void eng_wide_join_until(struct eng_wide_join *join, float t_end)
     }
 }
 
-static void flush(struct eng_wide_join *join, enum eng_kind kind)
+static void flush(struct eng_wide_join *join, enum pccd_kind kind)
 {
     join->flush(join->owner, kind, &join->chunks[kind]);
     assert(join->chunks[kind].count == 0);
 }
 
 /* Pairs of blocks of features, of one pair of nodes. */
-static void join_features(struct eng_wide_join *join, enum eng_kind kind,
+static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
                           const uint32_t *a, const uint32_t *b, uint32_t count)
 {
     struct eng_join *job = &join->jobs[kind][0];
@@ -93,9 +96,8 @@ static void join_features(struct eng_wide_join *join, enum eng_kind kind,
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
         uint32_t room = ENG_CHUNK_MAX - chunk->count;
-        chunk->count += kind == ENG_VF
-                            ? join->kernels->join_faces(job, round, out_a, out_b, room)
-                            : join->kernels->join_edges(job, round, out_a, out_b, room);
+        chunk->count +=
+            join->kernels->join_features[kind](job, round, out_a, out_b, room);
         if (eng_join_has_ended(round) || join->stopped) {
             return;
         }
@@ -104,15 +106,16 @@ static void join_features(struct eng_wide_join *join, enum eng_kind kind,
 }
 
 /* Roots that may not meet: of all other pairs that has been seen to (owners_keep). */
-static bool is_allowed(const struct eng_wide_join *join, enum eng_kind kind,
+static bool is_allowed(const struct eng_wide_join *join, enum pccd_kind kind,
                        uint32_t level, uint32_t n, uint32_t m)
 {
-    return !join->filtered || eng_wide_owners_allow(join->filtered, kind, level, n, m);
+    return !join->owners || eng_wide_owners_allow(join->owners, kind, level, n, m);
 }
 
-void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint32_t level,
                           uint32_t n, uint32_t m)
 {
+    assert(level >= 1 && join->lists[level - 1].count == 0);
     struct eng_wide_list *below = &join->lists[level - 1];
     assert(below->count == 0);
     if (!is_allowed(join, kind, level, n, m)) {
@@ -123,13 +126,13 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32
                                              below->a, below->b, ENG_JOIN_MAX);
     join->pairs++;
     join->below[kind] += below->count;
-    if (join->filtered) {
-        below->count = eng_wide_owners_keep(join->filtered, kind, level, n, m, below->a,
+    if (join->owners) {
+        below->count = eng_wide_owners_keep(join->owners, kind, level, n, m, below->a,
                                             below->b, below->count);
     }
 }
 
-void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+void eng_wide_join_nodes(struct eng_wide_join *join, enum pccd_kind kind, uint32_t level,
                          uint32_t n, uint32_t m)
 {
     uint32_t top = level;
@@ -168,11 +171,12 @@ void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_
 
 void eng_wide_join_flush(struct eng_wide_join *join)
 {
-    flush(join, ENG_VF);
-    flush(join, ENG_EE);
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        flush(join, kind);
+    }
 }
 
-uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum eng_kind kind)
+uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_kind kind)
 {
     uint64_t apart = 0;
     for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
@@ -184,8 +188,10 @@ uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum eng_ki
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
 {
     uint64_t tests = 0;
-    for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
-        tests += join->jobs[ENG_VF][level].tests + join->jobs[ENG_EE][level].tests;
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
+            tests += join->jobs[kind][level].tests;
+        }
     }
     return tests;
 }

@@ -1,8 +1,9 @@
-/* daemon/engine/wide/wide_join.h - from two nodes to the pairs of features below them.
+/* daemon/engine/wide/wide_join.h - finds the pairs of features that may meet below two
+ * nodes.
  *
- * Room:     engine. May include: batch.h, step.h, wide.h.
- * Does:     go down two trees together, depth first, and collect the pairs of features
- *           whose moving boxes overlap in chunks, which the owner empties.
+ * Room:     engine. May include: batch.h, wide.h.
+ * Does:     descend two trees together, depth first, and collect the pairs of features
+ *           whose moving boxes overlap, in chunks that the caller empties.
  * Does not: know what becomes of a pair (wide_test.h), or who does what (wide_task.h).
  * Threads:  one thread for one join; the trees are only read.
  */
@@ -10,10 +11,11 @@
 #define ENG_WIDE_JOIN_H
 
 #include "batch.h"
-#include "step.h"
 #include "wide.h"
 
-/* Pairs of slots: VF vertex and face, EE two edges in any order. */
+struct eng_wide_owners; /* wide_owner.h */
+
+/* Pairs of slots, one of either side's tree; of two in one tree in any order. */
 struct eng_wide_chunk {
     uint32_t count;
     uint32_t a[ENG_CHUNK_MAX + ENG_SIEVE_SPARE];
@@ -29,25 +31,25 @@ struct eng_wide_list {
 
 struct eng_wide_join {
     const struct eng_kernels *kernels;
-    const struct eng_wide *filtered; /* whose owners are asked; NULL: anything may meet */
+    const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
      * and sets the count to 0. */
-    void (*flush)(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk);
+    void (*flush)(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk);
     /* Called now and then: may set stopped, or t_end by eng_wide_join_until. */
     void (*look)(void *owner);
-    bool stopped;              /* the join ends early */
-    uint32_t looked;           /* joins since the last look */
-    uint64_t pairs;            /* pairs of nodes refined */
-    uint64_t below[ENG_KINDS]; /* pairs of nodes that they led to */
-    struct eng_join jobs[ENG_KINDS][ENG_WIDE_LEVELS_MAX];
+    bool stopped;                    /* the join ends early */
+    uint32_t looked;                 /* joins since the last look */
+    uint64_t pairs;                  /* pairs of nodes refined */
+    uint64_t below[PCCD_KIND_COUNT]; /* pairs of nodes that they led to */
+    struct eng_join jobs[PCCD_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_join_round round;
-    struct eng_wide_chunk chunks[ENG_KINDS];
+    struct eng_wide_chunk chunks[PCCD_KIND_COUNT];
 };
 
 /* Get ready for the trees as they are; owner, flush and look are set by the caller, and
- * `filtered` where pairs are to be left out (wide_owner.h). Boxes are ENG_JOIN_SWEPT if
+ * `owners` where pairs are to be left out (wide_owner.h). Boxes are ENG_JOIN_SWEPT if
  * the refit made them so, else ENG_JOIN_MOVING. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);
@@ -57,21 +59,22 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
  * compared (ENG_JOIN_NEAR), and times of pairs are no longer looked at (in_time). */
 void eng_wide_join_until(struct eng_wide_join *join, float t_end);
 
-/* All pairs that nodes n and m of a level lead to: of the vertex and the face tree, or of
- * the edge tree, where n == m stands for all pairs below one node. */
-void eng_wide_join_nodes(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+/* All pairs that nodes n and m of a level lead to: n is of the tree of the kind's first
+ * side, m of that of the second. If both have one tree, n == m stands for all pairs below
+ * one node. */
+void eng_wide_join_nodes(struct eng_wide_join *join, enum pccd_kind kind, uint32_t level,
                          uint32_t n, uint32_t m);
 
 /* Refine nodes n and m of a level >= 1 once: what it leads to is in join->lists[level -
  * 1], which must be empty before and after. */
-void eng_wide_join_refine(struct eng_wide_join *join, enum eng_kind kind, uint32_t level,
+void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint32_t level,
                           uint32_t n, uint32_t m);
 
 /* Hand over what is left in the chunks. */
 void eng_wide_join_flush(struct eng_wide_join *join);
 
 /* Of the pairs that nodes led to so far, those that were left out for their times. */
-uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum eng_kind kind);
+uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_kind kind);
 
 /* Boxes tested against a block so far. */
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join);

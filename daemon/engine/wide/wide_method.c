@@ -2,41 +2,54 @@
  *
  * Room:     engine.
  * Does:     keep the wide trees. A task, for stealing and as a unit of the dynamic
- *           assignment, is a pair of nodes of one level, of vertices and faces or of
- *           edges; a node with itself stands for all pairs of edges below it. Tasks are
- *           divided down to nodes of 256 features.
+ *           assignment, is a pair of nodes of one level, of the trees of one kind of
+ *           pair; a node with itself, of one tree, stands for all pairs below it. Tasks
+ *           are divided down to nodes of 256 features.
  * Threads:  method.h.
  *
  * Trees do not change while they are searched, so any task may go to any thread. A worker
  * divides depth first, and what finds no room in its deque is done at once.
  */
+#include "wide_method.h"
+
 #include <assert.h>
 
-#include "method.h"
-#include "step_memory.h"
+#include "frames.h"
 #include "wide_grid.h"
-#include "wide_narrow.h"
+#include "wide_quantised.h"
+#include "wide_state.h"
 #include "wide_team.h"
 #include "wide_test.h"
 
-/* kind: bit 63, level: from bit 58, n: from bit 29, m. Nodes are fewer than 2^28. */
-static uint64_t task_of(enum eng_kind kind, uint32_t level, uint32_t n, uint32_t m)
+/* A task from its highest bit: 3 bits for the kind, 3 for the level, 29 each for n and m.
+ * Nodes are fewer than 2^28. */
+#define NODE_BITS  29u
+#define LEVEL_BITS 3u
+#define KIND_BITS  3u
+
+static_assert(KIND_BITS + LEVEL_BITS + 2 * NODE_BITS == 64 &&
+                  PCCD_KINDS_MAX <= 1u << KIND_BITS &&
+                  ENG_WIDE_LEVELS_MAX <= 1u << LEVEL_BITS,
+              "a task");
+
+static uint64_t task_of(enum pccd_kind kind, uint32_t level, uint32_t n, uint32_t m)
 {
-    return (uint64_t)kind << 63 | (uint64_t)level << 58 | (uint64_t)n << 29 | m;
+    assert(level < ENG_WIDE_LEVELS_MAX && n < 1u << NODE_BITS && m < 1u << NODE_BITS);
+    return (((uint64_t)kind << LEVEL_BITS | level) << NODE_BITS | n) << NODE_BITS | m;
 }
 
 /* The level of nodes that are not divided any more: of two such nodes 65536 pairs of
  * features at most, some 30 us in the trees, as a rule far fewer. */
 #define GRAIN_LEVEL 1u
 
-static enum eng_kind kind_of(uint64_t task)
+static enum pccd_kind kind_of(uint64_t task)
 {
-    return (enum eng_kind)(task >> 63);
+    return (enum pccd_kind)(task >> (LEVEL_BITS + 2 * NODE_BITS));
 }
 
 static uint32_t level_of(uint64_t task)
 {
-    return task >> 58 & 31;
+    return task >> 2 * NODE_BITS & ((1u << LEVEL_BITS) - 1);
 }
 
 /* Do a task, or hand the pairs that it divides into to `push`, which says whether it had
@@ -44,12 +57,13 @@ static uint32_t level_of(uint64_t task)
 static void perform_or_divide(struct eng_worker *worker, uint64_t task,
                               bool (*push)(struct eng_worker *worker, uint64_t task))
 {
-    const uint32_t node_mask = (1u << 29) - 1;
-    enum eng_kind kind = kind_of(task);
+    assert(level_of(task) < ENG_WIDE_LEVELS_MAX);
+    const uint32_t node_mask = (1u << NODE_BITS) - 1;
+    enum pccd_kind kind = kind_of(task);
     uint32_t level = level_of(task);
-    uint32_t n = task >> 29 & node_mask;
+    uint32_t n = task >> NODE_BITS & node_mask;
     uint32_t m = task & node_mask;
-    struct eng_wide_join *join = &worker->wide->join;
+    struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
     if (level <= GRAIN_LEVEL) {
@@ -66,10 +80,10 @@ static void perform_or_divide(struct eng_worker *worker, uint64_t task,
         }
         below->count = 0;
     }
-    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, n, m);
+    eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, n, m);
 }
 
-static_assert(ENG_KINDS * ENG_JOIN_MAX <= ENG_DEQUE_MAX / 2, "tasks");
+static_assert(PCCD_KINDS_MAX * ENG_JOIN_MAX <= ENG_DEQUE_MAX / 2, "tasks");
 
 static bool push_task(struct eng_worker *worker, uint64_t task)
 {
@@ -83,7 +97,7 @@ static void perform(struct eng_worker *worker, uint64_t task)
 
 static uint32_t top_level(const struct eng_worker *worker)
 {
-    return worker->scene->wide.level_count - 1;
+    return eng_wide_of(worker->scene)->level_count - 1;
 }
 
 /* A step that was stopped during the refit left the rest of the boxes out: where they
@@ -96,12 +110,11 @@ static bool has_no_boxes(const struct eng_worker *worker)
 /* Pairs of the nodes below the root, each to the worker that made the boxes of the first
  * of the two, as a rule. At most ENG_JOIN_MAX of a kind: there is room in any deque. */
 static void deal_kind(struct eng_team *team, struct eng_worker *worker,
-                      enum eng_kind kind)
+                      enum pccd_kind kind)
 {
-    const struct eng_wide *wide = &worker->scene->wide;
-    const struct eng_wide_tree *tree =
-        &wide->trees[kind == ENG_VF ? ENG_WIDE_VERTICES : ENG_WIDE_EDGES];
-    struct eng_wide_join *join = &worker->wide->join;
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    const struct eng_wide_tree *tree = &wide->trees[eng_wide_tree_of(kind, 0)];
+    struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     uint32_t level = top_level(worker) - 1;
     struct eng_wide_list *below = &join->lists[level];
     uint64_t begin_ns = eng_worker_slice(worker);
@@ -115,7 +128,7 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
     }
     below->count = 0;
     worker->record.task_units++;
-    eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, 0, 0);
+    eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, 0, 0);
 }
 
 static void deal(struct eng_team *team, struct eng_worker *worker)
@@ -124,13 +137,13 @@ static void deal(struct eng_team *team, struct eng_worker *worker)
     if (has_no_boxes(worker)) {
         return;
     }
-    if (top <= GRAIN_LEVEL) {
-        eng_deque_push(&worker->deque, task_of(ENG_VF, top, 0, 0));
-        eng_deque_push(&worker->deque, task_of(ENG_EE, top, 0, 0));
-        return;
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        if (top <= GRAIN_LEVEL) {
+            eng_deque_push(&worker->deque, task_of(kind, top, 0, 0));
+        } else {
+            deal_kind(team, worker, kind);
+        }
     }
-    deal_kind(team, worker, ENG_VF);
-    deal_kind(team, worker, ENG_EE);
 }
 
 /* ---- dynamic assignment ------------------------------------------------------------ */
@@ -152,8 +165,9 @@ static void assign(struct eng_team *team, struct eng_worker *worker)
     if (has_no_boxes(worker)) {
         return;
     }
-    push_unit(worker, task_of(ENG_EE, top, 0, 0));
-    push_unit(worker, task_of(ENG_VF, top, 0, 0));
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        push_unit(worker, task_of(kind, top, 0, 0));
+    }
     while (eng_units_count(units) > 0 && eng_units_count(units) < team->count &&
            level_of(eng_units_look(units, 0)) > GRAIN_LEVEL) {
         perform_or_divide(worker, eng_units_take_front(units), push_unit);
@@ -191,55 +205,64 @@ static void no_high_level(struct eng_team *team, struct eng_worker *worker)
 
 static void perform_all(struct eng_worker *worker)
 {
-    for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         uint64_t begin_ns = eng_worker_slice(worker);
-        eng_wide_join_nodes(&worker->wide->join, kind, top_level(worker), 0, 0);
+        eng_wide_join_nodes(&eng_wide_work_of(worker)->join, kind, top_level(worker), 0,
+                            0);
         worker->record.task_units++;
-        eng_worker_trace(worker, ENG_TRACE_UNIT, begin_ns, 0, 0);
+        eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, 0, 0);
     }
-    eng_wide_join_flush(&worker->wide->join);
+    eng_wide_join_flush(&eng_wide_work_of(worker)->join);
 }
 
 static void flush(struct eng_worker *worker)
 {
-    eng_wide_join_flush(&worker->wide->join);
+    eng_wide_join_flush(&eng_wide_work_of(worker)->join);
+}
+
+static bool is_stale(const struct eng_scene *scene)
+{
+    return eng_wide_of(scene)->is_stale;
 }
 
 static int prepare(struct eng_team *team, const struct eng_step_settings *settings)
 {
     (void)settings;
     struct eng_scene *scene = team->scene;
-    int status = ENG_OK;
+    int status = PCCD_OK;
     bool has_changed = false;
-    eng_wide_resort_prepare(&scene->wide.resort, scene);
-    if (scene->wide.is_stale) {
+    eng_wide_resort_prepare(&eng_wide_state_of(scene)->resort, scene);
+    if (eng_wide_of(scene)->is_stale) {
         eng_frames_choose(scene, scene->now, scene->now);
-        status = eng_wide_assemble(&scene->wide, scene);
+        status = eng_wide_assemble(eng_wide_of(scene), scene);
     }
-    if (status == ENG_OK) {
-        status = eng_wide_owners_prepare(&scene->wide, scene, &has_changed);
+    if (status == PCCD_OK) {
+        status = eng_wide_owners_prepare(&eng_wide_state_of(scene)->owners,
+                                         eng_wide_of(scene), scene, &has_changed);
     }
     if (has_changed) {
-        eng_wide_resort_unlearn(&scene->wide.resort);
+        eng_wide_resort_unlearn(&eng_wide_state_of(scene)->resort);
     }
-    for (uint32_t i = 0; i < team->count && status == ENG_OK; i++) {
-        status = eng_wide_work_reserve(scene->memory->workers[i]);
+    for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
+        status = eng_wide_work_reserve(team->workers[i]);
     }
     return status;
 }
 
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
-    struct eng_wide *wide = &team->scene->wide;
+    struct eng_wide *wide = eng_wide_of(team->scene);
+    wide->kernels = team->workers[0]->kernels;
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
-    eng_wide_narrow_choose(wide, team->scene, settings->mode != ENG_MODE_PAIRS);
+    eng_wide_quantised_choose(wide, team->scene, settings->mode != PCCD_MODE_PAIRS);
     eng_wide_grid_choose(wide, team->scene);
     wide->frames = team->scene->framing.number;
     wide->frame_scale = team->scene->framing.scale;
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-        uint32_t chunks = eng_wide_refit_chunks(&team->scene->wide, kind);
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        uint32_t chunks = eng_wide_refit_chunks(eng_wide_of(team->scene), kind);
         for (uint32_t i = 0; i < team->count; i++) {
-            eng_share_init(&team->workers[i]->shares[kind], chunks, i, team->count);
+            eng_share_init(&eng_wide_work_of(team->workers[i])->shares[kind], chunks, i,
+                           team->count);
         }
     }
     team->shares = team->count;
@@ -247,8 +270,8 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
 
 static void refit(struct eng_worker *worker)
 {
-    struct eng_wide *wide = &worker->scene->wide;
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    struct eng_wide *wide = eng_wide_of(worker->scene);
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(wide, kind);
         for (uint32_t i = 0; i < count && !eng_worker_should_stop(worker); i++) {
             eng_wide_refit_chunk(wide, worker->scene, kind, i, false);
@@ -266,17 +289,17 @@ static void ready(struct eng_worker *worker)
 
 static void beside(struct eng_worker *worker)
 {
-    struct eng_wide_resort *resort = &worker->scene->wide.resort;
+    struct eng_wide_resort *resort = &eng_wide_state_of(worker->scene)->resort;
     if (resort->state != ENG_WIDE_SORTING) {
         return;
     }
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     uint32_t object = resort->object;
     eng_wide_resort_share(resort, worker->scene, worker->stop);
-    uint64_t share_ns = eng_now_ns() - begin_ns;
+    uint64_t share_ns = common_now_ns() - begin_ns;
     worker->record.low_ns += share_ns;
     worker->record.rebuild_ns += share_ns;
-    eng_worker_trace(worker, ENG_TRACE_ASIDE, begin_ns, object,
+    eng_worker_trace(worker, PCCD_TRACE_BACKGROUND, begin_ns, object,
                      (uint32_t)resort->item_count);
 }
 
@@ -288,12 +311,12 @@ static void beside(struct eng_worker *worker)
 
 static void learn_times(const struct eng_team *team)
 {
-    for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
-        uint32_t *without = &team->scene->wide.steps_without_times[kind];
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        uint32_t *without = &eng_wide_of(team->scene)->steps_without_times[kind];
         uint64_t apart = 0;
         uint64_t below = 0;
         for (uint32_t i = 0; i < team->count; i++) {
-            const struct eng_wide_join *join = &team->workers[i]->wide->join;
+            const struct eng_wide_join *join = &eng_wide_work_of(team->workers[i])->join;
             apart += eng_wide_join_nodes_apart(join, kind);
             below += join->below[kind];
         }
@@ -307,18 +330,19 @@ static void learn_times(const struct eng_team *team)
 
 static void end(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns)
 {
-    struct eng_wide_resort *resort = &team->scene->wide.resort;
+    struct eng_wide_resort *resort = &eng_wide_state_of(team->scene)->resort;
     result->counters.swaps = resort->sorts;
     result->counters.swapped_triangles = resort->sorted_triangles;
-    if (result->incomplete == ENG_COMPLETE && result->mode != ENG_MODE_ANY) {
+    if (result->incomplete == PCCD_COMPLETE && result->mode != PCCD_MODE_ANY) {
         eng_wide_resort_learn(resort, result->mode, result->counters.box_tests, step_ns);
     }
-    if (result->incomplete == ENG_COMPLETE && result->mode == ENG_MODE_ALL) {
+    if (result->incomplete == PCCD_COMPLETE && result->mode == PCCD_MODE_ALL) {
         learn_times(team);
     }
 }
 
-const struct eng_method_calls eng_method_wide = {.prepare = prepare,
+const struct eng_method_calls eng_method_wide = {.is_stale = is_stale,
+                                                 .prepare = prepare,
                                                  .start = start,
                                                  .refit = refit,
                                                  .refit_by_team = eng_wide_refit_by_team,
@@ -334,4 +358,6 @@ const struct eng_method_calls eng_method_wide = {.prepare = prepare,
                                                  .perform_unit = perform_unit,
                                                  .unit_size = unit_size,
                                                  .finish_units = no_high_level,
+                                                 .work_free = eng_wide_work_free,
+                                                 .work_bytes = eng_wide_work_bytes,
                                                  .flush = flush};

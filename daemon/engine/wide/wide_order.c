@@ -22,7 +22,7 @@
 
 /* Parts for each thread, so that they end together, and of the three trees at most. */
 #define PARTS_PER_THREAD 8u
-#define PARTS_MAX        (ENG_WIDE_KINDS << 8)
+#define PARTS_MAX        (ENG_WIDE_TREES << 8)
 
 /* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
  * more than an eighth of all slots would be behind pieces. */
@@ -72,6 +72,7 @@ static struct eng_wide_range split(struct eng_split_item *items,
 void eng_wide_sorter_begin(struct eng_wide_sorter *sorter, struct eng_wide_range range,
                            uint32_t least)
 {
+    assert(least == 1 || least == 16);
     sorter->least = least;
     sorter->waiting = 1;
     sorter->stack[0] = range;
@@ -138,6 +139,7 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
 
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 {
+    assert(least == 1 || least == 16);
     sort_range(items, (struct eng_wide_range){0, 0, count}, least);
 }
 
@@ -160,7 +162,7 @@ static void sort_parts(struct eng_split_item *items, struct eng_wide_range *part
 }
 
 /* The centroid of `count` vertices times their number: the order is the same. */
-static struct eng_split_item item_of(struct eng_wide_places places,
+static struct eng_split_item item_of(struct eng_wide_positions positions,
                                      const uint32_t *vertices, uint32_t count,
                                      uint32_t id)
 {
@@ -168,26 +170,27 @@ static struct eng_split_item item_of(struct eng_wide_places places,
     for (int k = 0; k < 3; k++) {
         double sum = 0;
         for (uint32_t i = 0; i < count; i++) {
-            sum += eng_frame_at(places.frame, places.x[vertices[i]][k], k);
+            sum += eng_frame_at(positions.frame, positions.x[vertices[i]][k], k);
         }
         item.centroid[k] = (float)sum;
     }
     return item;
 }
 
-uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind)
+uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind)
 {
-    return kind == ENG_WIDE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
+    return kind == PCCD_TREE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
 }
 
-void eng_wide_order_sum(const struct eng_wide_order *order, struct eng_wide_places places,
-                        uint32_t first, uint32_t count, struct eng_split_item *pieces)
+void eng_wide_order_sum(const struct eng_wide_order *order,
+                        struct eng_wide_positions positions, uint32_t first,
+                        uint32_t count, struct eng_split_item *pieces)
 {
     for (uint32_t i = first; order->piece_of && i < first + count; i++) {
         uint32_t piece = order->piece_of[i];
         for (int k = 0; k < 3 && piece != ENG_WIDE_NO_PIECE; k++) {
             pieces[piece].centroid[k] +=
-                (float)eng_frame_at(places.frame, places.x[i][k], k);
+                (float)eng_frame_at(positions.frame, positions.x[i][k], k);
         }
     }
 }
@@ -197,21 +200,21 @@ void eng_wide_order_sequence(const struct eng_wide_order *order,
 {
     for (uint32_t i = 0; i < order->piece_count; i++) {
         for (int k = 0; k < 3; k++) {
-            pieces[i].centroid[k] /= (float)order->piece_size[ENG_WIDE_VERTICES][i];
+            pieces[i].centroid[k] /= (float)order->piece_size[PCCD_TREE_VERTICES][i];
         }
         pieces[i].id = i;
     }
     eng_wide_sort(pieces, order->piece_count, 1);
 }
 
-uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum eng_wide_kind kind,
+uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum pccd_tree kind,
                               uint32_t piece)
 {
     uint32_t size = order->piece_size[kind][piece];
     return order->piece_of ? (size + ENG_WIDE - 1) / ENG_WIDE * ENG_WIDE : size;
 }
 
-void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind kind,
+void eng_wide_order_place(const struct eng_wide_order *order, enum pccd_tree kind,
                           const struct eng_split_item *pieces,
                           struct eng_split_item *items, uint32_t *next)
 {
@@ -227,22 +230,22 @@ void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind
 }
 
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         struct eng_wide_places places, enum eng_wide_kind kind,
+                         struct eng_wide_positions positions, enum pccd_tree kind,
                          uint32_t first, uint32_t count, struct eng_split_item *items,
                          uint32_t *next)
 {
     const uint32_t *piece_of = order->piece_of;
     for (uint32_t i = first; i < first + count; i++) {
         const uint32_t *v =
-            kind == ENG_WIDE_EDGES ? mesh->edges[i] : mesh->triangles[i].v;
+            kind == PCCD_TREE_EDGES ? mesh->edges[i] : mesh->triangles[i].v;
         uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
-        if (kind != ENG_WIDE_VERTICES) {
-            items[(*place)++] = item_of(places, v, kind == ENG_WIDE_EDGES ? 2 : 3, i);
+        if (kind != PCCD_TREE_VERTICES) {
+            items[(*place)++] = item_of(positions, v, kind == PCCD_TREE_EDGES ? 2 : 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
             if (mesh->triangles[i].owns & ENG_OWNS_VERTEX(k)) {
-                items[(*place)++] = item_of(places, &v[k], 1, v[k]);
+                items[(*place)++] = item_of(positions, &v[k], 1, v[k]);
             }
         }
     }
@@ -250,7 +253,7 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
 
 static int threads_for(size_t features, uint32_t threads)
 {
-    uint32_t most = PARTS_MAX / ENG_WIDE_KINDS;
+    uint32_t most = PARTS_MAX / ENG_WIDE_TREES;
     return features < TEAM_FEATURES_MIN || threads == 0 ? 1
            : threads < most                             ? (int)threads
                                                         : (int)most;
@@ -277,7 +280,7 @@ static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
 struct making {
     uint32_t *of;                  /* [vertex_count] */
     uint32_t piece_count;          /* 1: not told apart */
-    uint32_t *size;                /* [ENG_WIDE_KINDS][piece_count] */
+    uint32_t *size;                /* [ENG_WIDE_TREES][piece_count] */
     struct eng_split_item *items;  /* of all three trees */
     struct eng_split_item *pieces; /* [piece_count] */
     uint32_t *next;                /* [piece_count] */
@@ -307,7 +310,7 @@ static void count_features(const struct making *making, const struct eng_mesh *m
         *faces = info->triangle_count;
         return;
     }
-    memset(vertices, 0, (size_t)ENG_WIDE_KINDS * n * sizeof *vertices);
+    memset(vertices, 0, (size_t)ENG_WIDE_TREES * n * sizeof *vertices);
     for (uint32_t i = 0; i < info->vertex_count; i++) {
         if (making->of[i] != ENG_WIDE_NO_PIECE) {
             vertices[making->of[i]]++;
@@ -327,10 +330,10 @@ static struct eng_wide_order *order_of(const struct making *making,
 {
     struct eng_wide_order shape = {.piece_count = making->piece_count};
     size_t slots = 0;
-    size_t numbers = (size_t)ENG_WIDE_KINDS * making->piece_count;
+    size_t numbers = (size_t)ENG_WIDE_TREES * making->piece_count;
     size_t vertices = making->piece_count > 1 ? mesh->info.vertex_count : 0;
     shape.piece_of = vertices > 0 ? making->of : NULL;
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         shape.piece_size[kind] = making->size + (size_t)kind * making->piece_count;
         for (uint32_t i = 0; i < making->piece_count; i++) {
             shape.count[kind] += eng_wide_order_slots(&shape, kind, i);
@@ -342,12 +345,12 @@ static struct eng_wide_order *order_of(const struct making *making,
     if (order) {
         uint32_t *next = (uint32_t *)(void *)(order + 1);
         *order = shape;
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             order->feature[kind] = next;
             next += order->count[kind];
         }
         memcpy(next, making->size, numbers * sizeof *next);
-        for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
             order->piece_size[kind] = next;
             next += order->piece_count;
         }
@@ -366,7 +369,7 @@ static struct eng_wide_order *making_begin(struct making *making,
     making->of = eng_alloc((size_t)mesh->info.vertex_count + 1, sizeof *making->of);
     if (making->of) {
         making->piece_count = tell_apart(mesh, making->of);
-        making->size = eng_alloc(making->piece_count, ENG_WIDE_KINDS * sizeof(uint32_t));
+        making->size = eng_alloc(making->piece_count, ENG_WIDE_TREES * sizeof(uint32_t));
     }
     if (making->size) {
         count_features(making, mesh);
@@ -374,7 +377,7 @@ static struct eng_wide_order *making_begin(struct making *making,
     }
     if (order) {
         size_t slots = (size_t)order->count[0] + order->count[1] + order->count[2];
-        size_t parts = (size_t)ENG_WIDE_KINDS * order->piece_count;
+        size_t parts = (size_t)ENG_WIDE_TREES * order->piece_count;
         parts = parts > PARTS_MAX ? parts : PARTS_MAX;
         making->items = eng_alloc(slots, sizeof *making->items);
         making->pieces =
@@ -395,25 +398,26 @@ static struct eng_wide_order *making_begin(struct making *making,
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order)
 {
+    assert(mesh->committed && x);
     struct making making;
     struct eng_wide_order *made = making_begin(&making, mesh);
     if (!made) {
-        return ENG_E_NOMEM;
+        return PCCD_E_NOMEM;
     }
     struct eng_frame frame = eng_frame_alone(mesh, x);
-    struct eng_wide_places places = {x, &frame};
-    eng_wide_order_sum(made, places, 0, mesh->info.vertex_count, making.pieces);
+    struct eng_wide_positions positions = {x, &frame};
+    eng_wide_order_sum(made, positions, 0, mesh->info.vertex_count, making.pieces);
     eng_wide_order_sequence(made, making.pieces);
     size_t first = 0;
     uint32_t parts = 0;
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_split_item *items = making.items + first;
         eng_wide_order_place(made, kind, making.pieces, items, making.next);
         for (uint32_t i = 0; i < made->piece_count; i++) {
             making.parts[parts++] = (struct eng_wide_range){
                 first + making.next[i], making.next[i], made->piece_size[kind][i]};
         }
-        eng_wide_order_list(made, mesh, places, kind, 0,
+        eng_wide_order_list(made, mesh, positions, kind, 0,
                             eng_wide_order_sources(mesh, kind), items, making.next);
         first += made->count[kind];
     }
@@ -423,5 +427,5 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
     }
     making_free(&making);
     *order = made;
-    return ENG_OK;
+    return PCCD_OK;
 }

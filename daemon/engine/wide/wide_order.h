@@ -1,53 +1,55 @@
-/* daemon/engine/wide/wide_order.h - the order in which an object's features are stored.
+/* daemon/engine/wide/wide_order.h - chooses the order in which the features of an object
+ * are stored, so that neighbours share a small box.
  *
- * Room:     engine. May include: frame.h, median.h, mesh.h.
+ * Room:     engine. May include: box_frame.h, median.h, mesh.h.
  * Does:     put features that are near each other next to each other, so that every
- *           aligned group of 16, 256, .. of them has a tight box.
+ *           aligned group of 16, 256, ... of them has a tight box.
  * Threads:  [any]; one caller for one order.
  *
- * Pieces of a mesh that do not hang together may fly apart, and a group with features of
- * two of them would soon be as large as the scene. So a mesh of many pieces is put in
- * order piece by piece: by where the pieces are, and then within each; no group of 16 is
- * of two. Meshes of a few pieces, or of one and its splinters, are not: their groups of
- * two pieces are few. Nor are those of small ones, such as a thousand triangles each for
- * itself: they would leave most slots free.
+ * Separate pieces of a mesh (those that share no vertex) may fly apart, and a group with
+ * features of two of them would soon be as large as the scene. So a mesh of many pieces
+ * is ordered piece by piece: by where the pieces are, and then within each; no group of
+ * 16 belongs to two pieces. This is not done for a mesh of a few pieces, or of one and
+ * its splinters: few of its groups belong to two pieces. It is not done for small pieces
+ * either, such as a thousand single triangles: most slots would stay empty.
  */
 #ifndef ENG_WIDE_ORDER_H
 #define ENG_WIDE_ORDER_H
 
 #include <stddef.h>
 
-#include "frame.h"
+#include "box_frame.h"
 #include "median.h"
 #include "mesh.h"
+#include "pccd_trace.h"
 
 /* The three trees of the method `wide`. */
-enum eng_wide_kind { ENG_WIDE_VERTICES, ENG_WIDE_EDGES, ENG_WIDE_FACES, ENG_WIDE_KINDS };
+#define ENG_WIDE_TREES (PCCD_TREE_FACES + 1) /* PCCD_TREE_VERTICES, EDGES, FACES */
 
 /* In the place of a feature, behind those of a piece. */
 #define ENG_WIDE_NO_FEATURE UINT32_MAX
 
 /* Local indices, first to last; vertices in no triangle are left out. One allocation. */
 struct eng_wide_order {
-    uint32_t count[ENG_WIDE_KINDS];       /* slots: features, and those behind pieces */
-    uint32_t *feature[ENG_WIDE_KINDS];    /* [count] */
+    uint32_t count[ENG_WIDE_TREES];       /* slots: features, and those behind pieces */
+    uint32_t *feature[ENG_WIDE_TREES];    /* [count] */
     uint32_t piece_count;                 /* 1: pieces are not told apart */
     uint32_t *piece_of;                   /* [vertex_count] of 1: NULL */
-    uint32_t *piece_size[ENG_WIDE_KINDS]; /* [piece_count] features */
+    uint32_t *piece_size[ENG_WIDE_TREES]; /* [piece_count] features */
     uint64_t bytes;                       /* of all this */
 };
 
 /* Of a committed mesh, at the positions `x` of its vertices, by that many threads, whose
- * number (0: one) does not change the order. Freed with eng_free. ENG_E_NOMEM.
+ * number (0: one) does not change the order. Freed with eng_free. PCCD_E_NOMEM.
  * O(n log n). */
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order);
 
 /* Edges or, for the two other trees, triangles of a mesh. */
-uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum eng_wide_kind kind);
+uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind);
 
 /* Where the vertices of a mesh are, and the frame in which they are compared. */
-struct eng_wide_places {
+struct eng_wide_positions {
     const double (*x)[3];
     const struct eng_frame *frame;
 };
@@ -56,20 +58,21 @@ struct eng_wide_places {
  *
  *   Add vertices first .. first + count - 1 of the mesh's to the sums of their
  *   pieces, pieces[piece_count], which were 0. */
-void eng_wide_order_sum(const struct eng_wide_order *order, struct eng_wide_places places,
-                        uint32_t first, uint32_t count, struct eng_split_item *pieces);
+void eng_wide_order_sum(const struct eng_wide_order *order,
+                        struct eng_wide_positions positions, uint32_t first,
+                        uint32_t count, struct eng_split_item *pieces);
 
 /*   After all of them: the pieces, by id, so that neighbours are near. */
 void eng_wide_order_sequence(const struct eng_wide_order *order,
                              struct eng_split_item *pieces);
 
 /*   The slots of a piece, a multiple of 16 if pieces are told apart. */
-uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum eng_wide_kind kind,
+uint32_t eng_wide_order_slots(const struct eng_wide_order *order, enum pccd_tree kind,
                               uint32_t piece);
 
 /*   In this sequence: next[piece] is the slot of the first feature of a piece; of
  *   items[count], which are in slots, those behind a piece are no features. */
-void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind kind,
+void eng_wide_order_place(const struct eng_wide_order *order, enum pccd_tree kind,
                           const struct eng_split_item *pieces,
                           struct eng_split_item *items, uint32_t *next);
 
@@ -77,7 +80,7 @@ void eng_wide_order_place(const struct eng_wide_order *order, enum eng_wide_kind
  *   the next slots of their pieces, which go on: item ids are local
  *   indices. After all of them each piece's are to be sorted. */
 void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_mesh *mesh,
-                         struct eng_wide_places places, enum eng_wide_kind kind,
+                         struct eng_wide_positions positions, enum pccd_tree kind,
                          uint32_t first, uint32_t count, struct eng_split_item *items,
                          uint32_t *next);
 

@@ -6,15 +6,17 @@
  */
 #include "wide_owner.h"
 
+#include <assert.h>
+
+#include "array.h"
 #include "memory.h"
-#include "world.h"
 
 static const struct eng_wide_owner nobody = {
     .first = 1, .last = 0, .object = ENG_NO_OBJECT};
 
 void eng_wide_owners_deinit(struct eng_wide_owners *owners)
 {
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         eng_free(owners->of[kind]);
     }
 }
@@ -22,40 +24,39 @@ void eng_wide_owners_deinit(struct eng_wide_owners *owners)
 uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners)
 {
     uint64_t bytes = 0;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         bytes += (uint64_t)owners->capacity[kind] * sizeof *owners->of[kind];
     }
     return bytes;
 }
 
-static int reserve(struct eng_wide *wide)
+static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
 {
-    struct eng_wide_owners *owners = &wide->owners;
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t capacity = wide->trees[kind].block_capacity;
         if (capacity > owners->capacity[kind]) {
             int status =
-                eng_world_grow(&owners->of[kind], capacity, sizeof *owners->of[kind]);
-            if (status != ENG_OK) {
+                eng_array_grow(&owners->of[kind], capacity, sizeof *owners->of[kind]);
+            if (status != PCCD_OK) {
                 return status;
             }
             owners->capacity[kind] = capacity;
         }
     }
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* The blocks of features, object by object. */
-static void own_blocks(struct eng_wide *wide, const struct eng_scene *scene,
-                       enum eng_wide_kind kind)
+static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wide,
+                       const struct eng_scene *scene, enum pccd_tree kind)
 {
-    struct eng_wide_owner *owner = wide->owners.of[kind];
+    struct eng_wide_owner *owner = owners->of[kind];
     uint32_t block = 0;
     uint32_t end = 0;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         uint32_t object = wide->items[i].id;
         const struct eng_masks_entry *entry = &scene->masks.entries[object];
-        uint32_t count = scene->objects[object].order->count[kind];
+        uint32_t count = eng_wide_order_of(&scene->objects[object])->count[kind];
         uint32_t first = eng_wide_first_slot(end, count);
         end = first + count;
         for (; block < first / ENG_WIDE; block++) {
@@ -95,13 +96,13 @@ static struct eng_wide_owner unite(const struct eng_wide_owner *below, uint32_t 
     return all;
 }
 
-static void own_nodes(struct eng_wide *wide, enum eng_wide_kind kind)
+static void own_nodes(struct eng_wide_owners *owners, const struct eng_wide *wide,
+                      enum pccd_tree kind)
 {
     const struct eng_wide_tree *tree = &wide->trees[kind];
     for (uint32_t level = 1; level < wide->level_count; level++) {
-        const struct eng_wide_owner *below =
-            wide->owners.of[kind] + tree->first[level - 1];
-        struct eng_wide_owner *owner = wide->owners.of[kind] + tree->first[level];
+        const struct eng_wide_owner *below = owners->of[kind] + tree->first[level - 1];
+        struct eng_wide_owner *owner = owners->of[kind] + tree->first[level];
         uint32_t left = tree->block_count[level - 1];
         for (uint32_t i = 0; i < tree->block_count[level]; i++) {
             owner[i] = unite(below + i * ENG_WIDE, left < ENG_WIDE ? left : ENG_WIDE);
@@ -110,25 +111,28 @@ static void own_nodes(struct eng_wide *wide, enum eng_wide_kind kind)
     }
 }
 
-int eng_wide_owners_prepare(struct eng_wide *wide, const struct eng_scene *scene,
-                            bool *has_changed)
+int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
+                            const struct eng_scene *scene, bool *has_changed)
 {
-    struct eng_wide_owners *owners = &wide->owners;
+    assert(!wide->is_stale);
     bool is_on = eng_masks_is_on(&scene->masks);
     *has_changed = owners->version != scene->masks.version;
-    if (is_on && (*has_changed || !owners->masks)) {
-        int status = reserve(wide);
-        if (status != ENG_OK) {
+    bool is_old = *has_changed || !owners->masks || owners->assembled != wide->assembled;
+    if (is_on && is_old) {
+        int status = reserve(owners, wide);
+        if (status != PCCD_OK) {
             return status;
         }
-        for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
-            own_blocks(wide, scene, kind);
-            own_nodes(wide, kind);
+        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+            own_blocks(owners, wide, scene, kind);
+            own_nodes(owners, wide, kind);
         }
     }
+    owners->wide = wide;
+    owners->assembled = wide->assembled;
     owners->masks = is_on ? &scene->masks : NULL;
     owners->version = scene->masks.version;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* A node of an object has its bits; the groups of several are those of any of them, and
@@ -149,33 +153,35 @@ static bool may_meet(const struct eng_masks *masks, const struct eng_wide_owner 
            !(are_objects && eng_masks_ignores(masks, a->object, b->object));
 }
 
-static const struct eng_wide_owner *owners_of(const struct eng_wide *wide,
-                                              enum eng_wide_kind kind, uint32_t level)
+/* Of the nodes of a level, of the tree of a kind's side. */
+static const struct eng_wide_owner *owners_of(const struct eng_wide_owners *owners,
+                                              enum pccd_kind kind, int side,
+                                              uint32_t level)
 {
-    return wide->owners.of[kind] + wide->trees[kind].first[level];
+    enum pccd_tree tree = eng_wide_tree_of(kind, side);
+    return owners->of[tree] + owners->wide->trees[tree].first[level];
 }
 
-bool eng_wide_owners_allow(const struct eng_wide *wide, enum eng_kind kind,
+bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind kind,
                            uint32_t level, uint32_t n, uint32_t m)
 {
-    const enum eng_wide_kind *trees = eng_wide_trees_of[kind];
-    return !wide->owners.masks ||
-           may_meet(wide->owners.masks, owners_of(wide, trees[0], level) + n,
-                    owners_of(wide, trees[1], level) + m);
+    return !owners->masks ||
+           may_meet(owners->masks, owners_of(owners, kind, 0, level) + n,
+                    owners_of(owners, kind, 1, level) + m);
 }
 
-uint32_t eng_wide_owners_keep(const struct eng_wide *wide, enum eng_kind kind,
+uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
                               uint32_t level, uint32_t n, uint32_t m, uint32_t *a,
                               uint32_t *b, uint32_t count)
 {
-    const enum eng_wide_kind *trees = eng_wide_trees_of[kind];
-    const struct eng_masks *masks = wide->owners.masks;
-    if (!masks || (owners_of(wide, trees[0], level)[n].object != ENG_NO_OBJECT &&
-                   owners_of(wide, trees[1], level)[m].object != ENG_NO_OBJECT)) {
+    assert(level >= 1);
+    const struct eng_masks *masks = owners->masks;
+    if (!masks || (owners_of(owners, kind, 0, level)[n].object != ENG_NO_OBJECT &&
+                   owners_of(owners, kind, 1, level)[m].object != ENG_NO_OBJECT)) {
         return count; /* what is below two objects' nodes is theirs */
     }
-    const struct eng_wide_owner *of_a = owners_of(wide, trees[0], level - 1);
-    const struct eng_wide_owner *of_b = owners_of(wide, trees[1], level - 1);
+    const struct eng_wide_owner *of_a = owners_of(owners, kind, 0, level - 1);
+    const struct eng_wide_owner *of_b = owners_of(owners, kind, 1, level - 1);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < count; i++) {
         a[kept] = a[i];

@@ -1,16 +1,18 @@
-/* daemon/engine/wide/wide_owner.h - whose features are below a node of the wide trees.
+/* daemon/engine/wide/wide_owner.h - knows which objects lie below each node of the wide
+ * trees, so that pairs that may not meet are culled high in the tree.
  *
- * Room:     engine. May include: step.h, wide_order.h, the C library.
- * Does:     know of every node which objects are below it, and what these may meet; leave
- *           those pairs of nodes out that may not meet (masks.h), before their boxes are
+ * Room:     engine. May include: wide.h, the C library.
+ * Does:     know for every node which objects are below it and what these may meet; cull
+ *           the pairs of nodes that may not meet (masks.h) before their boxes are
  *           compared any further.
  * Threads:  made by [compute]; read by the [team].
  *
- * A block of features is one object's, because objects begin at multiples of 16 slots: so
- * what is left out there is exactly what may not meet, and nothing is left to do behind
- * it. Above, a node that is one object's wholly is treated as the object; another one is
- * left out if no group of its objects is in the other's masks: of a level of a thousand
- * things that stand still, and need not know of each other, a few tests are left.
+ * A block of features belongs to one object, because objects begin at multiples of 16
+ * slots. So what is culled there is exactly what may not meet, and nothing is left to
+ * check later. Higher up, a node that lies wholly within one object is treated as the
+ * object. Any other node is culled if no group of its objects is in the masks of the
+ * other node. Example: a thousand things that stand still and ignore each other cost only
+ * a few tests.
  */
 #ifndef ENG_WIDE_OWNER_H
 #define ENG_WIDE_OWNER_H
@@ -18,12 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "step.h"
-#include "wide_order.h"
-
-struct eng_masks;
-struct eng_scene;
-struct eng_wide;
+#include "wide.h"
 
 struct eng_wide_owner {
     uint64_t groups; /* of all objects below, together; nobody: 0 */
@@ -35,9 +32,11 @@ struct eng_wide_owner {
 };
 
 struct eng_wide_owners {
+    const struct eng_wide *wide;   /* the trees that they are made for, .. */
+    uint32_t assembled;            /* .. as they were then */
     const struct eng_masks *masks; /* NULL: they are not made, or nothing is left out */
-    struct eng_wide_owner *of[ENG_WIDE_KINDS]; /* [capacity] by block, as the boxes */
-    uint32_t capacity[ENG_WIDE_KINDS];
+    struct eng_wide_owner *of[ENG_WIDE_TREES]; /* [capacity] by block, as the boxes */
+    uint32_t capacity[ENG_WIDE_TREES];
     uint32_t version; /* of the masks that they were made by */
 };
 
@@ -46,18 +45,18 @@ uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners);
 
 /* Before a step, the trees being put together: make them anew, O(blocks), when the masks
  * have changed or the trees. No more than a look while nothing is left out.
- * *has_changed: the masks have. ENG_E_NOMEM. [compute] */
-int eng_wide_owners_prepare(struct eng_wide *wide, const struct eng_scene *scene,
-                            bool *has_changed);
+ * *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
+int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
+                            const struct eng_scene *scene, bool *has_changed);
 
-/* Nodes n and m of a level, of the two trees of a kind of pair (EE: n == m for a node
- * with itself): may anything below the one meet anything below the other? [any] */
-bool eng_wide_owners_allow(const struct eng_wide *wide, enum eng_kind kind,
+/* Nodes n and m of a level, of the two trees of a kind of pair (of one tree n == m for a
+ * node with itself): may anything below the one meet anything below the other? [any] */
+bool eng_wide_owners_allow(const struct eng_wide_owners *owners, enum pccd_kind kind,
                            uint32_t level, uint32_t n, uint32_t m);
 
 /* Of the pairs a[count], b[count] of nodes of level - 1 that (n, m) of `level`, which may
  * meet, led to, those that may: to the front, in their order. Returns how many. [any] */
-uint32_t eng_wide_owners_keep(const struct eng_wide *wide, enum eng_kind kind,
+uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_kind kind,
                               uint32_t level, uint32_t n, uint32_t m, uint32_t *a,
                               uint32_t *b, uint32_t count);
 

@@ -10,7 +10,7 @@
 #include <assert.h>
 #include <string.h>
 
-#include "wide_narrow.h"
+#include "wide_quantised.h"
 #include "world.h"
 
 /* Nodes of level 1 in a chunk, of 256 features each: 5 to 10 us of work against 0.1 us to
@@ -21,7 +21,7 @@
 /* Blocks at a time whose floats are only made to become whole numbers: 6 KiB. */
 #define FLOAT_BLOCKS 8u
 
-uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum eng_wide_kind kind)
+uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind)
 {
     return (wide->trees[kind].block_count[0] + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
 }
@@ -80,20 +80,20 @@ static uint32_t smaller(uint32_t a, uint32_t b)
 
 /* Boxes of `count` blocks of features from `block` on, to `blocks`, and those around
  * them, which are the tree's. */
-static void box_features(struct eng_wide *wide, enum eng_wide_kind kind, uint32_t block,
+static void box_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
                          uint32_t count, bool swept, struct eng_wide_block *blocks)
 {
     const struct eng_kernels *kernels = wide->kernels;
     struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t slot = block * ENG_WIDE;
-    if (kind == ENG_WIDE_VERTICES) {
+    if (kind == PCCD_TREE_VERTICES) {
         kernels->box_fold(wide->point_boxes + slot, count, swept, blocks,
                           tree->boxes + block);
         return;
     }
     const uint32_t *const corner[3] = {tree->corner[0] + slot, tree->corner[1] + slot,
-                                       kind == ENG_WIDE_FACES ? tree->corner[2] + slot
-                                                              : NULL};
+                                       kind == PCCD_TREE_FACES ? tree->corner[2] + slot
+                                                               : NULL};
     kernels->box_unite(wide->point_boxes, corner, count, swept, blocks,
                        tree->boxes + block);
 }
@@ -108,8 +108,8 @@ static void keep_most(atomic_uint *most, uint32_t value)
 }
 
 /* The same in whole numbers: of floats that do not leave the first cache. */
-static void narrow_features(struct eng_wide *wide, enum eng_wide_kind kind,
-                            uint32_t block, uint32_t count)
+static void quantised_features(struct eng_wide *wide, enum pccd_tree kind, uint32_t block,
+                               uint32_t count)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     struct eng_wide_block floats[FLOAT_BLOCKS];
@@ -118,11 +118,12 @@ static void narrow_features(struct eng_wide *wide, enum eng_wide_kind kind,
     for (uint32_t i = block; i < end; i += FLOAT_BLOCKS) {
         uint32_t part = smaller(FLOAT_BLOCKS, end - i);
         box_features(wide, kind, i, part, false, floats);
-        if (!wide->kernels->narrow_blocks(floats, tree->boxes + i, part, &wide->narrowing,
-                                          eng_wide_narrow_blocks(tree) + i,
-                                          eng_wide_narrow_boxes(tree) + i, &farthest)) {
-            assert(kind == ENG_WIDE_VERTICES);
-            atomic_store_explicit(&wide->left_narrow, true, memory_order_relaxed);
+        if (!wide->kernels->quantised_blocks(
+                floats, tree->boxes + i, part, &wide->quantising,
+                eng_wide_quantised_blocks(tree) + i, eng_wide_quantised_boxes(tree) + i,
+                &farthest)) {
+            assert(kind == PCCD_TREE_VERTICES);
+            atomic_store_explicit(&wide->left_quantised, true, memory_order_relaxed);
         }
     }
     keep_most(&wide->farthest, farthest);
@@ -130,23 +131,24 @@ static void narrow_features(struct eng_wide *wide, enum eng_wide_kind kind,
 
 /* Vertices are, as long as this is not known of all of them: floats and whole numbers are
  * in one place, and threads may not differ about what is there. */
-static bool becomes_narrow(const struct eng_wide *wide, enum eng_wide_kind kind)
+static bool becomes_quantised(const struct eng_wide *wide, enum pccd_tree kind)
 {
-    return kind == ENG_WIDE_VERTICES ? wide->makes_narrow : eng_wide_has_narrow(wide);
+    return kind == PCCD_TREE_VERTICES ? wide->makes_quantised
+                                      : eng_wide_has_quantised(wide);
 }
 
 void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum eng_wide_kind kind, uint32_t chunk, bool swept)
+                          enum pccd_tree kind, uint32_t chunk, bool swept)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
     uint32_t block = chunk * CHUNK_BLOCKS;
     uint32_t count = smaller(CHUNK_BLOCKS, tree->block_count[0] - block);
-    if (kind == ENG_WIDE_VERTICES) {
+    if (kind == PCCD_TREE_VERTICES) {
         uint32_t slot = block * ENG_WIDE;
         refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
     }
-    if (!swept && becomes_narrow(wide, kind)) {
-        narrow_features(wide, kind, block, count);
+    if (!swept && becomes_quantised(wide, kind)) {
+        quantised_features(wide, kind, block, count);
     } else {
         box_features(wide, kind, block, count, swept, tree->blocks + block);
     }
@@ -161,12 +163,12 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
 void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 {
     wide->boxes_are_old = false;
-    if (!swept && wide->makes_narrow && !eng_wide_has_narrow(wide)) {
-        struct eng_wide_tree *vertices = &wide->trees[ENG_WIDE_VERTICES];
-        box_features(wide, ENG_WIDE_VERTICES, 0, vertices->block_count[0], false,
+    if (!swept && wide->makes_quantised && !eng_wide_has_quantised(wide)) {
+        struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
+        box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0], false,
                      vertices->blocks);
     }
-    for (int kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         for (uint32_t level = 2; level < wide->level_count; level++) {
             wide->kernels->box_fold(
@@ -178,7 +180,7 @@ void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 
 void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept)
 {
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(wide, kind);
         for (uint32_t i = 0; i < count; i++) {
             eng_wide_refit_chunk(wide, scene, kind, i, swept);

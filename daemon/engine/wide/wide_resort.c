@@ -12,8 +12,8 @@
 #include "clock.h"
 #include "memory.h"
 #include "topology.h"
+#include "wide.h"
 #include "worker.h"
-#include "world.h"
 
 /* A sort is wanted when a step takes this much more than the cheapest one since the last
  * sort. What a sort costs in all, some 80 ns a feature, is what a step gains by a quarter
@@ -109,11 +109,11 @@ static bool make_room(struct eng_wide_resort *resort, const struct eng_scene *sc
     uint32_t pieces = 1;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        for (int kind = 0; object->mesh && kind < ENG_WIDE_KINDS; kind++) {
-            count += object->order->count[kind];
+        for (int kind = 0; object->mesh && kind < ENG_WIDE_TREES; kind++) {
+            count += eng_wide_order_of(object)->count[kind];
         }
-        if (object->mesh && object->order->piece_count > pieces) {
-            pieces = object->order->piece_count;
+        if (object->mesh && eng_wide_order_of(object)->piece_count > pieces) {
+            pieces = eng_wide_order_of(object)->piece_count;
         }
     }
     if (count == 0) {
@@ -134,7 +134,7 @@ static void begin_object(struct eng_wide_resort *resort, const struct eng_scene 
     memset(resort->pieces, 0, resort->piece_capacity * sizeof *resort->pieces);
     resort->object = object;
     resort->frame = scene->objects[object].frame;
-    resort->kind = ENG_WIDE_VERTICES;
+    resort->kind = PCCD_TREE_VERTICES;
     resort->summed = 0;
     resort->is_sequenced = false;
 }
@@ -163,20 +163,21 @@ static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
 /* The orders of the scene against those of the items. */
 static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
 {
+    assert(resort->items);
     struct eng_split_item *item = resort->items;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        for (int kind = 0; object->mesh && kind < ENG_WIDE_KINDS; kind++) {
-            for (uint32_t k = 0; k < object->order->count[kind]; k++) {
-                uint32_t before = object->order->feature[kind][k];
-                object->order->feature[kind][k] = item->id;
+        for (int kind = 0; object->mesh && kind < ENG_WIDE_TREES; kind++) {
+            for (uint32_t k = 0; k < eng_wide_order_of(object)->count[kind]; k++) {
+                uint32_t before = eng_wide_order_of(object)->feature[kind][k];
+                eng_wide_order_of(object)->feature[kind][k] = item->id;
                 (item++)->id = before;
             }
         }
         resort->sorted_triangles += object->mesh ? object->mesh->info.triangle_count : 0;
     }
     resort->sorts++;
-    scene->wide.is_stale = true;
+    eng_wide_of(scene)->is_stale = true;
     begin_anew(resort);
 }
 
@@ -184,7 +185,7 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
 {
     resort->sorts = 0;
     resort->sorted_triangles = 0;
-    if (scene->wide.is_stale) {
+    if (eng_wide_of(scene)->is_stale) {
         forget(resort);
     } else if (resort->state == ENG_WIDE_SORTED) {
         end_sorting(resort);
@@ -203,8 +204,8 @@ static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
 {
     const struct eng_object *object = &scene->objects[resort->object];
     begin_part(resort);
-    resort->first += object->mesh ? object->order->count[resort->kind] : 0;
-    if (object->mesh && resort->kind + 1 < ENG_WIDE_KINDS) {
+    resort->first += object->mesh ? eng_wide_order_of(object)->count[resort->kind] : 0;
+    if (object->mesh && resort->kind + 1 < ENG_WIDE_TREES) {
         resort->kind++;
     } else if (resort->object + 1 < scene->object_capacity) {
         begin_object(resort, scene, resort->object + 1);
@@ -215,29 +216,30 @@ static void go_on(struct eng_wide_resort *resort, const struct eng_scene *scene)
 
 /* See where some more vertices are; the pieces are in order with the last of them. */
 static void sum_more(struct eng_wide_resort *resort, const struct eng_object *object,
-                     struct eng_wide_places places)
+                     struct eng_wide_positions positions)
 {
     uint32_t left = object->mesh->info.vertex_count - resort->summed;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
-    eng_wide_order_sum(object->order, places, resort->summed, count, resort->pieces);
+    eng_wide_order_sum(eng_wide_order_of(object), positions, resort->summed, count,
+                       resort->pieces);
     resort->summed += count;
     if (count == left) {
-        eng_wide_order_sequence(object->order, resort->pieces);
+        eng_wide_order_sequence(eng_wide_order_of(object), resort->pieces);
         resort->is_sequenced = true;
     }
 }
 
 /* List some more features of the part at hand. */
 static void list_more(struct eng_wide_resort *resort, const struct eng_object *object,
-                      struct eng_wide_places places, uint32_t left)
+                      struct eng_wide_positions positions, uint32_t left)
 {
     struct eng_split_item *items = resort->items + resort->first;
     uint32_t count = left < PIECE_SOURCES ? left : PIECE_SOURCES;
     if (resort->sources == 0) {
-        eng_wide_order_place(object->order, resort->kind, resort->pieces, items,
-                             resort->next);
+        eng_wide_order_place(eng_wide_order_of(object), resort->kind, resort->pieces,
+                             items, resort->next);
     }
-    eng_wide_order_list(object->order, object->mesh, places, resort->kind,
+    eng_wide_order_list(eng_wide_order_of(object), object->mesh, positions, resort->kind,
                         resort->sources, count, items, resort->next);
     resort->sources += count;
 }
@@ -260,18 +262,18 @@ static void advance(struct eng_wide_resort *resort, const struct eng_scene *scen
         go_on(resort, scene);
         return;
     }
-    struct eng_wide_places places = {(const double(*)[3])scene->x[scene->now] +
-                                         object->vertices.first,
-                                     &resort->frame};
+    struct eng_wide_positions positions = {(const double(*)[3])scene->x[scene->now] +
+                                               object->vertices.first,
+                                           &resort->frame};
     uint32_t left = eng_wide_order_sources(object->mesh, resort->kind) - resort->sources;
     if (!resort->is_sequenced) {
-        sum_more(resort, object, places);
+        sum_more(resort, object, positions);
     } else if (left > 0) {
-        list_more(resort, object, places, left);
+        list_more(resort, object, positions, left);
     } else if (!eng_wide_sorter_advance(&resort->sorter, resort->items + resort->first,
                                         PIECE_ITEMS)) {
-        if (resort->sorted < object->order->piece_count) {
-            sort_next(resort, object->order);
+        if (resort->sorted < eng_wide_order_of(object)->piece_count) {
+            sort_next(resort, eng_wide_order_of(object));
         } else {
             go_on(resort, scene);
         }
@@ -281,16 +283,17 @@ static void advance(struct eng_wide_resort *resort, const struct eng_scene *scen
 void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scene *scene,
                            const struct eng_stop *stop)
 {
-    uint64_t end_ns = eng_now_ns() + resort->budget_ns;
+    assert(resort->state == ENG_WIDE_SORTING);
+    uint64_t end_ns = common_now_ns() + resort->budget_ns;
     while (resort->state == ENG_WIDE_SORTING && !eng_stop_is_set(stop)) {
         advance(resort, scene);
-        if (eng_now_ns() >= end_ns) {
+        if (common_now_ns() >= end_ns) {
             break;
         }
     }
 }
 
-void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
+void eng_wide_resort_learn(struct eng_wide_resort *resort, enum pccd_mode mode,
                            uint64_t box_tests, uint64_t step_ns)
 {
     uint64_t *least = &resort->least_tests[mode];

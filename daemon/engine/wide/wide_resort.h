@@ -1,21 +1,21 @@
-/* daemon/engine/wide/wide_resort.h - features put in order again, aside.
+/* daemon/engine/wide/wide_resort.h - finds a better order for the features of a scene
+ * after they have moved, bit by bit over several steps.
  *
- * Room:     engine. May include: step.h, wide_order.h.
- * Does:     see by the box tests of a step that the features do not lie in the order any
- *           more in which they are stored; find a new order over several steps, a bounded
- *           share in each; have the trees put together by it before a later step. So no
- *           step pays for a sort.
- * Does not: change an answer: it does not depend on the order.
+ * Room:     engine. May include: step_settings.h, wide_order.h.
+ * Does:     see by the number of box tests that the stored order no longer fits; find a
+ *           new order over several steps, a bounded share in each; have the trees rebuilt
+ *           in that order before a later step. So no single step pays for a sort.
+ * Does not: change an answer: answers do not depend on the order.
  * Threads:  functions say.
  *
- * The parts of an order, one for each tree of each object, are sorted one after the other
- * from where the features were in the step at hand, pieces as wide_order.h says. Where
- * they keep their neighbours from then on it does not matter that places are some steps
- * old. Where layers slide along each other it does: of a cloth that turns, an order by
- * its places asks for half the box tests of the one at rest, and seven steps later, while
- * the sort still goes on, for as many. So the old order is kept until a step has shown
- * what the new one asks for, and taken back if that is more. Then no sort is wanted until
- * steps ask for twice as much as with it.
+ * The parts of an order, one for each tree of each object, are sorted one after the
+ * other, from where the features are in the step at hand (wide_order.h says how). Where
+ * neighbours stay neighbours, it does not matter that these positions are some steps old.
+ * Where layers slide along each other it does: in a cloth that turns, a new order asks
+ * for half the box tests of the order at rest, and seven steps later, while the sort
+ * still goes on, for as many. So the old order is kept until a step has shown what the
+ * new one costs, and restored if that is more. After that no sort is wanted until steps
+ * ask for twice as many tests.
  *
  *   idle -> wanted -> sorting -> sorted -> (taken) tried -> idle
  *                                                        -> refused -> (taken back) idle
@@ -25,7 +25,7 @@
 
 #include <stddef.h>
 
-#include "step.h"
+#include "step_settings.h"
 #include "wide_order.h"
 
 struct eng_scene;
@@ -43,11 +43,11 @@ enum eng_wide_resort_state {
 struct eng_wide_resort {
     enum eng_wide_resort_state state;
     /* Box tests of the cheapest step since the last sort, by mode; 0: none yet. */
-    uint64_t least_tests[ENG_MODE_PAIRS + 1];
+    uint64_t least_tests[PCCD_MODE_PAIRS + 1];
     /* Of the last step in each mode, with the order before the one that is tried. */
-    uint64_t last_tests[ENG_MODE_PAIRS + 1];
-    uint64_t refused_tests[ENG_MODE_PAIRS + 1]; /* of the order that was taken back to */
-    uint64_t budget_ns;                         /* of a step's share */
+    uint64_t last_tests[PCCD_MODE_PAIRS + 1];
+    uint64_t refused_tests[PCCD_MODE_PAIRS + 1]; /* of the order that was taken back to */
+    uint64_t budget_ns;                          /* of a step's share */
     uint64_t sorts; /* taken in this step, with their triangles */
     uint64_t sorted_triangles;
     /* While sorting: slots of all objects, object by object, tree by tree. */
@@ -58,7 +58,7 @@ struct eng_wide_resort {
     uint32_t piece_capacity;
     struct eng_frame frame; /* of that object when it was begun */
     uint32_t object;        /* the part at hand: its object's index, .. */
-    enum eng_wide_kind kind;
+    enum pccd_tree kind;
     size_t first;      /* .. and its first item */
     uint32_t summed;   /* vertices whose places are in those of the pieces, .. */
     bool is_sequenced; /* .. all, and the pieces are in order */
@@ -87,7 +87,7 @@ void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scen
 void eng_wide_resort_unlearn(struct eng_wide_resort *resort);
 
 /* What a whole step took, and whether that asks for a sort. [compute] */
-void eng_wide_resort_learn(struct eng_wide_resort *resort, enum eng_mode mode,
+void eng_wide_resort_learn(struct eng_wide_resort *resort, enum pccd_mode mode,
                            uint64_t box_tests, uint64_t step_ns);
 
 #endif

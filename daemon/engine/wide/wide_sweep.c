@@ -6,17 +6,20 @@
  */
 #include "wide_sweep.h"
 
+#include <assert.h>
 #include <omp.h>
 #include <string.h>
 
+#include "array.h"
 #include "clock.h"
+#include "frames.h"
 #include "memory.h"
 #include "wide_join.h"
 #include "world.h"
 
 /* What is given to one thread at a time. */
 struct task {
-    enum eng_kind kind;
+    enum pccd_kind kind;
     uint32_t level;
     uint32_t n;
     uint32_t m;
@@ -34,30 +37,28 @@ struct sweeper {
     const struct eng_wide *wide;
     eng_wide_visit visit;
     void *context;
-    uint64_t count[ENG_KINDS];
+    uint64_t count[PCCD_KIND_COUNT];
     uint64_t a[ENG_CHUNK_MAX];
     uint64_t b[ENG_CHUNK_MAX];
 };
 
-static void hand_over(struct sweeper *sweeper, enum eng_kind kind,
+static void hand_over(struct sweeper *sweeper, enum pccd_kind kind,
                       const struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = sweeper->wide;
+    const enum pccd_tree tree_a = eng_wide_tree_of(kind, 0);
+    const enum pccd_tree tree_b = eng_wide_tree_of(kind, 1);
     for (uint32_t i = 0; i < chunk->count; i++) {
-        if (kind == ENG_VF) {
-            sweeper->a[i] = wide->points[chunk->a[i]].word1;
-            sweeper->b[i] = wide->trees[ENG_WIDE_FACES].keys[chunk->b[i]];
-        } else {
-            uint64_t a = wide->trees[ENG_WIDE_EDGES].keys[chunk->a[i]];
-            uint64_t b = wide->trees[ENG_WIDE_EDGES].keys[chunk->b[i]];
-            sweeper->a[i] = a < b ? a : b;
-            sweeper->b[i] = a < b ? b : a;
-        }
+        eng_wide_key a = eng_wide_key_of(wide, tree_a, chunk->a[i]);
+        eng_wide_key b = eng_wide_key_of(wide, tree_b, chunk->b[i]);
+        bool is_turned = tree_a == tree_b && a > b;
+        sweeper->a[i] = is_turned ? b : a;
+        sweeper->b[i] = is_turned ? a : b;
     }
     sweeper->visit(sweeper->context, kind, sweeper->a, sweeper->b, chunk->count);
 }
 
-static void on_chunk(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+static void on_chunk(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk)
 {
     struct sweeper *sweeper = owner;
     sweeper->count[kind] += chunk->count;
@@ -88,25 +89,25 @@ static void sweeper_init(struct sweeper *sweeper, const struct eng_wide *wide,
 static int add(struct tasks *tasks, struct task task)
 {
     if (tasks->count == tasks->capacity) {
-        uint32_t capacity = eng_world_grown(tasks->capacity, tasks->count + 1024);
-        int status = eng_world_grow(&tasks->list, capacity, sizeof *tasks->list);
-        if (status != ENG_OK) {
+        uint32_t capacity = eng_array_grown(tasks->capacity, tasks->count + 1024);
+        int status = eng_array_grow(&tasks->list, capacity, sizeof *tasks->list);
+        if (status != PCCD_OK) {
             return status;
         }
         tasks->capacity = capacity;
     }
     tasks->list[tasks->count++] = task;
-    return ENG_OK;
+    return PCCD_OK;
 }
 
 /* The roots, refined down to pairs of nodes of 256 features. */
 static int divide(struct tasks *tasks, struct eng_wide_join *join, uint32_t top)
 {
-    int status = add(tasks, (struct task){ENG_VF, top, 0, 0});
-    if (status == ENG_OK) {
-        status = add(tasks, (struct task){ENG_EE, top, 0, 0});
+    int status = PCCD_OK;
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT && status == PCCD_OK; kind++) {
+        status = add(tasks, (struct task){kind, top, 0, 0});
     }
-    for (uint32_t i = 0; i < tasks->count && status == ENG_OK;) {
+    for (uint32_t i = 0; i < tasks->count && status == PCCD_OK;) {
         struct task task = tasks->list[i];
         if (task.level < 2) {
             i++;
@@ -115,7 +116,7 @@ static int divide(struct tasks *tasks, struct eng_wide_join *join, uint32_t top)
         struct eng_wide_list *below = &join->lists[task.level - 1];
         tasks->list[i] = tasks->list[--tasks->count];
         eng_wide_join_refine(join, task.kind, task.level, task.n, task.m);
-        for (uint32_t k = 0; k < below->count && status == ENG_OK; k++) {
+        for (uint32_t k = 0; k < below->count && status == PCCD_OK; k++) {
             status = add(tasks, (struct task){task.kind, task.level - 1, below->a[k],
                                               below->b[k]});
         }
@@ -141,7 +142,7 @@ static void refit(struct eng_wide *wide, const struct eng_scene *scene, uint32_t
         return;
     }
 #pragma omp parallel num_threads((int)threads)
-    for (enum eng_wide_kind kind = 0; kind < ENG_WIDE_KINDS; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(wide, kind);
 #pragma omp for schedule(dynamic, 4)
         for (uint32_t i = 0; i < count; i++) {
@@ -155,13 +156,14 @@ static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
                  struct tasks *tasks)
 {
     if (threads == 1) {
-        eng_wide_join_nodes(&sweepers[0].join, ENG_VF, top, 0, 0);
-        eng_wide_join_nodes(&sweepers[0].join, ENG_EE, top, 0, 0);
+        for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+            eng_wide_join_nodes(&sweepers[0].join, kind, top, 0, 0);
+        }
         eng_wide_join_flush(&sweepers[0].join);
-        return ENG_OK;
+        return PCCD_OK;
     }
     int status = divide(tasks, &sweepers[0].join, top);
-    if (status == ENG_OK) {
+    if (status == PCCD_OK) {
         struct eng_payer *payer = eng_payer();
 #pragma omp parallel num_threads((int)threads)
         {
@@ -175,29 +177,31 @@ static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
 int eng_wide_sweep(struct eng_scene *scene, uint32_t threads, eng_wide_visit visit,
                    void *context, struct eng_wide_sweep *sweep)
 {
-    struct eng_wide *wide = &scene->wide;
+    assert(threads >= 1 && sweep);
+    struct eng_wide *wide = eng_wide_of(scene);
     struct tasks tasks = {0};
     struct sweeper *sweepers = eng_alloc(threads, sizeof *sweepers);
-    int status = sweepers ? ENG_OK : ENG_E_NOMEM;
+    int status = sweepers ? PCCD_OK : PCCD_E_NOMEM;
     eng_frames_choose(scene, 1 - scene->now, scene->now);
-    if (status == ENG_OK && wide->is_stale) {
+    if (status == PCCD_OK && wide->is_stale) {
         status = eng_wide_assemble(wide, scene);
     }
-    uint64_t begin_ns = eng_now_ns();
-    if (status == ENG_OK) {
+    uint64_t begin_ns = common_now_ns();
+    if (status == PCCD_OK) {
         refit(wide, scene, threads);
-        uint64_t refit_ns = eng_now_ns();
+        uint64_t refit_ns = common_now_ns();
         for (uint32_t i = 0; i < threads; i++) {
             sweeper_init(&sweepers[i], wide, visit, context);
         }
-        uint64_t pairs_ns = eng_now_ns();
+        uint64_t pairs_ns = common_now_ns();
         status = pairs(sweepers, threads, wide->level_count - 1, &tasks);
         *sweep = (struct eng_wide_sweep){.refit_ns = refit_ns - begin_ns,
-                                         .pairs_ns = eng_now_ns() - pairs_ns};
+                                         .pairs_ns = common_now_ns() - pairs_ns};
     }
-    for (uint32_t i = 0; i < threads && status == ENG_OK; i++) {
-        sweep->vf += sweepers[i].count[ENG_VF];
-        sweep->ee += sweepers[i].count[ENG_EE];
+    for (uint32_t i = 0; i < threads && status == PCCD_OK; i++) {
+        for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+            sweep->counts[kind] += sweepers[i].count[kind];
+        }
         sweep->box_tests += eng_wide_join_tests(&sweepers[i].join);
     }
     eng_free(tasks.list);

@@ -1,4 +1,5 @@
-/* daemon/engine/wide/wide_team.h - the boxes of wide trees by all threads of a step.
+/* daemon/engine/wide/wide_team.h - updates the boxes of the wide trees by all threads of
+ * a step.
  *
  * Room:     engine. May include: team.h.
  * Does:     divide the refit into chunks, a run of them for each thread.

@@ -6,10 +6,15 @@
  */
 #include "wide_test.h"
 
-#include "brief.h"
+#include <assert.h>
+
+#include "finding.h"
 #include "memory.h"
-#include "test.h"
+#include "solvers.h"
 #include "wide_grid.h"
+#include "wide_state.h"
+
+#define INLINE static inline __attribute__((always_inline))
 
 /* Left out for each that was kept, from which on looking at times pays: it costs some 40
  * cycles for a box against a block, and a pair in the filter some 25. */
@@ -23,80 +28,114 @@
 
 int eng_wide_work_reserve(struct eng_worker *worker)
 {
-    if (!worker->wide) {
-        worker->wide = eng_alloc(1, sizeof *worker->wide);
+    if (!worker->work[PCCD_METHOD_WIDE]) {
+        worker->work[PCCD_METHOD_WIDE] = eng_alloc(1, sizeof(struct eng_wide_work));
     }
-    return worker->wide ? ENG_OK : ENG_E_NOMEM;
+    return worker->work[PCCD_METHOD_WIDE] ? PCCD_OK : PCCD_E_NOMEM;
 }
 
-/* Put two edges into the order in which records name them, that of their keys. Without a
- * branch: which way it would go cannot be foreseen. */
-static void put_in_order(const eng_wide_key *keys, uint32_t *a, uint32_t *b)
+void eng_wide_work_free(struct eng_worker *worker)
 {
-    uint32_t change = (*a ^ *b) & (0u - (uint32_t)(keys[*a] > keys[*b]));
+    eng_free(worker->work[PCCD_METHOD_WIDE]);
+    worker->work[PCCD_METHOD_WIDE] = NULL;
+}
+
+uint64_t eng_wide_work_bytes(const struct eng_worker *worker)
+{
+    return worker->work[PCCD_METHOD_WIDE] ? sizeof(struct eng_wide_work) : 0;
+}
+
+INLINE bool has_one_tree(enum pccd_kind kind)
+{
+    return eng_wide_tree_of(kind, 0) == eng_wide_tree_of(kind, 1);
+}
+
+/* Put two features of a tree into the order in which records name them, that of their
+ * keys. Without a branch: which way it would go cannot be foreseen. */
+INLINE void put_in_order(const struct eng_wide *wide, enum pccd_tree tree, uint32_t *a,
+                         uint32_t *b)
+{
+    uint32_t is_turned =
+        eng_wide_key_of(wide, tree, *a) > eng_wide_key_of(wide, tree, *b);
+    uint32_t change = (*a ^ *b) & (0u - is_turned);
     *a ^= change;
     *b ^= change;
 }
 
-static struct eng_pair name_of(const struct eng_wide *wide, enum eng_kind kind,
-                               uint32_t a, uint32_t b)
+static struct pccd_pair name_of(const struct eng_wide *wide, enum pccd_kind kind,
+                                uint32_t a, uint32_t b)
 {
-    eng_wide_key key_a;
-    eng_wide_key key_b;
-    if (kind == ENG_VF) {
-        key_a = wide->points[a].word1;
-        key_b = wide->trees[ENG_WIDE_FACES].keys[b];
-    } else {
-        const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
-        put_in_order(keys, &a, &b);
-        key_a = keys[a];
-        key_b = keys[b];
+    eng_wide_key key_a = eng_wide_key_of(wide, eng_wide_tree_of(kind, 0), a);
+    eng_wide_key key_b = eng_wide_key_of(wide, eng_wide_tree_of(kind, 1), b);
+    if (has_one_tree(kind) && key_a > key_b) {
+        eng_wide_key key = key_a;
+        key_a = key_b;
+        key_b = key;
     }
-    return (struct eng_pair){kind, (uint32_t)(key_a >> 32), (uint32_t)key_a,
-                             (uint32_t)(key_b >> 32), (uint32_t)key_b};
+    return (struct pccd_pair){kind, (uint32_t)(key_a >> 32), (uint32_t)key_a,
+                              (uint32_t)(key_b >> 32), (uint32_t)key_b};
 }
 
-static void make_quads(const struct eng_wide *wide, enum eng_kind kind,
-                       const struct eng_wide_chunk *chunk, uint32_t (*quads)[4])
+/* The vertices of a feature to quad[..]; returns how many. */
+INLINE uint32_t put_points(const struct eng_wide *wide, enum pccd_tree tree,
+                           uint32_t slot, uint32_t *quad)
 {
-    if (kind == ENG_VF) {
-        uint32_t *const *corner = wide->trees[ENG_WIDE_FACES].corner;
-        for (uint32_t i = 0; i < chunk->count; i++) {
-            uint32_t b = chunk->b[i];
-            quads[i][0] = chunk->a[i];
-            quads[i][1] = corner[0][b];
-            quads[i][2] = corner[1][b];
-            quads[i][3] = corner[2][b];
-        }
-        return;
+    uint32_t count = (uint32_t)tree + 1;
+    for (uint32_t k = 0; k < count; k++) {
+        quad[k] = tree == PCCD_TREE_VERTICES ? slot : wide->trees[tree].corner[k][slot];
     }
-    uint32_t *const *corner = wide->trees[ENG_WIDE_EDGES].corner;
-    const eng_wide_key *keys = wide->trees[ENG_WIDE_EDGES].keys;
+    return count;
+}
+
+INLINE void make_quads_of(const struct eng_wide *wide, enum pccd_kind kind,
+                          const struct eng_wide_chunk *chunk, uint32_t (*quads)[4])
+{
+    const enum pccd_tree tree_a = eng_wide_tree_of(kind, 0);
+    const enum pccd_tree tree_b = eng_wide_tree_of(kind, 1);
     for (uint32_t i = 0; i < chunk->count; i++) {
         uint32_t a = chunk->a[i];
         uint32_t b = chunk->b[i];
-        put_in_order(keys, &a, &b);
-        quads[i][0] = corner[0][a];
-        quads[i][1] = corner[1][a];
-        quads[i][2] = corner[0][b];
-        quads[i][3] = corner[1][b];
+        if (has_one_tree(kind)) {
+            put_in_order(wide, tree_a, &a, &b);
+        }
+        uint32_t count = put_points(wide, tree_a, a, quads[i]);
+        count += put_points(wide, tree_b, b, quads[i] + count);
+        for (; count < 4; count++) {
+            quads[i][count] = quads[i][count - 1];
+        }
+    }
+}
+
+/* With the kind as a constant of the code. */
+static void make_quads(const struct eng_wide *wide, enum pccd_kind kind,
+                       const struct eng_wide_chunk *chunk, uint32_t (*quads)[4])
+{
+    switch (kind) {
+#define MAKE_QUADS(NAME, ...)                                                            \
+    case PCCD_##NAME:                                                                    \
+        make_quads_of(wide, PCCD_##NAME, chunk, quads);                                  \
+        break;
+        PCCD_KIND_LIST(MAKE_QUADS)
+#undef MAKE_QUADS
+    case PCCD_KIND_COUNT:
+        assert(false);
     }
 }
 
 /* Those pairs of a chunk that no axis separates: by the coordinates themselves, so that
  * it does not matter how boxes were rounded. */
-static void keep_candidates(struct eng_worker *worker, enum eng_kind kind,
+static void keep_candidates(struct eng_worker *worker, enum pccd_kind kind,
                             const struct eng_wide_chunk *chunk)
 {
-    const struct eng_wide *wide = &worker->scene->wide;
-    struct eng_wide_work *work = worker->wide;
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
     uint32_t *left = work->batch.left;
     make_quads(wide, kind, chunk, work->quads);
     uint32_t count = work->join.kernels->apart(
         kind, wide->points, (const uint32_t(*)[4])work->quads, chunk->count, left);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t pair = left[i];
-        struct eng_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
+        struct pccd_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
         eng_found_add(&worker->found, &name); /* a full list says so itself */
     }
 }
@@ -111,13 +150,13 @@ static uint32_t chunks_without(uint32_t count, uint32_t kept)
 
 /* The sieve on the pairs of a chunk, if it is worth it here: those that it leaves are the
  * chunk's from then on. Says where the tests begin. */
-static enum eng_batch_from sift(struct eng_worker *worker, enum eng_kind kind,
+static enum eng_batch_from sift(struct eng_worker *worker, enum pccd_kind kind,
                                 struct eng_wide_chunk *chunk)
 {
-    const struct eng_wide *wide = &worker->scene->wide;
-    struct eng_wide_work *work = worker->wide;
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
     struct eng_wide_filters *filters = &work->filters[kind];
-    if (!eng_wide_has_marks(wide)) {
+    if (!eng_wide_has_marks(wide) || !eng_solvers[kind].has_kernels) {
         return ENG_FROM_FILTER;
     }
     if (filters->chunks_without_sieve > 0) {
@@ -137,11 +176,11 @@ static enum eng_batch_from sift(struct eng_worker *worker, enum eng_kind kind,
     return ENG_FROM_FILTER;
 }
 
-static void test(struct eng_worker *worker, enum eng_kind kind,
+static void test(struct eng_worker *worker, enum pccd_kind kind,
                  struct eng_wide_chunk *chunk)
 {
-    const struct eng_wide *wide = &worker->scene->wide;
-    struct eng_wide_work *work = worker->wide;
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
     struct eng_batch *batch = &work->batch;
     worker->record.tests += chunk->count;
     batch->from = sift(worker, kind, chunk);
@@ -160,7 +199,7 @@ static void test(struct eng_worker *worker, enum eng_kind kind,
     worker->tally.survivors += batch->survivors;
     for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
         uint32_t pair = batch->index[i];
-        struct eng_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
+        struct pccd_pair name = name_of(wide, kind, chunk->a[pair], chunk->b[pair]);
         eng_test_keep(worker, &name, &batch->hits[i]);
     }
 }
@@ -169,7 +208,7 @@ static void test(struct eng_worker *worker, enum eng_kind kind,
 static void look(void *owner)
 {
     struct eng_worker *worker = owner;
-    struct eng_wide_join *join = &worker->wide->join;
+    struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     join->stopped = eng_worker_should_stop(worker);
     if (worker->box_bound < 1) {
         eng_wide_join_until(join, worker->box_bound);
@@ -184,7 +223,7 @@ static bool should_stop(void *owner)
 /* Pairs that the join has left out in time since the last chunk. To look at a block's
  * times pays when it saves the filter enough pairs: when a chunk's share of them was
  * small, the next ones go without. */
-static uint32_t left_out_in_time(struct eng_wide_work *work, enum eng_kind kind,
+static uint32_t left_out_in_time(struct eng_wide_work *work, enum pccd_kind kind,
                                  uint32_t kept)
 {
     struct eng_join *job = &work->join.jobs[kind][0];
@@ -200,17 +239,18 @@ static uint32_t left_out_in_time(struct eng_wide_work *work, enum eng_kind kind,
     return apart;
 }
 
-static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
+static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk)
 {
     struct eng_worker *worker = owner;
-    uint64_t begin_ns = eng_now_ns();
+    uint64_t begin_ns = common_now_ns();
     uint32_t count = chunk->count;
-    worker->wide->sieves[kind].in_time = worker->wide->join.jobs[kind][0].in_time;
-    eng_test_count(worker, kind, count + left_out_in_time(worker->wide, kind, count));
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
+    eng_test_count(worker, kind, count + left_out_in_time(work, kind, count));
     if (worker->settings->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
     }
-    if (worker->settings->mode == ENG_MODE_PAIRS) {
+    if (worker->settings->mode == PCCD_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else if (!eng_stop_is_set(worker->stop)) {
         test(worker, kind, chunk);
@@ -222,31 +262,33 @@ static void flush(void *owner, enum eng_kind kind, struct eng_wide_chunk *chunk)
 
 void eng_wide_work_begin(struct eng_worker *worker)
 {
-    struct eng_wide_work *work = worker->wide;
+    assert(eng_wide_work_of(worker)); /* reserved */
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    const struct eng_wide_owners *owners = &eng_wide_state_of(worker->scene)->owners;
     work->join.owner = worker;
     work->join.flush = flush;
     work->join.look = look;
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
-    eng_wide_join_begin(&work->join, &worker->scene->wide, ENG_JOIN_MOVING);
-    work->join.filtered = worker->scene->wide.owners.masks ? &worker->scene->wide : NULL;
-    for (enum eng_kind kind = 0; kind < ENG_KINDS; kind++) {
-        bool in_time = worker->settings->mode != ENG_MODE_PAIRS;
+    eng_wide_join_begin(&work->join, eng_wide_of(worker->scene), ENG_JOIN_MOVING);
+    work->join.owners = owners->masks ? owners : NULL;
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        bool in_time = worker->settings->mode != PCCD_MODE_PAIRS;
         work->join.jobs[kind][0].in_time = in_time;
         for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
             work->join.jobs[kind][level].in_time =
-                in_time && worker->scene->wide.steps_without_times[kind] == 0;
+                in_time && eng_wide_of(worker->scene)->steps_without_times[kind] == 0;
         }
         work->times[kind] = (struct eng_wide_times){0, 0};
         work->filters[kind] = (struct eng_wide_filters){0, 0};
-        work->sieves[kind] = eng_wide_sieve(&worker->scene->wide, kind);
+        work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
     }
     look(worker);
 }
 
 void eng_wide_work_end(struct eng_worker *worker)
 {
-    const struct eng_wide_join *join = &worker->wide->join;
+    const struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     worker->record.box_tests = eng_wide_join_tests(join);
     worker->record.pairs = join->pairs;
 }

@@ -1,13 +1,15 @@
-/* daemon/engine/wide/wide_test.h - what a worker needs to find contacts in wide trees.
+/* daemon/engine/wide/wide_test.h - tests the pairs that a join of the wide trees has
+ * found.
  *
- * Room:     engine. May include: wide_join.h, worker.h.
- * Does:     hand the chunks of a join to the elementary tests, keep what they find under
- *           the names of the caller; or keep the candidates themselves (mode pairs).
+ * Room:     engine. May include: share.h, wide_join.h, worker.h.
+ * Does:     pass the chunks of a join to the elementary tests, and keep what they find
+ *           under the caller's names; in mode pairs, keep the candidates themselves.
  * Threads:  [team].
  */
 #ifndef ENG_WIDE_TEST_H
 #define ENG_WIDE_TEST_H
 
+#include "share.h"
 #include "wide_join.h"
 #include "worker.h"
 
@@ -24,16 +26,28 @@ struct eng_wide_filters {
 };
 
 struct eng_wide_work {
+    struct eng_share shares[ENG_WIDE_TREES]; /* chunks of the refit */
     struct eng_wide_join join;
-    struct eng_wide_times times[ENG_KINDS];
-    struct eng_wide_filters filters[ENG_KINDS];
-    struct eng_sieve sieves[ENG_KINDS];
+    struct eng_wide_times times[PCCD_KIND_COUNT];
+    struct eng_wide_filters filters[PCCD_KIND_COUNT];
+    struct eng_sieve sieves[PCCD_KIND_COUNT];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     struct eng_batch batch;
 };
 
-/* Memory for a worker, once. ENG_E_NOMEM. [compute] */
+static inline struct eng_wide_work *eng_wide_work_of(const struct eng_worker *worker)
+{
+    return worker->work[PCCD_METHOD_WIDE];
+}
+
+/* Pairs that a brief step (settings->brief) tests, at most: each takes up to 0.3 us of a
+ * vector kernel, as none is searched for. */
+#define ENG_BRIEF_TESTS 64u
+
+/* Memory for a worker, once. PCCD_E_NOMEM. [compute] */
 int eng_wide_work_reserve(struct eng_worker *worker);
+void eng_wide_work_free(struct eng_worker *worker);
+uint64_t eng_wide_work_bytes(const struct eng_worker *worker);
 
 /* Get ready for the traversal of a step. [team] */
 void eng_wide_work_begin(struct eng_worker *worker);

@@ -1,0 +1,47 @@
+/* arrival.c - who is told of what has arrived from the daemon.
+ *
+ * Room:     client/lib. May include: arrival.h, keep.h, positions.h, recorder_events.h,
+ *           shared.h, watch.h.
+ * Does:     the registry first: a recording that begins another segment writes what is
+ *           registered by then.
+ * Threads:  [owner].
+ */
+#include "arrival.h"
+
+#include "keep.h"
+#include "positions.h"
+#include "recorder_events.h"
+#include "shared.h"
+#include "watch.h"
+
+void cli_arrival_answered(struct pccd_client *client, struct cli_call *call)
+{
+    if (call->status == 0 && !call->recovery) {
+        cli_keep_answer(client, call);
+        if (client->keeps && call->method == PROTO_METHOD_FRAME_SUBMIT &&
+            call->slot != CLI_SLOT_NONE) {
+            cli_positions_answered(client, call->slot, call->step);
+        }
+    }
+    if (client->recorder != NULL) {
+        cli_record_answer(client, call);
+    }
+}
+
+void cli_arrival_notified(struct pccd_client *client,
+                          const struct proto_envelope *envelope)
+{
+    switch (envelope->method) {
+    case PROTO_NOTE_SCENE_STEP:
+        cli_shared_note(client, envelope);
+        break;
+    case PROTO_NOTE_SCENE_HELD:
+        cli_shared_held(client, envelope);
+        break;
+    case PROTO_NOTE_STEP:
+        cli_watch_take(client, envelope);
+        break;
+    default: /* of a newer protocol */
+        break;
+    }
+}

@@ -1,0 +1,323 @@
+/* connect.c - a client: options, connect, close, error text.
+ *
+ * Room:     client/lib. May include: client.h, rpc.h, attach.h, keep.h, launch.h, link.h.
+ * Does:     the public functions of pccd.h that make, describe and end a client.
+ * Does not: find daemons (link.c), start them (launch.c) or exchange messages (rpc.c).
+ * Threads:  [owner].
+ */
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "arrival.h"
+#include "attach.h"
+#include "client.h"
+#include "connection.h"
+#include "direct.h"
+#include "launch.h"
+#include "link.h"
+#include "page.h"
+#include "record.h"
+#include "records.h" /* asserts that the records have the layout of the wire */
+#include "recover.h"
+#include "seqpacket.h"
+#include "shared.h"
+#include "struct_size.h"
+#include "watch.h"
+
+#define CLI_TIMEOUT_MS     30000
+#define CLI_TIMEOUT_MS_MAX 3600000
+#define CLI_SPIN_US        50u
+#define CLI_SPIN_US_MAX    1000u
+#define CLI_SLOT_COUNT     4u
+#define CLI_RESULT_BYTES   (64ull << 20)
+#define CLI_RECONNECT_MS   10000
+
+const char *pccd_status_name(int status)
+{
+    return proto_status_name(status);
+}
+
+const char *pccd_status_text(int status)
+{
+    return proto_status_text(status);
+}
+
+#define CLI_STR_(x) #x
+#define CLI_STR(x)  CLI_STR_(x)
+
+const char *pccd_version(void)
+{
+    return CLI_STR(PCCD_VERSION_MAJOR) "." CLI_STR(PCCD_VERSION_MINOR) "." CLI_STR(
+        PCCD_VERSION_PATCH);
+}
+
+void pccd_options_init(struct pccd_options *options)
+{
+    if (options == NULL) {
+        return;
+    }
+    memset(options, 0, sizeof *options);
+    options->struct_bytes = sizeof *options;
+    options->timeout_ms = CLI_TIMEOUT_MS;
+    options->slot_count = CLI_SLOT_COUNT;
+    options->result_bytes = CLI_RESULT_BYTES;
+    /* With one CPU a spin only keeps the daemon from running. */
+    options->reconnect_ms = CLI_RECONNECT_MS;
+    options->spin_us = sysconf(_SC_NPROCESSORS_ONLN) > 1 ? CLI_SPIN_US : 0;
+}
+
+/* What no daemon has to be asked for. */
+static int check_options(struct pccd_client *client, const struct pccd_options *asked)
+{
+    if (asked->timeout_ms < 0 || asked->timeout_ms > CLI_TIMEOUT_MS_MAX) {
+        return cli_fail(client, PCCD_E_INVAL, "options.timeout_ms is %d, not 1 .. %d",
+                        asked->timeout_ms, CLI_TIMEOUT_MS_MAX);
+    }
+    if (asked->reconnect_ms > CLI_TIMEOUT_MS_MAX) {
+        return cli_fail(client, PCCD_E_INVAL, "options.reconnect_ms is %d, not up to %d",
+                        asked->reconnect_ms, CLI_TIMEOUT_MS_MAX);
+    }
+    if (asked->slot_count > PROTO_SLOTS_MAX) {
+        return cli_fail(client, PCCD_E_INVAL, "options.slot_count is %u, not 1 .. %u",
+                        asked->slot_count, PROTO_SLOTS_MAX);
+    }
+    if (asked->spin_us > CLI_SPIN_US_MAX) {
+        return cli_fail(client, PCCD_E_INVAL, "options.spin_us is %u, not 0 .. %u",
+                        asked->spin_us, CLI_SPIN_US_MAX);
+    }
+    if (asked->result_bytes != 0 && asked->result_bytes < PROTO_RESULT_BYTES_MIN) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "options.result_bytes is %llu, less than %u",
+                        (unsigned long long)asked->result_bytes, PROTO_RESULT_BYTES_MIN);
+    }
+    if (asked->slot_bytes != 0 && asked->slot_bytes < PROTO_SLOT_BYTES_MIN) {
+        return cli_fail(client, PCCD_E_INVAL, "options.slot_bytes is %llu, less than %u",
+                        (unsigned long long)asked->slot_bytes, PROTO_SLOT_BYTES_MIN);
+    }
+    if (asked->private_daemon && (asked->no_autostart || asked->url != NULL)) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "options.private_daemon excludes url and no_autostart");
+    }
+    return 0;
+}
+
+/* Check what the user asked for and fill in what was left open. */
+static int take_options(struct pccd_client *client, const struct pccd_options *asked,
+                        struct pccd_options *options)
+{
+    struct pccd_options known;
+    int status;
+
+    pccd_options_init(options);
+    if (asked == NULL) {
+        return 0;
+    }
+    status = cli_struct_read(client, "options", asked, &known, sizeof known);
+    if (status != 0) {
+        return status;
+    }
+    status = check_options(client, asked);
+    if (status != 0) {
+        return status;
+    }
+    options->url = asked->url;
+    options->daemon = asked->daemon;
+    options->name = asked->name;
+    options->no_autostart = asked->no_autostart;
+    options->private_daemon = asked->private_daemon;
+    options->no_keep = asked->no_keep;
+    options->daemons_max = asked->daemons_max;
+    options->slot_bytes = asked->slot_bytes;
+    options->unmap = asked->unmap;
+    options->unmap_context = asked->unmap_context;
+    if (asked->timeout_ms != 0) {
+        options->timeout_ms = asked->timeout_ms;
+    }
+    if (asked->reconnect_ms != 0) {
+        options->reconnect_ms = asked->reconnect_ms;
+    }
+    if (asked->slot_count != 0) {
+        options->slot_count = asked->slot_count;
+    }
+    if (asked->result_bytes != 0) {
+        options->result_bytes = asked->result_bytes;
+    }
+    if (asked->struct_bytes != 0) {
+        options->spin_us = asked->spin_us;
+    }
+    return 0;
+}
+
+/* Which way the options, or the environment, lead to a daemon. */
+static int choose_way(struct pccd_client *client, const struct pccd_options *options)
+{
+    struct cli_link *link = &client->link;
+    const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");
+
+    link->no_autostart = options->no_autostart;
+    link->patience_ns =
+        options->reconnect_ms < 0 ? 0 : (uint64_t)options->reconnect_ms * 1000000u;
+    link->daemons_max = options->daemons_max == 0  ? CLI_DAEMONS_MAX
+                        : options->daemons_max < 0 ? UINT32_MAX
+                                                   : (uint32_t)options->daemons_max;
+    if (options->name != NULL) {
+        (void)snprintf(link->name, sizeof link->name, "%s", options->name);
+    }
+    if (options->daemon != NULL) {
+        link->daemon = strdup(options->daemon);
+        if (link->daemon == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM, "no memory for a name");
+        }
+    }
+    bool is_direct = url != NULL && strcmp(url, CLI_DIRECT_URL) == 0;
+    if (options->private_daemon && !is_direct) {
+        link->way = CLI_WAY_PRIVATE;
+        return 0;
+    }
+    if (url == NULL || url[0] == '\0') {
+        link->way = CLI_WAY_USER;
+        return 0;
+    }
+    if (is_direct) { /* of the process alone, as a private daemon is */
+        link->way = CLI_WAY_DIRECT;
+        link->patience_ns = 0; /* it is never lost */
+        return 0;
+    }
+    link->way = CLI_WAY_URL;
+    if (strncmp(url, "unix:", 5) != 0 || url[5] == '\0') {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "url \"%.200s\" is neither unix:PATH nor direct:", url);
+    }
+    if (strlen(url + 5) >= CLI_SOCKET_BYTES) {
+        return cli_fail(client, PCCD_E_INVAL, "the path of \"%.200s\" is longer than %u",
+                        url, CLI_SOCKET_BYTES - 1);
+    }
+    memcpy(link->path, url + 5, strlen(url + 5) + 1);
+    return 0;
+}
+
+static int connect_any(struct pccd_client *client, const struct pccd_options *asked)
+{
+    struct pccd_options options;
+    int status = take_options(client, asked, &options);
+
+    if (status != 0) {
+        return status;
+    }
+    client->timeout_ms = options.timeout_ms;
+    client->spin_us = options.spin_us;
+    client->slots_chosen = asked != NULL && asked->slot_count != 0;
+    client->slot_count = options.slot_count;
+    client->slot_bytes = options.slot_bytes;
+    client->result_bytes = options.result_bytes;
+    client->unmap = (struct proto_unmap){options.unmap, options.unmap_context};
+    status = choose_way(client, &options);
+    if (status == 0) {
+        status = cli_link_first(client, cli_deadline(client, -1));
+    }
+    if (status == 0) {
+        /* A daemon that cannot be told the old handles cannot be told anything. */
+        client->link.is_established = true;
+        client->link.can_restore = client->link.patience_ns > 0 && !options.no_keep &&
+                                   (client->link.features & PROTO_FEATURE_RESUME) != 0;
+        client->keeps = client->link.can_restore;
+        status = cli_record_environment(client);
+    }
+    return status;
+}
+
+static const struct cli_upcalls upcalls = {.recover = cli_recover,
+                                           .answered = cli_arrival_answered,
+                                           .notified = cli_arrival_notified};
+
+int pccd_connect(const struct pccd_options *options, struct pccd_client **client)
+{
+    struct pccd_client *made;
+    int status;
+
+    if (client == NULL) {
+        return cli_fail(NULL, PCCD_E_INVAL, "client is NULL");
+    }
+    made = calloc(1, sizeof *made);
+    if (made == NULL) {
+        return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
+    }
+    made->upcalls = &upcalls;
+    made->socket = -1;
+    made->fds[0] = made->fds[1] = -1;
+    made->owner = getpid();
+    made->forks = cli_forks();
+    made->next_id = 1;
+    made->next_serial = 1;
+    made->next_step = 1;
+    made->page_first = made->page_end = 1;
+    made->ring.upload = made->ring.result = (struct proto_memory)PROTO_MEMORY_NONE;
+    made->decoder = proto_decoder_new();
+    status = made->decoder == NULL
+                 ? cli_fail(made, PCCD_E_NOMEM, "no memory for a decoder")
+                 : connect_any(made, options);
+    if (status != 0) {
+        (void)cli_fail(NULL, status, "%s", made->error);
+        pccd_close(made);
+        return status;
+    }
+    (void)cli_fail(NULL, 0, "%s", "");
+    made->error[0] = '\0';
+    *client = made;
+    return 0;
+}
+
+void pccd_close(struct pccd_client *client)
+{
+    if (client == NULL) {
+        return;
+    }
+    cli_record_close(client);
+    cli_link_bye(client);
+    cli_connection_close(client);
+    if (client->owner == getpid()) {
+        cli_launch_let_end(&client->child);
+    }
+    cli_page_deinit(client);
+    cli_ring_deinit(&client->ring);
+    registry_deinit(&client->registry);
+    cli_shared_deinit(client);
+    cli_watch_deinit(client);
+    if (client->owner == getpid()) {
+        cli_launch_stop(&client->child);
+    }
+    proto_decoder_free(client->decoder);
+    free(client->link.daemon);
+    free(client);
+}
+
+uint32_t pccd_daemon_pid(const struct pccd_client *client)
+{
+    return client != NULL ? client->pid : 0;
+}
+
+const char *pccd_daemon_cpu(const struct pccd_client *client)
+{
+    return client != NULL ? client->cpu : "";
+}
+
+const char *pccd_url(const struct pccd_client *client)
+{
+    return client != NULL ? client->url : "";
+}
+
+int pccd_link(const struct pccd_client *client, struct pccd_link_info *info)
+{
+    if (client == NULL || info == NULL) {
+        return PCCD_E_INVAL;
+    }
+    *info = client->link.info;
+    return 0;
+}

@@ -1,0 +1,143 @@
+/* connection.c - the connection to a daemon, until it is lost.
+ *
+ * Room:     client/lib. May include: connection.h, direct.h.
+ * Does:     what its end means for the calls that have no answer: each fails, or is held
+ *           for another connection.
+ * Does not: read (receive.c), write (rpc.c) or make connections (link.c, recover.c).
+ * Threads:  [owner].
+ */
+#include "connection.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "direct.h"
+
+void cli_fds_close(struct pccd_client *client)
+{
+    for (int i = 0; i < PROTO_FDS_MAX; i++) {
+        if (client->fds[i] >= 0) {
+            (void)close(client->fds[i]);
+        }
+        client->fds[i] = -1;
+    }
+}
+
+int cli_die(struct pccd_client *client)
+{
+    client->dead = true;
+    client->link.is_down = false;
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        struct cli_call *call = &client->calls[i];
+
+        call->held = false;
+        if (call->state == CLI_CALL_LOST) {
+            call->state = CLI_CALL_FREE;
+        }
+        if (call->state != CLI_CALL_SENT) {
+            continue;
+        }
+        call->state = CLI_CALL_DONE;
+        call->status = PCCD_E_DISCONNECTED;
+        call->page = 0;
+        memcpy(call->text, client->dead_text, sizeof call->text);
+    }
+    for (uint32_t i = 0; i < client->ring.slot_count; i++) {
+        if (client->ring.slots[i].state == CLI_SLOT_SENT) {
+            client->ring.slots[i].state = CLI_SLOT_FREE;
+            cli_slot_offer(&client->ring, i);
+        }
+    }
+    return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
+}
+
+/* Hold what has no answer, for another connection; what recover.c sent itself fails. */
+static void hold_calls(struct pccd_client *client)
+{
+    for (uint32_t i = 0; i < client->calls_end; i++) {
+        struct cli_call *call = &client->calls[i];
+        bool sent = call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST;
+
+        if (sent && !call->recovery) {
+            call->held = true;
+        } else if (call->state == CLI_CALL_LOST) {
+            call->state = CLI_CALL_FREE;
+        } else if (call->state == CLI_CALL_SENT) {
+            call->state = CLI_CALL_DONE;
+            call->status = PCCD_E_DISCONNECTED;
+            memcpy(call->text, client->dead_text, sizeof call->text);
+        }
+    }
+}
+
+void cli_hang_up(struct pccd_client *client)
+{
+    if (client->socket >= 0) {
+        (void)shutdown(client->socket, SHUT_RDWR); /* it may be over already */
+    }
+}
+
+int cli_lose(struct pccd_client *client, const char *why)
+{
+    struct cli_link *link = &client->link;
+
+    assert(!client->dead); /* it is lost once */
+    if (client->goaway == 0) {
+        (void)snprintf(client->dead_text, sizeof client->dead_text,
+                       "the daemon at %s is gone: %s", client->url, why);
+    }
+    /* A forked copy has no claim on the session. */
+    if (!link->is_established || link->patience_ns == 0 || client->owner != getpid()) {
+        return cli_die(client);
+    }
+    cli_hang_up(client);
+    hold_calls(client);
+    if (!link->is_recovering) {
+        link->lost_ns = common_now_ns();
+        link->retry_ns = link->lost_ns;
+        link->pause_ns = CLI_PAUSE_NS;
+        link->tries = 0;
+    }
+    link->is_down = true;
+    memcpy(client->error, client->dead_text, sizeof client->error);
+    return PCCD_E_DISCONNECTED;
+}
+
+int cli_alive(struct pccd_client *client)
+{
+    if (cli_is_copy(client) && !client->dead) {
+        (void)snprintf(client->dead_text, sizeof client->dead_text,
+                       "this process is a copy of the one that connected to the daemon "
+                       "at %s: it must connect itself",
+                       client->url);
+        return cli_die(client);
+    }
+    if (client->dead) {
+        return cli_fail(client, PCCD_E_DISCONNECTED, "%s", client->dead_text);
+    }
+    return 0;
+}
+
+void cli_connection_close(struct pccd_client *client)
+{
+    if (client->socket >= 0) {
+        (void)close(client->socket);
+    }
+    client->socket = -1;
+    cli_direct_close(client);
+    cli_fds_close(client);
+    memset(client->calls, 0, sizeof client->calls);
+    client->dead = false;
+    client->goaway = 0;
+}
+
+int pccd_fd(const struct pccd_client *client)
+{
+    if (client == NULL) {
+        return -1;
+    }
+    return client->direct.line != NULL ? cli_direct_descriptor(client) : client->socket;
+}

@@ -1,0 +1,22 @@
+/* submit.h - submits a step whose positions are written.
+ *
+ * Room:     client/lib, private. May include: client.h.
+ * Does:     declare the last part of frame.c, which writes the positions.
+ * Threads:  [owner].
+ */
+#ifndef CLI_SUBMIT_H
+#define CLI_SUBMIT_H
+
+#include "client.h"
+
+/* Whether another step can be submitted: 0, or PCCD_E_BUSY when CLI_STEPS answers wait to
+ * be taken, or too many pages wait to be released; or PCCD_E_DISCONNECTED. */
+int cli_step_check(struct pccd_client *client);
+
+/* Send frame.submit, which cli_step_check allows. A `slot` that is begun is published
+ * with it, and comes back with the answer, or at once on failure; CLI_SLOT_NONE: nothing
+ * moves. */
+int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
+                  const struct pccd_step_settings *settings, uint64_t *step);
+
+#endif

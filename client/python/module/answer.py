@@ -1,0 +1,128 @@
+"""answer.py - what a step found.
+
+Room:     client/python. May import: abi, library, values, numpy.
+Does:     struct pccd_answer itself, so that nothing is copied which nobody looks at, and
+          its records where they lie.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from ctypes import byref
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import abi
+from .abi import Mode
+from .library import PccdError, quick
+from .values import CONTACT, PAIR, StepCounters, StepTimes, hash_text
+
+_contacts: Any = abi.pccd_answer.contacts
+_pairs: Any = abi.pccd_answer.pairs
+_hash: Any = abi.pccd_answer.hash
+_tuning: Any = abi.pccd_answer.tuning
+_times: Any = abi.pccd_answer.times
+_counters: Any = abi.pccd_answer.counters
+_release = quick["pccd_answer_release"]  # without types: quicker
+_release.restype = None
+
+
+class Answer(abi.pccd_answer):
+    """The answer to one step. As a context manager it releases its records at the end.
+
+    step        its number, as submit gave it
+    error       None, or why the step failed: then nothing else is set, and positions are
+                as before
+    mode, method, incomplete (0: complete), verdict: enums
+    tuning      how the threads shared the work; "": one thread alone
+    count, first, cursor    records of this page, index of the first, and of the first
+                of the next page
+    total, possible, initial    records of the whole answer
+    counts      of these, by kind: answer.counts[Kind.VF]
+    toi_first   smallest toi; 2 without any record
+    number      of the step among all of its scene, from 1
+    hash        of all records: "2:", its version, and 32 hexadecimal digits
+    records     (count,) of CONTACT or PAIR: read-only, in the daemon's memory, and
+                meaningless after release(); contacts and pairs are the same by their kind
+    """
+
+    error: Optional[PccdError] = None
+    _client: Any = None
+    _records: Optional[NDArray[Any]] = None
+
+    @property
+    def records(self) -> NDArray[Any]:
+        """The records of this page; none after release()."""
+        if self._records is None:
+            dtype = PAIR if self.mode == Mode.PAIRS else CONTACT
+            address = _contacts.__get__(self) or _pairs.__get__(self)
+            if address is None:
+                return np.empty(0, dtype)
+            self._records = self._client._memory.array(address, dtype, self.count)
+        return self._records
+
+    @property
+    def contacts(self) -> NDArray[Any]:
+        """The records of any mode but PAIRS."""
+        return self.records if self.mode != Mode.PAIRS else np.empty(0, CONTACT)
+
+    @property
+    def pairs(self) -> NDArray[Any]:
+        """The records of mode PAIRS."""
+        return self.records if self.mode == Mode.PAIRS else np.empty(0, PAIR)
+
+    @property
+    def hash(self) -> str:
+        """Of all records of the answer."""
+        return hash_text(_hash.__get__(self))
+
+    @property
+    def tuning(self) -> str:
+        """How the threads shared the work, as StepSettings.tuning."""
+        return str(_tuning.__get__(self).decode())
+
+    @property
+    def times(self) -> Any:
+        """Nanoseconds of the phases: StepTimes."""
+        return StepTimes.of(_times.__get__(self))
+
+    @property
+    def counters(self) -> Any:
+        """What the step did: StepCounters."""
+        return StepCounters.of(_counters.__get__(self))
+
+    def release(self) -> None:
+        """Give the records back, in any order of answers. Copy before what is to stay."""
+        if self.count and self._client is not None:
+            self._records = None
+            _release(self._client._handle, byref(self))
+
+    def __enter__(self) -> Answer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.count:
+            self.release()
+
+    def __repr__(self) -> str:
+        if self.error is not None:
+            return f"<Answer to step {self.step}: {self.error}>"
+        what = "pairs" if self.mode == Mode.PAIRS else "contacts"
+        page = "" if self.count == self.total else f", {self.count} here"
+        first = f", the first at {self.toi_first:.6f}" if self.toi_first <= 1 else ""
+        return f"<Answer to step {self.step}: {self.total} {what}{page}{first}>"
+
+    def __del__(self) -> None:
+        if not self.count or self._client is None or not self._client._handle or \
+                not (_contacts.__get__(self) or _pairs.__get__(self)):
+            return
+        if self._records is not None and sys.getrefcount(self._records) > 2:
+            warnings.warn("an answer is gone, but not released, and its records are in "
+                          "use: their memory is lost to further answers",
+                          ResourceWarning)
+            return
+        # Any thread may get here, in the middle of a call: the client does it later.
+        self._client._dropped.append(abi.pccd_answer.from_buffer_copy(self))

@@ -1,0 +1,300 @@
+"""client.py - a connection, and the steps that it asks for.
+
+Room:     client/python. May import: everything beside it.
+Does:     connect and close; submit, wait, poll, fetch, cancel.
+Source:   client/lib/pccd.h says of each call what it does.
+"""
+
+from __future__ import annotations
+
+import collections
+import ctypes
+import math
+import os
+import sys
+import weakref
+from ctypes import byref
+from types import TracebackType
+from typing import Any, Deque, Iterator, Optional, Type
+
+from numpy.typing import ArrayLike
+
+from . import abi
+from .abi import Incomplete, Status
+from .answer import Answer
+from .frame import DEFAULT, Frame, Motions
+from .library import failure, lib, quick
+from .memory import Memory
+from .observe import Observe
+from .scenes import SLICE_MS
+from .values import LinkInfo, StepSettings, format_of, pack_vertices, refusal, u32
+
+# Of every step: without types, which makes a call quicker by half. Whatever is passed is
+# an int of 32 bits or an object of ctypes.
+_submit = ctypes.CDLL(lib._name)["pccd_submit"]
+_wait = ctypes.CDLL(lib._name)["pccd_wait"]
+ANSWER_BYTES = ctypes.sizeof(Answer)
+
+
+def _close(handle: ctypes.c_void_p, _memory: Memory) -> None:
+    """Of a client that is closed or gone; its memory's function is called meanwhile."""
+    value, handle.value = handle.value, None
+    lib.pccd_close(value)
+
+
+class Client(Observe):
+    """A connection to the daemon; made by connect(). As a context manager it closes
+    itself. Handles (of scenes, meshes, objects) are integers and stay the same when
+    another daemon takes over."""
+
+    def __init__(self, options: abi.pccd_options) -> None:
+        super().__init__(options.timeout_ms / 1000)
+        self._memory = Memory()
+        self._dropped: Deque[Any] = collections.deque()  # answers that nobody released
+        self._step = ctypes.c_uint64()
+        self._step_reference = byref(self._step)
+        self._slice_ms = min(SLICE_MS, options.timeout_ms)
+        self._motion = abi.pccd_motion()
+        options.unmap = self._memory.unmap
+        status = lib.pccd_connect(byref(options), byref(self._handle))
+        if status:
+            raise failure(None, status)
+        self._finalizer = weakref.finalize(self, _close, self._handle, self._memory)
+
+    def close(self) -> None:
+        """End the session; what the daemon holds for it is freed. Arrays of answers that
+        are still held stay readable."""
+        self._finalizer()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]],
+                 value: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Client of {self.url}>" if self._handle else "<Client, closed>"
+
+    def fileno(self) -> int:
+        """A descriptor to watch for readability in a loop of one's own; then poll()."""
+        return int(quick.pccd_fd(self._handle))
+
+    @property
+    def url(self) -> str:
+        """"unix:PATH" of the daemon, for other processes to connect to, or "direct:"."""
+        return os.fsdecode(quick.pccd_url(self._handle))
+
+    @property
+    def link_info(self) -> Any:
+        """What became of lost connections: LinkInfo."""
+        info = abi.pccd_link_info()
+        self._check(quick.pccd_link(self._handle, byref(info)))
+        return LinkInfo.of(info)
+
+    # -- answers --
+
+    def _new_answer(self) -> Answer:
+        """Room for one; what nobody holds any more is given back first."""
+        while self._dropped:
+            quick.pccd_answer_release(self._handle, byref(self._dropped.popleft()))
+        return Answer(ANSWER_BYTES)
+
+    def _finish(self) -> Answer:
+        """The answer to self._step, which nobody else can wait for."""
+        answer = self._new_answer() if self._dropped else Answer(ANSWER_BYTES)
+        try:
+            status = _wait(self._handle, self._step, self._slice_ms, byref(answer))
+            if status:
+                if status == Status.E_TIMEOUT:
+                    status = self._in_slices(lambda ms: lib.pccd_wait(
+                        self._handle, self._step, ms, byref(answer)), None)
+                self._check(status)
+        except BaseException:
+            lib.pccd_abandon(self._handle, self._step)
+            raise
+        answer._client = self
+        return answer
+
+    # -- steps --
+
+    def frame(self, scene: int, payload_bytes: int, segment_max: int = 1) -> Frame:
+        """Take a free slot for a step of up to segment_max segments and payload_bytes of
+        positions: 12 (float32) or 24 (float64) a vertex, twice that for both ends, 192
+        for a rigid segment. Waits for a slot while all are in flight. E_BUSY: all are
+        begun, 32 answers wait to be taken, or the ring must grow while frames are
+        begun."""
+        made = abi.pccd_frame()
+        self._check(lib.pccd_frame_begin(self._handle, u32("scene", scene),
+                                         u32("segment_max", segment_max),
+                                         int(payload_bytes), byref(made)))
+        return Frame(self, made)
+
+    def submit(self, scene: int, motions: Motions,
+               settings: StepSettings = DEFAULT) -> int:
+        """A step in which several objects move; its number."""
+        if scene.__class__ is not int or scene >> 32:
+            scene = u32("scene", scene)
+        status = _submit(self._handle, scene, motions._structs, motions._count,
+                         settings._as_parameter_, self._step_reference)
+        if status:
+            raise self._failure(status)
+        return self._step.value
+
+    def submit_still(self, scene: int, settings: StepSettings = DEFAULT) -> int:
+        """A step in which nothing moves; its number."""
+        self._check(lib.pccd_submit_still(self._handle, u32("scene", scene),
+                                          settings._as_parameter_, self._step_reference))
+        return self._step.value
+
+    def step(self, scene: int, motions: Motions,
+             settings: StepSettings = DEFAULT) -> Answer:
+        """The same as submit, and wait for the answer. On E_TIMEOUT the step is
+        abandoned."""
+        if scene.__class__ is not int or scene >> 32:
+            scene = u32("scene", scene)
+        status = _submit(self._handle, scene, motions._structs, motions._count,
+                         settings._as_parameter_, self._step_reference)
+        if status:
+            raise self._failure(status)
+        return self._finish()
+
+    def step_x1(self, scene: int, object: int, x1: ArrayLike,
+                settings: StepSettings = DEFAULT) -> Answer:
+        """Move one object to x1 (n, 3), all its vertices, and wait for the answer. On
+        E_TIMEOUT the step is abandoned."""
+        end = pack_vertices("x1", x1)
+        self._motion.x0 = None
+        return self._step_one(scene, object, end, settings)
+
+    def step_x0x1(self, scene: int, object: int, x0: ArrayLike, x1: ArrayLike,
+                  settings: StepSettings = DEFAULT) -> Answer:
+        """The same from x0 to x1, of one shape."""
+        begin, end = pack_vertices("x0", x0), pack_vertices("x1", x1)
+        if begin.shape != end.shape:
+            raise refusal(Status.E_INVAL, f"x0 is {begin.shape} and x1 {end.shape}")
+        if begin.dtype != end.dtype:
+            begin, end = begin.astype("f8"), end.astype("f8")
+        self._motion.x0 = begin.ctypes.data
+        return self._step_one(scene, object, end, settings)
+
+    def _step_one(self, scene: int, object: int, end: Any,
+                  settings: StepSettings) -> Answer:
+        motion = self._motion
+        motion.object = u32("object", object)
+        motion.count, motion.format = len(end), format_of(end.dtype)
+        motion.x1 = end.ctypes.data
+        status = _submit(self._handle, u32("scene", scene), byref(motion), 1,
+                         settings._as_parameter_, self._step_reference)
+        if status:
+            raise self._failure(status)
+        return self._finish()
+
+    def poll(self) -> Optional[Answer]:
+        """A finished answer, the oldest first, without waiting; None if there is none. A
+        step that failed is an answer, too: `error` says why."""
+        answer = self._new_answer()
+        status = lib.pccd_poll(self._handle, byref(answer))
+        if status == Status.E_AGAIN:
+            return None
+        self._check(status)
+        if answer.status:
+            answer.error = self._failure(answer.status)
+        answer._client = self
+        return answer
+
+    def wait(self, step: int, timeout: Optional[float] = None) -> Answer:
+        """The answer to a step; None: within the client's timeout. E_TIMEOUT: not yet,
+        and with timeout 0 E_AGAIN. Raises what the step failed with."""
+        answer = self._new_answer()
+        self._check(self._in_slices(lambda ms: lib.pccd_wait(
+            self._handle, int(step), ms, byref(answer)), timeout))
+        answer._client = self
+        return answer
+
+    def wait_held(self, step: int, timeout: Optional[float] = None) -> None:
+        """Wait until a frame that was committed with hold=True waits for another client's
+        step: the next step of the scene takes it along. Returns as well when it has been
+        answered. E_TIMEOUT, E_AGAIN; E_INVAL: no such step, or not to hold; E_VERSION:
+        the daemon does not tell."""
+        self._check(self._in_slices(lambda ms: lib.pccd_wait_held(
+            self._handle, int(step), ms), timeout))
+
+    def fetch(self, scene: int, step: int, cursor: int) -> Answer:
+        """The page that begins at `cursor`, of the answer to `step`, the last of `scene`.
+        Release the page at hand first when the region is full. E_STATE: the answer is
+        gone."""
+        answer = self._new_answer()
+        self._check(lib.pccd_fetch(self._handle, u32("scene", scene), int(step),
+                                   int(cursor), byref(answer)))
+        answer._client = self
+        return answer
+
+    def pages(self, scene: int, answer: Answer) -> Iterator[Answer]:
+        """An answer, then its further pages; each is released when the next is asked
+        for."""
+        page = answer
+        while True:
+            with page:
+                yield page
+            cursor = page.cursor
+            if page.incomplete != Incomplete.RESULT_FULL or cursor >= answer.total:
+                return
+            page = self.fetch(scene, answer.step, cursor)
+            if page.count == 0:
+                raise refusal(Status.E_BUSY, "no room in the result region: release "
+                              "answers first")
+
+    def cancel(self, step: int) -> None:
+        """Stop a submitted step: its answer comes with incomplete = CANCELLED, unless it
+        was done."""
+        self._check(lib.pccd_cancel(self._handle, int(step)))
+
+    def abandon(self, step: int) -> None:
+        """Nobody will ask for the answer: the step is stopped if that is still possible,
+        and its answer is dropped. Does not wait."""
+        lib.pccd_abandon(self._handle, int(step))
+
+
+def connect(url: Optional[str] = None, *, private: bool = False,
+            daemon: Optional[str] = None, autostart: bool = True,
+            name: Optional[str] = None, timeout: float = 30.0, slot_count: int = 0,
+            slot_bytes: int = 0, result_bytes: int = 0, spin_us: Optional[int] = None,
+            reconnect: float = 10.0, keep: bool = True, daemons_max: int = 4) -> Client:
+    """Connect to the daemon, or compute in this process.
+
+    url           "unix:PATH"; "direct:": no daemon, steps are computed in submit
+                  (pccd.h); None: $PCCD_URL, else the user's own socket, where a daemon
+                  is started when nobody listens
+    private       start a daemon of our own on a socket of our own, gone with us, whatever
+                  unix:PATH is in PCCD_URL
+    daemon        program to start; None: $PCCD_DAEMON, else pccdd installed or in $PATH
+    autostart     whether to start one at all
+    name          of this client, for the daemon's log; None: the program's
+    timeout       seconds, of every call that waits
+    slot_count    of the upload ring, 1 .. 16; 0 = 4
+    slot_bytes    payload of one slot; 0 = grown to what is needed
+    result_bytes  result region; 0 = 64 MiB
+    spin_us       spin before blocking, 0 .. 1000; None: 50, or 0 with one processor
+    reconnect     seconds to look for a daemon that was lost; 0: its loss is an error
+    keep          keep copies of meshes and positions for another daemon
+    daemons_max   a request over which so many daemons have ended fails
+    """
+    if reconnect < 0 or daemons_max < 1:
+        raise refusal(Status.E_INVAL, f"reconnect is {reconnect}, daemons_max "
+                      f"{daemons_max}")
+    options = abi.pccd_options()
+    lib.pccd_options_init(byref(options))
+    options.url = None if url is None else os.fsencode(url)
+    options.daemon = None if daemon is None else os.fsencode(daemon)
+    options.name = os.fsencode(os.path.basename(sys.argv[0]) or "python"
+                               if name is None else name)
+    options.timeout_ms = math.ceil(1000 * timeout) or -1  # 0 would be the default
+    options.reconnect_ms = math.ceil(1000 * reconnect) or -1
+    options.no_autostart, options.private_daemon = not autostart, private
+    options.no_keep, options.daemons_max = not keep, daemons_max
+    for what, value in (("slot_count", slot_count), ("slot_bytes", slot_bytes),
+                        ("result_bytes", result_bytes), ("spin_us", spin_us)):
+        if value is not None and (value or what == "spin_us"):
+            setattr(options, what, value)
+    return Client(options)

@@ -1,0 +1,227 @@
+"""scenes.py - meshes, scenes, objects, what these may meet, and who shares them.
+
+Room:     client/python. May import: abi, answer, library, values, numpy.
+Does:     a call of libpccd each; waits in parts, so that Ctrl-C ends them.
+Source:   client/lib/pccd.h says of each call what it does.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import time
+from ctypes import byref
+from typing import Any, Callable, Dict, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import abi
+from .abi import Quality, Share, Status, Tree
+from .answer import Answer
+from .library import PccdError, failure, lib
+from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, format_of,
+                     pack_triangles, pack_vertices, refusal, u32, with_size)
+
+SLICE_MS = 200  # of a wait: between two, Python sees to signals
+
+
+class Scenes:
+    """A connection with scenes; Client is all of it."""
+
+    def __init__(self, timeout: float) -> None:
+        self._handle = ctypes.c_void_p()
+        self._timeout = timeout
+        self._infos: Dict[int, Any] = {}  # of every mesh
+
+    def _failure(self, status: int) -> PccdError:
+        if not self._handle:
+            return refusal(Status.E_DISCONNECTED, "the client is closed")
+        return failure(self._handle, status)
+
+    def _check(self, status: int) -> None:
+        if status:
+            raise self._failure(status)
+
+    def _in_slices(self, call: Callable[[int], Any], timeout: Optional[float]) -> int:
+        """The status of a call with a timeout in milliseconds, in parts of it."""
+        left = 1000 * (self._timeout if timeout is None else max(0.0, timeout))
+        end = 1000 * time.monotonic() + left
+        while left > SLICE_MS:
+            status = int(call(SLICE_MS))
+            if status != Status.E_TIMEOUT:
+                return status
+            left = end - 1000 * time.monotonic()
+        return int(call(max(0 if timeout == 0 else 1, math.ceil(left))))
+
+    # -- meshes --
+
+    def mesh_create(self, x: ArrayLike, triangles: ArrayLike) -> int:
+        """Register a mesh, x: (n, 3) float32 or float64, triangles: (m, 3) vertex
+        indices. Copied. E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL."""
+        vertices, faces = pack_vertices("x", x), pack_triangles(triangles)
+        mesh, info = ctypes.c_uint32(), abi.pccd_mesh_info()
+        self._check(lib.pccd_mesh_create(
+            self._handle, vertices.ctypes.data, format_of(vertices.dtype), len(vertices),
+            faces.ctypes.data, len(faces), byref(mesh), byref(info)))
+        self._infos[mesh.value] = MeshInfo.of(info)
+        return mesh.value
+
+    def mesh_replace(self, mesh: int, x: ArrayLike, triangles: ArrayLike) -> Any:
+        """Give a mesh, and every object made of it, other vertices and triangles, at the
+        positions given here; on failure they go on as they were. Its MeshInfo."""
+        vertices, faces = pack_vertices("x", x), pack_triangles(triangles)
+        mesh, info = u32("mesh", mesh), abi.pccd_mesh_info()
+        self._check(lib.pccd_mesh_replace(
+            self._handle, mesh, vertices.ctypes.data, format_of(vertices.dtype),
+            len(vertices), faces.ctypes.data, len(faces), byref(info)))
+        self._infos[mesh] = MeshInfo.of(info)
+        return self._infos[mesh]
+
+    def mesh_info(self, mesh: int) -> Any:
+        """The MeshInfo of when the mesh was made or replaced last."""
+        if mesh not in self._infos:
+            raise refusal(Status.E_HANDLE, f"no mesh 0x{mesh:x}")
+        return self._infos[mesh]
+
+    def mesh_edges(self, mesh: int) -> NDArray[np.uint32]:
+        """The unique edges (edge_count, 2) in the order of the records' feature numbers:
+        vertex indices, the lower one first."""
+        edges = np.empty(self.mesh_info(mesh).edge_count, EDGE)
+        self._check(lib.pccd_mesh_edges(self._handle, u32("mesh", mesh),
+                                        edges.ctypes.data, len(edges)))
+        return edges.view(np.uint32).reshape(-1, 2)
+
+    def mesh_destroy(self, mesh: int) -> None:
+        """Drop a mesh; objects made of it stay."""
+        self._check(lib.pccd_mesh_destroy(self._handle, u32("mesh", mesh)))
+        self._infos.pop(mesh, None)
+
+    # -- scenes and objects --
+
+    def scene_create(self, quality: int = Quality.DEFAULT, rebuild_ratio: float = 0.0,
+                     rebuild_triangles_max: int = 0, *, name: Optional[str] = None,
+                     share: int = Share.CREATE, rights: int = 0,
+                     owner: Optional[int] = None) -> int:
+        """An empty scene. The first three say how its hierarchies are built and kept;
+        zeros are the defaults, and the answers never depend on any of it.
+
+        With a name the scene is shared with other clients of the daemon. share: make it
+        (E_STATE: there is one), make it unless there is one, or take part (E_AGAIN: there
+        is none yet). rights, of a scene that is made: who may take part, as a file's: 4
+        to read, 2 to write besides; 0 = 0o600. E_ACCESS: this user may not. Each user has
+        names of their own: with owner, the scene of that user is taken part in."""
+        if share not in (Share.CREATE, Share.OPEN, Share.ATTACH):
+            raise refusal(Status.E_INVAL, "scene.create: share is Share.CREATE, OPEN or "
+                          f"ATTACH, not {share!r}")
+        if name is None and (share or rights or owner is not None):
+            raise refusal(Status.E_INVAL, "scene.create: only a scene with a name has "
+                          "share, rights and owner")
+        if owner is not None and share != Share.ATTACH:
+            raise refusal(Status.E_INVAL, "scene.create: with an owner, share is "
+                          "Share.ATTACH: another user's scene is taken part in")
+        scene = ctypes.c_uint32()
+        text = None if name is None else name.encode()
+        if owner is not None:
+            self._check(lib.pccd_scene_join(self._handle, u32("owner", owner), text,
+                                            byref(scene)))
+            return scene.value
+        settings = with_size(abi.pccd_scene_settings(
+            quality=int(quality), rebuild_ratio=rebuild_ratio, name=text,
+            share=int(share),
+            rebuild_triangles_max=u32("rebuild_triangles_max", rebuild_triangles_max),
+            rights=u32("rights", rights)))
+        self._check(lib.pccd_scene_create(self._handle, byref(settings), byref(scene)))
+        return scene.value
+
+    def scene_destroy(self, scene: int) -> None:
+        """Drop a scene and its objects; leave it if it is shared."""
+        self._check(lib.pccd_scene_destroy(self._handle, u32("scene", scene)))
+
+    def scene_add(self, scene: int, mesh: int) -> int:
+        """An object: an instance of a mesh, at the mesh's registered positions."""
+        made = ctypes.c_uint32()
+        self._check(lib.pccd_scene_add(self._handle, u32("scene", scene),
+                                       u32("mesh", mesh), byref(made)))
+        return made.value
+
+    def scene_remove(self, scene: int, object: int) -> None:
+        """Drop an object."""
+        self._check(lib.pccd_scene_remove(self._handle, u32("scene", scene),
+                                          u32("object", object)))
+
+    def scene_boxes(self, scene: int, tree: Tree, level: int) -> NDArray[Any]:
+        """The boxes (BOX) of a level of a scene's hierarchies, the root being level 0,
+        as the last step that used the tree left them; none beyond the last level."""
+        boxes, count = np.empty(0, BOX), ctypes.c_uint32(1)
+        while True:
+            self._check(lib.pccd_scene_boxes(
+                self._handle, u32("scene", scene), int(tree), u32("level", level),
+                boxes.ctypes.data, len(boxes), byref(count)))
+            if count.value <= len(boxes):
+                return boxes[:count.value]
+            boxes = np.empty(count.value, BOX)
+
+    # -- what objects may meet --
+
+    def object_set(self, scene: int, object: int,
+                   **attributes: Optional[int]) -> ObjectSettings:
+        """Set those of ObjectSettings that are given, for steps submitted from then on,
+        and return all of them. E_HANDLE, E_VERSION; E_ACCESS: the object is another
+        client's."""
+        settings = with_size(abi.pccd_object_settings())
+        for name, value in attributes.items():
+            if name not in ObjectSettings._fields:
+                raise TypeError(f"an object has no attribute {name}")
+            if value is None:
+                continue
+            setattr(settings, name, int(value))
+            if getattr(settings, name) != value:  # cut off
+                raise refusal(Status.E_INVAL, f"{name} is {value}")
+            settings.what |= 1 << ObjectSettings._fields.index(name)
+        if settings.what:
+            self._check(lib.pccd_object_set(self._handle, u32("scene", scene),
+                                            u32("object", object), byref(settings)))
+        return self.object_get(scene, object)
+
+    def object_get(self, scene: int, object: int) -> ObjectSettings:
+        """What an object may meet, as it is."""
+        settings = with_size(abi.pccd_object_settings())
+        self._check(lib.pccd_object_get(self._handle, u32("scene", scene),
+                                        u32("object", object), byref(settings)))
+        return ObjectSettings(*(getattr(settings, name)
+                                for name in ObjectSettings._fields))
+
+    def pair_ignore(self, scene: int, object_a: int, object_b: int,
+                    ignored: bool = True) -> None:
+        """Have two objects ignore each other, or not any more. Removing either ends it.
+        E_LIMIT; E_ACCESS: neither is ours."""
+        self._check(lib.pccd_pair_ignore(self._handle, u32("scene", scene),
+                                         u32("object_a", object_a),
+                                         u32("object_b", object_b), bool(ignored)))
+
+    # -- scenes that clients share --
+
+    def scene_wait(self, scene: int, timeout: Optional[float] = None) -> Any:
+        """The last step that another client has made in a shared scene, once, as
+        SceneNews; steps may be left out, the last never is. None: none within the timeout
+        (seconds; None: the client's own, 0: without waiting)."""
+        scene, news = u32("scene", scene), abi.pccd_scene_news()
+        status = self._in_slices(
+            lambda ms: lib.pccd_scene_wait(self._handle, scene, ms, byref(news)), timeout)
+        if status in (Status.E_AGAIN, Status.E_TIMEOUT):
+            return None
+        self._check(status)
+        return SceneNews.of(news)
+
+    def scene_read(self, scene: int, number: int, cursor: int = 0) -> Answer:
+        """A page of the answer to step `number` of a shared scene, whoever made it, as
+        long as it is the last one (else E_STATE); to be released as any other."""
+        answer = self._new_answer()
+        self._check(lib.pccd_scene_read(self._handle, u32("scene", scene), int(number),
+                                        int(cursor), byref(answer)))
+        answer._client = self
+        return answer
+
+    def _new_answer(self) -> Answer:
+        raise NotImplementedError

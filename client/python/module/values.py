@@ -1,0 +1,182 @@
+"""values.py - what is told and asked besides arrays; arrays as the library wants them.
+
+Room:     client/python. May import: abi, library, numpy.
+Does:     the small types of the public interface. Their fields are those of the structs
+          of pccd.h, which says what each means.
+"""
+
+from __future__ import annotations
+
+import collections
+import ctypes
+import dataclasses
+from typing import Any, ClassVar, Dict, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from . import abi
+from .abi import Format, Method, Mode, Status
+from .library import PccdError
+
+CONTACT = np.dtype(abi.pccd_contact)
+PAIR = np.dtype(abi.pccd_pair)
+EDGE = np.dtype(abi.pccd_edge)
+BOX = np.dtype(abi.pccd_box)
+TRACE_EVENT = np.dtype(abi.pccd_trace_event)
+
+
+# ---- structs as tuples and dictionaries ----------------------------------------------
+
+def hash_text(hash: Any) -> str:
+    """Of the records of an answer, as `pccdctl check --json` writes it."""
+    return f"2:{hash[0]:016x}{hash[1]:016x}"
+
+
+def field(struct: Any, name: str) -> Any:
+    """A field: a hash as text, strings decoded, arrays as tuples."""
+    value = getattr(struct, name)
+    if name == "hash":
+        return hash_text(value)
+    if isinstance(value, ctypes.Array):
+        return tuple(value)
+    return value.decode(errors="replace") if isinstance(value, bytes) else value
+
+
+def as_dict(struct: Any) -> Dict[str, Any]:
+    return {name: field(struct, name) for name, _ in struct._fields_}
+
+
+def _tuple_of(name: str, struct: Any, doc: str) -> Any:
+    """A named tuple with the fields of a struct; its `of` makes one of a struct."""
+    fields = [key for key, _ in struct._fields_]
+    make: Any = collections.namedtuple
+    made = make(name, fields)
+    made.__doc__, made.__module__ = doc, "pccd"
+    made.of = staticmethod(lambda one: made._make(field(one, key) for key in fields))
+    return made
+
+
+DaemonInfo = _tuple_of("DaemonInfo", abi.pccd_daemon_info,
+                       "What was agreed on when connecting.")
+LinkInfo = _tuple_of("LinkInfo", abi.pccd_link_info, "What became of lost connections.")
+MeshInfo = _tuple_of("MeshInfo", abi.pccd_mesh_info,
+                     "What the daemon says of a mesh when it is made or replaced.")
+RecordInfo = _tuple_of("RecordInfo", abi.pccd_record_info, "How a recording goes.")
+SceneNews = _tuple_of("SceneNews", abi.pccd_scene_news,
+                      "The last step that another client has made in a shared scene.")
+Setting = _tuple_of("Setting", abi.pccd_setting,
+                    "A setting of the daemon that may change while it runs.")
+StepCounters = _tuple_of("StepCounters", abi.pccd_step_counters, "What a step did.")
+StepEvent = _tuple_of("StepEvent", abi.pccd_step_event,
+                      "A step of anybody's, as one who watches is told of it.")
+StepTimes = _tuple_of("StepTimes", abi.pccd_step_times,
+                      "Nanoseconds of a step's phases; rebuild: over all threads.")
+TraceInfo = _tuple_of("TraceInfo", abi.pccd_trace_info,
+                      "Of a recording of the daemon's threads.")
+
+
+class ObjectSettings(NamedTuple):
+    """The attributes of an object, in the order of ObjectWhat's bits. Two objects are
+    tested against each other if a.group & b.mask and b.group & a.mask have a bit in
+    common each, and the pair is not ignored; an object against itself if its
+    self_collision is on."""
+
+    group: int  # of 64 bits: the groups that it is in; at first 1
+    mask: int  # the groups that it may meet; at first all
+    self_collision: bool
+
+
+class Histogram(NamedTuple):
+    """How long steps or requests took since the daemon's start. counts[i] took less than
+    below_ns[i] and are in no bucket before; the last one counts the rest (inf)."""
+
+    total: int
+    ns_sum: int
+    below_ns: NDArray[np.float64]
+    counts: NDArray[np.uint64]
+
+
+@dataclasses.dataclass(frozen=True)
+class StepSettings:
+    """How a step is computed; all zeros are the defaults. Make one and use it often."""
+
+    mode: int = Mode.ALL
+    method: int = Method.DEFAULT
+    threads: int = 0  # at most; 0 = the daemon decides. The answer never depends on it
+    tuning: str = ""  # how the threads share the work, such as "scheduler=paper" (pccd.h)
+    tolerance: float = 0.0  # bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6
+    deadline_ns: int = 0  # after it the answer is incomplete; 0 = none
+    hold: bool = False  # in a shared scene: move with the next step of another client,
+    # which it is answered with, without records (scene_read has them); or at its
+    # deadline, or cancelled: then it goes along nevertheless
+
+    _as_parameter_: ClassVar[Any]  # the struct, for ctypes
+
+    def __post_init__(self) -> None:
+        made = with_size(abi.pccd_step_settings())
+        for name, given in vars(self).items():
+            value = given.encode() if isinstance(given, str) else given
+            setattr(made, name, value)
+            if getattr(made, name) != value:
+                raise refusal(Status.E_INVAL, f"settings.{name} is {given!r}")
+        object.__setattr__(self, "_struct", made)
+        object.__setattr__(self, "_as_parameter_", ctypes.byref(made))
+
+    def __reduce__(self) -> Any:
+        return StepSettings, dataclasses.astuple(self)
+
+
+# ---- arguments -----------------------------------------------------------------------
+
+def refusal(status: Status, text: str) -> PccdError:
+    """What is wrong before the library is asked."""
+    return PccdError(status, text)
+
+
+def with_size(struct: Any) -> Any:
+    """Say how large a struct is, where it wants to know."""
+    if hasattr(struct, "struct_bytes"):
+        struct.struct_bytes = ctypes.sizeof(struct)
+    return struct
+
+
+def u32(name: str, value: Any) -> int:
+    """A handle or a count, of numpy's too; ctypes would cut it off in silence."""
+    try:
+        number = value.__index__()
+    except AttributeError:
+        raise refusal(Status.E_INVAL, f"{name} is {value!r}, not an integer") from None
+    if not 0 <= number < 1 << 32:
+        raise refusal(Status.E_INVAL, f"{name} is {number}, not of 32 bits")
+    return int(number)
+
+
+def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
+    """(n, 3) float32 or float64, packed; anything else becomes float64."""
+    made = np.asarray(x)
+    dtype = np.float32 if made.dtype == np.float32 else np.float64
+    made = np.ascontiguousarray(made, dtype)
+    if made.ndim != 2 or made.shape[1] != 3 or len(made) == 0:
+        raise refusal(Status.E_INVAL, f"{name} has the shape {made.shape}, not (n, 3)")
+    return made
+
+
+def pack_triangles(triangles: ArrayLike) -> NDArray[np.uint32]:
+    made = np.asarray(triangles)
+    if made.ndim != 2 or made.shape[1] != 3 or len(made) == 0 or \
+            made.dtype.kind not in "iu":
+        raise refusal(Status.E_INVAL, f"triangles are {made.dtype} {made.shape}, not "
+                      "integers (m, 3)")
+    if made.dtype != np.uint32 and (made.min() < 0 or made.max() > 0xFFFFFFFF):
+        raise refusal(Status.E_INDEX, "a vertex index is negative or beyond 32 bits")
+    return np.ascontiguousarray(made, np.uint32)
+
+
+def format_of(dtype: DTypeLike) -> int:
+    wanted = np.dtype(dtype)
+    if wanted == np.float32:
+        return int(Format.F32)
+    if wanted == np.float64:
+        return int(Format.F64)
+    raise refusal(Status.E_INVAL, f"coordinates are float32 or float64, not {wanted}")

@@ -1,0 +1,24 @@
+/* answer_hash.h - computes the hash of an answer from its records, to check the hash that
+ * the daemon sent.
+ *
+ * Room:     client/record. May include: pccd_types.h.
+ * Does:     compute both versions (proto/PROTOCOL.md, "The hash of an answer"). A
+ *           recording is checked by the version that it was made with, whatever version
+ *           daemons have today.
+ * Does not: share code with the engine.
+ * Threads:  [any].
+ */
+#ifndef RECORD_ANSWER_HASH_H
+#define RECORD_ANSWER_HASH_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+/* hash[0] high, hash[1] low, of all records of an answer, in their order; `version` is 1
+ * or 2. Not for mode any: its hash is that of the verdict, in both versions. */
+void record_answer_hash(uint32_t version, const void *records, uint64_t count,
+                        size_t record_bytes, uint64_t hash[2]);
+
+#endif

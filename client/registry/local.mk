@@ -1,0 +1,14 @@
+# client/registry/local.mk - what a client has told a daemon, for those who tell it another.
+
+noinst_LTLIBRARIES += libregistry.la
+
+libregistry_la_SOURCES = \
+    client/registry/registry.c \
+    client/registry/registry.h \
+    client/registry/registry_pairs.c \
+    client/registry/registry_pairs.h \
+    client/registry/registry_positions.c \
+    client/registry/registry_positions.h \
+    client/registry/registry_types.h
+registry_cppflags = -iquote $(top_srcdir)/client/registry
+libregistry_la_CPPFLAGS = $(AM_CPPFLAGS) $(registry_cppflags)

@@ -1,0 +1,352 @@
+/* registry.c - what a client has told a daemon: meshes, scenes and the objects in them.
+ *
+ * Room:     client/registry. May include: registry.h, registry_positions.h.
+ * Does:     lists of meshes and scenes, which are few; a sorted array of the objects of a
+ *           scene, which may be many.
+ * Threads:  [owner].
+ */
+#include "registry.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "coordinates.h"
+#include "registry_positions.h"
+
+#define OBJECTS_MIN 8u /* room of a scene's first */
+
+/* ---- meshes ------------------------------------------------------------------------ */
+
+void registry_mesh_free(struct registry_mesh *mesh)
+{
+    if (mesh != NULL) {
+        free(mesh->x);
+        free(mesh->triangles);
+        free(mesh->edges);
+        free(mesh);
+    }
+}
+
+struct registry_mesh *registry_mesh_copy(const void *x, uint32_t format,
+                                         uint32_t vertex_count, const void *triangles,
+                                         uint32_t triangle_count)
+{
+    size_t x_bytes = vertex_count * common_vertex_bytes(format);
+    size_t triangle_bytes = triangle_count * sizeof(uint32_t[3]);
+    struct registry_mesh *made = calloc(1, sizeof *made);
+
+    if (made == NULL) {
+        return NULL;
+    }
+    made->format = format;
+    made->vertex_count = vertex_count;
+    made->triangle_count = triangle_count;
+    made->x = malloc(x_bytes);
+    made->triangles = malloc(triangle_bytes);
+    if (made->x == NULL || made->triangles == NULL) {
+        registry_mesh_free(made);
+        return NULL;
+    }
+    memcpy(made->x, x, x_bytes);
+    memcpy(made->triangles, triangles, triangle_bytes);
+    return made;
+}
+
+struct registry_mesh *registry_mesh(const struct registry *registry, uint32_t handle)
+{
+    struct registry_mesh *mesh = registry->meshes;
+
+    while (mesh != NULL && (mesh->handle != handle || mesh->is_destroyed)) {
+        mesh = mesh->next;
+    }
+    return mesh;
+}
+
+/* The last: the order in which they were made. */
+static void append_mesh(struct registry *registry, struct registry_mesh *mesh)
+{
+    struct registry_mesh **link = &registry->meshes;
+
+    while (*link != NULL) {
+        link = &(*link)->next;
+    }
+    mesh->next = NULL;
+    *link = mesh;
+}
+
+/* Forget a mesh that was destroyed, once no object is made of it any more. */
+static void settle_mesh(struct registry *registry, struct registry_mesh *mesh)
+{
+    struct registry_mesh **link = &registry->meshes;
+
+    if (!mesh->is_destroyed || mesh->object_count > 0) {
+        return;
+    }
+    while (*link != mesh) {
+        assert(*link != NULL);
+        link = &(*link)->next;
+    }
+    *link = mesh->next;
+    registry_mesh_free(mesh);
+}
+
+void registry_destroy_mesh(struct registry *registry, struct registry_mesh *mesh)
+{
+    assert(!mesh->is_destroyed);
+    mesh->is_destroyed = true;
+    settle_mesh(registry, mesh);
+}
+
+/* ---- scenes ------------------------------------------------------------------------ */
+
+struct registry_scene *registry_scene(const struct registry *registry, uint32_t handle)
+{
+    struct registry_scene *scene = registry->scenes;
+
+    while (scene != NULL && scene->handle != handle) {
+        scene = scene->next;
+    }
+    return scene;
+}
+
+struct registry_scene *registry_add_scene(struct registry *registry, uint32_t handle,
+                                          const struct registry_settings *settings)
+{
+    struct registry_scene **link = &registry->scenes;
+    struct registry_scene *made = calloc(1, sizeof *made);
+
+    if (made == NULL) {
+        return NULL;
+    }
+    while (*link != NULL) {
+        assert((*link)->handle != handle);
+        link = &(*link)->next;
+    }
+    made->handle = handle;
+    made->settings = *settings;
+    *link = made;
+    return made;
+}
+
+/* What an object has of its own; its mesh goes with the last one. */
+static void empty_object(struct registry *registry, struct registry_object *object)
+{
+    registry_free_positions(object);
+    assert(object->mesh->object_count > 0);
+    object->mesh->object_count--;
+    settle_mesh(registry, object->mesh);
+}
+
+void registry_remove_scene(struct registry *registry, struct registry_scene *scene)
+{
+    struct registry_scene **link = &registry->scenes;
+
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        empty_object(registry, &scene->objects[i]);
+    }
+    while (*link != scene) {
+        assert(*link != NULL);
+        link = &(*link)->next;
+    }
+    *link = scene->next;
+    registry_pairs_deinit(&scene->ignored);
+    free(scene->objects);
+    free(scene);
+}
+
+/* ---- objects ----------------------------------------------------------------------- */
+
+/* Index of the first object whose handle is not less. */
+static uint32_t object_index(const struct registry_scene *scene, uint32_t handle)
+{
+    uint32_t first = 0;
+    uint32_t end = scene->object_count;
+
+    if (end > 0 && scene->objects[end - 1].handle < handle) {
+        return end; /* as they come, most often */
+    }
+    while (first < end) {
+        uint32_t middle = first + (end - first) / 2;
+
+        if (scene->objects[middle].handle < handle) {
+            first = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return first;
+}
+
+struct registry_object *registry_object(const struct registry_scene *scene,
+                                        uint32_t handle)
+{
+    uint32_t index = object_index(scene, handle);
+
+    return index < scene->object_count && scene->objects[index].handle == handle
+               ? &scene->objects[index]
+               : NULL;
+}
+
+static int make_room(struct registry_scene *scene)
+{
+    uint32_t room = scene->object_room == 0 ? OBJECTS_MIN : scene->object_room * 2;
+    struct registry_object *objects;
+
+    if (scene->object_count < scene->object_room) {
+        return 0;
+    }
+    objects = realloc(scene->objects, room * sizeof *objects);
+    if (objects == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    scene->objects = objects;
+    scene->object_room = room;
+    return 0;
+}
+
+struct registry_object *registry_add_object(struct registry_scene *scene,
+                                            struct registry_mesh *mesh, uint32_t handle,
+                                            uint64_t step)
+{
+    struct registry_object *object;
+    uint32_t index;
+
+    if (make_room(scene) != 0) {
+        return NULL;
+    }
+    index = object_index(scene, handle);
+    object = scene->objects + index;
+    assert(index == scene->object_count || object->handle != handle);
+    memmove(object + 1, object, (scene->object_count - index) * sizeof *object);
+    *object = (struct registry_object){.handle = handle,
+                                       .mesh = mesh,
+                                       .since = step,
+                                       .attributes = COMMON_ATTRIBUTES_AT_FIRST};
+    scene->object_count++;
+    mesh->object_count++;
+    return object;
+}
+
+struct registry_object *registry_put_guest(struct registry *registry,
+                                           struct registry_scene *scene, uint32_t handle,
+                                           struct registry_mesh *copy)
+{
+    struct registry_object *object = registry_object(scene, handle);
+
+    if (object == NULL) {
+        object = registry_add_object(scene, copy, handle, 0);
+        if (object == NULL) {
+            return NULL;
+        }
+    } else {
+        empty_object(registry, object);
+        object->placing = REGISTRY_AS_REGISTERED;
+        object->mesh = copy;
+        copy->object_count = 1;
+    }
+    copy->is_destroyed = true; /* it goes with the object */
+    append_mesh(registry, copy);
+    return object;
+}
+
+void registry_remove_object(struct registry *registry, struct registry_scene *scene,
+                            struct registry_object *object)
+{
+    assert(object >= scene->objects && object < scene->objects + scene->object_count);
+    registry_pairs_forget(&scene->ignored, object->handle);
+    empty_object(registry, object);
+    scene->object_count--;
+    memmove(object, object + 1,
+            (size_t)(scene->objects + scene->object_count - object) * sizeof *object);
+}
+
+/* ---- a mesh, with the objects that are made of it ---------------------------------- */
+
+/* Objects of a mesh that was replaced stand where the new one was registered; one without
+ * memory for that goes, rather than to have arrays of the old size. */
+static int reset_objects(struct registry *registry, const struct registry_mesh *mesh,
+                         uint64_t step)
+{
+    int status = 0;
+
+    for (struct registry_scene *scene = registry->scenes; scene != NULL;
+         scene = scene->next) {
+        for (uint32_t i = scene->object_count; i-- > 0;) {
+            struct registry_object *object = &scene->objects[i];
+
+            if (object->mesh == mesh && registry_reset(object, step) != 0) {
+                registry_remove_object(registry, scene, object);
+                status = PCCD_E_NOMEM;
+            }
+        }
+    }
+    return status;
+}
+
+int registry_put_mesh(struct registry *registry, uint32_t handle,
+                      struct registry_mesh *copy, uint64_t step)
+{
+    struct registry_mesh *mesh = registry_mesh(registry, handle);
+
+    assert(copy->object_count == 0 && copy->edges == NULL);
+    if (mesh == NULL) {
+        copy->handle = handle;
+        append_mesh(registry, copy);
+        return 0;
+    }
+    free(mesh->x);
+    free(mesh->triangles);
+    free(mesh->edges);
+    mesh->format = copy->format;
+    mesh->vertex_count = copy->vertex_count;
+    mesh->triangle_count = copy->triangle_count;
+    mesh->x = copy->x;
+    mesh->triangles = copy->triangles;
+    mesh->edges = NULL;
+    free(copy);
+    return reset_objects(registry, mesh, step);
+}
+
+/* ---- what may meet ----------------------------------------------------------------- */
+
+void registry_set_object(struct registry_object *object, uint32_t what,
+                         const struct common_attributes *given)
+{
+    object->what |= what;
+    common_attributes_set(&object->attributes, what, given);
+}
+
+bool registry_is_filtered(const struct registry_scene *scene)
+{
+    bool any = scene->ignored.count > 0;
+
+    for (uint32_t i = 0; i < scene->object_count && !any; i++) {
+        any = scene->objects[i].what != 0;
+    }
+    return any;
+}
+
+bool registry_may_meet(const struct registry_scene *scene,
+                       const struct registry_object *a, const struct registry_object *b)
+{
+    if (a == b) {
+        return a->attributes.self_collision;
+    }
+    return (a->attributes.group & b->attributes.mask) != 0 &&
+           (b->attributes.group & a->attributes.mask) != 0 &&
+           !registry_pairs_has(&scene->ignored, a->handle, b->handle);
+}
+
+void registry_deinit(struct registry *registry)
+{
+    while (registry->scenes != NULL) {
+        registry_remove_scene(registry, registry->scenes);
+    }
+    while (registry->meshes != NULL) {
+        struct registry_mesh *mesh = registry->meshes;
+
+        registry->meshes = mesh->next;
+        registry_mesh_free(mesh);
+    }
+}

@@ -1,0 +1,83 @@
+/* registry_types.h - the structs of a registry: meshes, scenes and objects.
+ *
+ * Room:     client/registry. May include: object_attributes.h, proto_limits.h,
+ *           registry_pairs.h.
+ * Does:     be read by the code that tells a daemon of them, or looks at the steps of a
+ *           recording; registry.h and registry_positions.h change them.
+ * Threads:  [owner].
+ */
+#ifndef REGISTRY_TYPES_H
+#define REGISTRY_TYPES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "object_attributes.h"
+#include "proto_limits.h"
+#include "registry_pairs.h"
+
+/* Vertices and triangles as they were registered. */
+struct registry_mesh {
+    struct registry_mesh *next; /* registered later */
+    uint32_t handle;
+    uint32_t made_handle;  /* the one that another daemon gave it, for whoever tells it */
+    uint32_t object_count; /* made of it */
+    bool is_destroyed;     /* but objects are left */
+    uint32_t format;       /* enum pccd_format */
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t edge_count;
+    void *x; /* [vertex_count][3] */
+    uint32_t (*triangles)[3];
+    uint32_t (*edges)[2]; /* as records number them; NULL: nobody has asked yet */
+};
+
+enum registry_placing {
+    REGISTRY_AS_REGISTERED = 0, /* where the mesh was registered */
+    REGISTRY_RIGID,             /* the same, transformed by `m` */
+    REGISTRY_FREELY             /* at `x`, or `x1` */
+};
+
+struct registry_object {
+    uint32_t handle;
+    struct registry_mesh *mesh;
+    enum registry_placing placing;
+    uint32_t format; /* of x */
+    void *x;         /* [vertex_count][3]; NULL: none yet */
+    double (*x0)[3]; /* at the start of the last step, and at its end; NULL: both ends */
+    double (*x1)[3]; /* are not followed (registry_positions.h) */
+    double m[12];
+    uint64_t since; /* what steps before this one said of its place counts no more */
+    uint32_t what;  /* enum pccd_object_what: that was ever set, of the next */
+    struct common_attributes attributes;
+};
+
+/* Of a scene, as when it was made. */
+struct registry_settings {
+    double rebuild_ratio;
+    uint32_t quality;
+    uint32_t rebuild_triangles_max;
+    uint32_t share; /* enum pccd_share */
+    uint32_t rights;
+    uint32_t owner;
+    char name[PROTO_STR_MAX + 1]; /* "": clients do not share it */
+};
+
+struct registry_scene {
+    struct registry_scene *next; /* made later */
+    uint32_t handle;
+    struct registry_settings settings;
+    struct registry_object *objects; /* in the order of their handles */
+    uint32_t object_count;
+    uint32_t object_room;
+    struct registry_pairs ignored;
+};
+
+/* All zero: nothing was told. */
+struct registry {
+    struct registry_mesh *meshes; /* in the order in which they were registered */
+    struct registry_scene *scenes;
+};
+
+#endif

@@ -1,0 +1,181 @@
+/* daemon/engine/answer.c - from what the workers found to the answer of a step.
+ *
+ * Room:     engine.
+ * Does:     keep what the mode wants, merge it, decide.
+ * Threads:  answer.h.
+ */
+#include "answer.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "clock.h"
+#include "wait.h"
+
+/* Mode first: of what was found before the bound had shrunk to its last value, keep what
+ * may attain the earliest time. */
+static void keep_earliest(struct eng_found *found, double bound)
+{
+    found->count = 0;
+    for (struct eng_block *block = found->first; block; block = block->next) {
+        struct pccd_contact *contacts = (void *)block->data;
+        uint32_t kept = 0;
+        for (uint32_t i = 0; i < block->count; i++) {
+            if (contacts[i].toi <= bound) {
+                contacts[kept++] = contacts[i];
+            }
+        }
+        block->count = kept;
+        found->count += kept;
+    }
+}
+
+/* A step that was stopped is answered soon: of what a thread has found it keeps as many
+ * records as are merged in a millisecond. Which ones is as arbitrary as the moment. One
+ * that would be late with all of them is stopped here. Measured: 50 ns a record to merge
+ * with what else follows. */
+#define LATE_RECORDS  8192u
+#define NS_PER_RECORD 80u
+
+static void keep_in_time(struct eng_worker *worker, uint32_t threads)
+{
+    uint64_t count = worker->found.count;
+    if (count > LATE_RECORDS / threads &&
+        eng_worker_is_late(worker, count * NS_PER_RECORD)) {
+        eng_found_keep(&worker->found, LATE_RECORDS / threads);
+    }
+}
+
+static enum pccd_verdict verdict_of(const struct eng_team *team, bool complete)
+{
+    uint64_t proved = 0;
+    uint64_t possible = 0;
+    for (uint32_t i = 0; i < team->count; i++) {
+        proved += team->workers[i]->proved_seen;
+        possible += team->workers[i]->possible_seen;
+    }
+    if (proved > 0) {
+        return PCCD_VERDICT_YES;
+    }
+    if (!complete) {
+        return PCCD_VERDICT_NONE;
+    }
+    return possible > 0 ? PCCD_VERDICT_POSSIBLE : PCCD_VERDICT_NO;
+}
+
+static void decide(const struct eng_team *team, struct eng_step_result *result)
+{
+    uint32_t verdict = verdict_of(team, result->incomplete == PCCD_COMPLETE);
+    result->verdict = (enum pccd_verdict)verdict;
+    if (verdict == PCCD_VERDICT_YES) {
+        result->incomplete = PCCD_COMPLETE; /* decided, whatever came after */
+    }
+    eng_hash_verdict(verdict, result->hash);
+}
+
+int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team)
+{
+    assert(team->count >= 1 && team->workers[0]);
+    struct eng_found *lists[ENG_THREADS_MAX];
+    for (uint32_t i = 0; i < team->count; i++) {
+        lists[i] = &team->workers[i]->found;
+    }
+    int status = eng_merge_begin(&memory->merge, lists, team->count, &memory->sorted);
+    eng_merge_set_cancel(&memory->merge, team->workers[0]->settings->cancel);
+    return status;
+}
+
+/* A part of the merge that began at `begin_ns` is done. */
+static void end_part(struct eng_worker *worker, uint64_t begin_ns)
+{
+    worker->record.merge_ns += common_now_ns() - begin_ns;
+    eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns, 0, 0);
+}
+
+void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,
+                        struct eng_worker *worker)
+{
+    struct eng_merge *merge = &memory->merge;
+    if (worker->settings->mode == PCCD_MODE_ANY) {
+        return;
+    }
+    if (worker->settings->mode == PCCD_MODE_FIRST) {
+        eng_wait_for_all(worker); /* the bound is final when all have searched */
+        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    }
+    uint64_t begin_ns = common_now_ns();
+    keep_in_time(worker, team->count);
+    eng_merge_survey(merge, team->count, worker->thread);
+    end_part(worker, begin_ns);
+    eng_wait_for_all(worker);
+    if (eng_merge_is_shared(merge)) {
+        begin_ns = common_now_ns();
+        eng_merge_divide(merge, worker->thread);
+        end_part(worker, begin_ns);
+        eng_wait_for_all(worker);
+        begin_ns = common_now_ns();
+        eng_merge_finish(merge, worker->thread);
+        end_part(worker, begin_ns);
+    }
+}
+
+static int collect(struct eng_step_memory *memory, const struct eng_team *team,
+                   struct eng_step_result *result)
+{
+    struct eng_merge *merge = &memory->merge;
+    struct eng_counts counts;
+    bool overflowed = false;
+    if (result->mode == PCCD_MODE_FIRST && team->count == 1) {
+        struct eng_worker *worker = team->workers[0];
+        keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
+    }
+    if (team->count == 1) {
+        keep_in_time(team->workers[0], 1);
+        result->incomplete = (enum pccd_incomplete)atomic_load_explicit(
+            &team->workers[0]->stop->reason, memory_order_relaxed);
+    }
+    int status = eng_merge_end(merge, &counts);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (uint32_t i = 0; i < team->count; i++) {
+        overflowed |= team->workers[i]->found.overflowed;
+    }
+    overflowed |= merge->kept < merge->total;
+    if (eng_merge_is_given_up(merge)) {
+        result->incomplete = PCCD_INCOMPLETE_CANCELLED;
+    }
+    if (overflowed && result->incomplete == PCCD_COMPLETE) {
+        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+    }
+    result->records = memory->sorted.data;
+    result->count = memory->sorted.count;
+    memcpy(result->counts, counts.kind, sizeof counts.kind);
+    result->possible = counts.possible;
+    result->initial = counts.initial;
+    result->toi_first = counts.toi_first;
+    eng_hash_end(counts.hash, result->count, result->hash);
+    return PCCD_OK;
+}
+
+void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
+                    struct eng_step_result *result)
+{
+    memory->sorted.count = 0;
+    if (result->mode == PCCD_MODE_ANY) {
+        decide(team, result);
+    } else if (collect(memory, team, result) != PCCD_OK) {
+        /* No memory to sort: an empty page that says it is not the whole answer. */
+        eng_answer_nothing(result);
+        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+    }
+}
+
+void eng_answer_nothing(struct eng_step_result *result)
+{
+    if (result->mode == PCCD_MODE_ANY) {
+        eng_hash_verdict(PCCD_VERDICT_NONE, result->hash);
+    } else {
+        eng_hash_end(0, 0, result->hash);
+    }
+}

@@ -1,0 +1,33 @@
+/* daemon/engine/answer.h - turns what the threads of a step have found into the answer of
+ * the step.
+ *
+ * Room:     engine. May include: step_memory.h, team.h.
+ * Does:     bring the records of all threads into one list in canonical order, hash it
+ *           and count it.
+ * Threads:  begin: [compute], when the workers are ready; by_team: [team], each thread
+ *           when it has searched; end: [compute], after the parallel region or without.
+ */
+#ifndef ENG_ANSWER_H
+#define ENG_ANSWER_H
+
+#include "step_memory.h"
+#include "team.h"
+
+/* PCCD_E_NOMEM. */
+int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team);
+
+/* The thread's share: `worker` is its own. Fills in record.merge_ns; waits for the others
+ * once, or twice if there is much to merge, and in mode first once more. */
+void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,
+                        struct eng_worker *worker);
+
+/* Fill in records, counts, verdict, hash and, where records were lost, `incomplete`;
+ * result->mode, record_bytes, toi_first and incomplete are set already. Without memory to
+ * sort the answer is empty and incomplete. */
+void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
+                    struct eng_step_result *result);
+
+/* The hash of an answer without records and without a verdict. [any] */
+void eng_answer_nothing(struct eng_step_result *result);
+
+#endif

@@ -1,0 +1,71 @@
+/* daemon/engine/base/box_frame.h - the local coordinates in which the boxes of an object
+ * are stored, so that single precision suffices far from the origin.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     hold the exact bounds of points, and a frame: an origin at each end of the
+ *           step and a scale.
+ * Threads:  [any]; inline only.
+ *
+ * Example: a car of 5 m stands at x = 10^7 m. Floats are 1 m apart there, so all boxes of
+ * the car would be the same box. Measured from an origin near the car, floats are 10^-7 m
+ * apart.
+ */
+#ifndef ENG_FRAME_H
+#define ENG_FRAME_H
+
+#include <math.h>
+
+/* The exact bounds of points along each axis. Of no points: low > high. */
+struct eng_bounds {
+    double low[3];
+    double high[3];
+};
+
+#define ENG_NO_BOUNDS                                                                    \
+    {                                                                                    \
+        {INFINITY, INFINITY, INFINITY},                                                  \
+        {                                                                                \
+            -INFINITY, -INFINITY, -INFINITY                                              \
+        }                                                                                \
+    }
+
+/* The longest side. */
+static inline double eng_bounds_size(const struct eng_bounds *bounds)
+{
+    return fmax(fmax(bounds->high[0] - bounds->low[0], bounds->high[1] - bounds->low[1]),
+                bounds->high[2] - bounds->low[2]);
+}
+
+static inline void eng_bounds_unite(struct eng_bounds *bounds,
+                                    const struct eng_bounds *other)
+{
+    for (int k = 0; k < 3; k++) {
+        bounds->low[k] = fmin(bounds->low[k], other->low[k]);
+        bounds->high[k] = fmax(bounds->high[k], other->high[k]);
+    }
+}
+
+/* A coordinate x along axis k at end e (0: t = 0, 1: t = 1) is measured as
+ * (x - origin[4 e + k]) scale; the fourth of each end is 0. The scale is a power of two,
+ * 1 or more. */
+struct eng_frame {
+    double origin[8];
+    double scale;
+};
+
+/* A coordinate at t = 1, for what needs no certainty, like the order of features. */
+static inline double eng_frame_at(const struct eng_frame *frame, double x, int axis)
+{
+    return (x - frame->origin[4 + axis]) * frame->scale;
+}
+
+/* What the rounded difference a - b leaves out: both together are a - b exactly (Knuth's
+ * two-sum). */
+static inline double eng_rest_of_difference(double a, double b)
+{
+    double difference = a - b;
+    double subtracted = difference - a; /* about -b */
+    return (a - (difference - subtracted)) + (-b - subtracted);
+}
+
+#endif

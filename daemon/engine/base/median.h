@@ -1,0 +1,45 @@
+/* daemon/engine/base/median.h - splits a list of items into two halves at the median of
+ * one coordinate, as builders of trees do.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     partially sort items by one coordinate of their centroids.
+ * Threads:  [any]; no allocation.
+ * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile
+ *           input).
+ */
+#ifndef ENG_MEDIAN_H
+#define ENG_MEDIAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct eng_split_item {
+    float centroid[3];
+    uint32_t id; /* triangle, or root node of an object; distinct within a list */
+};
+
+/* Reorder items[count] so that none of the first `middle` comes after any of the rest
+ * along `axis` (0 .. 2); equal centroids are ordered by id, so the halves are the same
+ * sets whatever the order was. O(count) as a rule, O(count log count) at worst. */
+void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
+                      int axis);
+
+/* The same in rounds of at most one pass over the items, for who has to stop between. */
+struct eng_median {
+    uint32_t middle;
+    int axis;
+    uint32_t low; /* the range in which the median still is */
+    uint32_t high;
+    uint32_t rounds_left;
+};
+
+void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
+                      int axis);
+
+/* One round; true: the items are split. */
+bool eng_median_round(struct eng_median *median, struct eng_split_item *items);
+
+/* The axis along which the centroids of items[count] extend most; count >= 1. */
+int eng_median_axis(const struct eng_split_item *items, uint32_t count);
+
+#endif

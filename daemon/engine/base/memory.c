@@ -1,0 +1,164 @@
+/* daemon/engine/base/memory.c - the engine's allocations, counted.
+ *
+ * Room:     engine.
+ * Does:     put a 128-byte header with the size before each block, so that bytes can be
+ *           counted down when a block goes. Blocks are aligned here: glibc's
+ *           aligned_alloc cuts pieces off a larger block on both sides, and up to version
+ *           2.37 seldom finds a freed one again (its bug 14581), so that the memory of a
+ *           daemon whose clients come and go crept up.
+ * Threads:  [any]; counters and limits are atomics.
+ */
+#include "memory.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ALIGNMENT    128u
+#define HEADER_BYTES ALIGNMENT
+
+/* malloc aligns to that much by itself; the rest is for the alignment. */
+#define ORIGIN_BYTES (ALIGNMENT - _Alignof(max_align_t))
+
+/* What a block takes besides itself: charged with it, as many scenes are small. */
+#define BESIDES (HEADER_BYTES + ORIGIN_BYTES)
+
+struct header {
+    size_t total; /* bytes charged */
+    void *origin; /* what malloc gave */
+};
+
+_Static_assert(sizeof(struct header) <= HEADER_BYTES, "it stands before the block");
+
+static atomic_uint_fast64_t alloc_count;
+static atomic_uint_fast64_t alloc_bytes;
+static atomic_uint_fast64_t byte_ceiling = UINT64_MAX;
+
+static _Thread_local struct eng_payer own_payer;
+static _Thread_local struct eng_payer *joined_payer; /* NULL: its own */
+
+struct eng_payer *eng_payer(void)
+{
+    return joined_payer ? joined_payer : &own_payer;
+}
+
+void eng_payer_join(struct eng_payer *payer)
+{
+    assert(payer);
+    joined_payer = payer;
+}
+
+/* The first aligned place of a block of malloc. */
+static unsigned char *align(void *origin)
+{
+    uintptr_t place = (uintptr_t)origin;
+    return (unsigned char *)origin + (-place & (ALIGNMENT - 1));
+}
+
+/* Relaxed, here and below: the counters order nothing. */
+static void uncharge(size_t total)
+{
+    struct eng_account *account = eng_payer()->account;
+    atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
+    if (account) {
+        atomic_fetch_sub_explicit(&account->bytes, (int64_t)total, memory_order_relaxed);
+    }
+}
+
+/* Count a block before it is made: together all threads keep the limit. */
+static bool charge(size_t total)
+{
+    struct eng_payer *payer = eng_payer();
+    struct eng_account *account = payer->account;
+    uint64_t all = atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
+    int64_t held = 0;
+    int64_t limit = INT64_MAX;
+    if (account) {
+        held = atomic_fetch_add_explicit(&account->bytes, (int64_t)total,
+                                         memory_order_relaxed);
+        limit = atomic_load_explicit(&account->limit, memory_order_relaxed);
+    }
+    bool is_too_high =
+        all + total > atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
+    if (!is_too_high && held + (int64_t)total <= limit) {
+        return true;
+    }
+    uncharge(total);
+    if (is_too_high) {
+        atomic_store_explicit(&payer->ceiling_asked, total, memory_order_relaxed);
+        atomic_fetch_add_explicit(&payer->ceiling_hits, 1, memory_order_relaxed);
+    } else {
+        atomic_fetch_add_explicit(&account->refused, 1, memory_order_relaxed);
+    }
+    return false;
+}
+
+void *eng_alloc(size_t count, size_t bytes)
+{
+    size_t total;
+    if (__builtin_mul_overflow(count, bytes, &total) ||
+        __builtin_add_overflow(total, BESIDES + ALIGNMENT - 1, &total)) {
+        return NULL;
+    }
+    total = ((total - BESIDES) & ~(size_t)(ALIGNMENT - 1)) + BESIDES;
+    if (total > INT64_MAX || !charge(total)) {
+        return NULL;
+    }
+    void *origin = malloc(total);
+    if (!origin) {
+        uncharge(total);
+        return NULL;
+    }
+    unsigned char *base = align(origin);
+    struct header header = {.total = total, .origin = origin};
+    memcpy(base, &header, sizeof header);
+    atomic_fetch_add_explicit(&alloc_count, 1, memory_order_relaxed);
+    atomic_fetch_add_explicit(&eng_payer()->allocs, 1, memory_order_relaxed);
+    return base + HEADER_BYTES;
+}
+
+static struct header header_of(const void *block)
+{
+    struct header header;
+    memcpy(&header, (const unsigned char *)block - HEADER_BYTES, sizeof header);
+    return header;
+}
+
+void *eng_realloc(void *block, size_t count, size_t bytes)
+{
+    void *grown = eng_alloc(count, bytes);
+    if (!grown || !block) {
+        return grown;
+    }
+    size_t old_bytes = header_of(block).total - BESIDES;
+    size_t new_bytes = count * bytes;
+    memcpy(grown, block, old_bytes < new_bytes ? old_bytes : new_bytes);
+    eng_free(block);
+    return grown;
+}
+
+void eng_free(void *block)
+{
+    if (!block) {
+        return;
+    }
+    struct header header = header_of(block);
+    uncharge(header.total);
+    free(header.origin);
+}
+
+uint64_t eng_alloc_count(void)
+{
+    return atomic_load_explicit(&alloc_count, memory_order_relaxed);
+}
+
+uint64_t eng_alloc_bytes(void)
+{
+    return atomic_load_explicit(&alloc_bytes, memory_order_relaxed);
+}
+
+void eng_alloc_ceiling(uint64_t bytes)
+{
+    atomic_store_explicit(&byte_ceiling, bytes, memory_order_relaxed);
+}

@@ -1,0 +1,58 @@
+/* daemon/engine/base/memory.h - malloc and free for the engine, which count what is
+ * allocated.
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     allocate blocks aligned to 128 bytes, with counts for the whole process: "a
+ *           warm step allocates nothing" is a number in `stats`. Charge each block to the
+ *           user it serves, because several teams compute at once.
+ * Threads:  [any].
+ */
+#ifndef ENG_MEMORY_H
+#define ENG_MEMORY_H
+
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Somebody's share of the engine's memory. Several threads may charge it at once. */
+struct eng_account {
+    atomic_int_fast64_t bytes;    /* held now; what others freed of theirs is below 0 */
+    atomic_int_fast64_t limit;    /* allocations that would bring `bytes` above it fail */
+    atomic_uint_fast64_t refused; /* that have failed so */
+};
+
+/* Who pays for what a thread allocates and frees. A thread that computes has one of its
+ * own; the threads of its team use the same. */
+struct eng_payer {
+    struct eng_account *account; /* NULL: nobody's, without a limit */
+    uint32_t number; /* of the thread that computes; what for, its owner knows */
+    atomic_uint_fast64_t allocs; /* made by all who use it; a realloc is one */
+    /* Allocations that eng_alloc_ceiling has refused, and what the last one wanted. */
+    atomic_uint_fast64_t ceiling_hits;
+    atomic_uint_fast64_t ceiling_asked;
+};
+
+/* The one that the calling thread uses: its own unless it has joined another. */
+struct eng_payer *eng_payer(void);
+/* Use that of the thread that opened the parallel region. Every region that allocates, or
+ * in which a crash is to be reported with its request, begins with it. [team] */
+void eng_payer_join(struct eng_payer *payer);
+
+/* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched
+ * in pairs), not cleared. NULL: no memory, also when count * bytes overflows. */
+void *eng_alloc(size_t count, size_t bytes);
+
+/* Grow or shrink; the first min(old, new) bytes are kept. NULL: the old block stays. */
+void *eng_realloc(void *block, size_t count, size_t bytes);
+
+void eng_free(void *block); /* NULL is allowed */
+
+/* Allocations since the start (a realloc is one), and bytes held now. */
+uint64_t eng_alloc_count(void);
+uint64_t eng_alloc_bytes(void);
+
+/* From now on no allocation may bring the bytes held above that, whoever pays; another
+ * thread may say so at any time. UINT64_MAX: no ceiling. */
+void eng_alloc_ceiling(uint64_t bytes);
+
+#endif

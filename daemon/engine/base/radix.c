@@ -1,0 +1,77 @@
+/* daemon/engine/base/radix.c - a stable radix sort.
+ *
+ * Room:     engine.
+ * Does:     least significant digit first, 8 bits a pass or a little less; few items are
+ *           inserted.
+ * Threads:  [any].
+ */
+#include "radix.h"
+
+#include <string.h>
+
+/* Items that are sorted sooner by insertion than by passes. */
+#define INSERTION_MAX 24u
+
+static void insert_all(struct eng_radix_key *items, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        struct eng_radix_key item = items[i];
+        size_t at = i;
+        while (at > 0 && items[at - 1].key > item.key) {
+            items[at] = items[at - 1];
+            at--;
+        }
+        items[at] = item;
+    }
+}
+
+static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, size_t count,
+                 unsigned shift, unsigned bits)
+{
+    size_t offset[256] = {0};
+    uint64_t mask = ((uint64_t)1 << bits) - 1;
+    for (size_t i = 0; i < count; i++) {
+        offset[from[i].key >> shift & mask]++;
+    }
+    size_t sum = 0;
+    for (size_t d = 0; d <= mask; d++) {
+        size_t n = offset[d];
+        offset[d] = sum;
+        sum += n;
+    }
+    for (size_t i = 0; i < count; i++) {
+        to[offset[from[i].key >> shift & mask]++] = from[i];
+    }
+}
+
+struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
+                                     struct eng_radix_key *spare, size_t count)
+{
+    uint64_t differ = 0;
+    if (count <= INSERTION_MAX) {
+        insert_all(items, count);
+        return items;
+    }
+    for (size_t i = 1; i < count; i++) {
+        differ |= items[i].key ^ items[0].key;
+    }
+    if (differ == 0) {
+        return items;
+    }
+    /* Digits of one size between the first and the last bit that differ. */
+    unsigned low = (unsigned)__builtin_ctzll(differ);
+    unsigned bits = 64 - (unsigned)__builtin_clzll(differ) - low;
+    unsigned digits = (bits + 7) / 8;
+    unsigned size = (bits + digits - 1) / digits;
+    for (unsigned digit = 0; digit < digits; digit++) {
+        unsigned shift = low + digit * size;
+        if ((differ >> shift & (((uint64_t)1 << size) - 1)) == 0) {
+            continue;
+        }
+        pass(items, spare, count, shift, size);
+        struct eng_radix_key *swap = items;
+        items = spare;
+        spare = swap;
+    }
+    return items;
+}

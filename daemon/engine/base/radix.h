@@ -1,0 +1,25 @@
+/* daemon/engine/base/radix.h - sorts items by a key of 64 bits (a stable radix sort).
+ *
+ * Room:     engine. May include: the C library.
+ * Does:     skip the passes over digits that are equal in all keys, so that the cost
+ *           depends on the bits that differ.
+ * Threads:  [any].
+ */
+#ifndef ENG_RADIX_H
+#define ENG_RADIX_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct eng_radix_key {
+    uint64_t key;
+    uint64_t index; /* carried along */
+};
+
+/* Sort items[count] ascending by key, equal keys in their order of arrival; spare has
+ * room for count items too. Returns whichever of the two holds the result. O(count) for
+ * each digit that differs; no allocation. */
+struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
+                                     struct eng_radix_key *spare, size_t count);
+
+#endif

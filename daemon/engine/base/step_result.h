@@ -1,0 +1,55 @@
+/* daemon/engine/base/step_result.h - what a step returns: the answer, its counters, its
+ * times, and what each thread did.
+ *
+ * Room:     engine. May include: pccd_types.h, the C library.
+ * Does:     define the structs.
+ * Threads:  [any]; types only.
+ */
+#ifndef ENG_STEP_RESULT_H
+#define ENG_STEP_RESULT_H
+
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+/* What one thread of a step did. Times in nanoseconds of that thread. */
+struct eng_thread_record {
+    uint64_t task_units; /* self-CD task units */
+    uint64_t pairs;      /* pairs of nodes refined */
+    uint64_t box_tests;  /* pairs of nodes tested */
+    uint64_t tests;      /* elementary tests: candidates it sent to the filter */
+    uint64_t steals;     /* tasks taken from others; nodes received from others */
+    uint64_t requests;   /* rounds over the victims; requests placed */
+    uint64_t given;      /* nodes handed to others (the paper's scheduler) */
+    uint64_t sleeps;     /* times it slept, or offered its processor, without work */
+    uint64_t rebuilds;   /* subtrees reconstructed during traversal */
+    uint64_t lock_waits; /* times it waited for another's reconstruction */
+    uint64_t refit_ns;
+    uint64_t low_ns; /* traversal and tests; of high-level nodes: high_ns */
+    uint64_t high_ns;
+    uint64_t tests_ns;   /* of the two above: filters and solver */
+    uint64_t rebuild_ns; /* of the two above: reconstruction */
+    uint64_t wait_ns;    /* without work, between the step's barriers */
+    uint64_t merge_ns;   /* sort and gather */
+};
+
+struct eng_step_result {
+    enum pccd_mode mode;
+    enum pccd_method method;
+    enum pccd_incomplete incomplete;
+    enum pccd_verdict verdict; /* mode ANY, else PCCD_VERDICT_NONE */
+    const void *records; /* pccd_contact[] or (mode PAIRS) pccd_pair[]; valid until the */
+    uint32_t record_bytes; /* scene's next step, removal or free */
+    uint64_t count;
+    uint64_t counts[PCCD_KINDS_MAX]; /* records by kind */
+    uint64_t possible;
+    uint64_t initial;
+    double toi_first; /* smallest toi; 2 without any record */
+    uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h */
+    uint32_t threads;
+    const struct eng_thread_record *thread_records; /* [threads]; valid as records */
+    struct pccd_step_counters counters; /* times.queue is not the engine's: 0 */
+    struct pccd_step_times times;
+};
+
+#endif

@@ -1,0 +1,88 @@
+/* daemon/engine/base/step_settings.h - the settings of one step, chosen by its caller:
+ * mode, threads, method, limits.
+ *
+ * Room:     engine. May include: pccd_types.h, the C library.
+ * Does:     define the struct.
+ * Threads:  [any]; types only.
+ */
+#ifndef ENG_STEP_SETTINGS_H
+#define ENG_STEP_SETTINGS_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+struct eng_kernels;
+struct eng_affinity;
+struct eng_trace;
+
+#define ENG_THREADS_MAX 256u /* of one step */
+
+/* How the threads of a step share its work (paper, sections 4 to 6). */
+enum eng_scheduler {
+    ENG_SCHEDULER_STEAL, /* they steal task units and pairs from each other */
+    ENG_SCHEDULER_PAPER, /* dynamic assignment, then high-level nodes */
+    ENG_SCHEDULER_COUNT
+};
+
+/* The paper's scheduler: how all threads perform one high-level node together. */
+enum eng_high_level {
+    ENG_HIGH_LEVEL_ROUND_ROBIN, /* pairs dealt out; a lock where a node is rebuilt */
+    ENG_HIGH_LEVEL_DISJOINT,    /* pairs without a common node at a time, no lock */
+    ENG_HIGH_LEVEL_COUNT
+};
+
+/* How the threads share the refit. */
+enum eng_refit_scheme {
+    ENG_REFIT_EVEN,  /* many small subtrees, taken on demand */
+    ENG_REFIT_PAPER, /* two subtrees a thread, the first dealt out */
+    ENG_REFIT_COUNT
+};
+
+/* All of it; zeros are the defaults. Its text is in tuning.h. */
+struct eng_tuning {
+    enum eng_scheduler scheduler;
+    enum eng_high_level high_level;
+    enum eng_refit_scheme refit;
+};
+
+struct eng_step_settings {
+    enum pccd_mode mode;
+    enum pccd_method method;
+    uint32_t threads;     /* at most this many, >= 1; the answer does not depend on it */
+    double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
+    uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
+    const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
+    /* Records kept at most: of more, the first in canonical order (mode first: of those
+     * that may have been the earliest then), and the answer is incomplete. */
+    uint64_t contact_max;
+    struct eng_tuning tuning; /* of steps by more than one thread */
+    const struct eng_affinity
+        *affinity;           /* where threads belong (affinity.h); NULL: anywhere */
+    struct eng_trace *trace; /* what is recorded to (trace.h); NULL: nothing */
+    /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
+    const struct eng_kernels *kernels;
+    bool team_always; /* by `threads` threads however small the work: for tests */
+    bool brief;       /* end soon or not at all (brief.h) */
+};
+
+#define ENG_STEP_SETTINGS_DEFAULT                                                        \
+    {                                                                                    \
+        PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                 \
+            {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN}, NULL,     \
+            NULL, NULL, false, false                                                     \
+    }
+
+/* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */
+static inline enum pccd_method eng_method_of(const struct eng_step_settings *settings)
+{
+    if (settings->method != PCCD_METHOD_DEFAULT) {
+        return settings->method;
+    }
+    return settings->tuning.scheduler == ENG_SCHEDULER_PAPER ? PCCD_METHOD_PAPER
+                                                             : PCCD_METHOD_WIDE;
+}
+
+#endif

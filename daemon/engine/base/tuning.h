@@ -1,0 +1,29 @@
+/* daemon/engine/base/tuning.h - the text by which a client tunes how threads share a
+ * step: "scheduler=paper,refit=paper".
+ *
+ * Room:     engine. May include: pccd_types.h, step_settings.h, step_result.h.
+ * Does:     read it, or say what is wrong in it; write what was used.
+ * Does not: let other folders know its words: they pass the text on as it is.
+ * Threads:  [any].
+ */
+#ifndef ENG_TUNING_H
+#define ENG_TUNING_H
+
+#include "step_result.h"
+#include "step_settings.h"
+
+#define ENG_TUNING_WHY_BYTES 128
+
+/* Set what `text` names, and leave the rest of `tuning` as it is; "" names nothing. Any
+ * of the three may stand, in any order, once each. PCCD_E_INVAL: `tuning` is as before
+ * and `why` says what is wrong, in printable ASCII whatever `text` holds. What is
+ * accepted is shorter than PCCD_TUNING_BYTES. */
+int eng_tuning_read(const char *text, struct eng_tuning *tuning,
+                    char why[ENG_TUNING_WHY_BYTES]);
+
+/* What a step has used, as eng_tuning_read takes it: "" where a thread was alone, and so
+ * shared nothing. The method wide refits in one way, and has no high-level nodes. */
+void eng_tuning_used(const struct eng_step_settings *settings,
+                     const struct eng_step_result *result, char text[PCCD_TUNING_BYTES]);
+
+#endif

@@ -1,0 +1,28 @@
+/* daemon/engine/brief.h - decides whether a step is small enough for the thread that
+ * serves sockets to compute it at once, without handing it to another thread.
+ *
+ * Room:     engine. May include: scene.h, step_settings.h.
+ * Does:     say which steps qualify, and bound their work.
+ * Threads:  [compute].
+ */
+#ifndef ENG_BRIEF_H
+#define ENG_BRIEF_H
+
+#include "scene.h"
+#include "step_settings.h"
+
+/* Whether the next step with these settings can be asked for as a brief one, with `brief`
+ * set, by somebody who must not be held up: its last step in that mode was short, and
+ * none of the sizes that the time of a step grows with is more than a few hundred. What
+ * depends on the positions is bounded by the step itself, by counts and not by a clock:
+ * it ends with PCCD_E_AGAIN before it tests more candidates than a few, or one that takes
+ * a search or exact arithmetic: the scene has moved on then, and the next step, unless it
+ * is staged, is the same step once more. So it takes some tens of microseconds at most,
+ * by one thread. */
+bool eng_step_can_be_brief(const struct eng_scene *scene,
+                           const struct eng_step_settings *settings);
+
+/* Are they settings of a step that can be brief: whose work is bounded as above? */
+bool eng_brief_fits(const struct eng_step_settings *settings);
+
+#endif

@@ -1,0 +1,37 @@
+/* daemon/engine/effort.h - decides whether the next step is computed by one thread or by
+ * a team, from how long the last ones took.
+ *
+ * Room:     engine. May include: step_settings.h.
+ * Does:     remember for each scene how much work its last steps were and how long they
+ *           took, by one thread and by a team.
+ * Threads:  [compute].
+ */
+#ifndef ENG_EFFORT_H
+#define ENG_EFFORT_H
+
+#include "step_settings.h"
+
+struct eng_effort {
+    uint64_t work_ns[PCCD_MODE_PAIRS + 1]; /* of all threads, by mode; 0: not known */
+    bool paid; /* the last answer; the next one clings to it */
+    struct eng_effort_took {
+        uint64_t alone_ns, team_ns; /* from beginning to end, smoothed; 0: not known */
+        uint32_t turns;             /* steps that this has decided */
+    } took[PCCD_MODE_PAIRS + 1];
+};
+
+/* Should the next step in this mode be taken by more than one thread? */
+bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles);
+
+/* A step was done from beginning to end; `work_ns` is the time that its threads took,
+ * without waiting. */
+void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns);
+
+/* How long it took, by a team or not. */
+void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
+                     uint64_t took_ns);
+
+/* The scene is another one. */
+void eng_effort_forget(struct eng_effort *effort);
+
+#endif

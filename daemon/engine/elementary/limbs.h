@@ -1,0 +1,36 @@
+/* daemon/engine/elementary/limbs.h - gives integers of GMP room of a fixed size in one
+ * block of memory, so that computing with them never allocates.
+ *
+ * Room:     engine. May include: GMP.
+ * Does:     hand out one part of the block after the other; without a block, add up how
+ *           long it has to be. GMP ends the process when an allocation fails, so whoever
+ *           computes with such integers proves that no result is longer than its room
+ *           (BOUNDS.md).
+ * Threads:  one thread for one block.
+ */
+#ifndef ENG_LIMBS_H
+#define ENG_LIMBS_H
+
+#include <gmp.h>
+#include <stddef.h>
+
+struct eng_limbs {
+    mp_limb_t *next; /* NULL: they are only counted */
+    size_t count;    /* handed out so far */
+};
+
+/* `number` becomes 0, with room for any result below 2^bits. It is never cleared. */
+static inline void eng_limbs_give(struct eng_limbs *limbs, mpz_ptr number, size_t bits)
+{
+    /* GMP asks for some limbs more than a result may have, at most 5, in powers. */
+    size_t count = bits / GMP_NUMB_BITS + 8;
+    if (limbs->next != NULL) {
+        number->_mp_alloc = (int)count;
+        number->_mp_size = 0;
+        number->_mp_d = limbs->next;
+        limbs->next += count;
+    }
+    limbs->count += count;
+}
+
+#endif

@@ -1,0 +1,257 @@
+/* daemon/engine/elementary/root_sign.c - the sign of a quadratic at a root.
+ *
+ * Room:     engine.
+ * Does:     see root_sign.h. Let f be the polynomial with the root a, and g the
+ *           quadratic, with a positive leading coefficient. Where g has roots in the
+ *           interval, it is enough to know on which side of a root c of g the root a is:
+ *           f(c) has the sign that f has before a, or the other one, or is 0. f(c) is a
+ *           positive multiple of r(c), where r is what is left of f after division by g:
+ *           a linear polynomial, whose root is a fraction. g at that fraction tells where
+ *           it is, seen from c.
+ * Threads:  one thread for one scratch.
+ */
+#include "root_sign.h"
+
+#include <assert.h>
+
+/* BOUNDS.md, "How long numbers become". */
+void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
+                         size_t depth)
+{
+    const size_t g_bits = 2 * bits + 24;
+    const size_t zoomed_bits = 2 * bits + 3 * depth + 128;
+    const size_t rest_bits = 16 * bits + depth + 256;
+    eng_poly_place(&sign->g, limbs, &(struct eng_poly_size){3, g_bits, 0, 0});
+    eng_poly_place(&sign->zoomed, limbs,
+                   &(struct eng_poly_size){3, zoomed_bits, 3, zoomed_bits});
+    for (int i = 0; i < 3; i++) {
+        eng_ball_place(&sign->quadratic[i], limbs, g_bits);
+    }
+    for (int i = 0; i < 4; i++) {
+        eng_ball_place(&sign->rest[i], limbs, rest_bits);
+    }
+    eng_ball_place(&sign->at, limbs, rest_bits);
+    eng_ball_place(&sign->product, limbs, rest_bits);
+    eng_limbs_give(limbs, sign->x, g_bits + 1);
+    eng_limbs_give(limbs, sign->y, g_bits + 1);
+    mpz_ptr swapped[] = {sign->power, sign->value, sign->scratch};
+    for (int i = 0; i < 3; i++) { /* all of one size: they are exchanged */
+        eng_limbs_give(limbs, swapped[i], 9 * bits + depth + 128);
+    }
+}
+
+/* Sign of `poly` at x / y. */
+static int sign_at_fraction(struct eng_root_sign *s, const struct eng_poly *poly)
+{
+    if (poly->degree < 0) {
+        return 0;
+    }
+    mpz_set(s->value, poly->c[poly->degree]);
+    mpz_set_ui(s->power, 1);
+    for (int i = poly->degree - 1; i >= 0; i--) {
+        mpz_mul(s->scratch, s->power, s->y);
+        mpz_swap(s->power, s->scratch);
+        mpz_mul(s->scratch, s->value, s->x);
+        mpz_swap(s->value, s->scratch);
+        mpz_addmul(s->value, poly->c[i], s->power);
+    }
+    return mpz_sgn(s->value);
+}
+
+/* x / y = the root of a linear polynomial. */
+static void set_fraction(struct eng_root_sign *s, const struct eng_poly *linear)
+{
+    mpz_set(s->y, linear->c[1]);
+    mpz_neg(s->x, linear->c[0]);
+    if (mpz_sgn(s->y) < 0) {
+        mpz_neg(s->y, s->y);
+        mpz_neg(s->x, s->x);
+    }
+}
+
+/* Sign of the discriminant of g, and x / y = where its slope is 0. */
+static int look_at_slope(struct eng_root_sign *s)
+{
+    mpz_mul(s->value, s->g.c[1], s->g.c[1]);
+    mpz_mul(s->scratch, s->g.c[0], s->g.c[2]);
+    mpz_mul_2exp(s->scratch, s->scratch, 2);
+    mpz_neg(s->x, s->g.c[1]);
+    mpz_mul_2exp(s->y, s->g.c[2], 1);
+    return mpz_cmp(s->value, s->scratch);
+}
+
+/* out = out b - c d. */
+static void scale_and_sub(struct eng_root_sign *s, struct eng_ball *out,
+                          const struct eng_ball *b, const struct eng_ball *c,
+                          const struct eng_ball *d, long bits)
+{
+    eng_ball_mul(out, out, b, bits);
+    eng_ball_mul(&s->product, c, d, bits);
+    eng_ball_sub(out, &s->product, bits);
+}
+
+/* rest[1] t + rest[0] = a positive multiple of what division by g leaves of f, and
+ * quadratic[0 .. 2] = g. */
+static void set_rest(struct eng_root_sign *s, const struct eng_poly *f, long bits)
+{
+    for (int i = 0; i <= 2; i++) {
+        eng_ball_set(&s->quadratic[i], s->g.c[i], bits);
+    }
+    mpz_set_ui(s->value, 0);
+    for (int i = 0; i < 4; i++) {
+        eng_ball_set(&s->rest[i], i <= f->degree ? f->c[i] : s->value, bits);
+    }
+    for (int high = f->degree; high >= 2; high--) {
+        const struct eng_ball *lead = &s->rest[high];
+        scale_and_sub(s, &s->rest[high - 1], &s->quadratic[2], lead, &s->quadratic[1],
+                      bits);
+        scale_and_sub(s, &s->rest[high - 2], &s->quadratic[2], lead, &s->quadratic[0],
+                      bits);
+        if (high == 3) {
+            eng_ball_mul(&s->rest[0], &s->rest[0], &s->quadratic[2], bits);
+        }
+    }
+}
+
+/* Signs of the rest at both ends of the interval. False: they are not sure. */
+static bool look_at_ends(struct eng_root_sign *s, const struct eng_root *root, long bits,
+                         int ends[2])
+{
+    mpz_set_ui(s->value, 1);
+    mpz_mul_2exp(s->value, s->value, root->k);
+    eng_ball_set(&s->at, s->value, bits);
+    eng_ball_mul(&s->at, &s->at, &s->rest[0], bits);
+    eng_ball_set(&s->product, *root->num, bits);
+    eng_ball_mul(&s->product, &s->product, &s->rest[1], bits);
+    eng_ball_add(&s->at, &s->product, bits);
+    if (!eng_ball_sign(&s->at, &ends[0])) {
+        return false;
+    }
+    mpz_set_ui(s->value, 1);
+    eng_ball_set(&s->product, s->value, bits);
+    eng_ball_mul(&s->product, &s->product, &s->rest[1], bits);
+    eng_ball_add(&s->at, &s->product, bits);
+    return eng_ball_sign(&s->at, &ends[1]);
+}
+
+/* Signs of g, and of its slope, at x / y = -rest[0] / rest[1], for y > 0. `rising`: the
+ * sign of rest[1]. */
+static bool look_at_fraction(struct eng_root_sign *s, int rising, long bits, int *g,
+                             int *slope)
+{
+    struct eng_ball *sum = &s->at;
+    const struct eng_ball *r0 = &s->rest[0];
+    const struct eng_ball *r1 = &s->rest[1];
+    eng_ball_mul(sum, &s->quadratic[1], r1, bits);
+    eng_ball_mul(&s->product, &s->quadratic[2], r0, bits);
+    eng_ball_sub(sum, &s->product, bits);
+    eng_ball_mul(&s->rest[2], sum, r0, bits); /* (g1 r1 - g2 r0) r0 */
+    eng_ball_sub(sum, &s->product, bits);
+    if (!eng_ball_sign(sum, slope)) {
+        return false;
+    }
+    *slope *= rising;
+    eng_ball_mul(sum, &s->quadratic[0], r1, bits);
+    eng_ball_mul(sum, sum, r1, bits);
+    eng_ball_sub(sum, &s->rest[2], bits);
+    return eng_ball_sign(sum, g);
+}
+
+/* Sign of f at the first or second root of g, which has two. False: not sure. */
+static bool look_at_root_of_g(struct eng_root_sign *s, const struct eng_root *root,
+                              bool is_first, long bits, int *sign)
+{
+    int ends[2];
+    int g;
+    int slope;
+    set_rest(s, root->poly, bits);
+    if (!look_at_ends(s, root, bits, ends)) {
+        return false;
+    }
+    if (ends[0] * ends[1] >= 0) {
+        *sign = ends[0] != 0 ? ends[0] : ends[1];
+        return true;
+    }
+    int rising = ends[1];
+    if (!look_at_fraction(s, rising, bits, &g, &slope)) {
+        return false;
+    }
+    if (is_first) { /* x / y is before it where g is positive and falls */
+        *sign = g == 0 && slope < 0 ? 0 : g > 0 && slope < 0 ? rising : -rising;
+    } else {
+        *sign = g == 0 && slope > 0 ? 0 : g > 0 && slope > 0 ? -rising : rising;
+    }
+    return true;
+}
+
+/* With few bits, with more, with all. */
+static int sign_at_root_of_g(struct eng_root_sign *s, const struct eng_root *root,
+                             bool is_first)
+{
+    static const long bits[] = {128, 1024, ENG_BALL_ALL};
+    int sign = 0;
+    for (int i = 0; !look_at_root_of_g(s, root, is_first, bits[i], &sign); i++) {
+        assert(bits[i] < ENG_BALL_ALL);
+    }
+    return sign;
+}
+
+/* g has the linear form c1 t + c0, c1 > 0. */
+static int sign_of_linear(struct eng_root_sign *s, const struct eng_root *root)
+{
+    set_fraction(s, &s->g);
+    int f = sign_at_fraction(s, root->poly);
+    return f == 0 ? 0 : f == root->before ? 1 : -1;
+}
+
+/* Sign of `poly`, as it is over an interval, right of the left end. */
+static int sign_at_left(const struct eng_poly *zoomed)
+{
+    int sign = 0;
+    for (int i = 0; i <= zoomed->degree && sign == 0; i++) {
+        sign = mpz_sgn(zoomed->c[i]);
+    }
+    return sign;
+}
+
+/* g has one or two roots in the interval, or is nearly 0 somewhere in it. */
+static int sign_of_quadratic(struct eng_root_sign *s, const struct eng_root *root)
+{
+    int sign;
+    eng_poly_zoom(&s->zoomed, &s->g, *root->num, root->k);
+    bool is_first = sign_at_left(&s->zoomed) > 0;
+    if (eng_poly_variations(&s->zoomed, &sign) == 2) {
+        int discriminant = look_at_slope(s);
+        if (discriminant < 0) {
+            return 1;
+        }
+        int f = sign_at_fraction(s, root->poly);
+        if (f == 0 || discriminant == 0) {
+            return f != 0 ? 1 : discriminant == 0 ? 0 : -1;
+        }
+        is_first = f != root->before; /* the one on the side of a */
+    }
+    int f = sign_at_root_of_g(s, root, is_first);
+    bool is_behind = f == root->before; /* a is behind the root of g */
+    return f == 0 ? 0 : is_behind == is_first ? -1 : 1;
+}
+
+int eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
+                     const struct eng_root *root)
+{
+    int sign;
+    assert(poly->degree <= 2);
+    eng_poly_copy(&scratch->g, poly);
+    eng_poly_shorten(&scratch->g);
+    if (eng_poly_is_plain(&scratch->zoomed, &scratch->g, *root->num, root->k, &sign)) {
+        return sign;
+    }
+    int turn = mpz_sgn(scratch->g.c[poly->degree]);
+    if (turn < 0) {
+        eng_poly_negate(&scratch->g);
+    }
+    if (poly->degree == 1) {
+        return turn * sign_of_linear(scratch, root);
+    }
+    return turn * sign_of_quadratic(scratch, root);
+}

@@ -1,0 +1,42 @@
+/* daemon/engine/elementary/root_sign.h - tells whether a quadratic is positive, negative
+ * or zero at a root of another polynomial, exactly.
+ *
+ * Room:     engine. May include: ball.h, poly.h.
+ * Does:     take the root as an interval around it, and give the sign of a polynomial of
+ *           degree 2 or less there, in a fixed number of operations, even where the roots
+ *           of the two nearly or exactly coincide.
+ * Threads:  one thread for one scratch.
+ */
+#ifndef ENG_ROOT_SIGN_H
+#define ENG_ROOT_SIGN_H
+
+#include "ball.h"
+#include "poly.h"
+
+/* A root, alone in the open interval (num, num + 1) / 2^k and simple. */
+struct eng_root {
+    const struct eng_poly *poly; /* of degree 1 to 3 */
+    mpz_t *num;
+    unsigned long k;
+    int before; /* sign of `poly` between the left end and the root */
+};
+
+struct eng_root_sign {
+    struct eng_poly zoomed;
+    struct eng_poly g;
+    struct eng_ball quadratic[3]; /* g */
+    struct eng_ball rest[4];
+    struct eng_ball at, product;
+    mpz_t x, y, power, value, scratch; /* y > 0: a time is x / y */
+};
+
+/* The root's polynomial has coefficients of up to 3 bits + 32 bits, the others of 2 bits
+ * + 24; k is at most `depth`. */
+void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
+                         size_t depth);
+
+/* The sign of `poly` (of degree 2 or less) at the root: -1, 0 or 1. */
+int eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
+                     const struct eng_root *root);
+
+#endif

@@ -1,0 +1,14 @@
+/* daemon/engine/elementary/solvers.c - how the queries of each kind are decided.
+ *
+ * Room:     engine.
+ * Does:     list them.
+ * Threads:  [any].
+ */
+#include "solvers.h"
+
+#include "solve.h"
+
+const struct eng_solver eng_solvers[PCCD_KIND_COUNT] = {
+    [PCCD_VF] = {.has_kernels = true, .search = eng_search},
+    [PCCD_EE] = {.has_kernels = true, .search = eng_search},
+};

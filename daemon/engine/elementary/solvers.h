@@ -1,0 +1,31 @@
+/* daemon/engine/elementary/solvers.h - the table that says how the queries of each kind
+ * are decided.
+ *
+ * Room:     engine. May include: exact.h.
+ * Does:     hold a row for each kind of query. Together with the kind's row in
+ *           common_kinds (points a side, name) it is all that the engine knows of a kind.
+ * Threads:  [any].
+ *
+ * The same for all kinds: features of one mesh that share a vertex are not tested; a pair
+ * is a candidate if the moving boxes around its features overlap; the first test is
+ * `apart` of kernel.h; the exact decision is behind `search`, which asks for it.
+ */
+#ifndef ENG_SOLVERS_H
+#define ENG_SOLVERS_H
+
+#include "exact.h"
+
+struct eng_solver {
+    /* Do sift, filter and bracket of kernel.h reject and decide its pairs, as many at a
+     * time as a vector has lanes? If not, each pair that `apart` leaves is searched. */
+    bool has_kernels;
+    /* Decides any query, by exact arithmetic where rounding hides the answer. True: a
+     * contact that begins before or at `t_end`, and *hit is set; [toi, toi_hi] is at most
+     * `tolerance` long. Where exact->span.watch has stopped, the answer means nothing. */
+    bool (*search)(const struct eng_query *query, double tolerance, double t_end,
+                   struct eng_exact *exact, struct eng_hit *hit);
+};
+
+extern const struct eng_solver eng_solvers[PCCD_KIND_COUNT];
+
+#endif

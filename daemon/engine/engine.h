@@ -1,0 +1,26 @@
+/* daemon/engine/engine.h - everything that other folders use of the engine, in one
+ * include.
+ *
+ * Room:     engine. May include: the headers below, and no others.
+ * Does:     include the headers that make up its interface. A mesh is registered (mesh.h)
+ *           and becomes an object of a scene (scene.h). The positions of a step are
+ *           staged there. The step is computed, and returns records (step.h). All else in
+ *           these folders is private to the engine.
+ * Threads:  each header says of each function who may call it: [any] thread, or the one
+ *           that computes, [compute].
+ */
+#ifndef ENG_ENGINE_H
+#define ENG_ENGINE_H
+
+#include "affinity.h" /* the processors of a team */
+#include "brief.h"    /* may a step be taken at once, by the thread that talks? */
+#include "isa.h"      /* the instruction set that is used */
+#include "levels.h"   /* the boxes of a hierarchy, to be looked at */
+#include "memory.h"   /* who pays for memory, and how much there may be */
+#include "mesh.h"     /* topology and registered positions */
+#include "scene.h"    /* objects, and the positions of the next step */
+#include "step.h"     /* a step, its settings and its answer */
+#include "trace.h"    /* what threads did, when */
+#include "tuning.h"   /* how threads share a step, as a text */
+
+#endif

@@ -1,0 +1,37 @@
+/* daemon/engine/kernel/isa.h - the instruction sets that the engine can use, from
+ * `scalar` to `avx512`, and which one it uses.
+ *
+ * Room:     engine. May include: nothing.
+ * Does:     name them, and say which one is used.
+ * Threads:  [any].
+ */
+#ifndef ENG_ISA_H
+#define ENG_ISA_H
+
+struct eng_kernels;
+
+enum eng_isa {
+    ENG_ISA_SCALAR, /* everywhere */
+    ENG_ISA_SSE4,   /* x86-64: SSE 4.2 */
+    ENG_ISA_AVX2,   /* x86-64: AVX2, BMI2 */
+    ENG_ISA_AVX512, /* x86-64: AVX-512 F, VL, DQ, BW, BMI2 */
+    ENG_ISA_NEON,   /* AArch64 */
+    ENG_ISA_COUNT
+};
+
+/* The kernels of an instruction set; NULL if this processor, or this build, has none. */
+const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
+
+/* The set of that name, "scalar", "sse4", "avx2", "avx512" or "neon"; NULL or "": the
+ * best that the processor has. NULL: there is no such set here. */
+const struct eng_kernels *eng_kernels_named(const char *name);
+
+/* What PCCD_CPU names, or the best; chosen at the first call and kept. A name that
+ * this processor cannot follow counts as none: programs check it first, with
+ * eng_kernels_named, and say so. */
+const struct eng_kernels *eng_kernels(void);
+
+/* Its name, as in PCCD_CPU. */
+const char *eng_kernels_name(const struct eng_kernels *kernels);
+
+#endif

@@ -1,0 +1,13 @@
+/* daemon/engine/methods.c - the methods that a step can use, by number.
+ *
+ * Room:     engine.
+ * Does:     see methods.h.
+ * Threads:  [any]; constant.
+ */
+#include "methods.h"
+
+#include "paper_method.h"
+#include "wide_method.h"
+
+const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT] = {
+    [PCCD_METHOD_PAPER] = &eng_method_paper, [PCCD_METHOD_WIDE] = &eng_method_wide};

@@ -1,0 +1,17 @@
+/* daemon/engine/methods.h - the list of methods by which a step can find candidates:
+ * `paper` and `wide`.
+ *
+ * Room:     engine. May include: method.h, step_settings.h.
+ * Does:     be the one list of them: the step finds a method here and nowhere else.
+ * Threads:  [any]; constant.
+ */
+#ifndef ENG_METHODS_H
+#define ENG_METHODS_H
+
+#include "method.h"
+#include "step_settings.h"
+
+/* NULL for PCCD_METHOD_DEFAULT, which is none of its own. */
+extern const struct eng_method_calls *const eng_methods[PCCD_METHOD_COUNT];
+
+#endif

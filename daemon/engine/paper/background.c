@@ -1,0 +1,341 @@
+/* daemon/engine/paper/background.c - large subtrees, built in the background and swapped
+ * in.
+ *
+ * Room:     engine.
+ * Does:     keep a batch of poor subtrees; list, build and swap them one after the other.
+ * Threads:  background.h.
+ * Source:   background.h.
+ */
+#include "background.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "build.h"
+#include "memory.h"
+#include "metric.h"
+#include "rebuild.h"
+
+/* The share of a step, at least: less than this is not worth beginning. */
+#define BUDGET_MIN_NS 200000u
+
+/* Part of the last step's time that a share takes: for one thread, which pays for all of
+ * it; and for one of several, which the others relieve of other work meanwhile. */
+#define BUDGET_ALONE    4u
+#define BUDGET_TOGETHER 2u
+
+/* Part of the share that goes to listing, which everybody waits for. */
+#define BUDGET_LISTING 4u
+
+void eng_background_init(struct eng_background *background)
+{
+    memset(background, 0, sizeof *background);
+    background->budget_ns = BUDGET_MIN_NS;
+}
+
+static void free_arrays(struct eng_background *background)
+{
+    eng_free(background->items);
+    eng_free(background->triangles);
+    eng_free(background->links);
+    eng_free(background->boxes);
+    background->items = NULL;
+    background->triangles = NULL;
+    background->links = NULL;
+    background->boxes = NULL;
+    background->capacity = 0;
+}
+
+void eng_background_deinit(struct eng_background *background)
+{
+    free_arrays(background);
+}
+
+uint64_t eng_background_bytes(const struct eng_background *background)
+{
+    return (uint64_t)background->capacity *
+           (sizeof *background->items + sizeof *background->triangles +
+            2 * sizeof *background->links +
+            (background->boxes ? sizeof *background->boxes : 0));
+}
+
+/* Nothing of the old batch is needed any more. */
+static bool reserve(struct eng_background *background, const struct eng_scene *scene,
+                    uint32_t capacity)
+{
+    bool by_sah = scene->settings.quality == PCCD_QUALITY_SAH;
+    if (capacity <= background->capacity) {
+        return true;
+    }
+    free_arrays(background);
+    background->items = eng_alloc(capacity, sizeof *background->items);
+    background->triangles = eng_alloc(capacity, sizeof *background->triangles);
+    background->links = eng_alloc(capacity, 2 * sizeof *background->links);
+    background->boxes = by_sah ? eng_alloc(capacity, sizeof *background->boxes) : NULL;
+    if (!background->items || !background->triangles || !background->links ||
+        (by_sah && !background->boxes)) {
+        free_arrays(background);
+        return false;
+    }
+    background->capacity = capacity;
+    return true;
+}
+
+void eng_background_forget(struct eng_background *background, struct eng_range nodes)
+{
+    for (uint32_t i = 0; i < background->part_count; i++) {
+        struct eng_background_part *part = &background->parts[i];
+        if (part->root - nodes.first < nodes.count) {
+            part->state = ENG_BACKGROUND_GONE;
+        }
+    }
+}
+
+/* Write the links of a subtree over those of its old self. */
+static void put_in_place(struct eng_background *background, struct eng_scene *scene,
+                         const struct eng_background_part *part)
+{
+    struct eng_trees *trees = eng_trees_of(scene);
+    const struct eng_link *links = background->links + 2 * (size_t)part->first;
+    const uint32_t *triangles = background->triangles + part->first;
+    for (uint32_t i = 0; i < 2 * part->count - 1; i++) {
+        struct eng_node *node = &trees->nodes[part->root + i];
+        bool is_leaf = links[i].count == 1;
+        node->left = is_leaf ? ENG_LEAF : part->root + i + 1;
+        node->right = is_leaf ? triangles[links[i].right] : part->root + links[i].right;
+        node->count = links[i].count;
+        node->gate = ENG_GATE_NONE;
+    }
+}
+
+static struct eng_range nodes_of(const struct eng_background_part *part)
+{
+    return (struct eng_range){part->root, 2 * part->count - 1};
+}
+
+bool eng_background_swap(struct eng_background *background, struct eng_scene *scene)
+{
+    background->swaps = 0;
+    background->swapped_triangles = 0;
+    for (uint32_t i = 0; i < background->part_count; i++) {
+        struct eng_background_part *part = &background->parts[i];
+        if (part->state == ENG_BACKGROUND_BUILT) {
+            put_in_place(background, scene, part);
+            eng_regions_mark(scene, nodes_of(part));
+            part->state = ENG_BACKGROUND_FRESH;
+            background->swaps++;
+            background->swapped_triangles += part->count;
+        }
+    }
+    return background->swaps > 0;
+}
+
+/* Levels between the root of an object and a node of it. */
+static uint32_t depth_of(const struct eng_scene *scene, uint32_t root, uint32_t node_idx)
+{
+    struct eng_trees *trees = eng_trees_of(scene);
+    uint32_t depth = 0;
+    for (uint32_t i = root; i != node_idx; depth++) {
+        const struct eng_node *node = &trees->nodes[i];
+        i = node_idx < node->right ? node->left : node->right;
+    }
+    return depth;
+}
+
+/* Take the largest poor subtrees of an object into the batch. */
+static void examine_object(struct eng_background *background,
+                           const struct eng_scene *scene, struct eng_range nodes)
+{
+    struct eng_trees *trees = eng_trees_of(scene);
+    uint32_t levels = eng_object_levels(scene, trees->nodes[nodes.first].count);
+    uint32_t end = nodes.first + nodes.count;
+    for (uint32_t i = nodes.first; i < end;) {
+        const struct eng_node *node = &trees->nodes[i];
+        bool is_high = node->count > scene->settings.rebuild_triangles_max;
+        bool is_poor = is_high && node->count >= ENG_EXAMINE_MIN &&
+                       eng_metric_is_poor(eng_metric(trees->nodes, node),
+                                          trees->upkeep[i].built_ratio,
+                                          (float)scene->settings.rebuild_ratio);
+        if (is_poor && background->part_count < ENG_BACKGROUND_PARTS_MAX) {
+            background->parts[background->part_count++] = (struct eng_background_part){
+                .state = ENG_BACKGROUND_FOUND,
+                .root = i,
+                .count = node->count,
+                .levels = levels - depth_of(scene, nodes.first, i)};
+        }
+        i += is_high && !is_poor ? 1 : 2 * node->count - 1;
+    }
+}
+
+/* Look for poor subtrees; room for them is needed at once. */
+static void find_parts(struct eng_background *background, const struct eng_scene *scene)
+{
+    uint32_t triangles = 0;
+    background->part_count = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            examine_object(background, scene, eng_planted_of(&scene->objects[i])->nodes);
+        }
+    }
+    for (uint32_t i = 0; i < background->part_count; i++) {
+        background->parts[i].first = triangles;
+        triangles += background->parts[i].count;
+    }
+    if (!reserve(background, scene, triangles)) {
+        background->part_count = 0;
+    }
+    background->listing = 0;
+    background->next_node = background->part_count > 0 ? background->parts[0].root : 0;
+    background->next_item = 0;
+    background->building = 0;
+    background->has_begun = false;
+}
+
+static void list_leaf(struct eng_background *background, const struct eng_node *leaf)
+{
+    assert(leaf->left == ENG_LEAF);
+    uint32_t own = background->next_item++;
+    uint32_t place = background->parts[background->listing].first + own;
+    const struct eng_box *box = eng_box_of_const(leaf);
+    background->items[place] = eng_split_item_of(leaf, own);
+    background->triangles[place] = leaf->right;
+    if (background->boxes) {
+        eng_f4 lo = eng_min4(eng_bounds(box, 0), eng_bounds(box, 2));
+        eng_f4 hi = eng_max4(eng_bounds(box, 1), eng_bounds(box, 3));
+        for (int k = 0; k < 3; k++) {
+            background->boxes[place].lo[k] = lo[k];
+            background->boxes[place].hi[k] = hi[k];
+        }
+    }
+}
+
+/* The next node above regions, or the next region as a whole: later steps may move
+ * triangles within it. */
+static void list_some(struct eng_background *background, const struct eng_scene *scene)
+{
+    struct eng_trees *trees = eng_trees_of(scene);
+    uint32_t first = background->next_node;
+    uint32_t count = trees->nodes[first].count;
+    bool is_high = count > scene->settings.rebuild_triangles_max;
+    background->next_node += is_high ? 1 : 2 * count - 1;
+    for (uint32_t i = first; i < background->next_node; i++) {
+        if (trees->nodes[i].left == ENG_LEAF) {
+            list_leaf(background, &trees->nodes[i]);
+        }
+    }
+}
+
+static void list(struct eng_background *background, const struct eng_scene *scene,
+                 uint64_t end_ns)
+{
+    while (background->listing < background->part_count && common_now_ns() < end_ns) {
+        struct eng_background_part *part = &background->parts[background->listing];
+        if (part->state == ENG_BACKGROUND_FOUND && background->next_item < part->count) {
+            list_some(background, scene);
+            continue;
+        }
+        if (part->state == ENG_BACKGROUND_FOUND) {
+            part->state = ENG_BACKGROUND_LISTED;
+        }
+        if (++background->listing < background->part_count) {
+            background->next_node = background->parts[background->listing].root;
+            background->next_item = 0;
+        }
+    }
+}
+
+/* Note the metric of what is new in place; is anything left to do in the batch? */
+static bool end_swaps(struct eng_background *background, struct eng_scene *scene)
+{
+    bool is_busy = false;
+    for (uint32_t i = 0; i < background->part_count; i++) {
+        struct eng_background_part *part = &background->parts[i];
+        if (part->state == ENG_BACKGROUND_FRESH) {
+            eng_rebuild_note(scene, nodes_of(part));
+            part->state = ENG_BACKGROUND_GONE;
+        }
+        is_busy = is_busy || part->state != ENG_BACKGROUND_GONE;
+    }
+    return is_busy;
+}
+
+void eng_background_examine(struct eng_background *background, struct eng_worker *worker)
+{
+    assert(background->part_count <= ENG_BACKGROUND_PARTS_MAX);
+    struct eng_scene *scene = worker->scene;
+    uint64_t begin_ns = common_now_ns();
+    if (scene->settings.rebuild_ratio <= 0) {
+        return;
+    }
+    if (!end_swaps(background, scene)) {
+        find_parts(background, scene);
+    }
+    list(background, scene, begin_ns + background->budget_ns / BUDGET_LISTING);
+    worker->record.rebuild_ns += common_now_ns() - begin_ns;
+}
+
+static void begin_part(struct eng_background *background,
+                       const struct eng_background_part *part)
+{
+    struct eng_grower *grower = &background->grower;
+    grower->items = background->items + part->first;
+    grower->nodes = NULL;
+    grower->links = background->links + 2 * (size_t)part->first;
+    grower->base = 0;
+    grower->over_roots = false;
+    grower->sah.boxes = background->boxes ? background->boxes + part->first : NULL;
+    grower->sah.first_id = 0;
+    eng_grow_begin(grower, part->count, 0, part->levels);
+    background->has_begun = true;
+}
+
+/* Work on one part until it is built or the time is over. */
+static void build_part(struct eng_background *background, struct eng_worker *worker,
+                       uint64_t end_ns)
+{
+    struct eng_background_part *part = &background->parts[background->building];
+    uint64_t begin_ns = eng_worker_slice(worker);
+    if (!background->has_begun) {
+        begin_part(background, part);
+    }
+    while (common_now_ns() < end_ns) {
+        if (!eng_grow_piece(&background->grower)) {
+            part->state = ENG_BACKGROUND_BUILT;
+            background->has_begun = false;
+            background->building++;
+            break;
+        }
+    }
+    eng_worker_trace(worker, PCCD_TRACE_BACKGROUND, begin_ns, part->root, part->count);
+}
+
+void eng_background_share(struct eng_background *background, struct eng_worker *worker)
+{
+    assert(background->building <= background->part_count);
+    uint64_t begin_ns = common_now_ns();
+    uint64_t end_ns = begin_ns + background->budget_ns;
+    while (background->building < background->part_count && common_now_ns() < end_ns &&
+           !eng_stop_is_set(worker->stop)) {
+        enum eng_background_state state = background->parts[background->building].state;
+        if (state == ENG_BACKGROUND_FOUND) {
+            break; /* not listed yet */
+        }
+        if (state == ENG_BACKGROUND_LISTED) {
+            build_part(background, worker, end_ns);
+        } else {
+            background->has_begun = false; /* its object went away */
+            background->building++;
+        }
+    }
+    uint64_t share_ns = common_now_ns() - begin_ns;
+    worker->record.low_ns += share_ns;
+    worker->record.rebuild_ns += share_ns;
+}
+
+void eng_background_end_step(struct eng_background *background, uint64_t step_ns,
+                             uint32_t threads)
+{
+    assert(threads >= 1);
+    uint64_t budget_ns = step_ns / (threads > 1 ? BUDGET_TOGETHER : BUDGET_ALONE);
+    background->budget_ns = budget_ns > BUDGET_MIN_NS ? budget_ns : BUDGET_MIN_NS;
+}

@@ -1,0 +1,80 @@
+/* daemon/engine/paper/rebuild.h - rebuilds a small subtree that has become poor, when a
+ * traversal is about to enter it (selective, lazy reconstruction).
+ *
+ * Room:     engine. May include: trees.h, worker.h.
+ * Does:     examine the nodes below the one that a traversal is about to open, and
+ *           rebuild those that have become poor; the same for the tree over the objects,
+ *           after the refit.
+ * Does not: rebuild what is too large for one go (background.h).
+ * Threads:  [team] where it says so.
+ * Source:   paper sections 6.2 (selective, lazy reconstruction) and 5.1 (lock); metric.h.
+ *
+ * Regions. A region is a largest subtree of an object with at most
+ * settings.rebuild_triangles_max triangles: every node is in one region, or is a high
+ * node above them. A reconstruction stays inside a region: a subtree of n triangles keeps
+ * its 2n - 1 nodes, its root and its box.
+ *
+ * The gate. A thread that needs the children of a region's root calls eng_node_open
+ * first. The first one to do so in a step examines the region and rebuilds what is poor;
+ * a thread that comes meanwhile waits. After that the region stays as it is until the end
+ * of the step. This is the lock of section 5.1, but taken only once a step for each
+ * region that is touched at all.
+ *
+ * Why nobody sees a region change: pairs and task units name a node only after its parent
+ * was opened. So a node below a region's root is named only after its root was opened in
+ * this step, whichever scheduler and thread named it; handing it on orders memory. Other
+ * threads may be using the root itself, so none of its bytes is written: its children
+ * keep their sizes and so their places, and its box, the union of the same leaves, stays.
+ *
+ * A step that is stopped leaves no reconstruction half done: the thread that holds a gate
+ * finishes the region first, at most rebuild_triangles_max triangles.
+ */
+#ifndef ENG_REBUILD_H
+#define ENG_REBUILD_H
+
+#include "trees.h"
+#include "worker.h"
+
+/* Subtrees with fewer triangles are not looked at: what they could save is less than
+ * looking costs (`bench/tables.sh rebuild`). */
+#define ENG_EXAMINE_MIN 16u
+
+/* What the gate of a region says when its examination in this step has ended; one less
+ * while it is going on; anything else before. Step numbers go round after 2^31 steps: a
+ * region not touched for as long is taken as examined, which harms nothing. */
+static inline uint32_t eng_gate_ready(const struct eng_scene *scene)
+{
+    return 2 * scene->step + 1;
+}
+
+/* Slow path of eng_node_open. [team] */
+void eng_region_enter(struct eng_worker *worker, uint32_t root);
+
+/* The node, whose children may be looked at now. [team] */
+static inline const struct eng_node *eng_node_open(struct eng_worker *worker,
+                                                   uint32_t node_idx)
+{
+    const struct eng_scene *scene = worker->scene;
+    struct eng_trees *trees = eng_trees_of(scene);
+    const struct eng_node *node = &trees->nodes[node_idx];
+    /* Acquire: pairs with the release of whoever examined the region. */
+    if (node->gate != ENG_GATE_NONE &&
+        atomic_load_explicit(&trees->upkeep[node_idx].gate, memory_order_acquire) !=
+            eng_gate_ready(scene)) {
+        eng_region_enter(worker, node_idx);
+    }
+    return node;
+}
+
+/* Find the regions of a subtree that was built; `nodes`: all of its nodes. */
+void eng_regions_mark(struct eng_scene *scene, struct eng_range nodes);
+
+/* Note the metric of these nodes, whole subtrees with up-to-date boxes, as that of a
+ * fresh hierarchy. */
+void eng_rebuild_note(struct eng_scene *scene, struct eng_range nodes);
+
+/* Put right what is poor in the tree over the objects. After the refit, before anybody
+ * looks at the tree; by one thread. [team] */
+void eng_rebuild_top(struct eng_worker *worker);
+
+#endif

@@ -1,0 +1,233 @@
+/* daemon/engine/paper/schedule_paper.c - the paper's own scheduler.
+ *
+ * Room:     engine.
+ * Does:     deal out task units, of the method paper one low-level node to each thread;
+ *           a thread that runs out asks another for its front unit and sleeps until it is
+ *           answered; when all are done, what all threads do together follows: the
+ *           high-level nodes of the method paper (highlevel.c).
+ * Threads:  [team].
+ * Source:   paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
+ *
+ * A unit is only ever one thread's (and, of the method paper, disjoint from the others'
+ * units), so the main loop takes no lock: after each task unit a thread looks at the
+ * length of its scheduling queue, and at the number of threads that sleep because nobody
+ * had one to spare. `active` counts threads that have work or to whom work is on its way;
+ * it is zero when all units are done. A step that is stopped ends like one that is done:
+ * every thread gives up its units and leaves.
+ */
+#include "schedule_paper.h"
+
+#include <assert.h>
+
+#include "method.h"
+#include "paper.h"
+#include "wait.h"
+
+int eng_schedule_paper_reserve(struct eng_scene *scene, uint32_t threads)
+{
+    return eng_assignment_reserve(&eng_paper_of(scene)->assignment, threads);
+}
+
+void eng_schedule_paper_begin(struct eng_team *team, struct eng_worker *worker)
+{
+    assert(eng_paper_of(team->scene)->assignment.capacity >= team->count);
+    struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
+    uint32_t active = 0;
+    team->method->assign(team, worker);
+    for (uint32_t i = 0; i < team->count; i++) {
+        struct eng_seat *seat = &assignment->seats[i];
+        seat->takes_requests = eng_units_count(&team->workers[i]->units) > 0;
+        active += seat->takes_requests;
+        seat->request_count = 0;
+        atomic_store_explicit(&seat->requests_seen, 0, memory_order_relaxed);
+        atomic_store_explicit(&seat->current, ENG_NO_NODE, memory_order_relaxed);
+        for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
+            atomic_store_explicit(&seat->offers[k], 0, memory_order_relaxed);
+        }
+    }
+    atomic_store_explicit(&assignment->active, active, memory_order_relaxed);
+}
+
+/* Let others see how large the front units are. Relaxed: a hint; the lock decides. */
+static void publish(const struct eng_team *team, struct eng_seat *seat,
+                    const struct eng_worker *worker)
+{
+    const struct eng_task_queue *units = &worker->units;
+    for (uint32_t k = 0; k < ENG_OFFERS_MAX; k++) {
+        uint32_t size = k < eng_units_count(units)
+                            ? team->method->unit_size(worker, eng_units_look(units, k))
+                            : 0;
+        atomic_store_explicit(&seat->offers[k], size, memory_order_relaxed);
+    }
+}
+
+static void answer(struct eng_seat *asker, enum eng_reply reply, uint64_t unit)
+{
+    pthread_mutex_lock(&asker->lock);
+    asker->reply = reply;
+    asker->given = unit;
+    pthread_cond_signal(&asker->wake);
+    pthread_mutex_unlock(&asker->lock);
+}
+
+/* Give front units to those who asked, oldest first, and keep one; with `close`, send the
+ * rest away and take no more requests. */
+static void serve(struct eng_assignment *assignment, struct eng_seat *seat,
+                  struct eng_worker *worker, bool close)
+{
+    struct eng_task_queue *units = &worker->units;
+    pthread_mutex_lock(&seat->lock);
+    uint32_t served = 0;
+    while (served < seat->request_count && (close || eng_units_count(units) > 1)) {
+        struct eng_seat *asker = &assignment->seats[seat->requests[served++]];
+        if (eng_units_count(units) > 1) {
+            /* Counted before the asker wakes, so that `active` is not zero meanwhile. */
+            atomic_fetch_add_explicit(&assignment->active, 1, memory_order_relaxed);
+            worker->record.given++;
+            answer(asker, ENG_REPLY_GIVEN, eng_units_take_front(units));
+        } else {
+            answer(asker, ENG_REPLY_DENIED, 0);
+        }
+    }
+    for (uint32_t i = served; i < seat->request_count; i++) {
+        seat->requests[i - served] = seat->requests[i];
+    }
+    seat->request_count -= served;
+    seat->takes_requests = !close;
+    atomic_store_explicit(&seat->requests_seen, seat->request_count,
+                          memory_order_relaxed);
+    pthread_mutex_unlock(&seat->lock);
+}
+
+/* The main loop of section 4.3: no lock unless somebody asks or sleeps. */
+static void perform_units(struct eng_team *team, struct eng_seat *seat,
+                          struct eng_worker *worker)
+{
+    struct eng_assignment *assignment = &eng_paper_of(team->scene)->assignment;
+    struct eng_task_queue *units = &worker->units;
+    while (eng_units_count(units) > 0 && !eng_worker_should_stop(worker)) {
+        team->method->perform_unit(team, worker, eng_units_take_newest(units));
+        publish(team, seat, worker);
+        if (atomic_load_explicit(&seat->requests_seen, memory_order_relaxed) > 0) {
+            serve(assignment, seat, worker, false);
+            publish(team, seat, worker);
+        }
+        if (eng_units_count(units) > 1) {
+            eng_lounge_call(assignment, eng_units_count(units) - 1);
+        }
+    }
+    units->head = units->tail; /* when stopped */
+    publish(team, seat, worker);
+    serve(assignment, seat, worker, true);
+    eng_assignment_leave(assignment);
+}
+
+/* The thread whose (k + 1)th unit is largest, k requests being ahead of ours; or none. */
+static struct eng_seat *choose_victim(const struct eng_team *team, uint32_t thread)
+{
+    struct eng_seat *victim = NULL;
+    uint32_t largest = 0;
+    for (uint32_t i = 0; i < team->count; i++) {
+        struct eng_seat *seat = &eng_paper_of(team->scene)->assignment.seats[i];
+        uint32_t k = atomic_load_explicit(&seat->requests_seen, memory_order_relaxed);
+        if (i == thread || k + 1 >= ENG_OFFERS_MAX) {
+            continue;
+        }
+        uint32_t size = atomic_load_explicit(&seat->offers[k], memory_order_relaxed);
+        /* The last one stays with its thread. */
+        bool has_more =
+            atomic_load_explicit(&seat->offers[k + 1], memory_order_relaxed) > 0;
+        if (has_more && size > largest) {
+            largest = size;
+            victim = seat;
+        }
+    }
+    return victim;
+}
+
+/* Place a request and sleep until it is answered. False: not taken, or denied. */
+static bool request(struct eng_seat *victim, struct eng_seat *seat,
+                    struct eng_worker *worker, uint64_t *unit)
+{
+    seat->reply = ENG_REPLY_NONE; /* nobody else knows of us yet */
+    pthread_mutex_lock(&victim->lock);
+    bool taken = victim->takes_requests;
+    if (taken) {
+        victim->requests[victim->request_count++] = worker->thread;
+        atomic_store_explicit(&victim->requests_seen, victim->request_count,
+                              memory_order_relaxed);
+    }
+    pthread_mutex_unlock(&victim->lock);
+    if (!taken) {
+        return false;
+    }
+    worker->record.requests++;
+    worker->record.sleeps++;
+    pthread_mutex_lock(&seat->lock);
+    while (seat->reply == ENG_REPLY_NONE) {
+        pthread_cond_wait(&seat->wake, &seat->lock);
+    }
+    *unit = seat->given;
+    bool given = seat->reply == ENG_REPLY_GIVEN;
+    pthread_mutex_unlock(&seat->lock);
+    worker->record.steals += given;
+    return given;
+}
+
+/* Work from another thread; false: there is none anywhere. */
+static bool find_work(struct eng_team *team, struct eng_seat *seat,
+                      struct eng_worker *worker, uint64_t *unit)
+{
+    uint64_t begin_ns = common_now_ns();
+    bool found = false;
+    while (!found && atomic_load_explicit(&eng_paper_of(team->scene)->assignment.active,
+                                          memory_order_acquire) > 0) {
+        struct eng_seat *victim = choose_victim(team, worker->thread);
+        if (victim) {
+            found = request(victim, seat, worker, unit);
+        } else {
+            worker->record.sleeps++;
+            eng_lounge_sleep(&eng_paper_of(team->scene)->assignment);
+        }
+    }
+    eng_worker_waited(worker, begin_ns);
+    return found;
+}
+
+static void open_seat(struct eng_seat *seat)
+{
+    pthread_mutex_lock(&seat->lock);
+    seat->takes_requests = true;
+    pthread_mutex_unlock(&seat->lock);
+}
+
+static void perform_all_units(struct eng_team *team, struct eng_worker *worker)
+{
+    struct eng_seat *seat = &eng_paper_of(team->scene)->assignment.seats[worker->thread];
+    uint64_t unit;
+    bool has_work = eng_units_count(&worker->units) > 0;
+    if (!has_work && find_work(team, seat, worker, &unit)) {
+        eng_units_push(&worker->units, unit);
+        has_work = true;
+    }
+    while (has_work) {
+        uint64_t begin_ns = common_now_ns();
+        open_seat(seat);
+        perform_units(team, seat, worker);
+        team->method->flush(worker);
+        worker->record.low_ns += common_now_ns() - begin_ns;
+        has_work = find_work(team, seat, worker, &unit);
+        if (has_work) {
+            eng_units_push(&worker->units, unit);
+        }
+    }
+}
+
+void eng_schedule_paper(struct eng_team *team, struct eng_worker *worker)
+{
+    assert(worker->thread < team->count);
+    perform_all_units(team, worker);
+    eng_wait_for_all(worker);
+    worker->low_end_ns = common_now_ns();
+    team->method->finish_units(team, worker);
+}

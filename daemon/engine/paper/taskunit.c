@@ -1,0 +1,285 @@
+/* daemon/engine/paper/taskunit.c - the self-CD task unit.
+ *
+ * Room:     engine.
+ * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test
+ *           their boxes; two leaves become candidates through the features they own.
+ * Threads:  [team].
+ * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a
+ *           queue or a stack, section 3.2), which bounds its length by the depth of the
+ *           trees.
+ */
+#include "taskunit.h"
+
+#include <assert.h>
+
+#include "paper_features.h"
+#include "paper_work.h"
+#include "rebuild.h"
+#include "test.h"
+
+/* Pairs of one task unit between two looks at the clock, when no chunk fills up. */
+#define PAIRS_PER_LOOK 65536u
+
+static inline bool overlap(const struct eng_worker *worker, const void *a, const void *b)
+{
+    const struct eng_box *box_a = eng_box_of_const(a);
+    const struct eng_box *box_b = eng_box_of_const(b);
+    if (!eng_box_overlap(box_a, box_b)) {
+        return false;
+    }
+    return worker->box_bound >= 1 ||
+           eng_box_overlap_until(box_a, box_b, worker->box_bound);
+}
+
+/* May features below the one node meet features below the other, or, of one node twice,
+ * features below it each other? Pairs between objects come from above them, so that what
+ * an object may not meet is left out where the trees of the two meet. */
+static bool is_allowed(const struct eng_scene *scene, uint32_t n, uint32_t m)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    uint32_t a = trees->upkeep[n].object;
+    uint32_t b = trees->upkeep[m].object;
+    return a == ENG_NO_OBJECT || b == ENG_NO_OBJECT ||
+           eng_masks_allows(&scene->masks, a, b);
+}
+
+/* Is a pair of nodes to be refined, or of leaves to be tested? */
+static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_scene *scene = worker->scene;
+    struct eng_trees *trees = eng_trees_of(scene);
+    return overlap(worker, &trees->nodes[n], &trees->nodes[m]) &&
+           (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
+}
+
+bool eng_taskunit_is_wanted(const struct eng_worker *worker, uint32_t node)
+{
+    const struct eng_scene *scene = worker->scene;
+    return !eng_masks_is_on(&scene->masks) || is_allowed(scene, node, node);
+}
+
+static void emit(struct eng_worker *worker, enum pccd_kind kind, uint32_t a, uint32_t b)
+{
+    struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
+    chunk->a[chunk->count] = a;
+    chunk->b[chunk->count] = b;
+    if (++chunk->count == ENG_CHUNK_MAX) {
+        eng_test_chunk(worker, kind);
+    }
+}
+
+/* The order in which records name two features of one sort. */
+static bool comes_first(const struct eng_scene *scene, uint32_t points, uint32_t a,
+                        uint32_t b)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    uint32_t object_a = eng_feature_object(trees, points, a);
+    uint32_t object_b = eng_feature_object(trees, points, b);
+    return object_a == object_b
+               ? a < b
+               : scene->objects[object_a].id < scene->objects[object_b].id;
+}
+
+/* Has a feature with vertices v any of the vertices w? */
+ENG_FEATURE_INLINE bool have_common(const uint32_t *v, uint32_t v_count,
+                                    const uint32_t *w, uint32_t w_count)
+{
+#pragma GCC unroll 3
+    for (uint32_t i = 0; i < v_count; i++) {
+#pragma GCC unroll 3
+        for (uint32_t k = 0; k < w_count; k++) {
+            if (v[i] == w[k]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Features that the triangle below n owns, as a, against those of the one below m, as b.
+ * `kind` is a constant of the code. */
+ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_kind kind,
+                                         const struct eng_node *n,
+                                         const struct eng_node *m)
+{
+    const struct eng_scene *scene = worker->scene;
+    const struct eng_trees *trees = eng_trees_of(scene);
+    const struct eng_triangle *ta = &trees->triangles[n->right];
+    const struct eng_triangle *tb = &trees->triangles[m->right];
+    const uint32_t points_a = common_kinds[kind].points[0];
+    const uint32_t points_b = common_kinds[kind].points[1];
+    uint32_t v[3];
+    uint32_t w[3];
+    for (uint32_t i = 0; i < eng_feature_count(points_a); i++) {
+        if (!eng_feature_is_owned(ta, points_a, i)) {
+            continue;
+        }
+        uint32_t a = eng_feature_of(trees, points_a, n, i);
+        const struct eng_box *box_a = eng_feature_box(trees, points_a, n, a);
+        eng_feature_vertices(trees, points_a, a, v);
+        for (uint32_t k = 0; k < eng_feature_count(points_b); k++) {
+            if (!eng_feature_is_owned(tb, points_b, k)) {
+                continue;
+            }
+            uint32_t b = eng_feature_of(trees, points_b, m, k);
+            eng_feature_vertices(trees, points_b, b, w);
+            if (have_common(v, points_a, w, points_b) ||
+                !overlap(worker, box_a, eng_feature_box(trees, points_b, m, b))) {
+                continue;
+            }
+            if (points_a != points_b || comes_first(scene, points_a, a, b)) {
+                emit(worker, kind, a, b);
+            } else {
+                emit(worker, kind, b, a);
+            }
+        }
+    }
+}
+
+/* A triangle is not tested against itself: two of its features have a common vertex, as
+ * they have four points or more together. */
+#define HAVE_COMMON(NAME, value, name, points_a, points_b, text)                         \
+    static_assert((points_a) + (points_b) > 3, "else they may meet within a triangle");
+PCCD_KIND_LIST(HAVE_COMMON)
+#undef HAVE_COMMON
+
+static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
+                      const struct eng_node *m)
+{
+    worker->tally.leaf_pairs++;
+#define AGAINST(NAME, value, name, points_a, points_b, text)                             \
+    features_against(worker, PCCD_##NAME, n, m);                                         \
+    if ((points_a) != (points_b)) {                                                      \
+        features_against(worker, PCCD_##NAME, m, n);                                     \
+    }
+    PCCD_KIND_LIST(AGAINST)
+#undef AGAINST
+}
+
+/* BV overlap test of a pair: what passes waits for its refinement, or, between two
+ * leaves, is a pair of triangles. Testing before queueing halves the nodes fetched: a
+ * refinement meets four boxes and tests each twice. */
+static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    struct eng_pair_queue *pairs = &eng_paper_work_of(worker)->pairs;
+    worker->record.box_tests++;
+    if (!may_meet(worker, n, m)) {
+        return;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return;
+    }
+    assert(pairs->count < ENG_PAIRS_MAX);
+    pairs->n[pairs->count] = n;
+    pairs->m[pairs->count] = m;
+    pairs->count++;
+}
+
+/* Refine both nodes of a pair; a leaf stands for itself. */
+static inline uint32_t refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                              uint32_t n_out[4], uint32_t m_out[4])
+{
+    const struct eng_node *node_n = eng_node_open(worker, n);
+    const struct eng_node *node_m = eng_node_open(worker, m);
+    uint32_t ns[2] = {n, n};
+    uint32_t ms[2] = {m, m};
+    uint32_t n_count = 1;
+    uint32_t m_count = 1;
+    if (node_n->left != ENG_LEAF) {
+        ns[0] = node_n->left;
+        ns[1] = node_n->right;
+        n_count = 2;
+    }
+    if (node_m->left != ENG_LEAF) {
+        ms[0] = node_m->left;
+        ms[1] = node_m->right;
+        m_count = 2;
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < n_count; i++) {
+        for (uint32_t j = 0; j < m_count; j++) {
+            n_out[count] = ns[i];
+            m_out[count++] = ms[j];
+        }
+    }
+    return count;
+}
+
+void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    struct eng_pair_queue *pairs = &eng_paper_work_of(worker)->pairs;
+    uint64_t refined = 0;
+    test_pair(worker, n, m);
+    while (pairs->count > 0 && !eng_stop_is_set(worker->stop)) {
+        uint32_t n_out[4];
+        uint32_t m_out[4];
+        pairs->count--;
+        uint32_t count =
+            refine(worker, pairs->n[pairs->count], pairs->m[pairs->count], n_out, m_out);
+        for (uint32_t i = 0; i < count; i++) {
+            test_pair(worker, n_out[i], m_out[i]);
+        }
+        if (++refined % PAIRS_PER_LOOK == 0) {
+            eng_worker_should_stop(worker);
+        }
+    }
+    pairs->count = 0;
+    worker->record.pairs += refined;
+}
+
+uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                             uint32_t n_out[4], uint32_t m_out[4])
+{
+    assert(n != m);
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    worker->record.box_tests++;
+    if (!may_meet(worker, n, m)) {
+        return 0;
+    }
+    if (nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF) {
+        leaf_pair(worker, &nodes[n], &nodes[m]);
+        return 0;
+    }
+    worker->record.pairs++;
+    return refine(worker, n, m, n_out, m_out);
+}
+
+uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
+                           uint32_t n_out[4], uint32_t m_out[4])
+{
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    bool are_leaves = nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF;
+    if (are_leaves || !may_meet(worker, n, m)) {
+        return 0;
+    }
+    return refine(worker, n, m, n_out, m_out);
+}
+
+void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
+{
+    assert(node != ENG_NO_NODE);
+    if (!eng_taskunit_is_wanted(worker, node)) {
+        return;
+    }
+    const struct eng_node *opened = eng_node_open(worker, node);
+    if (opened->left == ENG_LEAF) {
+        return;
+    }
+    uint64_t begin_ns = eng_worker_slice(worker);
+    worker->record.task_units++;
+    if (push_children) {
+        eng_units_push(&worker->units, opened->left);
+        eng_units_push(&worker->units, opened->right);
+    }
+    eng_taskunit_pairs(worker, opened->left, opened->right);
+    eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, node, opened->count);
+}
+
+void eng_taskunit_flush(struct eng_worker *worker)
+{
+    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        eng_test_chunk(worker, kind);
+    }
+}

@@ -1,0 +1,42 @@
+/* daemon/engine/paper/taskunit.h - one self-collision task unit: all pairs between the
+ * two children of one node.
+ *
+ * Room:     engine. May include: worker.h.
+ * Does:     find the collision test pairs below one node, between its two children.
+ * Threads:  [team].
+ * Source:   paper section 4.1.
+ */
+#ifndef ENG_TASKUNIT_H
+#define ENG_TASKUNIT_H
+
+#include "worker.h"
+
+/* May features below a node meet each other? Not where they are all of an object whose
+ * self-collision is off (masks.h): nothing below it is worth a task unit then. */
+bool eng_taskunit_is_wanted(const struct eng_worker *worker, uint32_t node);
+
+/* The setup phase pushes the children of `node` to the worker's task unit queue if
+ * `push_children`; the detection phase works through all pairs that (left, right) leads
+ * to. A leaf has neither, nor has what is not wanted. Stops early when worker->stop says
+ * so. */
+void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children);
+
+/* The pairs that (n, m), two nodes neither of which is below the other, leads to. */
+void eng_taskunit_pairs(struct eng_worker *worker, uint32_t n, uint32_t m);
+
+/* Test the boxes of (n, m) and refine it once: the pairs that may overlap are written to
+ * n_out, m_out [4] without having been tested. Returns their number: 4, in the order LL,
+ * LR, RL, RR; 2 if one of both is a leaf and stands for itself; 0 if the boxes are apart
+ * or their objects may not meet, and for two leaves, which are dealt with. */
+uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
+                             uint32_t n_out[4], uint32_t m_out[4]);
+
+/* The same, uncounted, for a pair that another thread or phase counts: 0 for two leaves,
+ * which are left to it. */
+uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
+                           uint32_t n_out[4], uint32_t m_out[4]);
+
+/* Test what is left in the worker's chunks. */
+void eng_taskunit_flush(struct eng_worker *worker);
+
+#endif

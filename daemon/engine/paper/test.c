@@ -1,0 +1,147 @@
+/* daemon/engine/paper/test.c - elementary tests of a chunk of candidates.
+ *
+ * Room:     engine.
+ * Does:     copy the points of a few pairs at a time, test them, keep the contacts.
+ * Threads:  [team].
+ */
+#include "test.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "finding.h"
+#include "kernel.h"
+#include "paper_features.h"
+
+static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
+                       uint32_t v)
+{
+    memcpy(query->x[0][point], scene->x[1 - scene->now][v], sizeof query->x[0][point]);
+    memcpy(query->x[1][point], scene->x[scene->now][v], sizeof query->x[1][point]);
+}
+
+void eng_query_load(const struct eng_scene *scene, enum pccd_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    const uint32_t *points = common_kinds[kind].points;
+    uint32_t v[4];
+    eng_feature_vertices(trees, points[0], a, v);
+    eng_feature_vertices(trees, points[1], b, v + points[0]);
+    for (uint32_t i = points[0] + points[1]; i < 4; i++) {
+        v[i] = v[i - 1];
+    }
+    query->kind = kind;
+    for (int i = 0; i < 4; i++) {
+        load_point(scene, query, i, v[i]);
+    }
+}
+
+/* Names as records carry them: object id and local index. */
+static struct pccd_pair name_of(const struct eng_scene *scene, enum pccd_kind kind,
+                                uint32_t a, uint32_t b)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    const uint32_t *points = common_kinds[kind].points;
+    const struct eng_object *object_a =
+        &scene->objects[eng_feature_object(trees, points[0], a)];
+    const struct eng_object *object_b =
+        &scene->objects[eng_feature_object(trees, points[1], b)];
+    return (struct pccd_pair){kind, object_a->id,
+                              a - eng_feature_first(object_a, points[0]), object_b->id,
+                              b - eng_feature_first(object_b, points[1])};
+}
+
+static void load_pair(const struct eng_scene *scene, enum pccd_kind kind, uint32_t a,
+                      uint32_t b, struct eng_point points[4])
+{
+    struct eng_query query;
+    eng_query_load(scene, kind, a, b, &query);
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query.x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query.x[1][i], sizeof points[i].x1);
+    }
+}
+
+/* Pairs whose points are copied at a time: 8 KiB. */
+#define GROUP 32u
+
+struct group {
+    struct eng_point points[4 * GROUP];
+    uint32_t quads[GROUP][4];
+    uint32_t count;
+};
+
+/* The points of candidates first .. first + GROUP - 1. */
+static void load_group(const struct eng_scene *scene, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first, struct group *group)
+{
+    memset(group, 0, sizeof *group);
+    group->count = chunk->count - first < GROUP ? chunk->count - first : GROUP;
+    for (uint32_t i = 0; i < group->count; i++) {
+        load_pair(scene, kind, chunk->a[first + i], chunk->b[first + i],
+                  &group->points[4 * (size_t)i]);
+        for (uint32_t k = 0; k < 4; k++) {
+            group->quads[i][k] = 4 * i + k;
+        }
+    }
+}
+
+/* Keep those of candidates first .. first + GROUP - 1 that no axis separates: by the
+ * coordinates themselves, so that it does not matter how boxes were rounded. */
+static void keep_group(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    assert(first < chunk->count);
+    struct group group;
+    uint32_t kept[GROUP];
+    load_group(worker->scene, kind, chunk, first, &group);
+    uint32_t count = worker->kernels->apart(
+        kind, group.points, (const uint32_t(*)[4])group.quads, group.count, kept);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pair = first + kept[i];
+        struct pccd_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
+    }
+}
+
+/* Test candidates first .. first + GROUP - 1. */
+static void test_group(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    assert(first < chunk->count);
+    struct group group;
+    struct eng_batch *batch = &eng_paper_work_of(worker)->batch;
+    load_group(worker->scene, kind, chunk, first, &group);
+    uint32_t hits = eng_batch_test(worker->kernels, kind, group.points,
+                                   (const uint32_t(*)[4])group.quads, group.count,
+                                   worker->settings->tolerance, worker->time_bound,
+                                   &worker->exact, batch);
+    worker->record.tests += group.count;
+    worker->tally.survivors += batch->survivors;
+    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
+        uint32_t pair = first + batch->index[i];
+        struct pccd_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_test_keep(worker, &name, &batch->hits[i]);
+    }
+}
+
+void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
+{
+    uint64_t begin_ns = common_now_ns();
+    struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
+    uint32_t count = chunk->count;
+    eng_test_count(worker, kind, count);
+    for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += GROUP) {
+        if (worker->settings->mode == PCCD_MODE_PAIRS) {
+            keep_group(worker, kind, chunk, i);
+        } else {
+            test_group(worker, kind, chunk, i);
+        }
+    }
+    chunk->count = 0;
+    eng_worker_should_stop(worker);
+    eng_test_end(worker, kind, count, begin_ns);
+}

@@ -1,0 +1,158 @@
+/* daemon/engine/paper/trees.h - the binary trees of boxes over the triangles of a scene.
+ *
+ * Room:     engine. May include: aabb.h, median.h, range.h, world.h, the C library.
+ * Does:     define what the method `paper` keeps of a scene: boxes of vertices and edges,
+ *           triangles, and the nodes of all trees.
+ * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
+ *
+ * The vertices of all objects lie in one array, as do edges, triangles and nodes; an
+ * object owns one range of each. Indices into these arrays ("global") name features. So
+ * one traversal covers every collision between objects and within them, and an object
+ * comes or goes without touching the others.
+ */
+#ifndef ENG_TREES_H
+#define ENG_TREES_H
+
+#include <assert.h>
+#include <stdatomic.h>
+#include <stddef.h>
+
+#include "aabb.h"
+#include "median.h"
+#include "range.h"
+#include "world.h"
+
+#define ENG_LEAF    UINT32_MAX /* in eng_node.left */
+#define ENG_NO_NODE UINT32_MAX /* root of an empty scene */
+
+/* Whether a node's children may be looked at without further ado (rebuild.h). */
+enum eng_gate { ENG_GATE_NONE = 0, ENG_GATE_REGION = 1 };
+
+/* The three records with a box. Each is a struct eng_box with named words. */
+struct eng_node {
+    _Alignas(64) float lo0[3];
+    uint32_t left; /* node, or ENG_LEAF */
+    float hi0[3];
+    uint32_t right; /* node; of a leaf: its triangle */
+    float lo1[3];
+    uint32_t count; /* triangles below */
+    float hi1[3];
+    uint32_t gate; /* enum eng_gate */
+};
+
+struct eng_edge {
+    _Alignas(64) float lo0[3];
+    uint32_t a; /* vertices */
+    float hi0[3];
+    uint32_t b;
+    float lo1[3];
+    uint32_t object;
+    float hi1[3];
+    uint32_t reserved;
+};
+
+struct eng_vertex {
+    _Alignas(64) float lo0[3];
+    uint32_t object;
+    float hi0[3];
+    uint32_t reserved0;
+    float lo1[3];
+    uint32_t reserved1;
+    float hi1[3];
+    uint32_t reserved2;
+};
+
+static_assert(sizeof(struct eng_node) == 64 && offsetof(struct eng_node, left) == 12,
+              "node");
+static_assert(sizeof(struct eng_edge) == 64 && offsetof(struct eng_edge, a) == 12, "");
+static_assert(sizeof(struct eng_vertex) == 64 &&
+                  offsetof(struct eng_vertex, object) == 12,
+              "vertex");
+
+static inline struct eng_box *eng_box_of(void *record)
+{
+    return record;
+}
+
+static inline const struct eng_box *eng_box_of_const(const void *record)
+{
+    return record;
+}
+
+/* What reconstruction knows of a node, beside the nodes: a traversal does not need it. */
+struct eng_upkeep {
+    atomic_uint gate;  /* of a region's root: rebuild.h */
+    uint32_t object;   /* index; ENG_NO_OBJECT: above them */
+    float built_ratio; /* of an inner node: the metric when it was last built */
+};
+
+struct eng_triangle {
+    uint32_t v[3];
+    uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */
+    uint32_t owns;   /* ENG_OWNS_* */
+    uint32_t object; /* index */
+};
+
+/* Levels of a scene's tree, at most. An object of n triangles has ceil(log2 n) levels by
+ * medians, 16 more by the other build quality, one more in a reconstructed region
+ * (build.h, rebuild.h); k objects have ceil(log2 k) above them. With n + k <= 2^31 the
+ * sum is largest for n = k = 2^30. */
+#define ENG_LEVELS_MAX (30u + 30u + 16u + 1u)
+
+/* What an object has of the arrays below. All counts are 0 until a step asks for it. */
+struct eng_planted {
+    struct eng_range edges;
+    struct eng_range triangles;
+    struct eng_range
+        nodes; /* in pre-order, a parent precedes its children; first = root */
+};
+
+struct eng_trees {
+    struct eng_ranges edge_ranges;
+    struct eng_ranges triangle_ranges;
+    struct eng_ranges node_ranges;
+    uint32_t box_capacity; /* of the vertices' boxes */
+    uint32_t edge_capacity;
+    uint32_t triangle_capacity;
+    uint32_t node_capacity;
+    struct eng_vertex *vertices; /* by the scene's indices */
+    struct eng_edge *edges;
+    struct eng_triangle *triangles; /* global indices, .object filled in */
+    struct eng_node *nodes;
+    struct eng_upkeep *upkeep; /* [node_capacity] */
+
+    /* The tree over the objects. */
+    struct eng_range top; /* nodes above the objects, pre-order; count 0: none */
+    uint32_t root;        /* ENG_NO_NODE: no objects */
+    bool top_is_stale;    /* objects came or went since it was built */
+    bool top_is_fresh;    /* built since the last step */
+    uint64_t frames;      /* framing.number of the last step by `paper` */
+    struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
+    uint32_t top_item_capacity;
+};
+
+/* Those of a scene. They begin what is in its slot (paper.h). */
+static inline struct eng_trees *eng_trees_of(const struct eng_scene *scene)
+{
+    return scene->slots[ENG_SLOT_PAPER];
+}
+
+static inline const struct eng_planted *eng_planted_of(const struct eng_object *object)
+{
+    static const struct eng_planted nothing;
+    const struct eng_planted *planted = object->slots[ENG_SLOT_PAPER];
+    return planted ? planted : &nothing;
+}
+
+/* Is it a node of the tree over the objects? */
+static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t node_idx)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    return node_idx - trees->top.first < trees->top.count;
+}
+
+void eng_trees_init(struct eng_trees *trees);
+void eng_trees_deinit(struct eng_trees *trees);
+uint64_t eng_trees_bytes(const struct eng_trees *trees);
+
+#endif

@@ -1,0 +1,70 @@
+/* daemon/engine/result/merge_data.h - what the threads of a merge share: lists,
+ * splitters, buckets and scratch.
+ *
+ * Room:     engine. May include: hash.h, order.h, radix.h, result.h, split.h.
+ * Does:     define these for merge.c and bucket.c.
+ * Threads:  merge.h.
+ */
+#ifndef ENG_MERGE_DATA_H
+#define ENG_MERGE_DATA_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+#include "hash.h"
+#include "order.h"
+#include "radix.h"
+#include "result.h"
+#include "split.h"
+
+/* What a thread adds up over the records of an answer that it puts into place. */
+struct eng_counts {
+    uint64_t kind[PCCD_KIND_COUNT]; /* records of each */
+    uint64_t possible;
+    uint64_t initial;
+    double toi_first;  /* 2: none */
+    eng_hash_sum hash; /* of the records, without their number */
+};
+
+/* One list's part. Counts and places are 32 bits: a step of more records than that is out
+ * of memory. */
+struct eng_merge_share {
+    _Alignas(128) struct eng_found *found;
+    struct eng_counts counts; /* of the buckets that this thread took */
+    uint32_t first;           /* its place among the items */
+    uint32_t count;
+    uint32_t sample_count;
+    uint32_t begin[ENG_SPLIT_BUCKETS_MAX + 1]; /* of its part of each bucket */
+};
+
+enum eng_merge_state {
+    ENG_MERGE_OPEN = 0, /* nothing done */
+    ENG_MERGE_SMALL,    /* left to one thread */
+    ENG_MERGE_SHARED,   /* done by all */
+    ENG_MERGE_NOMEM
+};
+
+struct eng_merge {
+    struct eng_merge_share *shares; /* [share_capacity] */
+    struct eng_name *samples;       /* [share_capacity][a share's] */
+    uint32_t share_capacity;
+    uint32_t threads; /* lists of this step */
+    struct eng_records *out;
+    enum eng_merge_state state;
+    uint64_t begin_ns; /* when the last list came */
+    uint64_t total;    /* records in the lists */
+    uint64_t kept;     /* of these, in the answer */
+    struct eng_order order;
+    struct eng_splitters splitters;
+    /* Scratch, one allocation of `capacity` records. */
+    struct eng_radix_key *items; /* list by list, each by buckets */
+    struct eng_radix_key *other; /* bucket by bucket */
+    uint16_t *buckets;           /* of the items before they are divided */
+    uint64_t capacity;
+    const atomic_bool *cancel; /* set by any thread: give the merge up; may be NULL */
+    _Alignas(128) atomic_bool is_given_up;
+    atomic_uint arrived;            /* lists looked at */
+    _Alignas(128) atomic_uint next; /* bucket to be taken */
+};
+
+#endif

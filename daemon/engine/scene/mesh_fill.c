@@ -1,0 +1,225 @@
+/* daemon/engine/scene/mesh_fill.c - registration of a mesh.
+ *
+ * Room:     engine.
+ * Does:     hold what arrives in chunks until commit, then hand it to feature.c.
+ * Does not: derive topology (feature.c).
+ * Threads:  one thread until commit, any afterwards; the reference count is atomic.
+ */
+#include "mesh.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "feature.h"
+#include "ingest.h"
+#include "kernel.h"
+#include "memory.h"
+#include "topology.h"
+
+/* Triangles of which the typical size is told. */
+#define FINENESS_SAMPLES 64u
+
+int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh)
+{
+    if (vertex_count == 0 || vertex_count > PROTO_COUNT_MAX || triangle_count == 0 ||
+        triangle_count > PROTO_COUNT_MAX) {
+        return PCCD_E_INVAL;
+    }
+    struct eng_mesh *m = eng_alloc(1, sizeof *m);
+    if (!m) {
+        return PCCD_E_NOMEM;
+    }
+    memset(m, 0, sizeof *m);
+    atomic_init(&m->references, 1);
+    m->info.vertex_count = vertex_count;
+    m->info.triangle_count = triangle_count;
+    m->x = eng_alloc(vertex_count, sizeof *m->x);
+    m->corners = eng_alloc(triangle_count, sizeof *m->corners);
+    if (!m->x || !m->corners) {
+        eng_mesh_release(m);
+        return PCCD_E_NOMEM;
+    }
+    *mesh = m;
+    return PCCD_OK;
+}
+
+struct eng_mesh *eng_mesh_acquire(struct eng_mesh *mesh)
+{
+    assert(mesh);
+    /* Relaxed: the caller holds a reference already. */
+    atomic_fetch_add_explicit(&mesh->references, 1, memory_order_relaxed);
+    return mesh;
+}
+
+void eng_mesh_release(struct eng_mesh *mesh)
+{
+    /* acq_rel: whoever frees must see every other holder's last use. */
+    if (!mesh ||
+        atomic_fetch_sub_explicit(&mesh->references, 1, memory_order_acq_rel) != 1) {
+        return;
+    }
+    eng_free(mesh->x);
+    eng_free(mesh->corners);
+    eng_free(mesh->triangles);
+    eng_free(mesh->edges);
+    eng_free(mesh);
+}
+
+/* Is first .. first+count-1 inside `total` and contiguous with what has arrived? */
+static int check_chunk(const struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                       uint32_t total, uint32_t received)
+{
+    if (mesh->committed) {
+        return PCCD_E_STATE;
+    }
+    if (count == 0 || first > total || count > total - first) {
+        return PCCD_E_INVAL;
+    }
+    return first > received ? PCCD_E_STATE : PCCD_OK;
+}
+
+int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
+                            uint32_t first, uint32_t count, const void *source)
+{
+    int status =
+        check_chunk(mesh, first, count, mesh->info.vertex_count, mesh->vertices_received);
+    if (status == PCCD_OK) {
+        status = eng_ingest_positions(mesh->x + first, format, count, source, NULL);
+    }
+    if (status == PCCD_OK && first + count > mesh->vertices_received) {
+        mesh->vertices_received = first + count;
+    } else if (status == PCCD_E_NOTFINITE && mesh->vertices_received > first) {
+        mesh->vertices_received = first; /* the chunk may have spoilt what stood there */
+    }
+    return status;
+}
+
+int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                             const void *source, uint32_t *bad_triangle)
+{
+    int status = check_chunk(mesh, first, count, mesh->info.triangle_count,
+                             mesh->triangles_received);
+    if (status == PCCD_OK) {
+        status = eng_ingest_triangles(mesh->corners + first, count,
+                                      mesh->info.vertex_count, source, bad_triangle);
+    }
+    if (status == PCCD_OK && first + count > mesh->triangles_received) {
+        mesh->triangles_received = first + count;
+    } else if (status == PCCD_E_INDEX) {
+        *bad_triangle += first;
+        if (mesh->triangles_received > first) {
+            mesh->triangles_received = first;
+        }
+    }
+    return status;
+}
+
+void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
+                       uint32_t *triangles)
+{
+    *vertices = mesh->vertices_received;
+    *triangles = mesh->triangles_received;
+}
+
+struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3])
+{
+    assert(mesh->triangles && x);
+    const struct eng_kernels *kernels = eng_kernels();
+    struct eng_bounds bounds = ENG_NO_BOUNDS;
+    if (mesh->info.isolated_count == 0) {
+        kernels->bound_positions(x, mesh->info.vertex_count, &bounds);
+        return bounds;
+    }
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            kernels->bound_positions(x + mesh->triangles[i].v[k], 1, &bounds);
+        }
+    }
+    return bounds;
+}
+
+static int compare_sizes(const void *a, const void *b)
+{
+    const double *x = a;
+    const double *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+/* The median size of some triangles beside that of the mesh. */
+static double fineness_of(const struct eng_mesh *mesh)
+{
+    double sizes[FINENESS_SAMPLES];
+    uint32_t count = mesh->info.triangle_count;
+    uint32_t samples = count < FINENESS_SAMPLES ? count : FINENESS_SAMPLES;
+    for (uint32_t i = 0; i < samples; i++) {
+        const uint32_t *v = mesh->triangles[(uint64_t)count * i / samples].v;
+        struct eng_bounds bounds = ENG_NO_BOUNDS;
+        for (int k = 0; k < 3; k++) {
+            eng_kernels()->bound_positions((const double(*)[3])mesh->x + v[k], 1,
+                                           &bounds);
+        }
+        sizes[i] = eng_bounds_size(&bounds);
+    }
+    qsort(sizes, samples, sizeof *sizes, compare_sizes);
+    double median = sizes[samples / 2];
+    return median > 0 ? median / eng_bounds_size(&mesh->bounds) : 1 / sqrt(count);
+}
+
+int eng_mesh_commit(struct eng_mesh *mesh)
+{
+    if (mesh->committed || mesh->vertices_received != mesh->info.vertex_count ||
+        mesh->triangles_received != mesh->info.triangle_count) {
+        return PCCD_E_STATE;
+    }
+    int status = eng_feature_derive(mesh);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    eng_free(mesh->corners);
+    mesh->corners = NULL;
+    mesh->bounds = eng_mesh_measure(mesh, (const double(*)[3])mesh->x);
+    mesh->fineness = fineness_of(mesh);
+    mesh->committed = true;
+    assert(eng_feature_validate(mesh));
+    return PCCD_OK;
+}
+
+bool eng_mesh_is_committed(const struct eng_mesh *mesh)
+{
+    return mesh->committed;
+}
+
+void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info)
+{
+    assert(mesh->committed);
+    *info = mesh->info;
+}
+
+const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2]
+{
+    return (const uint32_t(*)[2])mesh->edges;
+}
+
+const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3]
+{
+    return (const double(*)[3])mesh->x;
+}
+
+void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3])
+{
+    assert(mesh->committed && corners);
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        memcpy(corners[i], mesh->triangles[i].v, sizeof *corners);
+    }
+}
+
+uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
+{
+    const struct eng_mesh_info *info = &mesh->info;
+    return sizeof *mesh + (uint64_t)info->vertex_count * sizeof *mesh->x +
+           (uint64_t)info->triangle_count *
+               (mesh->committed ? sizeof *mesh->triangles : sizeof *mesh->corners) +
+           (uint64_t)info->edge_count * sizeof *mesh->edges;
+}

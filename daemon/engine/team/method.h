@@ -1,0 +1,71 @@
+/* daemon/engine/team/method.h - what a method must provide so that a step can use it.
+ *
+ * Room:     engine. May include: team.h.
+ * Does:     define the table of functions that differ between the methods: trees, boxes,
+ *           tasks. A task is a 64-bit word whose meaning belongs to the method, so that
+ *           one scheduler serves both.
+ * Threads:  functions say.
+ */
+#ifndef ENG_METHOD_H
+#define ENG_METHOD_H
+
+#include "team.h"
+
+struct eng_method_calls {
+    /* Are its trees of other objects than the scene has now? [compute] */
+    bool (*is_stale)(const struct eng_scene *scene);
+    /* Whatever can fail for want of memory: put trees together, reserve for team->count
+     * threads, whose workers exist. Nothing moves. [compute] */
+    int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
+    /* The positions have moved on; no thread is at work yet. [compute] */
+    void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
+    /* All boxes, by one thread. A step that is stopped may leave some as they were: then
+     * no task is done, and the next step makes them all. [compute] */
+    void (*refit)(struct eng_worker *worker);
+    /* The same by all: true for the one that ended last, and sees every box. [team] */
+    bool (*refit_by_team)(struct eng_team *team, struct eng_worker *worker);
+    /* After the refit, while nobody traverses, by one thread. [team] */
+    void (*ready)(struct eng_worker *worker);
+    /* While others traverse, by one thread. [team] */
+    void (*beside)(struct eng_worker *worker);
+    /* After the refit of all, before a thread's first task, and after its last. [team] */
+    void (*enter)(struct eng_worker *worker);
+    void (*leave)(struct eng_worker *worker);
+
+    /* The step, which took `step_ns` without staging, is over: learn from it, and write
+     * to its result what was swapped in. [compute] */
+    void (*end)(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns);
+
+    /* Of test builds: is everything as it should be after a step? NULL: it is not looked
+     * at. [compute] */
+    bool (*validate)(const struct eng_scene *scene);
+
+    /* All tasks of a step by one thread. [compute] */
+    void (*perform_all)(struct eng_worker *worker);
+    /* Push the tasks that all others come from to the workers' deques, while the owners
+     * of these wait. [team], one thread, `worker` */
+    void (*deal)(struct eng_team *team, struct eng_worker *worker);
+    /* Do a task, or push what it divides into to the worker's own deque. [team] */
+    void (*perform)(struct eng_worker *worker, uint64_t task);
+
+    /* The paper's dynamic assignment: task units that wait in worker->units.
+     *
+     * Choose those to begin with, some for each thread if there are as many, largest
+     * first, and push them to the threads' queues. [team], one thread */
+    void (*assign)(struct eng_team *team, struct eng_worker *worker);
+    /* Do a task unit; those that it divides into are pushed. [team] */
+    void (*perform_unit)(struct eng_team *team, struct eng_worker *worker, uint64_t unit);
+    /* How large it is, >= 1: who asks for one takes it where they are largest. [team] */
+    uint32_t (*unit_size)(const struct eng_worker *worker, uint64_t unit);
+    /* When all of them are done: what all threads do together. [team] */
+    void (*finish_units)(struct eng_team *team, struct eng_worker *worker);
+
+    /* What the method keeps of a worker, in its slot of worker->work. [compute] */
+    void (*work_free)(struct eng_worker *worker);
+    uint64_t (*work_bytes)(const struct eng_worker *worker);
+
+    /* The worker has no task: test the candidates that wait in its chunks. [team] */
+    void (*flush)(struct eng_worker *worker);
+};
+
+#endif

@@ -1,0 +1,45 @@
+/* daemon/engine/team/team.h - what the threads that compute one step share.
+ *
+ * Room:     engine. May include: worker.h.
+ * Does:     define the list of workers, the progress of the refit, and the count of
+ *           unfinished tasks.
+ * Threads:  filled in by [compute] before the region; each field says who writes it
+ *           inside.
+ */
+#ifndef ENG_TEAM_H
+#define ENG_TEAM_H
+
+#include "worker.h"
+
+/* Each counter is taken from by all threads: a pair of cache lines of its own. */
+struct eng_refit_progress {
+    _Alignas(128) atomic_uint next_vertices; /* chunk that nobody has taken */
+    _Alignas(128) atomic_uint vertices_done; /* chunks */
+    _Alignas(128) atomic_uint next_root;
+    _Alignas(128) atomic_uint next_edges;
+    _Alignas(128) atomic_uint rest_done; /* chunks of edges, and one for the root */
+    _Alignas(128) atomic_uint released;  /* 1: everybody may look at the boxes */
+};
+
+struct eng_method_calls;
+
+struct eng_team {
+    struct eng_scene *scene;
+    struct eng_worker **workers;           /* [count] */
+    uint32_t count;                        /* threads, >= 1; as many as asked for, until
+                                            * the refit has ended */
+    uint32_t shares;                       /* as many as asked for */
+    const struct eng_method_calls *method; /* method.h */
+    uint64_t refit_end_ns; /* written by the thread that ended the refit */
+    struct eng_refit_progress refit;
+    _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */
+};
+
+/* Before the region: nothing of the refit is done. [compute] */
+void eng_refit_begin(struct eng_team *team);
+
+/* The one that ended the refit last lets the others go on, which wait in await. [team] */
+void eng_refit_release(struct eng_team *team);
+void eng_refit_await(struct eng_team *team, struct eng_worker *worker);
+
+#endif

@@ -1,0 +1,161 @@
+/* daemon/engine/team/worker.c - what one thread of a step owns.
+ *
+ * Room:     engine.
+ * Does:     begin a step, watch clock and cancel flag, share the bound on time, account
+ *           for time without work.
+ * Threads:  [team]; a worker belongs to one thread.
+ */
+#include "worker.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "aabb.h"
+#include "kernel.h"
+
+/* By this much more than the tolerance a contact may begin after its toi. */
+#define BEGINS_LATER 0x1p-48
+
+int eng_worker_init(struct eng_worker *worker)
+{
+    memset(worker, 0, sizeof *worker);
+    eng_deque_init(&worker->deque);
+    return eng_exact_init(&worker->exact);
+}
+
+void eng_worker_deinit(struct eng_worker *worker)
+{
+    eng_exact_deinit(&worker->exact);
+    for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
+        assert(!worker->work[i]);
+    }
+}
+
+void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
+                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      struct eng_pool *pool)
+{
+    assert(scene && settings && stop && pool);
+    assert(settings->tolerance > 0 && settings->mode <= PCCD_MODE_PAIRS);
+    worker->scene = scene;
+    worker->settings = settings;
+    worker->kernels = settings->kernels ? settings->kernels : eng_kernels();
+    worker->stop = stop;
+    worker->time_bound = 1;
+    worker->box_bound = 1;
+    worker->units.head = 0;
+    worker->units.tail = 0;
+    worker->exact.queries = 0;
+    worker->low_end_ns = 0;
+    worker->possible_seen = 0;
+    worker->proved_seen = 0;
+    memset(&worker->record, 0, sizeof worker->record);
+    memset(&worker->tally, 0, sizeof worker->tally);
+    eng_found_begin(&worker->found, pool,
+                    settings->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                                                      : sizeof(struct pccd_contact),
+                    settings->contact_max);
+}
+
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
+{
+    const double whole_step = 1;
+    uint64_t bits;
+    memcpy(&bits, &whole_step, sizeof bits);
+    atomic_init(&stop->meeting.arrived, 0);
+    atomic_init(&stop->meeting.round, 0);
+    stop->cancel = settings->cancel;
+    stop->deadline_ns = settings->deadline_ns;
+    atomic_init(&stop->reason, PCCD_COMPLETE);
+    atomic_init(&stop->stopped, false);
+    stop->gave_up = false;
+    atomic_init(&stop->time_bound, bits);
+}
+
+static void stop_for(struct eng_stop *stop, enum pccd_incomplete reason)
+{
+    atomic_store_explicit(&stop->reason, reason, memory_order_relaxed);
+    atomic_store_explicit(&stop->stopped, true, memory_order_relaxed);
+}
+
+double eng_stop_time_bound(const struct eng_stop *stop)
+{
+    uint64_t bits = atomic_load_explicit(&stop->time_bound, memory_order_relaxed);
+    double bound;
+    memcpy(&bound, &bits, sizeof bound);
+    return bound;
+}
+
+/* Take over the bound that others have found. */
+static void look_at_bound(struct eng_worker *worker)
+{
+    double bound = eng_stop_time_bound(worker->stop);
+    if (bound < worker->time_bound) {
+        worker->time_bound = bound;
+        /* A record is kept for its toi, and the contact begins later by less than the
+         * length of its bracket: the tolerance, and 16 u = 2^-49 where exact arithmetic
+         * has rounded outward (elementary/BOUNDS.md, the T of the bracket kernel). So
+         * the boxes must let it through, however soon the bound was known; the other
+         * 2^-49 is for the rounding of this sum, 2^-51 at most. */
+        worker->box_bound =
+            eng_round_up(bound + worker->settings->tolerance + BEGINS_LATER);
+    }
+}
+
+/* Set the stop if there is a reason, `ns` from now. */
+static void look_for_reason(struct eng_stop *stop, uint64_t ns)
+{
+    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
+        stop_for(stop, PCCD_INCOMPLETE_CANCELLED);
+    } else if (stop->deadline_ns != 0 && common_now_ns() + ns >= stop->deadline_ns) {
+        stop_for(stop, PCCD_INCOMPLETE_DEADLINE);
+    }
+}
+
+bool eng_worker_should_stop(struct eng_worker *worker)
+{
+    struct eng_stop *stop = worker->stop;
+    look_at_bound(worker);
+    if (!eng_stop_is_set(stop)) {
+        look_for_reason(stop, 0);
+    }
+    return eng_stop_is_set(stop);
+}
+
+bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns)
+{
+    struct eng_stop *stop = worker->stop;
+    if (!eng_stop_is_set(stop)) {
+        look_for_reason(stop, ns);
+    }
+    return atomic_load_explicit(&stop->reason, memory_order_relaxed) != PCCD_COMPLETE;
+}
+
+void eng_worker_give_up(struct eng_worker *worker)
+{
+    assert(worker->settings->brief);
+    worker->stop->gave_up = true;
+    atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
+}
+
+void eng_worker_tighten(struct eng_worker *worker, double time)
+{
+    uint64_t mine;
+    memcpy(&mine, &time, sizeof mine);
+    uint64_t bound =
+        atomic_load_explicit(&worker->stop->time_bound, memory_order_relaxed);
+    while (mine < bound && !atomic_compare_exchange_weak_explicit(
+                               &worker->stop->time_bound, &bound, mine,
+                               memory_order_relaxed, memory_order_relaxed)) {
+    }
+    look_at_bound(worker);
+}
+
+void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns)
+{
+    assert(begin_ns > 0);
+    uint64_t end_ns = common_now_ns();
+    worker->record.wait_ns += end_ns - begin_ns;
+    eng_trace_add(worker->settings->trace, worker->thread, PCCD_TRACE_WAIT, begin_ns,
+                  end_ns, 0, 0);
+}

@@ -1,0 +1,132 @@
+/* daemon/engine/team/worker.h - what one thread needs to compute its part of a step,
+ * whatever the method.
+ *
+ * Room:     engine. May include: clock.h, deque.h, exact.h, result.h, step_result.h,
+ *           step_settings.h, trace.h, units.h.
+ * Does:     hold its tasks, the records that it has found, its counters and times, the
+ *           scratch of exact arithmetic, and a slot for the state of the method. The
+ *           workers of a step share nothing but the scene and struct eng_stop.
+ * Does not: know what a scene is: methods do.
+ * Threads:  [team]; a worker belongs to one thread.
+ */
+#ifndef ENG_WORKER_H
+#define ENG_WORKER_H
+
+#include "clock.h"
+#include "deque.h"
+#include "exact.h"
+#include "result.h"
+#include "step_result.h"
+#include "step_settings.h"
+#include "trace.h"
+#include "units.h"
+
+struct eng_kernels;
+struct eng_scene;
+
+/* Where the threads of a region wait for each other (wait.h). */
+struct eng_meeting {
+    _Alignas(128) atomic_uint arrived;
+    _Alignas(128) atomic_uint round; /* how often all have been there */
+};
+
+/* What the workers of a step share besides the scene. */
+struct eng_stop {
+    struct eng_meeting meeting;
+    const atomic_bool *cancel;
+    uint64_t deadline_ns;
+    atomic_int reason;   /* enum pccd_incomplete, set by the worker that saw it */
+    atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
+    bool gave_up;        /* of a brief step, by the one thread that it has */
+    /* Mode first: no contact after this time is wanted; else 1. The bits of a double: for
+     * positive numbers they have the order of the numbers, so a minimum is
+     * an integer's. */
+    atomic_uint_fast64_t time_bound;
+};
+
+/* What a worker counts besides its record: as in struct pccd_step_counters. */
+struct eng_tally {
+    uint64_t leaf_pairs;
+    uint64_t candidates[PCCD_KIND_COUNT];
+    uint64_t survivors;
+    uint64_t rebuilt_triangles;
+};
+
+/* Every access is relaxed: these are hints that only save work, and the end of the
+ * parallel region orders them before anybody reads the outcome. */
+static inline bool eng_stop_is_set(const struct eng_stop *stop)
+{
+    return atomic_load_explicit(&stop->stopped, memory_order_relaxed);
+}
+
+struct eng_worker {
+    struct eng_scene *scene; /* written to only behind gates (rebuild.h) */
+    const struct eng_step_settings *settings;
+    const struct eng_kernels *kernels; /* of the settings, never NULL */
+    struct eng_stop *stop;
+    uint32_t thread;             /* place in the team */
+    double time_bound;           /* the shared one as last seen */
+    float box_bound;             /* the same and the tolerance, rounded up */
+    struct eng_deque deque;      /* work stealing: tasks others may take */
+    uint32_t victim;             /* whom to rob next */
+    bool is_dealt;               /* the step began with tasks for it */
+    struct eng_task_queue units; /* the paper's scheduler: tasks of its own */
+    struct eng_found found;      /* records */
+    struct eng_exact exact;
+    void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
+    struct eng_thread_record record;
+    struct eng_tally tally;
+    uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with
+                             * low-level nodes; else 0 */
+    uint64_t possible_seen; /* mode any */
+    uint64_t proved_seen;
+};
+
+/* What is in `work` is freed by its methods, before deinit. */
+int eng_worker_init(struct eng_worker *worker); /* PCCD_E_NOMEM: there is none */
+void eng_worker_deinit(struct eng_worker *worker);
+
+/* Get ready for a step. */
+void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
+                      const struct eng_step_settings *settings, struct eng_stop *stop,
+                      struct eng_pool *pool);
+
+/* The bound as it stands; after the region: the final one. */
+double eng_stop_time_bound(const struct eng_stop *stop);
+
+void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings);
+
+/* Should the worker stop? Looks at the clock and at the cancel flag. */
+bool eng_worker_should_stop(struct eng_worker *worker);
+
+/* The same for one that is about to do what cannot be stopped and takes `ns`. True only
+ * for a deadline or a cancel. */
+bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns);
+
+/* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
+static inline uint64_t eng_worker_slice(const struct eng_worker *worker)
+{
+    return worker->settings->trace ? common_now_ns() : 0;
+}
+
+/* End it now. */
+static inline void eng_worker_trace(const struct eng_worker *worker,
+                                    enum pccd_trace_kind kind, uint64_t begin_ns,
+                                    uint32_t a, uint32_t b)
+{
+    if (worker->settings->trace) {
+        eng_trace_add(worker->settings->trace, worker->thread, kind, begin_ns,
+                      common_now_ns(), a, b);
+    }
+}
+
+/* The worker was without work since `begin_ns`. */
+void eng_worker_waited(struct eng_worker *worker, uint64_t begin_ns);
+
+/* The step is to be brief, and is not. */
+void eng_worker_give_up(struct eng_worker *worker);
+
+/* Mode first: a proved contact has certainly begun at `time`. */
+void eng_worker_tighten(struct eng_worker *worker, double time);
+
+#endif

@@ -1,0 +1,15 @@
+/* daemon/engine/wide/wide_method.h - the functions of the method `wide` that a step
+ * calls.
+ *
+ * Room:     engine. May include: method.h.
+ * Does:     declare the method's table for methods.h.
+ * Threads:  method.h.
+ */
+#ifndef ENG_WIDE_METHOD_H
+#define ENG_WIDE_METHOD_H
+
+#include "method.h"
+
+extern const struct eng_method_calls eng_method_wide;
+
+#endif

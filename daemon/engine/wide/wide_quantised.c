@@ -1,0 +1,119 @@
+/* daemon/engine/wide/wide_quantised.c - the cells of boxes in whole numbers.
+ *
+ * Room:     engine.
+ * Does:     see wide_quantised.h.
+ * Threads:  [compute].
+ */
+#include "wide_quantised.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "wide_grid.h"
+#include "world.h"
+
+/* Half of what the numbers span along an axis holds half of the scene this many times,
+ * and of its longest side the part beside it: a flat scene moves, too. */
+#define ROOM      1.25
+#define ROOM_SIDE 0.25
+
+/* Scales that floats can be multiplied by, with as much again to either side. */
+#define EXPONENT_MOST 60
+
+/* Blocks that are looked at, and the cells that the longest side of one takes at least on
+ * average. A box is larger by about a cell for its rounding, that of a feature a fourth
+ * of its block's: so it grows by a twentieth at most, where a comparison costs a third
+ * less. */
+#define SAMPLES   64u
+#define CELLS_MIN 80.0f
+
+void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
+                            double middle)
+{
+    float below = (float)(middle * scale);
+    float above = (float)(ENG_QUANTISED_ROUND - (double)below);
+    if ((double)above + (double)below < ENG_QUANTISED_ROUND) {
+        above = nextafterf(above, FLT_MAX);
+    }
+    quantising->scale[axis] = (float)scale;
+    quantising->below[axis] = below;
+    quantising->above[axis] = above;
+}
+
+/* Powers of two that bring the scene into reach, and what is added for its middle. False:
+ * there is nothing in the scene, or it is too far from the numbers that floats hold. */
+static bool quantising_of(const struct eng_wide *wide, const struct eng_scene *scene,
+                          struct eng_quantising *quantising)
+{
+    double low[3];
+    double high[3];
+    double side = 0;
+    if (!eng_wide_extent(wide, scene, low, high)) {
+        return false;
+    }
+    for (int k = 0; k < 3; k++) {
+        side = fmax(side, 0.5 * (high[k] - low[k]));
+    }
+    if (!(side > 0)) {
+        return false;
+    }
+    for (int k = 0; k < 3; k++) {
+        double half = ROOM * 0.5 * (high[k] - low[k]) + ROOM_SIDE * side;
+        int exponent;
+        frexp(ENG_QUANTISED_REACH / half, &exponent);
+        if (exponent > EXPONENT_MOST || exponent < -EXPONENT_MOST) {
+            return false;
+        }
+        double scale = ldexp(1, exponent - 1); /* scale half <= ENG_QUANTISED_REACH */
+        eng_wide_quantised_set(quantising, k, scale, 0.5 * (low[k] + high[k]));
+    }
+    return true;
+}
+
+/* The longest side of a block's box at t = 0, in cells; negative: it is nowhere. */
+static float cells_of(const struct eng_extents *box,
+                      const struct eng_quantising *quantising)
+{
+    float most = -1;
+    for (int k = 0; k < 3; k++) {
+        float side = box->side[ENG_LOW0][k] + box->side[ENG_HIGH0][k];
+        most = fmaxf(most, side * quantising->scale[k]);
+    }
+    return most;
+}
+
+static bool features_are_large(const struct eng_wide_tree *tree,
+                               const struct eng_quantising *quantising)
+{
+    uint32_t count = tree->block_count[0];
+    uint32_t samples = count < SAMPLES ? count : SAMPLES;
+    float sum = 0;
+    float seen = 0;
+    for (uint32_t i = 0; i < samples; i++) {
+        float cells = cells_of(&tree->boxes[(uint64_t)count * i / samples], quantising);
+        if (cells >= 0) {
+            sum += cells;
+            seen += 1;
+        }
+    }
+    return seen > 0 && sum >= CELLS_MIN * seen;
+}
+
+/* Did the boxes of the last step have the scale that those of this one get? Then their
+ * sizes tell how large features are. */
+static bool has_kept_scale(const struct eng_wide *wide, const struct eng_scene *scene)
+{
+    return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
+}
+
+void eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
+                               bool may)
+{
+    struct eng_quantising quantising = {{0}, {0}, {0}};
+    atomic_store_explicit(&wide->left_quantised, false, memory_order_relaxed);
+    atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
+    wide->makes_quantised =
+        may && has_kept_scale(wide, scene) && quantising_of(wide, scene, &quantising) &&
+        features_are_large(&wide->trees[PCCD_TREE_EDGES], &quantising);
+    wide->quantising = quantising;
+}

@@ -1,0 +1,45 @@
+/* log.h - the daemon's log.
+ *
+ * Room:     service. May include: the C library.
+ * Does:     write one line to stderr per event: ISO time, level, session, text. Limit
+ *           each kind of line that clients can cause as often as they like: a number at
+ *           once, then some a second; say how many were left out.
+ * Does not: rotate, buffer or wait: what stderr has no room for is lost.
+ * Threads:  [any]; a line is one write, so lines never mix.
+ */
+#ifndef SRV_LOG_H
+#define SRV_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum srv_level {
+    SRV_LOG_ERROR = 0, /* the daemon or the machine cannot do what it should */
+    SRV_LOG_WARN = 1,  /* a peer was refused or dropped */
+    SRV_LOG_INFO = 2,  /* starts, ends, sessions */
+    SRV_LOG_DEBUG = 3, /* every refused request */
+    SRV_LOG_COUNT = 4
+};
+
+/* Lines above `level` are dropped from now on. */
+void srv_log_set_level(enum srv_level level);
+
+/* The level of that name ("error", "warn", "info", "debug"), or -1. */
+int srv_log_level_by_name(const char *name);
+
+/* `session` 0: not about one. Control characters, and what is not UTF-8, are written
+ * as \xNN, because some of it comes from peers. */
+void srv_log(enum srv_level level, uint64_t session, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Of each kind, which is what has the same `format`, at the levels of warnings and of
+ * infos: so many lines at once, and then so many a second. */
+#define SRV_LOG_BURST 100u
+#define SRV_LOG_PER_S 10u
+
+/* Whether lines were left out that nobody has been told of. Costs one load. */
+bool srv_log_owes_report(void);
+/* Say how many, a line a kind. */
+void srv_log_report(void);
+
+#endif

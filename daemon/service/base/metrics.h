@@ -1,0 +1,34 @@
+/* metrics.h - the counters that `stats` reports.
+ *
+ * Room:     service. May include: the protocol's headers.
+ * Does:     keep every counter in the struct that goes over the wire, so that none is
+ *           listed twice.
+ * Does not: count anything on the compute thread: results are added when they come back
+ *           to the loop.
+ * Threads:  [loop].
+ */
+#ifndef SRV_METRICS_H
+#define SRV_METRICS_H
+
+#include <stdint.h>
+
+#include "messages.h"
+#include "pccd_daemon.h"
+
+struct srv_metrics {
+    struct proto_STATS_result counters;
+    struct proto_STATS_HISTOGRAM_result histograms[PCCD_HISTOGRAM_COUNT];
+};
+
+/* Something of that kind took so long. */
+void srv_metrics_add_duration(struct srv_metrics *metrics, enum pccd_histogram_kind kind,
+                              uint64_t took_ns);
+
+/* Add what a finished step says of itself, and its failure if it has failed. */
+void srv_metrics_add_step(struct srv_metrics *metrics,
+                          const struct proto_FRAME_SUBMIT_result *answer);
+
+/* Add an error answer. */
+void srv_metrics_add_error(struct srv_metrics *metrics, int status);
+
+#endif

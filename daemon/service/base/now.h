@@ -1,0 +1,23 @@
+/* now.h - how much processor time the calling thread has used.
+ *
+ * Room:     service. May include: the C library.
+ * Does:     read the clock of the thread.
+ * Threads:  [any].
+ */
+#ifndef SRV_NOW_H
+#define SRV_NOW_H
+
+#include <stdint.h>
+#include <time.h>
+
+#include "clock.h"
+
+/* What the calling thread has had of a processor. */
+static inline uint64_t srv_now_thread_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+#endif

@@ -1,0 +1,585 @@
+/* compute.c - the threads that compute.
+ *
+ * Room:     service. See compute.h.
+ * Does:     a mutex, a condition for each runner, lanes that wait for their turn, and a
+ *           list of finished jobs.
+ * Does not: hold the lock while a job runs or while `done`, `notify` or `crowded` are
+ *           called; `change` takes no other.
+ * Threads:  [loop] and [compute]; no other lock of the server is taken under this one.
+ */
+#include "compute.h"
+
+#include <signal.h>
+#include <stddef.h>
+
+#include "invariant.h"
+#include "now.h"
+#include "pccd_types.h"
+
+static void lock(struct srv_compute *compute)
+{
+    int failed = pthread_mutex_lock(&compute->mutex);
+    PCCD_ASSERT(failed == 0);
+}
+
+static void unlock(struct srv_compute *compute)
+{
+    int failed = pthread_mutex_unlock(&compute->mutex);
+    PCCD_ASSERT(failed == 0);
+}
+
+/* ---- turns ------------------------------------------------------------------------- */
+
+/* The lane waits if it has a job that could run and none of them does; its group if one
+ * of its lanes waits. Locked. */
+static void update(struct srv_compute *compute, struct srv_lane *lane)
+{
+    struct srv_group *group = lane->group;
+    bool lane_waits = lane->first != NULL && !lane->serving && !lane->is_background;
+    if (lane_waits && !lane->turn.queued) {
+        srv_fair_push(&group->lanes, &lane->turn);
+    } else if (!lane_waits && lane->turn.queued) {
+        srv_fair_remove(&group->lanes, &lane->turn);
+    }
+    bool group_waits = group->lanes.count > 0;
+    if (group_waits && !group->turn.queued) {
+        srv_fair_push(&compute->groups, &group->turn);
+    } else if (!group_waits && group->turn.queued) {
+        srv_fair_remove(&compute->groups, &group->turn);
+    }
+}
+
+/* ---- lanes that wait for a claim --------------------------------------------------- */
+
+/* A lane that is taken out of its queue: its first job must wait. Locked. */
+static void put_aside(struct srv_compute *compute, struct srv_lane *lane)
+{
+    lane->is_background = true;
+    lane->next_aside = compute->aside;
+    compute->aside = lane;
+}
+
+/* Its first job is another one now. Locked; there are at most as many as sessions. */
+static void take_from_aside(struct srv_compute *compute, struct srv_lane *lane)
+{
+    struct srv_lane **at = &compute->aside;
+    while (*at != lane) {
+        at = &(*at)->next_aside;
+    }
+    *at = lane->next_aside;
+    lane->is_background = false;
+}
+
+/* Claims were given back: all lanes try anew when it is their turn. Locked. */
+static void empty_aside(struct srv_compute *compute)
+{
+    struct srv_lane *lane = compute->aside;
+    compute->aside = NULL;
+    while (lane != NULL) {
+        struct srv_lane *next = lane->next_aside;
+        lane->is_background = false;
+        update(compute, lane);
+        lane = next;
+    }
+}
+
+/* ---- taking ------------------------------------------------------------------------ */
+
+/* The lane of a group, taken out of the queue, whose turn it is; NULL: all have to wait
+ * for what they claim. Locked. */
+static struct srv_lane *choose_lane(struct srv_compute *compute, struct srv_group *group)
+{
+    while (group->lanes.count > 0) {
+        struct srv_lane *lane = (struct srv_lane *)srv_fair_take(&group->lanes);
+        PCCD_ASSERT(lane->first != NULL);
+        if (srv_claims_are_free(lane->first->claims, lane->first->claim_count)) {
+            return lane;
+        }
+        put_aside(compute, lane);
+    }
+    return NULL;
+}
+
+/* A user has no more runners than are left. */
+static bool has_its_share(const struct srv_compute *compute,
+                          const struct srv_group *group)
+{
+    return group->running > 0 && group->running >= compute->runner_max - compute->running;
+}
+
+/* Likewise of all groups. Those that have their share wait on: at most as many as jobs
+ * run. Locked. */
+static struct srv_lane *choose(struct srv_compute *compute)
+{
+    struct srv_group *served[SRV_RUNNERS_MAX];
+    uint32_t served_count = 0;
+    struct srv_lane *lane = NULL;
+    while (lane == NULL && compute->groups.count > 0) {
+        struct srv_group *group = (struct srv_group *)srv_fair_take(&compute->groups);
+        if (has_its_share(compute, group)) {
+            PCCD_ASSERT(served_count < SRV_RUNNERS_MAX);
+            served[served_count++] = group;
+        } else {
+            lane = choose_lane(compute, group);
+        }
+    }
+    while (served_count > 0) {
+        srv_fair_push(&compute->groups, &served[--served_count]->turn);
+    }
+    return lane;
+}
+
+/* Nothing may run beside a job that is not long. Locked. */
+static bool has_brief_one(const struct srv_compute *compute)
+{
+    return compute->running > compute->long_count;
+}
+
+/* Give the runner the job whose turn it is. False: there is none that may run now.
+ * Locked. */
+static bool take(struct srv_compute *compute, struct srv_runner *runner)
+{
+    struct srv_lane *lane = has_brief_one(compute) ? NULL : choose(compute);
+    if (lane == NULL) {
+        compute->has_no_taker = compute->groups.count > 0 && !has_brief_one(compute);
+        return false;
+    }
+    struct srv_job *job = lane->first;
+    PCCD_ASSERT(job->state == SRV_JOB_QUEUED && compute->queued > 0);
+    lane->group->running++;
+    lane->serving = true;
+    lane->first = job->next;
+    if (lane->first == NULL) {
+        lane->last = NULL;
+    }
+    update(compute, lane); /* other lanes of the group may be next */
+    compute->queued--;
+    compute->running++;
+    srv_claims_set(job->claims, job->claim_count, true);
+    job->next = NULL;
+    job->state = SRV_JOB_RUNNING;
+    runner->job = job;
+    runner->begin_ns = common_now_ns();
+    runner->is_long = false;
+    return true;
+}
+
+/* The runner's job took cost_ns: who waits for more of it waits behind those who have had
+ * less. Locked. */
+static void settle(struct srv_compute *compute, struct srv_runner *runner,
+                   uint64_t cost_ns)
+{
+    struct srv_job *job = runner->job;
+    struct srv_lane *lane = job->lane;
+    struct srv_group *group = lane->group;
+    PCCD_ASSERT(lane->serving && group->running > 0 && compute->running > 0);
+    if (group->turn.queued) {
+        srv_fair_remove(&compute->groups, &group->turn);
+    }
+    srv_fair_charge(&compute->groups, &group->turn, cost_ns);
+    srv_fair_charge(&group->lanes, &lane->turn, cost_ns);
+    group->running--;
+    lane->serving = false;
+    compute->running--;
+    compute->has_no_taker = false;
+    compute->long_count -= runner->is_long;
+    runner->is_long = false;
+    runner->job = NULL;
+    srv_claims_set(job->claims, job->claim_count, false);
+    update(compute, lane);
+    empty_aside(compute);
+}
+
+/* ---- the threads ------------------------------------------------------------------- */
+
+/* Append to the finished jobs; true when the list was empty: the loop must be told. A
+ * list that was not empty has a notification under way that will find this job too.
+ * Locked. */
+static bool finish(struct srv_compute *compute, struct srv_job *job)
+{
+    bool first = compute->done_first == NULL;
+    PCCD_ASSERT(job->state == SRV_JOB_RUNNING);
+    job->state = SRV_JOB_DONE;
+    if (first) {
+        compute->done_first = job;
+    } else {
+        compute->done_last->next = job;
+    }
+    compute->done_last = job;
+    return first;
+}
+
+/* Some of the job has been done: it is the first of its lane once more. Locked. */
+static void put_back(struct srv_compute *compute, struct srv_job *job)
+{
+    struct srv_lane *lane = job->lane;
+    job->state = SRV_JOB_QUEUED;
+    job->next = lane->first;
+    lane->first = job;
+    if (job->next == NULL) {
+        lane->last = job;
+    }
+    compute->queued++;
+}
+
+/* Run the job that the runner has taken. True: the list of finished jobs is no longer
+ * empty. Locked, but not while the job runs. */
+static bool run_one(struct srv_compute *compute, struct srv_runner *runner)
+{
+    struct srv_job *job = runner->job;
+    unlock(compute);
+    job->goes_on = false;
+    uint64_t begin_ns = srv_now_thread_ns();
+    job->run(job);
+    uint64_t cost_ns = srv_now_thread_ns() - begin_ns;
+    lock(compute);
+    bool goes_on = job->goes_on;
+    if (goes_on) {
+        put_back(compute, job);
+    }
+    settle(compute, runner, cost_ns);
+    return !goes_on && finish(compute, job);
+}
+
+static void *runner_main(void *context)
+{
+    struct srv_runner *runner = context;
+    struct srv_compute *compute = runner->compute;
+    srv_thread_enter(SRV_THREAD_COMPUTE);
+    if (compute->enter != NULL) {
+        compute->enter(compute->context, runner->number);
+    }
+    lock(compute);
+    for (;;) { /* ends when stopped and idle */
+        if (!take(compute, runner)) {
+            if (compute->stop) {
+                break;
+            }
+            pthread_cond_wait(&runner->wake, &compute->mutex);
+        } else if (run_one(compute, runner)) {
+            unlock(compute);
+            compute->notify(compute->context);
+            lock(compute);
+        }
+    }
+    unlock(compute);
+    return NULL;
+}
+
+int srv_compute_init(struct srv_compute *compute, uint32_t capacity)
+{
+    *compute = (struct srv_compute){.capacity = capacity, .runner_max = 1};
+    return pthread_mutex_init(&compute->mutex, NULL) == 0 ? 0 : PCCD_E_NOMEM;
+}
+
+void srv_compute_deinit(struct srv_compute *compute)
+{
+    PCCD_ASSERT(compute->queued == 0 && compute->done_first == NULL);
+    pthread_mutex_destroy(&compute->mutex);
+}
+
+bool srv_compute_run_next(struct srv_compute *compute)
+{
+    lock(compute);
+    bool has_job = take(compute, &compute->runners[0]);
+    if (has_job) {
+        (void)run_one(compute, &compute->runners[0]);
+    }
+    unlock(compute);
+    return has_job;
+}
+
+int srv_compute_add_runner(struct srv_compute *compute)
+{
+    struct srv_runner *runner = &compute->runners[compute->runner_count];
+    PCCD_ASSERT(compute->runner_count < compute->runner_max);
+    if (pthread_cond_init(&runner->wake, NULL) != 0) {
+        return PCCD_E_SYSTEM;
+    }
+    runner->compute = compute;
+    runner->number = compute->runner_count;
+    sigset_t all;
+    sigset_t before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    int failed = pthread_create(&runner->thread, NULL, runner_main, runner);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (failed != 0) {
+        pthread_cond_destroy(&runner->wake);
+        return PCCD_E_SYSTEM;
+    }
+    lock(compute);
+    compute->runner_count++;
+    unlock(compute);
+    return 0;
+}
+
+int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t runner_max,
+                      void (*enter)(void *context, uint32_t number),
+                      void (*notify)(void *context), void *context)
+{
+    PCCD_ASSERT(runner_max >= 1 && runner_max <= SRV_RUNNERS_MAX);
+    int status = srv_compute_init(compute, capacity);
+    if (status != 0) {
+        return status;
+    }
+    compute->runner_max = runner_max;
+    compute->enter = enter;
+    compute->notify = notify;
+    compute->context = context;
+    status = srv_compute_add_runner(compute);
+    if (status != 0) {
+        srv_compute_deinit(compute);
+    }
+    return status;
+}
+
+/* Something waits that a runner could take now. Locked. */
+static bool can_begin(const struct srv_compute *compute)
+{
+    return compute->groups.count > 0 && !compute->has_no_taker && !has_brief_one(compute);
+}
+
+/* The runner to wake for what waits; NULL: nothing may begin now, or all are busy. The
+ * first that sleeps, so that without long jobs it is always the same. Locked. */
+static struct srv_runner *sleeper(struct srv_compute *compute)
+{
+    for (uint32_t i = 0; i < compute->runner_count && can_begin(compute); i++) {
+        if (compute->runners[i].job == NULL) {
+            return &compute->runners[i];
+        }
+    }
+    return NULL;
+}
+
+/* Not with the lock: where both share a processor the thread runs at once, finds the lock
+ * taken and sleeps again, and the processor may go to another for a tick: 3 ms behind the
+ * making of a ring. */
+static void wake(struct srv_runner *runner)
+{
+    if (runner != NULL) {
+        pthread_cond_signal(&runner->wake);
+    }
+}
+
+void srv_compute_stop(struct srv_compute *compute)
+{
+    if (compute->runner_count == 0) {
+        return;
+    }
+    lock(compute);
+    PCCD_ASSERT(compute->queued == 0);
+    compute->stop = true;
+    unlock(compute);
+    for (uint32_t i = 0; i < compute->runner_count; i++) {
+        wake(&compute->runners[i]);
+        int failed = pthread_join(compute->runners[i].thread, NULL);
+        PCCD_ASSERT(failed == 0);
+        pthread_cond_destroy(&compute->runners[i].wake);
+    }
+    compute->runner_count = 0;
+    srv_compute_deinit(compute);
+}
+
+/* ---- long jobs --------------------------------------------------------------------- */
+
+/* Whether a job waits that may have to be helped. Locked. */
+static bool is_crowded(const struct srv_compute *compute)
+{
+    return compute->crowded != NULL && compute->groups.count > 0 &&
+           compute->queued + compute->running > 1;
+}
+
+/* Returns in how many ns the job that is not long will be; 0: there is none. Locked. */
+static uint64_t find_long(struct srv_compute *compute)
+{
+    uint64_t now_ns = common_now_ns();
+    uint64_t after_ns = 0;
+    for (uint32_t i = 0; i < compute->runner_count; i++) {
+        struct srv_runner *runner = &compute->runners[i];
+        uint64_t ran_ns = now_ns - runner->begin_ns;
+        if (runner->job == NULL || runner->is_long) {
+            continue;
+        }
+        if (ran_ns >= SRV_LONG_NS) {
+            runner->is_long = true;
+            compute->long_count++;
+        } else {
+            after_ns = SRV_LONG_NS - ran_ns;
+        }
+    }
+    return after_ns;
+}
+
+uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner)
+{
+    lock(compute);
+    uint64_t after_ns = find_long(compute);
+    struct srv_runner *runner = sleeper(compute);
+    bool waits = compute->groups.count > 0 && !compute->has_no_taker;
+    *wants_runner = runner == NULL && can_begin(compute) &&
+                    compute->runner_count < compute->runner_max;
+    if (runner != NULL) {
+        after_ns = SRV_LONG_NS; /* what it takes may be long, and others wait for it */
+    }
+    unlock(compute);
+    wake(runner);
+    return waits ? after_ns : 0;
+}
+
+/* ---- jobs -------------------------------------------------------------------------- */
+
+void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
+{
+    *job = (struct srv_job){.run = run, .done = done};
+    atomic_init(&job->cancel, false);
+}
+
+/* Append to the lane; begin_next then. Locked. */
+static void append(struct srv_compute *compute, struct srv_lane *lane,
+                   struct srv_job *job)
+{
+    PCCD_ASSERT(job->state == SRV_JOB_IDLE && !compute->stop);
+    job->next = NULL;
+    job->lane = lane;
+    job->state = SRV_JOB_QUEUED;
+    compute->queued++;
+    compute->has_no_taker = false;
+    if (lane->first == NULL) {
+        lane->first = job;
+    } else {
+        lane->last->next = job;
+    }
+    lane->last = job;
+    update(compute, lane);
+}
+
+/* Something waits that may begin. Locked before, and not afterwards. */
+static void begin_next(struct srv_compute *compute)
+{
+    struct srv_runner *runner = sleeper(compute);
+    bool crowded = is_crowded(compute);
+    unlock(compute);
+    wake(runner);
+    if (crowded) {
+        compute->crowded(compute->crowded_context);
+    }
+}
+
+int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
+                     struct srv_job *job)
+{
+    lock(compute);
+    if (compute->queued >= compute->capacity) {
+        unlock(compute);
+        return PCCD_E_BUSY;
+    }
+    append(compute, lane, job);
+    begin_next(compute);
+    return 0;
+}
+
+void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
+                           struct srv_job *job)
+{
+    lock(compute);
+    append(compute, lane, job);
+    begin_next(compute);
+}
+
+/* Unlink a queued job from its lane. Locked; a lane holds a bounded number of jobs. */
+static void unlink_job(struct srv_compute *compute, struct srv_job *job)
+{
+    struct srv_lane *lane = job->lane;
+    struct srv_job *before = NULL;
+    for (struct srv_job *at = lane->first; at != job; at = at->next) {
+        PCCD_ASSERT(at != NULL);
+        before = at;
+    }
+    if (lane->last == job) {
+        lane->last = before;
+    }
+    compute->queued--;
+    if (before == NULL) {
+        lane->first = job->next;
+    } else {
+        before->next = job->next;
+    }
+    if (before == NULL && lane->is_background) {
+        take_from_aside(compute, lane);
+    }
+    update(compute, lane);
+    job->next = NULL;
+    job->state = SRV_JOB_IDLE;
+}
+
+bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job)
+{
+    lock(compute);
+    bool queued = job->state == SRV_JOB_QUEUED;
+    if (queued) {
+        unlink_job(compute, job);
+    }
+    begin_next(compute); /* the job behind it may not have to wait as it had to */
+    return queued;
+}
+
+bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
+                       void (*change)(struct srv_job *job, void *context), void *context)
+{
+    lock(compute);
+    bool queued = job->state == SRV_JOB_QUEUED;
+    if (queued) {
+        change(job, context);
+    }
+    unlock(compute);
+    return queued;
+}
+
+uint32_t srv_compute_drain(struct srv_compute *compute)
+{
+    lock(compute);
+    struct srv_job *job = compute->done_first;
+    compute->done_first = NULL;
+    compute->done_last = NULL;
+    bool crowded = is_crowded(compute);
+    unlock(compute);
+    uint32_t count = 0;
+    while (job != NULL) {
+        struct srv_job *next = job->next; /* `done` may free the job or push it again */
+        PCCD_ASSERT(job->state == SRV_JOB_DONE);
+        job->next = NULL;
+        job->state = SRV_JOB_IDLE;
+        job->done(job);
+        job = next;
+        count++;
+    }
+    if (crowded) {
+        compute->crowded(compute->crowded_context);
+    }
+    return count;
+}
+
+bool srv_compute_is_idle(struct srv_compute *compute)
+{
+    lock(compute);
+    bool is_idle =
+        compute->queued == 0 && compute->running == 0 && compute->done_first == NULL;
+    unlock(compute);
+    return is_idle;
+}
+
+uint32_t srv_compute_queued(struct srv_compute *compute)
+{
+    lock(compute);
+    uint32_t queued = compute->queued;
+    unlock(compute);
+    return queued;
+}
+
+void srv_compute_resize(struct srv_compute *compute, uint32_t capacity)
+{
+    lock(compute);
+    compute->capacity = capacity;
+    unlock(compute);
+}

@@ -1,0 +1,27 @@
+/* crashnote.h - notes which request each thread is working on, so that a crash report can
+ * name it.
+ *
+ * Room:     service. May include: the C library.
+ * Does:     keep one note for the event loop, and one for each thread that computes and
+ *           its team.
+ * Threads:  [any]; a note is written by one thread.
+ */
+#ifndef SRV_CRASHNOTE_H
+#define SRV_CRASHNOTE_H
+
+#include <stdint.h>
+
+struct srv_crashnote {
+    const char *method; /* NULL: none */
+    uint64_t session;
+    uint32_t id;
+};
+
+/* The loop thread, or else the thread that computes with its team, works on that request
+ * from now on; `method` NULL: on none. The text must stay. [loop], [compute] */
+void srv_crash_note(const char *method, uint64_t session, uint32_t id);
+
+/* The note of the calling thread's kind. */
+const struct srv_crashnote *srv_crashnote_of_thread(void);
+
+#endif

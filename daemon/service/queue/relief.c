@@ -1,0 +1,89 @@
+/* relief.c - another thread computes while a job takes long.
+ *
+ * Room:     service. See relief.h.
+ * Does:     one timer, which is set only while a job waits for another.
+ * Threads:  [loop]
+ */
+#include "relief.h"
+
+#include "compute.h"
+#include "host.h"
+#include "invariant.h"
+#include "log.h"
+#include "now.h"
+#include "pccd_types.h"
+#include "workspace.h"
+
+#define NS_PER_MS 1000000u
+
+/* Threads or memory may be there again then. */
+#define RETRY_NS 1000000000u
+
+static bool start_runner(struct srv_relief *relief)
+{
+    uint32_t number = relief->compute->runner_count;
+    int status = srv_workspace_init(relief->workspaces, number);
+    if (status == 0) {
+        status = srv_host_start_runner(relief->service);
+    }
+    if (status != 0) {
+        relief->retry_ns = common_now_ns() + RETRY_NS;
+        srv_log(SRV_LOG_WARN, 0,
+                "no threads to compute beside %u requests that take long; others wait",
+                number);
+        return false;
+    }
+    srv_log(SRV_LOG_INFO, 0,
+            "%u requests take long: others are computed beside them from now on", number);
+    return true;
+}
+
+static void look(struct srv_relief *relief)
+{
+    bool wants_runner = false;
+    uint64_t after_ns = srv_compute_look(relief->compute, &wants_runner);
+    if (wants_runner) {
+        bool can_try = common_now_ns() >= relief->retry_ns;
+        after_ns = can_try && start_runner(relief) ? SRV_LONG_NS : RETRY_NS;
+    }
+    relief->is_set = after_ns > 0;
+    if (relief->is_set) {
+        srv_timer_start(relief->timer, (after_ns + NS_PER_MS - 1) / NS_PER_MS, 0);
+    }
+}
+
+static void on_timer(void *context)
+{
+    look(context);
+}
+
+/* A job waits. While the timer is set it will be seen to. */
+static void on_crowded(void *context)
+{
+    struct srv_relief *relief = context;
+    srv_assert_loop();
+    if (!relief->is_set && relief->timer != NULL) {
+        look(relief);
+    }
+}
+
+int srv_relief_init(struct srv_relief *relief, struct srv_service *service,
+                    struct srv_compute *compute, struct srv_workspace *workspaces)
+{
+    *relief = (struct srv_relief){
+        .service = service, .compute = compute, .workspaces = workspaces};
+    relief->timer = srv_timer_new(service, on_timer, relief);
+    return relief->timer != NULL ? 0 : PCCD_E_NOMEM;
+}
+
+void srv_relief_deinit(struct srv_relief *relief)
+{
+    srv_timer_free(relief->timer);
+    relief->timer = NULL;
+}
+
+void srv_relief_begin(struct srv_relief *relief)
+{
+    relief->compute->crowded = on_crowded;
+    relief->compute->crowded_context = relief;
+}

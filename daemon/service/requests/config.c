@@ -1,0 +1,264 @@
+/* config.c - settings of a daemon that may change while it runs.
+ *
+ * Room:     service. See config.h.
+ * Does:     one table: name, range and meaning; a number each, log-level a name.
+ * Does not: know options that are only looked at when the daemon starts.
+ * Threads:  [loop]. Threads that compute read some of the values: those are atomic.
+ */
+#include "config.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host.h"
+#include "invariant.h"
+#include "log.h"
+#include "proto_limits.h"
+#include "service.h"
+
+/* X(ID, name, least, most, text). Most 0: the value at the daemon's start, from which the
+ * team and the table of descriptors have their sizes. */
+#define SETTINGS(X)                                                                      \
+    X(THREADS, "threads", 1, 0, "threads of a step, up to those at the start")           \
+    X(LOG_LEVEL, "log-level", 0, 3, "error, warn, info or debug")                        \
+    X(IDLE_EXIT, "idle-exit", 0, 1u << 30,                                               \
+      "seconds without a client before the daemon "                                      \
+      "ends; 0: it stays")                                                               \
+    X(GRACE, "grace", 0, 86400, "seconds for requests in flight when it ends")           \
+    X(LINGER, "linger", 0, 3600,                                                         \
+      "seconds that a session waits for its client; 0: not "                             \
+      "at all")                                                                          \
+    X(STEP_MAX, "step-max-ms", 0, PROTO_STEP_MAX_MS,                                     \
+      "milliseconds that a step computes before it is answered as one whose deadline "   \
+      "has come; 0: as long as it takes")                                                \
+    X(CONTACTS, "contacts-max", 1, 1ull << 32, "records kept for one answer")            \
+    X(INFLIGHT, "inflight-max", 1, PROTO_INFLIGHT_MAX,                                   \
+      "steps of one client at a time; "                                                  \
+      "for rings attached from then on")                                                 \
+    X(QUEUE, "queue-max", 1, 1u << 20, "requests that wait to be computed")              \
+    X(CLIENTS, "clients-max", 1, 65536, "connections of one user")                       \
+    X(SHM, "shm-max-mib", 1, 1u << 24, "MiB of shared memory of one user")               \
+    X(MESHES, "meshes-max", 1, 1u << 20, "meshes of one user")                           \
+    X(TRIANGLES, "triangles-max", 1, 1ull << 40,                                         \
+      "triangles of meshes and objects of "                                              \
+      "one user")                                                                        \
+    X(MEMORY, "memory-max-mib", 1, 1u << 24, "MiB that the engine holds for one user")   \
+    X(MEMORY_TOTAL, "memory-total-mib", 1, 1u << 24,                                     \
+      "MiB of memory of all users, "                                                     \
+      "shared and the engine's")                                                         \
+    X(CONNECTIONS, "connections-max", 1, 0,                                              \
+      "connections of all users, up to those at "                                        \
+      "the start")
+
+enum setting {
+#define ENUM(ID, name, least, most, text) SETTING_##ID,
+    SETTINGS(ENUM)
+#undef ENUM
+        SETTING_COUNT
+};
+
+static const struct {
+    const char *name;
+    uint64_t least;
+    uint64_t most; /* 0: the value at the start */
+    const char *text;
+} settings[SETTING_COUNT] = {
+#define ROW(ID, name, least, most, text) {name, least, most, text},
+    SETTINGS(ROW)
+#undef ROW
+};
+
+static const char *const level_names[SRV_LOG_COUNT] = {"error", "warn", "info", "debug"};
+
+#define MIB_SHIFT 20
+
+uint32_t srv_config_count(void)
+{
+    return SETTING_COUNT;
+}
+
+uint32_t srv_config_find(const char *name)
+{
+    uint32_t index = 0;
+    while (index < SETTING_COUNT && strcmp(settings[index].name, name) != 0) {
+        index++;
+    }
+    return index;
+}
+
+static uint64_t read_value(const struct srv_options *options, enum setting setting)
+{
+    const uint64_t *quota = options->quota;
+    switch (setting) {
+    case SETTING_THREADS:
+        return options->threads_max;
+    case SETTING_LOG_LEVEL:
+        return (uint64_t)options->log_level;
+    case SETTING_IDLE_EXIT:
+        return options->idle_exit_s;
+    case SETTING_GRACE:
+        return options->grace_s;
+    case SETTING_LINGER:
+        return options->linger_s;
+    case SETTING_STEP_MAX:
+        return options->step_max_ms;
+    case SETTING_CONTACTS:
+        return options->contacts_max;
+    case SETTING_INFLIGHT:
+        return options->inflight_max;
+    case SETTING_QUEUE:
+        return options->queue_max;
+    case SETTING_CLIENTS:
+        return quota[SRV_QUOTA_CLIENTS];
+    case SETTING_SHM:
+        return quota[SRV_QUOTA_SHM_BYTES] >> MIB_SHIFT;
+    case SETTING_MESHES:
+        return quota[SRV_QUOTA_MESHES];
+    case SETTING_TRIANGLES:
+        return quota[SRV_QUOTA_TRIANGLES];
+    case SETTING_MEMORY:
+        return options->engine_bytes_max >> MIB_SHIFT;
+    case SETTING_MEMORY_TOTAL:
+        return options->memory_total_max >> MIB_SHIFT;
+    case SETTING_CONNECTIONS:
+        return options->connections_max;
+    case SETTING_COUNT:
+        break;
+    }
+    return 0;
+}
+
+static void set_quota(struct srv_service *service, enum srv_quota_kind kind,
+                      uint64_t limit)
+{
+    service->live.quota[kind] = limit;
+    srv_quota_set_limit(&service->quota, kind, limit);
+}
+
+/* In range. */
+static void write_value(struct srv_service *service, enum setting setting, uint64_t value)
+{
+    struct srv_options *live = &service->live;
+    switch (setting) {
+    case SETTING_THREADS:
+        live->threads_max = (uint32_t)value;
+        break;
+    case SETTING_LOG_LEVEL:
+        live->log_level = (enum srv_level)value;
+        srv_log_set_level(live->log_level);
+        break;
+    case SETTING_IDLE_EXIT: /* looked at when the last client goes */
+        live->idle_exit_s = (uint32_t)value;
+        break;
+    case SETTING_GRACE:
+        live->grace_s = (uint32_t)value;
+        break;
+    case SETTING_LINGER:
+        live->linger_s = (uint32_t)value;
+        break;
+    case SETTING_STEP_MAX:
+        live->step_max_ms = (uint32_t)value;
+        break;
+    case SETTING_CONTACTS:
+        live->contacts_max = value;
+        break;
+    case SETTING_INFLIGHT:
+        live->inflight_max = (uint32_t)value;
+        break;
+    case SETTING_QUEUE:
+        live->queue_max = (uint32_t)value;
+        srv_compute_resize(&service->compute, live->queue_max);
+        srv_compute_resize(&service->pages, live->queue_max);
+        break;
+    case SETTING_CLIENTS:
+        set_quota(service, SRV_QUOTA_CLIENTS, value);
+        break;
+    case SETTING_SHM:
+        set_quota(service, SRV_QUOTA_SHM_BYTES, value << MIB_SHIFT);
+        break;
+    case SETTING_MESHES:
+        set_quota(service, SRV_QUOTA_MESHES, value);
+        break;
+    case SETTING_TRIANGLES:
+        set_quota(service, SRV_QUOTA_TRIANGLES, value);
+        break;
+    case SETTING_MEMORY:
+        live->engine_bytes_max = value << MIB_SHIFT;
+        srv_quota_bound_engine(&service->quota, live->engine_bytes_max);
+        break;
+    case SETTING_MEMORY_TOTAL:
+        live->memory_total_max = value << MIB_SHIFT;
+        srv_quota_bound_memory(&service->quota, live->memory_total_max);
+        break;
+    case SETTING_CONNECTIONS:
+        live->connections_max = (uint32_t)value;
+        srv_host_limit_changed(service);
+        break;
+    case SETTING_COUNT:
+        break;
+    }
+}
+
+static void print_value(uint64_t value, enum setting setting, char *text, size_t bytes)
+{
+    if (setting == SETTING_LOG_LEVEL) {
+        snprintf(text, bytes, "%s", level_names[value]);
+    } else {
+        snprintf(text, bytes, "%llu", (unsigned long long)value);
+    }
+}
+
+void srv_config_describe(const struct srv_service *service, uint32_t index,
+                         struct proto_CONFIG_GET_result *result)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(index < SETTING_COUNT);
+    enum setting setting = (enum setting)index;
+    uint64_t value = read_value(service->options, setting);
+    snprintf(result->name, sizeof result->name, "%s", settings[index].name);
+    snprintf(result->text, sizeof result->text, "%s", settings[index].text);
+    print_value(value, setting, result->value, sizeof result->value);
+    result->changed = value != read_value(service->start_options, setting);
+}
+
+/* A number from its first to its last character, or the name of a level. */
+static bool parse_value(const char *text, enum setting setting, uint64_t *value)
+{
+    if (setting == SETTING_LOG_LEVEL) {
+        int level = srv_log_level_by_name(text);
+        *value = (uint64_t)level;
+        return level >= 0;
+    }
+    char *end = NULL;
+    errno = 0;
+    *value = strtoull(text, &end, 10);
+    return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0;
+}
+
+int srv_config_set(struct srv_service *service, uint32_t index, const char *text,
+                   struct proto_error *error)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(index < SETTING_COUNT);
+    enum setting setting = (enum setting)index;
+    uint64_t least = settings[index].least;
+    uint64_t most = settings[index].most != 0
+                        ? settings[index].most
+                        : read_value(service->start_options, setting);
+    uint64_t value = 0;
+    if (!parse_value(text, setting, &value)) {
+        return proto_error_set(error, PCCD_E_INVAL, "%s: \"%.64s\" is not %s",
+                               settings[index].name, text,
+                               setting == SETTING_LOG_LEVEL ? "error, warn, info or debug"
+                                                            : "a whole number");
+    }
+    if (value < least || value > most) {
+        return proto_error_set(error, PCCD_E_INVAL, "%s: %llu is not from %llu to %llu",
+                               settings[index].name, (unsigned long long)value,
+                               (unsigned long long)least, (unsigned long long)most);
+    }
+    write_value(service, setting, value);
+    return 0;
+}

@@ -1,0 +1,35 @@
+/* dispatch.h - takes a message from a client, checks it and calls the handler of its
+ * method.
+ *
+ * Room:     service. May include: the protocol's headers.
+ * Does:     decode, refuse in a fixed order, call the handler, send its answer.
+ * Does not: know any method: the table comes from messages.def.
+ * Threads:  [loop]
+ */
+#ifndef SRV_DISPATCH_H
+#define SRV_DISPATCH_H
+
+#include <stddef.h>
+
+#include "codec.h"
+
+struct srv_service;
+struct srv_session;
+
+/* One message from the client of an open connection. */
+void srv_dispatch(struct srv_session *session, const void *message, size_t bytes);
+
+/* The client broke the rules of the stream: tell it why, with message id 0, and close. */
+void srv_dispatch_violation(struct srv_session *session, int code, const char *text);
+
+/* Refuse a client beyond its user's quota: sets *error, fatal, and returns its code. */
+int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error);
+
+/* The connection of a refused client that has said nothing is about to be closed: tell it
+ * why, with message id 0. */
+void srv_dispatch_refuse_silent(struct srv_session *session);
+
+/* Tell every client that the daemon is about to go. */
+void srv_dispatch_goaway(struct srv_service *service, int code, const char *text);
+
+#endif

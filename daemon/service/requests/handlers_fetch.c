@@ -1,0 +1,121 @@
+/* handlers_fetch.c - frame.fetch, and the pages of an answer.
+ *
+ * Room:     service. See call.h, frame.h.
+ * Does:     copy records of a scene's last answer into the result region.
+ * Does not: hold back an answer that does not fit: a page is returned and a cursor.
+ * Threads:  functions say; [loop] else, but for work_fetch.
+ */
+#include <string.h>
+
+#include "admission.h"
+#include "call.h"
+#include "frame.h"
+#include "invariant.h"
+#include "now.h"
+#include "request.h"
+#include "session.h"
+
+static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
+                  sizeof(struct proto_FRAME_FETCH_result),
+              "submit and fetch answer alike");
+
+/* Copied between two looks at the cancel flag, some 100 us; and in any case: a step that
+ * was cancelled keeps no more. */
+#define COPY_RECORDS 8192u
+
+/* Copy `count` records, or fewer if the request is cancelled. Returns how many. */
+static uint64_t copy_records(struct srv_request *request, uint8_t *to,
+                             const uint8_t *from, uint64_t count, uint32_t record_bytes)
+{
+    uint64_t done = 0;
+    while (done < count && (done == 0 || !atomic_load_explicit(&request->job.cancel,
+                                                               memory_order_relaxed))) {
+        uint64_t n = count - done < COPY_RECORDS ? count - done : COPY_RECORDS;
+        memcpy(to + done * record_bytes, from + done * record_bytes, n * record_bytes);
+        done += n;
+    }
+    return done;
+}
+
+int srv_frame_page(struct srv_request *request, uint64_t first,
+                   struct proto_FRAME_SUBMIT_result *answer)
+{
+    struct srv_scene *scene = request->plan.scene;
+    PCCD_ASSERT(scene->has_answer && first <= scene->answer.total);
+    *answer = scene->answer;
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve(request->plan.ring, answer->record_bytes,
+                                  answer->total - first, &page, &data, &request->error);
+    if (status != 0) {
+        return status;
+    }
+    const uint8_t *from = scene->records; /* NULL: there are none */
+    if (first > 0) {
+        from += first * answer->record_bytes;
+    }
+    uint64_t count = copy_records(request, data, from, page.count, answer->record_bytes);
+    answer->first = first;
+    answer->count = count;
+    answer->cursor = first + count;
+    answer->offset = page.position;
+    answer->release = page.release;
+    if (answer->incomplete == PCCD_COMPLETE && answer->cursor < answer->total) {
+        answer->incomplete =
+            count < page.count ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_RESULT_FULL;
+    }
+    return 0;
+}
+
+static int work_fetch(struct srv_request *request)
+{
+    const struct proto_FRAME_FETCH_request *fetch = &request->params.FRAME_FETCH;
+    struct srv_scene *scene = request->plan.scene;
+    uint64_t start_ns = common_now_ns();
+    if (!scene->has_answer) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "scene 0x%x has no answer: no step since it changed",
+                               fetch->scene);
+    }
+    bool is_own = scene->stepper == request->session->id;
+    if (fetch->number != 0 ? fetch->number != scene->answer.number
+                           : !is_own || fetch->step != scene->answer.step) {
+        return proto_error_set(
+            &request->error, PCCD_E_STATE,
+            "the answer to step %llu is gone, %s step %llu has run "
+            "since",
+            (unsigned long long)(fetch->number != 0 ? fetch->number : fetch->step),
+            is_own ? "this session's" : "another session's",
+            (unsigned long long)scene->answer.step);
+    }
+    if (fetch->cursor > scene->answer.total) {
+        return proto_error_set(&request->error, PCCD_E_INVAL,
+                               "cursor %llu is beyond the answer's %llu records",
+                               (unsigned long long)fetch->cursor,
+                               (unsigned long long)scene->answer.total);
+    }
+    struct proto_FRAME_SUBMIT_result answer;
+    int status = srv_frame_page(request, fetch->cursor, &answer);
+    if (status == 0) {
+        answer.ns_queue = start_ns - request->arrival_ns;
+        memcpy(&request->result.FRAME_FETCH, &answer, sizeof answer);
+    }
+    return status;
+}
+
+int srv_on_FRAME_FETCH(struct srv_call *call)
+{
+    uint32_t handle = call->params.FRAME_FETCH.scene;
+    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               handle);
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_admit_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_fetch, .ring = ring, .scene = scene};
+    return srv_request_start(call, &plan);
+}

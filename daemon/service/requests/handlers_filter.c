@@ -1,0 +1,169 @@
+/* handlers_filter.c - object.set and scene.ignore: which objects are tested.
+ *
+ * Room:     service. See call.h.
+ * Does:     admission on [loop]; the change on [compute], between the steps that were
+ *           submitted before and after it.
+ * Threads:  [loop], but for functions named work_.
+ */
+#include "call.h"
+#include "invariant.h"
+#include "request.h"
+#include "session.h"
+#include "srv_journal.h"
+
+/* Admission: a scene and an object that is in it, or soon will be; `is_own`: this
+ * session's, which alone says what it may meet where a scene is shared. */
+static int find_object(struct srv_call *call, uint32_t scene_handle, uint32_t object,
+                       struct srv_scene **scene, bool *is_own)
+{
+    struct srv_scene *found = srv_handles_get(&call->session->scenes, scene_handle);
+    if (found == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               scene_handle);
+    }
+    const struct srv_object *item = srv_handles_get(&found->objects, object);
+    if (item == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE,
+                               "scene 0x%x has no object 0x%x", scene_handle, object);
+    }
+    *scene = found;
+    *is_own = item->owner == call->session;
+    return 0;
+}
+
+/* The object; or PCCD_E_HANDLE: its removal came before, or its addition failed.
+ * [compute] */
+static int find_placed(struct srv_request *request, uint32_t object,
+                       struct srv_placed **placed)
+{
+    *placed = srv_scene_find(request->plan.scene, object);
+    return *placed != NULL
+               ? 0
+               : proto_error_set(&request->error, PCCD_E_HANDLE,
+                                 "object 0x%x is not in the scene any more", object);
+}
+
+static int queue(struct srv_call *call, struct srv_scene *scene,
+                 int (*work)(struct srv_request *request),
+                 void (*finish)(struct srv_request *request))
+{
+    struct srv_plan plan = {
+        .work = work, .finish = finish, .ring = call->session->ring, .scene = scene};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- object.set -------------------------------------------------------------------- */
+
+static int work_set(struct srv_request *request)
+{
+    const struct proto_OBJECT_SET_request *asked = &request->params.OBJECT_SET;
+    struct srv_scene *scene = request->plan.scene;
+    struct common_attributes given;
+    struct srv_placed *placed = NULL;
+    int status = find_placed(request, asked->object, &placed);
+    if (status != 0) {
+        return status;
+    }
+    if (asked->what != 0) {
+        COMMON_ATTRIBUTES_COPY(&given, asked);
+        common_attributes_set(&placed->attributes, asked->what, &given);
+        const struct eng_object_filter filter = {placed->attributes.group,
+                                                 placed->attributes.mask,
+                                                 placed->attributes.self_collision};
+        status = eng_scene_set_filter(scene->engine, placed->engine_idx, &filter);
+        PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
+        srv_journal_filter(scene, placed);
+    }
+    COMMON_ATTRIBUTES_COPY(&request->result.OBJECT_SET, &placed->attributes);
+    return 0;
+}
+
+/* For list.object. */
+static void finish_set(struct srv_request *request)
+{
+    struct srv_object *item = request->status == 0
+                                  ? srv_handles_get(&request->plan.scene->objects,
+                                                    request->params.OBJECT_SET.object)
+                                  : NULL;
+    if (item != NULL) { /* else it has gone meanwhile */
+        COMMON_ATTRIBUTES_COPY(&item->attributes, &request->result.OBJECT_SET);
+    }
+}
+
+int srv_on_OBJECT_SET(struct srv_call *call)
+{
+    const struct proto_OBJECT_SET_request *asked = &call->params.OBJECT_SET;
+    struct srv_scene *scene = NULL;
+    bool is_own = false;
+    int status = find_object(call, asked->scene, asked->object, &scene, &is_own);
+    if (status != 0) {
+        return status;
+    }
+    if (!is_own && asked->what != 0) {
+        return proto_error_set(&call->error, PCCD_E_ACCESS,
+                               "object 0x%x is another session's", asked->object);
+    }
+    if ((COMMON_OBJECT_BITS(asked->what) & ~COMMON_OBJECT_KNOWN) != 0) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "what is 0x%x, this daemon knows the bits 0x%x",
+                               asked->what, COMMON_OBJECT_KNOWN);
+    }
+    return queue(call, scene, work_set, finish_set);
+}
+
+/* ---- scene.ignore ------------------------------------------------------------------ */
+
+static int work_ignore(struct srv_request *request)
+{
+    const struct proto_SCENE_IGNORE_request *asked = &request->params.SCENE_IGNORE;
+    struct eng_scene *engine = request->plan.scene->engine;
+    struct srv_placed *a = NULL;
+    struct srv_placed *b = NULL;
+    int status = find_placed(request, asked->a, &a);
+    if (status == 0) {
+        status = find_placed(request, asked->b, &b);
+    }
+    if (status != 0) {
+        return status;
+    }
+    status = eng_scene_ignore(engine, a->engine_idx, b->engine_idx, asked->ignored);
+    if (status == PCCD_E_LIMIT) {
+        return proto_error_set(&request->error, status,
+                               "%u pairs of objects ignore each other in scene 0x%x, "
+                               "no more than that may",
+                               PROTO_IGNORED_PER_SCENE, asked->scene);
+    }
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for another pair");
+    }
+    srv_scene_count_ignored(request->plan.scene);
+    srv_journal_pair(request->plan.scene, asked->a, asked->b, asked->ignored);
+    request->result.SCENE_IGNORE.pairs = eng_scene_ignored_count(engine);
+    return 0;
+}
+
+int srv_on_SCENE_IGNORE(struct srv_call *call)
+{
+    const struct proto_SCENE_IGNORE_request *asked = &call->params.SCENE_IGNORE;
+    struct srv_scene *scene = NULL;
+    bool is_own[2] = {false, false};
+    int status = find_object(call, asked->scene, asked->a, &scene, &is_own[0]);
+    if (status == 0) {
+        status = find_object(call, asked->scene, asked->b, &scene, &is_own[1]);
+    }
+    if (status != 0) {
+        return status;
+    }
+    if (!is_own[0] && !is_own[1]) {
+        return proto_error_set(&call->error, PCCD_E_ACCESS,
+                               "objects 0x%x and 0x%x are other sessions'", asked->a,
+                               asked->b);
+    }
+    if (asked->a == asked->b) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "a pair is of two objects; whether 0x%x may meet itself "
+                               "says object.set",
+                               asked->a);
+    }
+    return queue(call, scene, work_ignore, NULL);
+}

@@ -1,0 +1,404 @@
+/* handlers_mesh.c - mesh.create, replace, data, commit, edges and destroy.
+ *
+ * Room:     service. See call.h.
+ * Does:     admission on [loop]; everything that touches vertices on [compute].
+ * Does not: allocate what the quota has not been charged for.
+ * Threads:  [loop], but for functions named work_.
+ */
+#include <string.h>
+
+#include "admission.h"
+#include "call.h"
+#include "coordinates.h"
+#include "invariant.h"
+#include "meshes.h"
+#include "now.h"
+#include "replacement.h"
+#include "request.h"
+#include "service.h"
+#include "session.h"
+
+/* Copied at a time, and then it is the turn of others: 0.2 ms, page faults included. */
+#define PART_ITEMS 16384u
+
+enum { PART_VERTICES = 0, PART_TRIANGLES = 1, PART_COUNT = 2 };
+
+/* The mesh of a handle; NULL with the error set: there is none, or it is busy. */
+static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
+{
+    struct srv_mesh *mesh = srv_handles_get(&call->session->meshes, handle);
+    if (mesh == NULL) {
+        proto_error_set(&call->error, PCCD_E_HANDLE, "there is no mesh 0x%x", handle);
+        return NULL;
+    }
+    return srv_mesh_refuse_busy(mesh, handle, &call->error) == 0 ? mesh : NULL;
+}
+
+/* What data and commit are meant for: the replacement, where one was announced. */
+static struct srv_shape *shape_to_fill(const struct srv_mesh *mesh)
+{
+    return mesh->next != NULL ? mesh->next : mesh->current;
+}
+
+/* ---- create, destroy --------------------------------------------------------------- */
+
+int srv_on_MESH_CREATE(struct srv_call *call)
+{
+    struct srv_session *session = call->session;
+    const struct proto_MESH_CREATE_request *request = &call->params.MESH_CREATE;
+    struct srv_shape *shape = NULL;
+    int status = srv_shape_admit(&session->owner, request->vertex_count,
+                                 request->triangle_count, &shape, &call->error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_mesh *mesh = srv_mesh_new(++session->service->mesh_last, shape);
+    if (mesh == NULL) {
+        srv_resource_drop(&shape->resource); /* refunds it */
+        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a mesh");
+    }
+    status = srv_session_handle(session, &session->meshes, "mesh", mesh, request->want,
+                                &call->result.MESH_CREATE.mesh, &call->error);
+    if (status != 0) {
+        srv_mesh_free(mesh);
+        return status;
+    }
+    mesh->handle = call->result.MESH_CREATE.mesh;
+    return 0;
+}
+
+int srv_on_MESH_DESTROY(struct srv_call *call)
+{
+    uint32_t handle = call->params.MESH_DESTROY.mesh;
+    struct srv_mesh *mesh = find_mesh(call, handle);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    srv_handles_remove(&call->session->meshes, handle);
+    srv_mesh_free(mesh);
+    call->result.MESH_DESTROY.done = true;
+    return 0;
+}
+
+/* ---- replace ----------------------------------------------------------------------- */
+
+/* What was announced before, if anything, is dropped either way. */
+int srv_on_MESH_REPLACE(struct srv_call *call)
+{
+    const struct proto_MESH_REPLACE_request *request = &call->params.MESH_REPLACE;
+    struct srv_mesh *mesh = find_mesh(call, request->mesh);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    if (!mesh->is_committed) {
+        return proto_error_set(&call->error, PCCD_E_STATE, "mesh 0x%x is not committed",
+                               request->mesh);
+    }
+    bool forget = request->vertex_count == 0 && request->triangle_count == 0;
+    struct srv_shape *shape = NULL;
+    if (!forget) {
+        int status = srv_shape_admit(&call->session->owner, request->vertex_count,
+                                     request->triangle_count, &shape, &call->error);
+        if (status != 0) {
+            return status;
+        }
+    }
+    if (mesh->next != NULL) {
+        srv_resource_drop(&mesh->next->resource);
+    }
+    mesh->next = shape;
+    call->result.MESH_REPLACE.generation = mesh->generation + (forget ? 0 : 1);
+    return 0;
+}
+
+/* ---- data -------------------------------------------------------------------------- */
+
+static uint64_t item_bytes_of(const struct proto_MESH_DATA_request *data)
+{
+    return data->part == PART_VERTICES ? common_vertex_bytes(data->format)
+                                       : sizeof(uint32_t[3]);
+}
+
+/* Copy the next part of a chunk from its slot into the engine's mesh. */
+static int copy_part(struct srv_request *request, struct eng_mesh *engine)
+{
+    const struct proto_MESH_DATA_request *data = &request->params.MESH_DATA;
+    uint32_t left = data->count - request->items_done;
+    uint32_t count = left < PART_ITEMS ? left : PART_ITEMS;
+    uint32_t first = data->first + request->items_done;
+    uint32_t bad_triangle = 0;
+    const uint8_t *payload = request->payload + request->items_done * item_bytes_of(data);
+    request->items_done += count;
+    int status =
+        data->part == PART_VERTICES
+            ? eng_mesh_write_vertices(engine, (enum pccd_format)data->format, first,
+                                      count, payload)
+            : eng_mesh_write_triangles(engine, first, count, payload, &bad_triangle);
+    switch (status) {
+    case PCCD_OK:
+        return 0;
+    case PCCD_E_INDEX:
+        return proto_error_set(&request->error, PCCD_E_INDEX,
+                               "triangle %u names a vertex beyond the mesh's %u",
+                               bad_triangle, request->plan.shape->vertex_count);
+    case PCCD_E_NOTFINITE:
+        return proto_error_set(&request->error, PCCD_E_NOTFINITE,
+                               "a vertex from %u to %u is not finite or beyond 1e18",
+                               data->first, data->first + data->count - 1);
+    case PCCD_E_STATE:
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               eng_mesh_is_committed(engine)
+                                   ? "mesh 0x%x is committed"
+                                   : "mesh 0x%x: the chunk leaves a gap before it",
+                               data->mesh);
+    default:
+        return proto_error_set(&request->error, status, "mesh 0x%x: %s", data->mesh,
+                               proto_status_text(status));
+    }
+}
+
+/* The mesh to write to; before the first part also the slot. */
+static int open_data(struct srv_request *request, struct eng_mesh **engine)
+{
+    const struct proto_MESH_DATA_request *data = &request->params.MESH_DATA;
+    const struct srv_shape *shape = request->plan.shape;
+    if (request->items_done > 0) {
+        *engine = shape->engine;
+        return atomic_load_explicit(&request->job.cancel, memory_order_relaxed)
+                   ? proto_error_set(&request->error, PCCD_E_CANCELLED,
+                                     "mesh 0x%x: cancelled, %u of %u items were copied",
+                                     data->mesh, request->items_done, data->count)
+                   : 0;
+    }
+    int status = srv_shape_engine(request->plan.shape, engine);
+    if (status != 0) {
+        return proto_error_set(&request->error, status,
+                               "no memory for %u vertices and %u triangles",
+                               shape->vertex_count, shape->triangle_count);
+    }
+    return srv_ring_open_slot(request->plan.ring, data->slot, data->seq,
+                              &request->payload, &request->error);
+}
+
+static int work_data(struct srv_request *request)
+{
+    const struct proto_MESH_DATA_request *data = &request->params.MESH_DATA;
+    struct srv_ring *ring = request->plan.ring;
+    struct eng_mesh *engine = NULL;
+    int status = open_data(request, &engine);
+    if (status != 0) {
+        return status;
+    }
+    status = copy_part(request, engine);
+    if (status == 0 && request->items_done < data->count) {
+        request->job.goes_on = true; /* whether the slot has changed is seen in the end */
+        return 0;
+    }
+    int torn = srv_ring_check_slot(ring, data->slot, data->seq, &request->error);
+    srv_request_return_slot(request);
+    if (torn != 0 || status != 0) {
+        return torn != 0 ? torn : status; /* a change explains any other complaint */
+    }
+    request->upload_bytes = data->count * item_bytes_of(data);
+    uint32_t vertices = 0;
+    uint32_t triangles = 0;
+    eng_mesh_received(engine, &vertices, &triangles);
+    request->result.MESH_DATA.received =
+        data->part == PART_VERTICES ? vertices : triangles;
+    return 0;
+}
+
+/* Everything about a chunk that can be told from its message. */
+static int check_chunk(struct srv_call *call, const struct srv_shape *shape,
+                       const struct srv_ring *ring)
+{
+    const struct proto_MESH_DATA_request *data = &call->params.MESH_DATA;
+    if (data->part >= PART_COUNT || data->format >= PCCD_FORMAT_COUNT) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "unknown part %u or format %u",
+                               data->part, data->format);
+    }
+    bool vertices = data->part == PART_VERTICES;
+    uint32_t limit = vertices ? shape->vertex_count : shape->triangle_count;
+    if (data->count < 1 || data->first >= limit || data->count > limit - data->first) {
+        return proto_error_set(
+            &call->error, PCCD_E_INVAL, "%u %s from %u on; mesh 0x%x has %u", data->count,
+            vertices ? "vertices" : "triangles", data->first, data->mesh, limit);
+    }
+    uint64_t item_bytes = item_bytes_of(data);
+    if (data->count > ring->slot_stride / item_bytes) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "%u items of %llu bytes do not fit in a slot of %llu",
+                               data->count, (unsigned long long)item_bytes,
+                               (unsigned long long)ring->slot_stride);
+    }
+    return 0;
+}
+
+int srv_on_MESH_DATA(struct srv_call *call)
+{
+    const struct proto_MESH_DATA_request *data = &call->params.MESH_DATA;
+    struct srv_mesh *mesh = find_mesh(call, data->mesh);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    struct srv_shape *shape = shape_to_fill(mesh);
+    struct srv_ring *ring = NULL;
+    int status = srv_admit_ring(call, &ring);
+    if (status == 0) {
+        status = srv_admit_slot(call, ring, data->slot, data->seq);
+    }
+    if (status == 0) {
+        status = check_chunk(call, shape, ring);
+    }
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {
+        .work = work_data, .ring = ring, .shape = shape, .takes_slot = true};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- commit ------------------------------------------------------------------------ */
+
+/* Derive what the mesh needs, and describe it. A replacement that was derived already,
+ * and then failed, is tried again. */
+static int derive(struct srv_request *request)
+{
+    struct srv_shape *shape = request->plan.shape;
+    struct eng_mesh *engine = NULL;
+    int status = srv_shape_engine(shape, &engine);
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for the mesh");
+    }
+    int failed = request->plan.replacement != NULL && eng_mesh_is_committed(engine)
+                     ? PCCD_OK
+                     : eng_mesh_commit(engine);
+    if (failed == PCCD_E_STATE && !eng_mesh_is_committed(engine)) {
+        uint32_t vertices = 0;
+        uint32_t triangles = 0;
+        eng_mesh_received(engine, &vertices, &triangles);
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "%u of %u vertices and %u of %u triangles have arrived",
+                               vertices, shape->vertex_count, triangles,
+                               shape->triangle_count);
+    }
+    if (failed != PCCD_OK) {
+        return proto_error_set(
+            &request->error, failed, "mesh 0x%x: %s", request->params.MESH_COMMIT.mesh,
+            failed == PCCD_E_STATE ? "is committed already" : proto_status_text(failed));
+    }
+    struct eng_mesh_info info;
+    eng_mesh_get_info(engine, &info);
+    request->result.MESH_COMMIT = (struct proto_MESH_COMMIT_result){
+        .vertex_count = info.vertex_count,
+        .triangle_count = info.triangle_count,
+        .edge_count = info.edge_count,
+        .duplicate_count = info.duplicate_count,
+        .degenerate_count = info.degenerate_count,
+        .isolated_count = info.isolated_count,
+        .generation = request->plan.generation,
+    };
+    return 0;
+}
+
+static int work_commit(struct srv_request *request)
+{
+    uint64_t start_ns = common_now_ns();
+    struct srv_replacement *replacement = request->plan.replacement;
+    int status = derive(request);
+    if (status == 0 && replacement != NULL) {
+        status = srv_replacement_work(replacement, request->plan.shape, &request->error);
+    }
+    request->result.MESH_COMMIT.build_ns = common_now_ns() - start_ns;
+    return status;
+}
+
+static void finish_commit(struct srv_request *request)
+{
+    struct srv_session *session = request->session;
+    /* NULL: the client is gone, or has destroyed a mesh of one shape meanwhile. */
+    struct srv_mesh *mesh =
+        srv_handles_get(&session->meshes, request->params.MESH_COMMIT.mesh);
+    if (request->plan.replacement != NULL) {
+        srv_replacement_finish(session, mesh, request->plan.replacement,
+                               request->status == 0);
+    } else if (mesh != NULL && request->status == 0) {
+        mesh->is_committed = true;
+    }
+}
+
+int srv_on_MESH_COMMIT(struct srv_call *call)
+{
+    struct srv_mesh *mesh = find_mesh(call, call->params.MESH_COMMIT.mesh);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    struct srv_plan plan = {.work = work_commit,
+                            .finish = finish_commit,
+                            .shape = shape_to_fill(mesh),
+                            .ring = call->session->ring,
+                            .generation = mesh->generation};
+    if (mesh->next != NULL) {
+        int status =
+            srv_replacement_begin(call->session, mesh, &plan.replacement, &call->error);
+        if (status != 0) {
+            return status;
+        }
+        plan.generation++;
+    }
+    int status = srv_request_start(call, &plan);
+    if (status < 0 && plan.replacement != NULL) {
+        srv_replacement_finish(call->session, mesh, plan.replacement, false);
+    }
+    return status;
+}
+
+/* ---- edges ------------------------------------------------------------------------- */
+
+static int work_edges(struct srv_request *request)
+{
+    const struct proto_MESH_EDGES_request *edges = &request->params.MESH_EDGES;
+    const struct eng_mesh *engine = request->plan.shape->engine;
+    if (engine == NULL || !eng_mesh_is_committed(engine)) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "mesh 0x%x is not committed", edges->mesh);
+    }
+    struct eng_mesh_info info;
+    eng_mesh_get_info(engine, &info);
+    if (edges->first > info.edge_count) {
+        return proto_error_set(&request->error, PCCD_E_INVAL,
+                               "first is %u, mesh 0x%x has %u edges", edges->first,
+                               edges->mesh, info.edge_count);
+    }
+    uint32_t left = info.edge_count - edges->first;
+    struct srv_page page;
+    void *data = NULL;
+    int status = srv_ring_reserve(request->plan.ring, sizeof(struct pccd_edge),
+                                  edges->count < left ? edges->count : left, &page, &data,
+                                  &request->error);
+    if (status != 0) {
+        return status;
+    }
+    if (page.count > 0) {
+        memcpy(data, eng_mesh_edges(engine) + edges->first,
+               page.count * sizeof(struct pccd_edge));
+    }
+    request->result.MESH_EDGES = (struct proto_MESH_EDGES_result){
+        .count = (uint32_t)page.count, .offset = page.position, .release = page.release};
+    return 0;
+}
+
+int srv_on_MESH_EDGES(struct srv_call *call)
+{
+    struct srv_mesh *mesh = find_mesh(call, call->params.MESH_EDGES.mesh);
+    if (mesh == NULL) {
+        return call->error.code;
+    }
+    struct srv_ring *ring = NULL;
+    int status = srv_admit_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_edges, .ring = ring, .shape = mesh->current};
+    return srv_request_start(call, &plan);
+}

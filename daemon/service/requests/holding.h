@@ -1,0 +1,33 @@
+/* holding.h - frames that a client of a shared scene submits with `hold`: they wait for
+ * the next step of any client.
+ *
+ * Room:     service. May include: request.h.
+ * Does:     copy the frame and keep the request until a step takes the frame along, or
+ *           until none can; then answer it.
+ * Does not: keep the frame (scenes/held.h).
+ * Threads:  [loop], but for the work.
+ *
+ *     frame.submit (hold) --copied, checked--> waits --a step, anybody's--> answered
+ *                                                `--deadline, cancel--> answered; what it
+ *                                                   moves still goes along
+ */
+#ifndef SRV_HOLDING_H
+#define SRV_HOLDING_H
+
+#include "request.h"
+
+struct srv_service;
+
+/* srv_request_start for a frame that is held, which is charged for before: it is copied,
+ * checked against the scene, and waits. Besides what that returns: PCCD_E_INVAL (the
+ * scene is not shared, or nothing moves, or it is to be placed), PCCD_E_BUSY (another one
+ * waits) or PCCD_E_QUOTA with call->error set. */
+int srv_holding_start(struct srv_call *call, struct srv_plan *plan);
+
+/* Answer those whose frames the step of `request` has taken along; free the frames. */
+void srv_holding_answer(struct srv_request *request);
+
+/* The daemon ends: what waits is answered as cancelled, and nothing begins to. */
+void srv_holding_end_all(struct srv_service *service);
+
+#endif

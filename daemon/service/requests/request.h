@@ -1,0 +1,148 @@
+/* request.h - a request that has to be computed, from its message to its answer.
+ *
+ * Room:     service. May include: call.h, plan.h, deadlines.h, replies.h.
+ * Does:     keep the parameters of a request and everything it uses, until its answer is
+ *           sent or its client is gone.
+ * Does not: know any method: handlers supply the functions.
+ * Threads:  functions say.
+ *
+ * The life of a request, from left to right:
+ *
+ *              pushed                 its work is done
+ *     NEW -------------> QUEUED ---------------------------> OWED ----------> OVER
+ *      |                  | | |  the thread has answered      ^ |             ^^^^
+ *      |                  | | `-------------------------> REPLIED ------------'|||
+ *      |                  | |    the socket took no answer    | |              |||
+ *      |                  | `---------------------------> TRIED | -------------'||
+ *      |                  |      answered before its turn     | |               ||
+ *      |                  `-----> EARLY ------ its work is done ----------------'|
+ *      | the loop does it                                     | | it waits for   |
+ *      v                                                      | v another's step |
+ *     BRIEF -------- done at once, the loop answers ----------' WAITING ---------'
+ *       `-- longer than that --> MOVED, and then as QUEUED, but not to EARLY
+ *
+ * A request that is taken back goes from QUEUED, MOVED or EARLY straight to OVER. No
+ * other request is answered twice: EARLY and REPLIED have been answered; OWED, TRIED and
+ * WAITING are answered by the loop when they are concluded.
+ */
+#ifndef SRV_REQUEST_H
+#define SRV_REQUEST_H
+
+#include <stdatomic.h>
+
+#include "call.h"
+#include "deadlines.h"
+#include "plan.h"
+#include "replies.h"
+
+struct srv_held;
+struct srv_laststep;
+struct srv_service;
+struct srv_outlet;
+
+/* Changed by whoever works on the request: [loop], or [compute] while its job runs; EARLY
+ * is set by [loop] while its job is queued and cannot begin. */
+enum srv_request_state {
+    SRV_REQUEST_NEW = 0,     /* being made */
+    SRV_REQUEST_QUEUED = 1,  /* waits for its turn, or a thread works on it */
+    SRV_REQUEST_BRIEF = 2,   /* the loop works on it, and must not be held up */
+    SRV_REQUEST_MOVED = 3,   /* as QUEUED; BRIEF has staged what it moves already */
+    SRV_REQUEST_EARLY = 4,   /* as QUEUED; it does what is left without an answer */
+    SRV_REQUEST_OWED = 5,    /* has run; the loop is to answer it */
+    SRV_REQUEST_TRIED = 6,   /* likewise, as the thread that computed it could not */
+    SRV_REQUEST_REPLIED = 7, /* has run, and that thread has answered it */
+    SRV_REQUEST_WAITING = 8, /* has run; its frame waits for a step (holding.h) */
+    SRV_REQUEST_OVER = 9,    /* everything is given back */
+    SRV_REQUEST_STATES = 10
+};
+
+struct srv_request {
+    struct srv_job job; /* first: the job is the request */
+    _Atomic(enum srv_request_state) state;
+    struct srv_session *session;
+    struct srv_request *prev; /* [loop] in the session's list */
+    struct srv_request *next;
+    struct srv_plan plan;
+    struct srv_claim *claim; /* of plan.scene */
+    uint32_t id;
+    int method;
+    uint64_t arrival_ns;
+    union srv_params params;
+    union srv_result result;
+    struct proto_error error;
+    int status;
+    uint32_t connection;    /* of the session, with which it came, or came again last */
+    uint64_t upload_bytes;  /* copied out of slots */
+    uint64_t begin_ns;      /* [compute] of a step: since when it computes */
+    uint32_t items_done;    /* [compute] of a request that runs in parts */
+    const uint8_t *payload; /* [compute] likewise, in its slot */
+    bool has_stepped;       /* [compute] then [loop]: its scene has moved on */
+    struct srv_laststep *last_step; /* of a step that was computed; else NULL */
+    int fds[2];                     /* to send with the answer and close; -1: none */
+    struct srv_deadline deadline;   /* [loop] the plan's; at_ns 0: none */
+    uint8_t *copy;             /* EARLY: of its slot, charged to its user; NULL: none */
+    uint64_t copy_bytes;       /* likewise */
+    struct srv_outlet *outlet; /* [loop] may answer by it on [compute]; NULL: on [loop] */
+    uint64_t replied_ns;       /* REPLIED: when */
+    struct srv_kept_reply
+        reply;              /* REPLIED: for a client that comes back; 0 bytes: none */
+    struct srv_held *held;  /* that it has brought; NULL: none, or it was answered */
+    struct srv_held *taken; /* [compute] then [loop]: by its step */
+};
+
+/* Relaxed: nothing is read because of it; a state of [compute] is of the loop's interest
+ * only when the job is done. [any] */
+static inline enum srv_request_state srv_request_state(const struct srv_request *request)
+{
+    return atomic_load_explicit(&request->state, memory_order_relaxed);
+}
+
+/* Go on to another state, which the drawing allows. [loop], [compute] */
+void srv_request_move(struct srv_request *request, enum srv_request_state to);
+
+/* Answer one that has run or was taken back, and let go of everything. [loop] */
+void srv_request_conclude(struct srv_request *request);
+
+/* The deadline of a request has come. [loop] */
+void srv_request_overdue(struct srv_deadline *deadline);
+
+/* Answer with `result` a request that still waits for its turn, when it will do what is
+ * left without an answer: out of `copy`, of malloc, charged as SRV_QUOTA_SHM_BYTES and
+ * taken over, in the place of its slot, which is returned. False: it has begun, and
+ * nothing has changed. [loop] */
+bool srv_request_answer_early(struct srv_request *request,
+                              const struct proto_FRAME_SUBMIT_result *result,
+                              uint8_t *copy, uint64_t copy_bytes);
+
+/* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with
+ * call->error set: then neither function of the plan is called. [loop] */
+int srv_request_start(struct srv_call *call, const struct srv_plan *plan);
+
+/* Before a message is handled: conclude what was answered where it was computed, so that
+ * who has an answer finds what it says everywhere. Where one is just on its way it waits
+ * for the few microseconds until the compute thread has put the request down. [loop] */
+void srv_request_catch_up(struct srv_service *service);
+
+/* Give the slot back as soon as it has been read; once, further calls do nothing.
+ * [compute] */
+void srv_request_return_slot(struct srv_request *request);
+
+/* Stop it: a queued step is answered at once where that is possible (answer_early), and
+ * runs in its turn with its flag set; another queued request is answered with
+ * PCCD_E_CANCELLED at once; a running one sees the flag. [loop] */
+void srv_request_cancel(struct srv_request *request);
+
+/* The same of all that a session has in flight. [loop] */
+void srv_request_cancel_all(struct srv_session *session);
+
+/* The client is gone: stop all that the session has in flight, without answers. [loop] */
+void srv_request_abandon_all(struct srv_session *session);
+
+/* The request in flight with that message id that has no answer yet, or NULL. [loop] */
+struct srv_request *srv_request_find(const struct srv_session *session, uint32_t id);
+
+/* Whether the connection with which it came is lost: it is not answered over the next one
+ * unless it comes again, so that answers keep the order of the requests. [loop] */
+bool srv_request_is_cut_off(const struct srv_request *request);
+
+#endif

@@ -1,0 +1,148 @@
+/* held.c - frames that wait for the next step of their scene.
+ *
+ * Room:     service. See held.h.
+ * Does:     what is held was staged once when it came, and taken back: so that a step by
+ *           somebody else does not fail for it.
+ * Threads:  as marked in held.h.
+ */
+#include "held.h"
+
+#include <stdlib.h>
+
+#include "invariant.h"
+#include "service.h"
+#include "session.h"
+#include "staging.h"
+
+int srv_held_charge(struct srv_member *member, uint64_t bytes, struct proto_error *error)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(!member->holds);
+    int status =
+        srv_quota_charge(member->session->owner.user, SRV_QUOTA_SHM_BYTES, bytes, error);
+    member->holds = status == 0;
+    return status;
+}
+
+void srv_held_refund(struct srv_member *member, uint64_t bytes)
+{
+    srv_assert_loop();
+    srv_quota_refund(member->session->owner.user, SRV_QUOTA_SHM_BYTES, bytes);
+    member->holds = false;
+}
+
+/* Stage it in the staging that is open. */
+static int stage(const struct srv_held *held, struct srv_scene *scene,
+                 struct proto_error *error)
+{
+    struct srv_workspace *workspace =
+        srv_workspace_of_thread(held->member->session->service->workspaces);
+    uint64_t bytes = 0;
+    return srv_stage_copy(held->copy, held->bytes, &held->submit, held->member, scene,
+                          workspace->segments, &bytes, error);
+}
+
+/* Whether the scene takes it as it is now; nothing moves. */
+static int try(struct srv_held *held, struct srv_scene *scene, struct proto_error *error)
+{
+    struct eng_scene *engine = NULL;
+    int status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        return proto_error_set(error, status, "no memory for the scene");
+    }
+    eng_stage_begin(engine);
+    status = stage(held, scene, error);
+    if (status == 0 && eng_stage_overlaps(engine)) {
+        status = proto_error_set(error, PCCD_E_SEGMENT,
+                                 "a vertex is written twice in this step");
+    }
+    eng_stage_abort(engine);
+    held->changes = scene->changes;
+    return status;
+}
+
+int srv_held_add(struct srv_held *held, struct srv_scene *scene,
+                 struct proto_error *error)
+{
+    srv_assert_compute();
+    int status = try(held, scene, error);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_held **end = &scene->held;
+    while (*end != NULL) {
+        end = &(*end)->next;
+    }
+    *end = held;
+    return 0;
+}
+
+/* Move the entry at *at to *taken. */
+static void take(struct srv_held **at, struct srv_held **taken)
+{
+    struct srv_held *held = *at;
+    *at = held->next;
+    held->next = *taken;
+    *taken = held;
+}
+
+void srv_held_check(struct srv_scene *scene, struct srv_held **taken)
+{
+    srv_assert_compute();
+    for (struct srv_held **at = &scene->held; *at != NULL;) {
+        struct srv_held *held = *at;
+        if (held->changes != scene->changes && try(held, scene, &held->error) != 0) {
+            take(at, taken);
+        } else {
+            at = &held->next;
+        }
+    }
+}
+
+int srv_held_stage(struct srv_scene *scene, struct proto_error *error)
+{
+    srv_assert_compute();
+    int status = 0;
+    for (const struct srv_held *held = scene->held; held != NULL && status == 0;
+         held = held->next) {
+        status = stage(held, scene, error);
+    }
+    return status;
+}
+
+void srv_held_take(struct srv_scene *scene, struct srv_held **taken)
+{
+    srv_assert_compute();
+    while (scene->held != NULL) {
+        take(&scene->held, taken);
+    }
+}
+
+struct srv_held *srv_held_remove(struct srv_scene *scene, const struct srv_member *member)
+{
+    srv_assert_compute();
+    struct srv_held *removed = NULL;
+    for (struct srv_held **at = &scene->held; *at != NULL;) {
+        if ((*at)->member == member) {
+            take(at, &removed);
+        } else {
+            at = &(*at)->next;
+        }
+    }
+    return removed;
+}
+
+void srv_held_free(struct srv_held *list)
+{
+    srv_assert_loop();
+    while (list != NULL) {
+        struct srv_held *next = list->next;
+        if (list->request != NULL) { /* its session leaves the scene */
+            list->left(list->request);
+        }
+        srv_held_refund(list->member, list->charge);
+        free(list->copy);
+        free(list);
+        list = next;
+    }
+}

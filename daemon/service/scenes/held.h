@@ -1,0 +1,64 @@
+/* held.h - held frames: movements of one client that go along with the next step of a
+ * shared scene, whoever submits it.
+ *
+ * Room:     service. May include: srv_scene.h, member.h, the protocol's headers.
+ * Does:     keep what a held frame moves, copied and checked, until a step of its scene
+ *           takes it along.
+ * Does not: know the request that waits for that (requests/holding.h), or outlive the
+ *           session that holds it (shared.h).
+ * Threads:  functions say.
+ *
+ *     a copy --srv_held_add--> waits --a step, anybody's--> taken --srv_held_free
+ *                                 `--its session leaves: srv_held_remove--^
+ */
+#ifndef SRV_HELD_H
+#define SRV_HELD_H
+
+#include <stdint.h>
+
+#include "codec.h"
+#include "member.h"
+#include "messages.h"
+#include "srv_scene.h"
+
+struct srv_request;
+
+struct srv_held {
+    struct srv_held *next;       /* [compute] of the scene, the oldest first */
+    struct srv_request *request; /* [loop] that waits for it; NULL: it was answered */
+    /* [loop] the scene is left before a step: answer the request */
+    void (*left)(struct srv_request *request);
+    struct srv_member *member; /* that has brought it */
+    struct proto_FRAME_SUBMIT_request submit;
+    uint8_t *copy; /* of the slot, of malloc */
+    uint64_t bytes;
+    uint64_t charge;          /* SRV_QUOTA_SHM_BYTES: a whole slot */
+    uint64_t changes;         /* of the scene, when it was checked last */
+    struct proto_error error; /* code 0; else why it could not be taken along */
+};
+
+/* Charge the session of a member for its one frame, and refund it. 0 or PCCD_E_QUOTA with
+ * *error set. [loop] */
+int srv_held_charge(struct srv_member *member, uint64_t bytes, struct proto_error *error);
+void srv_held_refund(struct srv_member *member, uint64_t bytes);
+
+/* Put a frame behind those that wait, if the scene takes it as it is now; nothing moves.
+ * Else a status with *error set. [compute] */
+int srv_held_add(struct srv_held *held, struct srv_scene *scene,
+                 struct proto_error *error);
+
+/* Check anew what waits, where the scene has changed since: what cannot be moved any more
+ * goes to *taken. [compute] */
+void srv_held_check(struct srv_scene *scene, struct srv_held **taken);
+/* Stage what waits, in the staging that is open. [compute] */
+int srv_held_stage(struct srv_scene *scene, struct proto_error *error);
+/* A step has run: what was staged goes to *taken. [compute] */
+void srv_held_take(struct srv_scene *scene, struct srv_held **taken);
+/* Take what was held with the member out of the scene. [compute] */
+struct srv_held *srv_held_remove(struct srv_scene *scene,
+                                 const struct srv_member *member);
+
+/* Refund and free frames that no scene has any more. [loop] */
+void srv_held_free(struct srv_held *list);
+
+#endif

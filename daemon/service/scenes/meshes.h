@@ -1,0 +1,71 @@
+/* meshes.h - a mesh as clients see it: a handle, its current shape, and perhaps one that
+ * is replacing it.
+ *
+ * Room:     service. May include: mesh_shape.h.
+ * Does:     know the current shape, the one that will replace it, and the objects made of
+ *           the mesh.
+ * Does not: hold vertices: shapes do, on the compute thread.
+ * Threads:  [loop], but for functions marked otherwise.
+ *
+ *     current --mesh.replace--> current and next --mesh.commit--> next becomes current
+ *                               ^    mesh.replace (again, or with counts 0): next is
+ *                               |    dropped
+ *                               `--- mesh.commit failed
+ *
+ * While the commit of a replacement runs, the mesh is busy: requests that name it are
+ * refused, because it is not decided yet which shape they would use.
+ */
+#ifndef SRV_MESHES_H
+#define SRV_MESHES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "codec.h"
+#include "mesh_shape.h"
+
+struct srv_member;
+struct srv_session;
+
+/* An object of a scene as the loop sees it. */
+struct srv_object {
+    uint32_t handle;
+    uint64_t charge;           /* triangles, of the owner's user */
+    struct srv_session *owner; /* that added it */
+    const struct srv_member
+        *member; /* with which it did (shared.h); NULL: its own scene */
+    struct common_attributes attributes; /* as was answered last */
+    struct srv_shape *lent;  /* in a scene of another user: kept for as long as the
+                                * object, so that each frees what is charged to it */
+    struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */
+    struct srv_object *prev; /* of the same mesh */
+    struct srv_object *next;
+};
+
+struct srv_mesh {
+    struct srv_shape *current;
+    struct srv_shape *next;     /* announced and not committed; NULL: none */
+    struct srv_object *objects; /* made of it, in the scenes that the session has */
+    uint64_t object_count;
+    uint32_t handle;     /* 0: none yet, or no more */
+    uint64_t number;     /* in this daemon; never another mesh's */
+    uint32_t generation; /* of `current`: 1, then one more with each replacement */
+    bool is_committed;   /* `current` is */
+    bool is_busy;        /* the commit of `next` is in flight */
+    bool is_gone;        /* only its objects know it; goes with the last of them */
+};
+
+/* A mesh of that number and of a shape, whose reference it takes over. NULL: no memory;
+ * the reference stays the caller's. */
+struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape);
+/* Let go of its shapes; objects that are made of it stay. Takes no longer for many. */
+void srv_mesh_free(struct srv_mesh *mesh);
+
+/* PCCD_E_BUSY with *error set while its replacement is being committed, else 0. */
+int srv_mesh_refuse_busy(const struct srv_mesh *mesh, uint32_t handle,
+                         struct proto_error *error);
+
+void srv_mesh_link(struct srv_mesh *mesh, struct srv_object *object);
+void srv_object_unlink(struct srv_object *object); /* once or more often */
+
+#endif

@@ -1,0 +1,175 @@
+/* replacement.c - another shape in the place of a mesh's, in every object made of it.
+ *
+ * Room:     service. See replacement.h.
+ * Does:     charge for it before it begins; take it back in every scene when one object
+ *           cannot follow.
+ * Threads:  [loop], but for srv_replacement_work.
+ */
+#include "replacement.h"
+
+#include <stdlib.h>
+
+#include "invariant.h"
+#include "service.h"
+#include "session.h"
+#include "srv_journal.h"
+
+static uint64_t charge_of(const struct srv_shape *shape)
+{
+    return srv_triangle_charge(shape->vertex_count, shape->triangle_count);
+}
+
+int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
+                          struct srv_replacement **replacement, struct proto_error *error)
+{
+    srv_assert_loop();
+    PCCD_ASSERT(mesh->next != NULL && !mesh->is_busy);
+    for (const struct srv_object *object = mesh->objects; object != NULL;
+         object = object->next) {
+        if (object->lent != NULL) {
+            return proto_error_set(error, PCCD_E_STATE,
+                                   "object 0x%x is in a scene of another user; the mesh "
+                                   "cannot be replaced",
+                                   object->handle);
+        }
+    }
+    /* Every object of the mesh is charged as its current shape; what the new one adds is
+     * charged before it is built. At most 2^26 objects and 2^31 triangles each. */
+    struct srv_replacement *new;
+    uint64_t now = charge_of(mesh->current);
+    uint64_t then = charge_of(mesh->next);
+    uint64_t charge = then > now ? mesh->object_count * (then - now) : 0;
+    int status =
+        srv_quota_charge(session->owner.user, SRV_QUOTA_TRIANGLES, charge, error);
+    if (status != 0) {
+        return status;
+    }
+    size_t each = sizeof new->scenes[0] + sizeof new->claims[0];
+    new = malloc(sizeof *new + session->scenes.count *each);
+    if (new == NULL) {
+        srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, charge);
+        return proto_error_set(error, PCCD_E_NOMEM, "no memory for a replacement");
+    }
+    *new = (struct srv_replacement){
+        .mesh_number = mesh->number,
+        .charged = charge,
+        .generation = mesh->generation + 1,
+        .claims = (struct srv_claim **)(void *)(new->scenes + session->scenes.count)};
+    uint32_t cursor = 0;
+    for (struct srv_scene *scene;
+         (scene = srv_handles_next(&session->scenes, &cursor)) != NULL;) {
+        srv_resource_acquire(&scene->resource);
+        new->claims[new->scene_count] = &scene->claim;
+        new->scenes[new->scene_count++] = scene;
+    }
+    PCCD_ASSERT(new->scene_count == session->scenes.count);
+    mesh->is_busy = true;
+    *replacement = new;
+    return 0;
+}
+
+/* Try every object of a scene that is made of the mesh. [compute] */
+static int try_scene(struct srv_replacement *replacement, struct srv_scene *scene,
+                     struct eng_mesh *mesh, struct proto_error *error)
+{
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle == 0 || placed->mesh_number != replacement->mesh_number) {
+            continue;
+        }
+        scene->has_answer = false; /* the engine forgets its records */
+        int status = eng_scene_try_replace(scene->engine, placed->engine_idx, mesh);
+        if (status != 0) {
+            PCCD_ASSERT(status == PCCD_E_NOMEM || status == PCCD_E_LIMIT);
+            return proto_error_set(error, status,
+                                   "object 0x%x cannot be replaced: %s; mesh and objects "
+                                   "are as before",
+                                   placed->handle, proto_status_text(status));
+        }
+        replacement->replaced++;
+    }
+    return 0;
+}
+
+/* What was tried in a scene holds from now on. [compute] */
+static void settle_scene(const struct srv_replacement *replacement,
+                         struct srv_scene *scene, uint32_t vertex_count)
+{
+    eng_scene_settle(scene->engine);
+    scene->changes++;
+    for (uint32_t i = 0; i < scene->placed_count; i++) {
+        struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle != 0 && placed->mesh_number == replacement->mesh_number) {
+            placed->vertex_count = vertex_count;
+            placed->generation = replacement->generation;
+            srv_journal_add(scene, placed);
+        }
+    }
+}
+
+int srv_replacement_work(struct srv_replacement *replacement,
+                         const struct srv_shape *shape, struct proto_error *error)
+{
+    srv_assert_compute();
+    int status = 0;
+    replacement->replaced = 0;
+    for (uint32_t i = 0; i < replacement->scene_count && status == 0; i++) {
+        status = try_scene(replacement, replacement->scenes[i], shape->engine, error);
+    }
+    for (uint32_t i = 0; i < replacement->scene_count; i++) {
+        struct srv_scene *scene = replacement->scenes[i];
+        if (scene->engine == NULL) {
+            continue;
+        }
+        if (status == 0) {
+            settle_scene(replacement, scene, shape->vertex_count);
+        } else {
+            eng_scene_take_back(scene->engine);
+        }
+    }
+    return status;
+}
+
+/* Every object that is left is charged for its new shape from now on. */
+static void charge_objects(struct srv_session *session, struct srv_mesh *mesh,
+                           struct srv_replacement *replacement)
+{
+    uint64_t charge = charge_of(mesh->next);
+    for (struct srv_object *object = mesh->objects; object != NULL;
+         object = object->next) {
+        if (charge > object->charge) {
+            PCCD_ASSERT(replacement->charged >= charge - object->charge);
+            replacement->charged -= charge - object->charge;
+        } else {
+            srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES,
+                             object->charge - charge);
+        }
+        session->told.triangles += charge - object->charge; /* modulo 2^64 */
+        object->charge = charge;
+    }
+}
+
+void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
+                            struct srv_replacement *replacement, bool succeeded)
+{
+    srv_assert_loop();
+    if (mesh != NULL) {
+        PCCD_ASSERT(mesh->is_busy);
+        mesh->is_busy = false;
+    }
+    if (mesh != NULL && succeeded) {
+        charge_objects(session, mesh, replacement);
+        srv_resource_drop(&mesh->current->resource);
+        mesh->current = mesh->next;
+        mesh->next = NULL;
+        mesh->generation = replacement->generation;
+        session->service->metrics.counters.meshes_replaced++;
+        session->service->metrics.counters.builds += replacement->replaced;
+    }
+    /* The rest was for objects that went meanwhile, or all of it for nothing. */
+    srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, replacement->charged);
+    for (uint32_t i = 0; i < replacement->scene_count; i++) {
+        srv_resource_drop(&replacement->scenes[i]->resource);
+    }
+    free(replacement);
+}

@@ -1,0 +1,44 @@
+/* replacement.h - replaces the shape of a mesh in every object made of it, in all of them
+ * or in none.
+ *
+ * Room:     service. May include: meshes.h, srv_scene.h.
+ * Does:     begin, compute and finish a replacement.
+ * Does not: decide whether a request may replace (handlers_mesh.c).
+ * Threads:  [loop], but for functions marked otherwise.
+ */
+#ifndef SRV_REPLACEMENT_H
+#define SRV_REPLACEMENT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "meshes.h"
+#include "srv_scene.h"
+
+/* What the commit of a replacement works on: every scene of the session. */
+struct srv_replacement {
+    uint64_t mesh_number;
+    uint64_t charged;    /* triangles, that the new shapes of objects have more */
+    uint64_t replaced;   /* [compute] objects that did */
+    uint32_t generation; /* that the mesh gets */
+    uint32_t scene_count;
+    struct srv_claim **claims;  /* [scene_count], of the scenes */
+    struct srv_scene *scenes[]; /* [scene_count], with a reference each */
+};
+
+/* Charge for the objects, take the references, and make the mesh busy. Returns 0,
+ * PCCD_E_QUOTA or PCCD_E_NOMEM with *error set: nothing has changed then. */
+int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
+                          struct srv_replacement **replacement,
+                          struct proto_error *error);
+
+/* Give every object made of the mesh the committed mesh of `shape`, or none. Returns 0 or
+ * a wire status with *error set: everything is as before then. [compute] */
+int srv_replacement_work(struct srv_replacement *replacement,
+                         const struct srv_shape *shape, struct proto_error *error);
+
+/* The end of what begin began; `mesh` NULL: the session has it no more. */
+void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
+                            struct srv_replacement *replacement, bool succeeded);
+
+#endif

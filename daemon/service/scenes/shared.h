@@ -1,0 +1,101 @@
+/* shared.h - shared scenes: scenes with a name, in which several clients put their
+ * objects.
+ *
+ * Room:     service. May include: srv_scene.h, member.h, the protocol's headers.
+ * Does:     know shared scenes by name, who may take part, and who does; tell members of
+ *           each step; remove the objects of a session when it leaves.
+ * Does not: compute (handlers_frame.c), or keep what a held frame moves (held.h).
+ * Threads:  [loop], but for functions marked otherwise.
+ *
+ * A shared scene belongs to no client. A session without a connection, its host, holds
+ * it, so that it outlives the client that created it; it ends when its last member has
+ * left. Its memory is charged to the user who created it, the triangles of an object to
+ * the user who added it. An object has one writer, the session that added it.
+ */
+#ifndef SRV_SHARED_H
+#define SRV_SHARED_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+#include "codec.h"
+#include "member.h"
+#include "messages.h"
+#include "srv_scene.h"
+
+#define SRV_RIGHTS_DEFAULT 0600u
+#define SRV_RIGHTS_ALL     0666u
+
+struct srv_service;
+struct srv_session;
+
+struct srv_shared {
+    struct srv_shared *next; /* of service->shared, while anybody takes part */
+    struct srv_session *host;
+    struct srv_scene *scene;
+    struct srv_member *members;
+    /* Those that leave with nothing in flight, until their objects meet nothing: pushed
+     * by [loop], taken by [compute] */
+    _Atomic(struct srv_member *) hiding;
+    uint32_t member_count; /* those that are leaving, too */
+    uid_t uid;             /* who made it */
+    gid_t gid;
+    uint32_t rights;                      /* as a file's: 4 take part, 2 write */
+    bool is_restored;                     /* it was there before the daemon was */
+    struct proto_SCENE_STEP_request last; /* number 0: no step yet */
+    char name[];
+};
+
+/* scene.create with a name, which is one of the session's user or, where it says so, of
+ * another. Returns 0 with *result set, or PCCD_E_INVAL,
+ * PCCD_E_STATE (there is one), PCCD_E_AGAIN (there is none yet), PCCD_E_ACCESS,
+ * PCCD_E_LIMIT, PCCD_E_BUSY or PCCD_E_NOMEM with *error set. */
+int srv_shared_open(struct srv_session *session,
+                    const struct proto_SCENE_CREATE_request *request,
+                    const struct eng_scene_settings *settings,
+                    struct proto_SCENE_CREATE_result *result, struct proto_error *error);
+
+/* The session has given back its handle of a shared scene. */
+void srv_shared_leave(struct srv_session *session, struct srv_scene *scene);
+
+/* Before a step of the scene, shared or not: who has heard that it has left meets nothing
+ * in it, though it may be another's turn before what it had is taken out. [compute] */
+void srv_shared_hide(struct srv_scene *scene);
+
+/* The member of a session that has a handle for the scene; NULL: it is the session's own.
+ * One that leaves and comes back has another. */
+struct srv_member *srv_shared_member(const struct srv_scene *scene,
+                                     const struct srv_session *session);
+
+/* 0, or PCCD_E_ACCESS with *error set: the session only reads. Of any scene. */
+int srv_shared_refuse_reader(const struct srv_session *session,
+                             const struct srv_scene *scene, struct proto_error *error);
+
+/* A handle for an object of which any will do, that nobody who has not come back yet is
+ * likely to want; 0: nobody will come. Another try gives another one. */
+uint32_t srv_shared_aside(struct srv_member *member);
+
+/* What list.scene of `session`, which takes part, says of a shared scene; nothing of
+ * others. */
+void srv_shared_tell(const struct srv_scene *scene, const struct srv_session *session,
+                     struct proto_LIST_SCENE_result *result);
+
+/* Charge the session for a journal of so many bytes: 0, PCCD_E_STATE (it keeps one) or
+ * PCCD_E_QUOTA with *error set; refund it. */
+int srv_shared_charge_journal(struct srv_member *member, uint64_t bytes,
+                              struct proto_error *error);
+void srv_shared_refund_journal(struct srv_member *member);
+
+/* A session has stepped it: tell the others. */
+void srv_shared_stepped(struct srv_scene *scene, const struct srv_session *by,
+                        const struct proto_FRAME_SUBMIT_result *answer);
+/* A frame of the session waits for the scene's next step: tell it. */
+void srv_shared_waits(struct srv_member *member, uint64_t step);
+/* The session goes on over another connection: that a frame waits may not have come. */
+void srv_shared_resumed(struct srv_session *session);
+/* Tell a session what could not be told before, if it can be now. */
+void srv_shared_catch_up(struct srv_session *session);
+
+#endif

@@ -1,0 +1,63 @@
+/* srv_journal.h - the journal of a shared scene: everything that any client does to it,
+ * for a member that records it.
+ *
+ * Room:     service. May include: resource.h, proto/journal.h.
+ * Does:     note each object that comes, goes or changes, and each step with what moved,
+ *           in the order in which it was done; keep the notes until the member has
+ *           fetched them.
+ * Does not: keep more bytes than were asked for: from then on nothing more is noted, and
+ *           the member is told.
+ * Threads:  [compute]. The memory is the C library's, charged before it is taken
+ *           (handlers_journal.c).
+ */
+#ifndef SRV_JOURNAL_H
+#define SRV_JOURNAL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "journal.h"
+#include "srv_scene.h"
+
+struct srv_held;
+
+/* A session's journal of a scene, while it takes part with that member. Positions count
+ * bytes from its beginning. */
+struct srv_journal {
+    struct srv_journal *next;        /* of the scene */
+    const struct srv_member *member; /* whose it is */
+    struct srv_journal_entry *first; /* that is kept */
+    struct srv_journal_entry *last;
+    uint64_t begin;     /* of the first entry */
+    uint64_t end;       /* of the last */
+    uint64_t bytes_max; /* that may be kept */
+    int status;         /* 0, or why nothing is noted any more: LIMIT, NOMEM */
+};
+
+/* Begin one with the scene as it is. PCCD_E_STATE: the session has one; PCCD_E_LIMIT:
+ * even this does not fit; PCCD_E_NOMEM. */
+int srv_journal_begin(struct srv_scene *scene, const struct srv_member *member,
+                      uint64_t bytes_max);
+/* NULL: it has none. */
+struct srv_journal *srv_journal_find(const struct srv_scene *scene,
+                                     const struct srv_member *member);
+/* Forget the entries before `position`, as far as they are whole. */
+void srv_journal_forget(struct srv_journal *journal, uint64_t position);
+/* Copy `bytes` bytes from `position` on, which are kept. */
+void srv_journal_copy(const struct srv_journal *journal, uint64_t position,
+                      uint64_t bytes, uint8_t *to);
+/* The session's, if it has one. */
+void srv_journal_end(struct srv_scene *scene, const struct srv_member *member);
+
+/* Note what has been done, for every session that wants to know; nothing for none. */
+void srv_journal_add(struct srv_scene *scene, const struct srv_placed *placed);
+void srv_journal_gone(struct srv_scene *scene, uint32_t object);
+void srv_journal_filter(struct srv_scene *scene, const struct srv_placed *placed);
+void srv_journal_pair(struct srv_scene *scene, uint32_t a, uint32_t b, bool ignored);
+/* A step has run that a session submitted with that member, and has taken along what was
+ * held. */
+void srv_journal_step(struct srv_scene *scene,
+                      const struct proto_FRAME_SUBMIT_request *submit,
+                      const struct srv_member *member, const struct srv_held *taken);
+
+#endif

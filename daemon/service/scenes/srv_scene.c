@@ -1,0 +1,229 @@
+/* srv_scene.c - what the handle of a scene stands for.
+ *
+ * Room:     service. See srv_scene.h.
+ * Does:     charge for each object before it exists, and refund it when it has left.
+ * Threads:  [loop] and [compute], as marked.
+ */
+#include "srv_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "engine.h"
+#include "enginemem.h"
+#include "invariant.h"
+#include "proto_limits.h"
+#include "service.h"
+#include "session.h"
+
+#define PLACED_FIRST 16u
+
+static void scene_free_engine(struct srv_job *job)
+{
+    struct srv_scene *scene = (struct srv_scene *)job;
+    eng_scene_free(scene->engine);
+    scene->engine = NULL;
+    eng_free(scene->placed);
+    scene->placed = NULL;
+}
+
+/* Refund an object that has left its table already. */
+static void object_free(struct srv_object *object)
+{
+    struct srv_session *owner = object->owner;
+    struct srv_service *service = owner->service;
+    srv_object_unlink(object);
+    srv_quota_refund(owner->owner.user, SRV_QUOTA_TRIANGLES, object->charge);
+    if (object->lent != NULL) {
+        srv_resource_drop(&object->lent->resource);
+    }
+    service->metrics.counters.objects_now--;
+    owner->told.objects--;
+    owner->told.triangles -= object->charge;
+    free(object);
+}
+
+/* Of a scene, at a turn of the loop: some 100 us. */
+#define OBJECTS_PER_TURN 1024u
+
+static void free_nothing(struct srv_job *job)
+{
+    (void)job;
+}
+
+static void scene_free_rest(struct srv_job *job)
+{
+    struct srv_scene *scene = (struct srv_scene *)job;
+    struct srv_session *session = srv_session_of(scene->resource.owner);
+    for (uint32_t i = 0; i < OBJECTS_PER_TURN && scene->objects.count > 0; i++) {
+        object_free(srv_handles_pop(&scene->objects, &scene->freed));
+    }
+    if (scene->objects.count > 0) { /* comes back behind what else the loop has to do */
+        srv_job_init(job, free_nothing, scene_free_rest);
+        srv_compute_push_reap(session->owner.pages, &session->owner.page_lane, job);
+        return;
+    }
+    srv_handles_deinit(&scene->objects);
+    session->service->metrics.counters.scenes_now--;
+    session->scene_count--;
+    free(scene);
+    srv_owner_release(&session->owner);
+}
+
+struct srv_scene *srv_scene_new(struct srv_session *session,
+                                const struct eng_scene_settings *settings)
+{
+    struct srv_scene *scene = calloc(1, sizeof *scene);
+    if (scene != NULL) {
+        srv_resource_init(&scene->resource, &session->owner, scene_free_engine,
+                          scene_free_rest);
+        srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE, 0);
+        scene->settings = *settings;
+        session->service->metrics.counters.scenes_now++;
+        session->scene_count++;
+    }
+    return scene;
+}
+
+void srv_scene_name(struct srv_scene *scene, uint32_t handle)
+{
+    uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
+    PCCD_ASSERT(scene->objects.used == 0);
+    srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE,
+                     srv_handle_index(handle) +
+                         (generation - 1) * PROTO_SCENES_PER_CLIENT);
+}
+
+int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)
+{
+    srv_assert_compute();
+    int status = 0;
+    if (scene->engine == NULL) {
+        status = eng_scene_new(&scene->settings, &scene->engine);
+    }
+    *engine = scene->engine;
+    return status;
+}
+
+int srv_scene_reserve(struct srv_scene *scene, uint32_t handle)
+{
+    srv_assert_compute();
+    uint32_t index = srv_handle_index(handle);
+    if (index < scene->placed_count) {
+        return 0;
+    }
+    uint32_t count = scene->placed_count == 0 ? PLACED_FIRST : scene->placed_count;
+    while (count <= index) { /* ends: an index has 20 bits */
+        count *= 2;
+    }
+    struct srv_placed *placed = eng_realloc(scene->placed, count, sizeof *placed);
+    if (placed == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    memset(placed + scene->placed_count, 0,
+           (size_t)(count - scene->placed_count) * sizeof *placed);
+    scene->placed = placed;
+    scene->placed_count = count;
+    return 0;
+}
+
+struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle)
+{
+    srv_assert_compute();
+    uint32_t index = srv_handle_index(handle);
+    if (handle == 0 || index >= scene->placed_count ||
+        scene->placed[index].handle != handle) {
+        return NULL;
+    }
+    return &scene->placed[index];
+}
+
+void srv_scene_count_ignored(struct srv_scene *scene)
+{
+    srv_assert_compute();
+    atomic_store_explicit(&scene->ignored_told, eng_scene_ignored_count(scene->engine),
+                          memory_order_relaxed); /* nothing is read because of it */
+}
+
+void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
+{
+    srv_assert_compute();
+    scene->has_answer = false;
+    scene->changes++;
+    int status = eng_scene_remove(scene->engine, placed->engine_idx);
+    PCCD_ASSERT(status == 0); /* the engine has every object that is placed */
+    srv_scene_count_ignored(scene);
+    *placed = (struct srv_placed){0};
+}
+
+int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
+                    const struct srv_member *member, struct srv_mesh *mesh,
+                    uint32_t *object, struct proto_error *error)
+{
+    srv_assert_loop();
+    struct srv_service *service = session->service;
+    uint64_t charge =
+        srv_triangle_charge(mesh->current->vertex_count, mesh->current->triangle_count);
+    int status = srv_enginemem_refuse_tight(scene->resource.owner->user, charge, error);
+    if (status == 0) {
+        status =
+            srv_quota_charge(session->owner.user, SRV_QUOTA_TRIANGLES, charge, error);
+    }
+    if (status != 0) {
+        return status;
+    }
+    struct srv_object *item = calloc(1, sizeof *item);
+    uint32_t want = *object;
+    status = item == NULL
+                 ? proto_error_set(error, PCCD_E_NOMEM, "no memory for an object")
+                 : srv_session_handle(session, &scene->objects, "object", item, want,
+                                      object, error);
+    if (status != 0) {
+        free(item);
+        srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, charge);
+        return status;
+    }
+    item->handle = *object;
+    item->charge = charge;
+    item->owner = session;
+    item->member = member;
+    item->attributes = (struct common_attributes)COMMON_ATTRIBUTES_AT_FIRST;
+    if (scene->resource.owner->user != session->owner.user) {
+        item->lent = mesh->current;
+        srv_resource_acquire(&item->lent->resource);
+    }
+    srv_mesh_link(mesh, item);
+    service->metrics.counters.objects_now++;
+    session->told.objects++;
+    session->told.triangles += charge;
+    return 0;
+}
+
+void srv_scene_forget(struct srv_scene *scene, uint32_t object)
+{
+    struct srv_object *item = srv_handles_remove(&scene->objects, object);
+    PCCD_ASSERT(item != NULL);
+    object_free(item);
+}
+
+void srv_scene_forget_of(struct srv_scene *scene, const struct srv_member *member)
+{
+    uint32_t cursor = 0;
+    for (struct srv_object *object;
+         (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
+        if (object->member == member) {
+            srv_scene_forget(scene, object->handle);
+        }
+    }
+}
+
+void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_member *member)
+{
+    uint32_t cursor = 0;
+    for (struct srv_object *object;
+         (object = srv_handles_next(&scene->objects, &cursor)) != NULL;) {
+        if (object->member == member) {
+            srv_object_unlink(object);
+        }
+    }
+}

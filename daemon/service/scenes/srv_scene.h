@@ -1,0 +1,99 @@
+/* srv_scene.h - a scene as the service sees it: the engine's scene, its objects and their
+ * handles.
+ *
+ * Room:     service. May include: engine.h, resource.h, meshes.h, handles.h, the
+ *           protocol's headers.
+ * Does:     know the objects of a scene twice: by handle, for the loop; and by their
+ *           places in the engine's scene, for the compute thread.
+ * Does not: know who shares it (shared.h), or look it up for a client (session.h).
+ * Threads:  members and functions say.
+ */
+#ifndef SRV_SCENE_H
+#define SRV_SCENE_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#include "codec.h"
+#include "engine.h"
+#include "handles.h"
+#include "meshes.h"
+#include "messages.h"
+#include "resource.h"
+
+struct srv_journal;
+struct srv_held;
+struct srv_session;
+struct srv_shared;
+
+/* An object (meshes.h) as the compute thread sees it. */
+struct srv_placed {
+    uint32_t handle; /* 0: none here */
+    uint32_t engine_idx;
+    uint32_t vertex_count;
+    uint32_t generation; /* of the mesh when the object got this shape */
+    uint64_t mesh_number;
+    const struct srv_member *member; /* as the loop's */
+    struct common_attributes attributes;
+};
+
+struct srv_scene {
+    struct srv_resource resource;
+    struct srv_handles objects;          /* [loop] of struct srv_object */
+    uint32_t freed;                      /* [loop] where in `objects` freeing them is */
+    struct eng_scene_settings settings;  /* does not change */
+    struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
+    struct srv_shared *shared;           /* likewise; NULL: its session's alone */
+    struct srv_claim claim;        /* the compute queue's: one job uses it at a time */
+    _Atomic uint32_t ignored_told; /* pairs; stored on [compute], told on [loop] */
+    /* [compute], by who has claimed it */
+    struct eng_scene *engine;  /* NULL until the first object or step */
+    struct srv_placed *placed; /* by index of the object's handle */
+    uint32_t placed_count;
+    struct proto_error owed; /* of a step that was answered before; code 0: none. A member
+                              * has its own */
+    struct srv_held *held;   /* frames for its next step (held.h), oldest first */
+    struct srv_journal *diaries; /* of what is done to it (srv_journal.h) */
+    uint64_t changes;            /* objects that went, or got another shape */
+    uint64_t number;             /* of its last step */
+    uint64_t stepper;            /* number of the session that submitted that */
+    bool has_answer;             /* `records` and `answer` are of the last step */
+    const void *records;
+    struct proto_FRAME_SUBMIT_result answer; /* but for the page */
+};
+
+/* NULL: no memory. [loop] */
+struct srv_scene *srv_scene_new(struct srv_session *session,
+                                const struct eng_scene_settings *settings);
+/* The scene has got its handle: from it follow the first handles of its objects. Those of
+ * one session's scenes differ; those of a scene that is made again under the same handle
+ * are the same again. [loop] */
+void srv_scene_name(struct srv_scene *scene, uint32_t handle);
+int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine); /* [compute] */
+
+/* Room for an object with that handle. Returns 0 or PCCD_E_NOMEM. [compute] */
+int srv_scene_reserve(struct srv_scene *scene, uint32_t handle);
+/* The object, or NULL: never placed, or removed. [compute] */
+struct srv_placed *srv_scene_find(struct srv_scene *scene, uint32_t handle);
+/* Its ignored pairs have changed in number. [compute] */
+void srv_scene_count_ignored(struct srv_scene *scene);
+/* Take a placed object out of the engine's scene, and forget it; journals hear of it from
+ * the caller (srv_journal.h). [compute] */
+void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed);
+
+/* A handle for a new object made of a mesh of `session`, which takes part with `member`
+ * (NULL: the scene is its own), its quota charged; *object says which is wanted, 0: any.
+ * Returns 0, or PCCD_E_QUOTA, PCCD_E_LIMIT, PCCD_E_HANDLE or
+ * PCCD_E_NOMEM with *error set. [loop] */
+int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
+                    const struct srv_member *member, struct srv_mesh *mesh,
+                    uint32_t *object, struct proto_error *error);
+/* Forget an object, whose handle is known: refund it and free the loop's part. [loop] */
+void srv_scene_forget(struct srv_scene *scene, uint32_t object);
+/* The same of all that were added with that member. [loop] */
+void srv_scene_forget_of(struct srv_scene *scene, const struct srv_member *member);
+/* The session's handle of the scene was given back: the objects that it has added with
+ * that member, NULL: its own scene's, are no meshes' any more. [loop] */
+void srv_scene_unlink_of(struct srv_scene *scene, const struct srv_member *member);
+
+#endif

@@ -1,0 +1,260 @@
+/* staging.c - the positions of a step, from a slot to its scene.
+ *
+ * Room:     service. See staging.h.
+ * Does:     bounds checks on values that were copied out of the shared memory first.
+ * Does not: lock or wait on anything in shared memory.
+ * Threads:  [compute], but for srv_stage_keep.
+ */
+#include "staging.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "coordinates.h"
+#include "invariant.h"
+
+/* A slot while it is being staged. */
+struct staging {
+    struct srv_scene *scene;
+    const struct srv_member *member; /* whose objects may be moved; NULL: all */
+    const uint8_t *payload;
+    uint64_t payload_bytes;
+    uint64_t table_bytes; /* at the start of the payload; positions lie behind it */
+    uint64_t copied;      /* bytes of positions so far */
+    struct proto_error *error;
+};
+
+/* Whether [offset, offset + bytes) lies between the table and the end of the payload. */
+static bool is_inside(const struct staging *staging, uint64_t offset, uint64_t bytes)
+{
+    return offset % 8 == 0 && offset >= staging->table_bytes &&
+           offset <= staging->payload_bytes && bytes <= staging->payload_bytes - offset;
+}
+
+/* Everything of segment `at` that does not need the object. *bytes: of each of its
+ * parts. */
+static int check_segment(const struct staging *staging,
+                         const struct proto_segment *segment, uint32_t at,
+                         uint64_t *bytes)
+{
+    struct proto_error *error = staging->error;
+    if (segment->kind >= PROTO_SEGMENT_KIND_COUNT) {
+        return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: unknown kind %u", at,
+                               segment->kind);
+    }
+    bool rigid = segment->kind == PROTO_SEGMENT_RIGID;
+    if (segment->format >= PCCD_FORMAT_COUNT ||
+        (rigid && segment->format != PCCD_FORMAT_F64)) {
+        return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: unknown format %u", at,
+                               segment->format);
+    }
+    if (segment->count == 0) {
+        return proto_error_set(error, PCCD_E_SEGMENT, "segment %u: no vertices", at);
+    }
+    *bytes =
+        rigid ? PROTO_RIGID_BYTES : segment->count * common_vertex_bytes(segment->format);
+    bool start_ok = segment->kind == PROTO_SEGMENT_X1
+                        ? segment->offset0 == 0
+                        : is_inside(staging, segment->offset0, *bytes);
+    if (!start_ok || !is_inside(staging, segment->offset1, *bytes)) {
+        return proto_error_set(
+            error, PCCD_E_SEGMENT,
+            "segment %u: offsets %llu and %llu with %llu bytes each do not fit in the "
+            "slot's bytes %llu to %llu, or are no multiples of 8",
+            at, (unsigned long long)segment->offset0,
+            (unsigned long long)segment->offset1, (unsigned long long)*bytes,
+            (unsigned long long)staging->table_bytes,
+            (unsigned long long)staging->payload_bytes);
+    }
+    return 0;
+}
+
+/* Copy the positions of a checked segment of `object` into the scene's staging. Returns
+ * an engine status. */
+static int copy_segment(const struct staging *staging, const struct srv_placed *object,
+                        const struct proto_segment *segment)
+{
+    struct eng_scene *engine = staging->scene->engine;
+    const uint8_t *start = staging->payload + segment->offset0;
+    const uint8_t *end = staging->payload + segment->offset1;
+    enum pccd_format format = (enum pccd_format)segment->format;
+    uint32_t idx = object->engine_idx;
+    switch ((enum proto_segment_kind)segment->kind) {
+    case PROTO_SEGMENT_X1:
+        return eng_stage_x1(engine, idx, format, segment->first, segment->count, end);
+    case PROTO_SEGMENT_X0X1:
+        return eng_stage_x0x1(engine, idx, format, segment->first, segment->count, start,
+                              end);
+    case PROTO_SEGMENT_RIGID:
+        return eng_stage_rigid(engine, idx, segment->first, segment->count, start, end);
+    case PROTO_SEGMENT_KIND_COUNT:
+        break;
+    }
+    srv_assert_failed("the kind was checked", __FILE__, __LINE__);
+}
+
+/* Check and stage segment `at` of a table that was copied already. */
+static int take_segment(struct staging *staging, const struct proto_segment *segment,
+                        uint32_t at)
+{
+    uint64_t bytes = 0;
+    int status = check_segment(staging, segment, at, &bytes);
+    if (status != 0) {
+        return status;
+    }
+    const struct srv_placed *object = srv_scene_find(staging->scene, segment->object);
+    if (object == NULL) {
+        return proto_error_set(staging->error, PCCD_E_HANDLE,
+                               "segment %u: object 0x%x is not in the scene", at,
+                               segment->object);
+    }
+    if (staging->member != NULL && object->member != staging->member) {
+        return proto_error_set(staging->error, PCCD_E_ACCESS,
+                               "segment %u: object 0x%x is another session's", at,
+                               segment->object);
+    }
+    if (segment->first >= object->vertex_count ||
+        segment->count > object->vertex_count - segment->first) {
+        return proto_error_set(staging->error, PCCD_E_SEGMENT,
+                               "segment %u: %u vertices from %u on, object 0x%x has %u "
+                               "(generation %u of its mesh)",
+                               at, segment->count, segment->first, segment->object,
+                               object->vertex_count, object->generation);
+    }
+    status = copy_segment(staging, object, segment);
+    if (status != 0) {
+        return proto_error_set(
+            staging->error, status, "segment %u (object 0x%x, vertices from %u): %s", at,
+            segment->object, segment->first,
+            status == PCCD_E_SEGMENT ? "a vertex is written twice in this step"
+                                     : proto_status_text(status));
+    }
+    staging->copied += segment->kind == PROTO_SEGMENT_X1 ? bytes : 2 * bytes;
+    return 0;
+}
+
+/* Copy the table and stage all of it. */
+static int stage(struct staging *staging, uint32_t segments, struct proto_segment *table,
+                 uint64_t *bytes)
+{
+    int status = 0;
+    memcpy(table, staging->payload, staging->table_bytes); /* the one read of the table */
+    for (uint32_t at = 0; at < segments && status == 0; at++) {
+        status = take_segment(staging, &table[at], at);
+    }
+    *bytes = staging->table_bytes + staging->copied;
+    return status;
+}
+
+static int refuse_table(const struct staging *staging, uint32_t segments)
+{
+    return proto_error_set(staging->error, PCCD_E_SEGMENT,
+                           "a table of %u segments does not fit in %llu bytes of a slot",
+                           segments, (unsigned long long)staging->payload_bytes);
+}
+
+int srv_stage_slot(struct srv_ring *ring,
+                   const struct proto_FRAME_SUBMIT_request *request,
+                   const struct srv_member *member, struct srv_scene *scene,
+                   struct proto_segment *table, uint64_t *bytes,
+                   struct proto_error *error)
+{
+    PCCD_ASSERT(request->segments >= 1 && request->segments <= PROTO_SEGMENTS_MAX);
+    struct staging staging = {
+        .scene = scene,
+        .member = member,
+        .payload_bytes = ring->slot_stride,
+        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .error = error,
+    };
+    int status =
+        srv_ring_open_slot(ring, request->slot, request->seq, &staging.payload, error);
+    if (status != 0) {
+        return status;
+    }
+    if (staging.table_bytes > staging.payload_bytes) {
+        return refuse_table(&staging, request->segments);
+    }
+    status = stage(&staging, request->segments, table, bytes);
+    /* A slot that changed explains any other complaint. */
+    int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
+    return torn != 0 ? torn : status;
+}
+
+int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
+                   const struct proto_FRAME_SUBMIT_request *request,
+                   const struct srv_member *member, struct srv_scene *scene,
+                   struct proto_segment *table, uint64_t *bytes,
+                   struct proto_error *error)
+{
+    srv_assert_compute();
+    struct staging staging = {
+        .scene = scene,
+        .member = member,
+        .payload = copy,
+        .payload_bytes = copy_bytes,
+        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .error = error,
+    };
+    PCCD_ASSERT(staging.table_bytes <= copy_bytes);
+    return stage(&staging, request->segments, table, bytes);
+}
+
+/* Where the last segment of a copied table ends; 0: something is wrong with one, and the
+ * error is set. */
+static uint64_t extent_of(const struct staging *staging, uint32_t segments)
+{
+    uint64_t extent = staging->table_bytes;
+    for (uint32_t at = 0; at < segments; at++) {
+        struct proto_segment segment;
+        uint64_t bytes = 0;
+        memcpy(&segment, staging->payload + at * sizeof segment, sizeof segment);
+        if (check_segment(staging, &segment, at, &bytes) != 0) {
+            return 0;
+        }
+        uint64_t end0 = segment.offset0 == 0 ? 0 : segment.offset0 + bytes;
+        uint64_t end1 = segment.offset1 + bytes;
+        extent = end0 > extent ? end0 : extent;
+        extent = end1 > extent ? end1 : extent;
+    }
+    return extent;
+}
+
+int srv_stage_keep(struct srv_ring *ring,
+                   const struct proto_FRAME_SUBMIT_request *request, uint64_t bytes_max,
+                   uint8_t **copy, uint64_t *bytes, struct proto_error *error)
+{
+    PCCD_ASSERT(request->slot < ring->slot_count && bytes_max <= ring->slot_stride);
+    struct staging staging = {
+        .payload_bytes = bytes_max,
+        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .error = error,
+    };
+    const uint8_t *payload = NULL;
+    int status = srv_ring_open_slot(ring, request->slot, request->seq, &payload, error);
+    if (status != 0) {
+        return status;
+    }
+    if (staging.table_bytes > bytes_max) {
+        return refuse_table(&staging, request->segments);
+    }
+    uint8_t *new = malloc(bytes_max);
+    if (new == NULL) {
+        return proto_error_set(error, PCCD_E_NOMEM, "no memory to copy a slot");
+    }
+    memcpy(new, payload, staging.table_bytes); /* the one read of the table */
+    staging.payload = new;
+    *bytes = extent_of(&staging, request->segments);
+    if (*bytes > 0) {
+        memcpy(new + staging.table_bytes, payload + staging.table_bytes,
+               *bytes - staging.table_bytes);
+    }
+    /* A slot that changed explains any other complaint. */
+    int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
+    if (torn != 0 || *bytes == 0) {
+        free(new);
+        return torn != 0 ? torn : error->code;
+    }
+    *copy = new;
+    return 0;
+}

@@ -1,0 +1,44 @@
+/* laststep.h - what each thread did in the last step, for `pccdctl stats --threads`.
+ *
+ * Room:     service. May include: engine.h, the protocol's headers.
+ * Does:     keep the records of the last step of a session, and of the daemon, until the
+ *           next one.
+ * Does not: decide who may look (handlers_watch.c).
+ * Threads:  functions say.
+ */
+#ifndef SRV_LASTSTEP_H
+#define SRV_LASTSTEP_H
+
+#include <stdatomic.h>
+#include <stdint.h>
+
+#include "engine.h"
+#include "messages.h"
+
+struct srv_laststep {
+    uint32_t refs;   /* [loop] session, daemon */
+    uint64_t number; /* [loop] of the step in this epoch */
+    struct proto_FRAME_SUBMIT_result answer;
+    uint32_t thread_count;
+    uint32_t capacity;                  /* of threads */
+    struct eng_thread_record threads[]; /* [thread_count] */
+};
+
+/* The memory of the one that was freed last: a warm step asks the heap for none. */
+struct srv_laststep_spare {
+    struct srv_laststep *_Atomic last; /* NULL: none */
+};
+
+/* A copy of what the engine says of its threads, with no reference yet. NULL: no memory,
+ * and then nobody can ask. [compute] */
+struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare,
+                                      const struct eng_step_result *step);
+
+/* Let *slot hold `last` instead of what it holds; `last` may be NULL. [loop] */
+void srv_laststep_set(struct srv_laststep_spare *spare, struct srv_laststep **slot,
+                      struct srv_laststep *last);
+
+/* No slot holds any more. [loop] */
+void srv_laststep_deinit(struct srv_laststep_spare *spare);
+
+#endif

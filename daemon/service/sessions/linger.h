@@ -1,0 +1,56 @@
+/* linger.h - keeps a session after its connection is lost, so that the client can come
+ * back (resume).
+ *
+ * Room:     service. May include: session.h.
+ * Does:     let a session outlive its connection for a while, find it again by its
+ *           secret, give it another connection, or end it when nobody comes.
+ * Does not: keep a session whose client said bye, broke the rules, or never asked for it.
+ * Threads:  [loop]
+ *
+ * A waiting session keeps all it has, and stays charged for it. Requests in flight are
+ * computed, and their answers are kept (replies.h). The session ends after
+ * options->linger_s; as soon as the client's process is seen to be gone; at shutdown; or
+ * when its user needs its place, or what it holds, for another client.
+ */
+#ifndef SRV_LINGER_H
+#define SRV_LINGER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "messages.h"
+
+struct srv_conn;
+struct srv_service;
+struct srv_quota_user;
+struct srv_session;
+
+/* The timer only. Returns 0 or PCCD_E_NOMEM. */
+int srv_linger_init(struct srv_service *service);
+void srv_linger_deinit(struct srv_service *service);
+
+/* The client of a session that is being opened wants to be able to come back: give it a
+ * secret, if there is one to be had. */
+void srv_linger_enable(struct srv_session *session);
+
+/* The connection of a session is gone: wait, or end it. */
+void srv_linger_lost(struct srv_session *session);
+
+/* The session that `request` may go on with, whoever has its connection now; NULL: no
+ * such session, another secret, or another user. */
+struct srv_session *srv_linger_find(struct srv_service *service,
+                                    const struct proto_HELLO_request *request,
+                                    const struct srv_quota_user *user);
+/* Give a session the connection of `fresh`, which ends, as does the one it still had. */
+void srv_linger_resume(struct srv_session *session, struct srv_session *fresh);
+
+/* End the one of the user's sessions that has waited longest. False: none waits. */
+bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *user);
+/* After a refusal for what the user has: whether there may be more room soon, because a
+ * session of the user is over and not freed yet, or because one waited and is ended now.
+ * A request that no user may have is no reason to end one. */
+bool srv_linger_make_room(const struct srv_session *session);
+/* End them all. */
+void srv_linger_end_all(struct srv_service *service);
+
+#endif

@@ -1,0 +1,33 @@
+/* coordinates.h - how coordinates lie in memory, and how a rigid transform moves them.
+ *
+ * Room:     common. May include: the C library.
+ * Does:     give the bytes of a vertex, and the one formula of a transform. Daemon,
+ *           library and replay each compute where a rigid object is, and must agree bit
+ *           for bit.
+ * Threads:  [any].
+ */
+#ifndef COMMON_COORDINATES_H
+#define COMMON_COORDINATES_H
+
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+/* Bytes of one vertex, three coordinates, in that enum pccd_format. */
+static inline uint64_t common_vertex_bytes(uint32_t format)
+{
+    return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+}
+
+/* Where the transform m takes the point x: m has three rows of three factors and a shift.
+ * Each operation is rounded by itself, in this order: a multiplication must not be fused
+ * with an addition, which is why everything is built with -ffp-contract=off. */
+static inline void common_transform(const double m[12], const double x[3], double to[3])
+{
+    for (int row = 0; row < 3; row++) {
+        const double *r = m + 4 * row;
+        to[row] = ((r[0] * x[0] + r[1] * x[1]) + r[2] * x[2]) + r[3];
+    }
+}
+
+#endif

@@ -1,0 +1,41 @@
+/* names.h - the names of modes, methods and other choices, such as "first", "wide" and
+ * "sah".
+ *
+ * Room:     common. May include: the C library.
+ * Does:     hold the names of all values, for the options, reports and recordings of
+ *           every tool.
+ * Threads:  [any].
+ */
+#ifndef COMMON_NAMES_H
+#define COMMON_NAMES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+/* By value; the last is NULL. */
+static const char *const common_mode_names[PCCD_MODE_COUNT + 1] = {"all", "first", "any",
+                                                                   "pairs"};
+static const char *const common_method_names[PCCD_METHOD_COUNT + 1] = {"default", "paper",
+                                                                       "wide"};
+static const char *const common_quality_names[PCCD_QUALITY_COUNT + 1] = {"default",
+                                                                         "median", "sah"};
+
+/* The name of a value; NULL if it has none, as what a newer daemon says may. */
+static inline const char *common_mode_name(uint32_t mode)
+{
+    return mode < PCCD_MODE_COUNT ? common_mode_names[mode] : NULL;
+}
+
+static inline const char *common_method_name(uint32_t method)
+{
+    return method < PCCD_METHOD_COUNT ? common_method_names[method] : NULL;
+}
+
+static inline const char *common_quality_name(uint32_t quality)
+{
+    return quality < PCCD_QUALITY_COUNT ? common_quality_names[quality] : NULL;
+}
+
+#endif

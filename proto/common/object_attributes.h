@@ -1,0 +1,119 @@
+/* object_attributes.h - the list of what a client can set of an object (group, mask,
+ * ...), and the code that copies it.
+ *
+ * Room:     common. May include: pccd_types.h.
+ * Does:     give messages, registry, service, journal and recordings these members, and
+ *           copy them from one to the other, so that none of them names an attribute.
+ * Threads:  [any].
+ */
+#ifndef COMMON_OBJECT_ATTRIBUTES_H
+#define COMMON_OBJECT_ATTRIBUTES_H
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+/* X(F, type, member, NAME, at first, meaning), in the order of the bits PCCD_OBJECT_NAME
+ * of enum pccd_object_what. `type` is a whole number of messages.def: u32, u64 or bool;
+ * `member` is called so in struct pccd_object_settings and struct pccd_object_info, too.
+ * F is handed through. New ones go to the end: journals and recordings have them in this
+ * order. */
+#define COMMON_OBJECT_ATTRIBUTES(X, F)                                                   \
+    X(F, u64, group, GROUP, 1, "bits: the groups that it is in; at first 1")             \
+    X(F, u64, mask, MASK, UINT64_MAX, "bits: the groups that it may meet; at first all") \
+    X(F, bool, self_collision, SELF, true, "whether it may meet itself; at first true")
+
+typedef uint32_t common_attribute_u32;
+typedef uint64_t common_attribute_u64;
+typedef bool common_attribute_bool;
+
+struct common_attributes {
+#define COMMON_MEMBER(F, type, member, name, at_first, meaning)                          \
+    common_attribute_##type member;
+    COMMON_OBJECT_ATTRIBUTES(COMMON_MEMBER, )
+#undef COMMON_MEMBER
+};
+
+/* Number of a word of a journal or a recording: COMMON_WORD_GROUP. */
+enum {
+#define COMMON_NUMBER(F, type, member, name, at_first, meaning) COMMON_WORD_##name,
+    COMMON_OBJECT_ATTRIBUTES(COMMON_NUMBER, )
+#undef COMMON_NUMBER
+        COMMON_WORDS
+};
+
+#define COMMON_BIT(F, type, member, name, at_first, meaning)                             \
+    static_assert((uint32_t)PCCD_OBJECT_##name == 1u << COMMON_WORD_##name,              \
+                  "bits are in the order of the list");
+COMMON_OBJECT_ATTRIBUTES(COMMON_BIT, )
+#undef COMMON_BIT
+
+/* As an object is made. */
+#define COMMON_AT_FIRST(F, type, member, name, at_first, meaning) .member = (at_first),
+#define COMMON_ATTRIBUTES_AT_FIRST                                                       \
+    {                                                                                    \
+        COMMON_OBJECT_ATTRIBUTES(COMMON_AT_FIRST, )                                      \
+    }
+
+/* Bits of enum pccd_object_what that this release knows, and those that `what` stands
+ * for: PCCD_OBJECT_ALL is every bit that the daemon knows, be it newer or older than a
+ * client. */
+#define COMMON_OBJECT_KNOWN ((1u << COMMON_WORDS) - 1u)
+#define COMMON_OBJECT_BITS(what)                                                         \
+    ((what) == (uint32_t)PCCD_OBJECT_ALL ? COMMON_OBJECT_KNOWN : (uint32_t)(what))
+
+/* All of them from one struct to another: of messages, settings, or the one above. */
+#define COMMON_ATTRIBUTE_COPY(F, type, member, name, at_first, meaning)                  \
+    common_to_->member = common_from_->member;
+#define COMMON_ATTRIBUTES_COPY(to, from)                                                 \
+    do {                                                                                 \
+        __typeof__(to) common_to_ = (to);                                                \
+        __typeof__(from) common_from_ = (from);                                          \
+        COMMON_OBJECT_ATTRIBUTES(COMMON_ATTRIBUTE_COPY, )                                \
+    } while (0)
+
+/* Those that `what` names. */
+static inline void common_attributes_set(struct common_attributes *to, uint32_t what,
+                                         const struct common_attributes *from)
+{
+#define COMMON_SET(F, type, member, name, at_first, meaning)                             \
+    to->member = (what & (uint32_t)PCCD_OBJECT_##name) != 0 ? from->member : to->member;
+    COMMON_OBJECT_ATTRIBUTES(COMMON_SET, )
+#undef COMMON_SET
+}
+
+static inline void common_attributes_pack(const struct common_attributes *from,
+                                          uint64_t words[COMMON_WORDS])
+{
+#define COMMON_PACK(F, type, member, name, at_first, meaning)                            \
+    words[COMMON_WORD_##name] = (uint64_t)from->member;
+    COMMON_OBJECT_ATTRIBUTES(COMMON_PACK, )
+#undef COMMON_PACK
+}
+
+/* Whoever wrote fewer words did not know the rest, which stays as it is. */
+static inline void common_attributes_unpack(struct common_attributes *to,
+                                            const uint64_t *words, uint64_t count)
+{
+#define COMMON_UNPACK(F, type, member, name, at_first, meaning)                          \
+    if (count > COMMON_WORD_##name) {                                                    \
+        to->member = (common_attribute_##type)words[COMMON_WORD_##name];                 \
+    }
+    COMMON_OBJECT_ATTRIBUTES(COMMON_UNPACK, )
+#undef COMMON_UNPACK
+}
+
+/* Whether nothing is else than when the object was made. */
+static inline bool common_attributes_are_at_first(const struct common_attributes *is)
+{
+    bool same = true;
+#define COMMON_SAME(F, type, member, name, at_first, meaning)                            \
+    same = same && is->member == (at_first);
+    COMMON_OBJECT_ATTRIBUTES(COMMON_SAME, )
+#undef COMMON_SAME
+    return same;
+}
+
+#endif

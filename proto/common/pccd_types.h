@@ -1,0 +1,229 @@
+/* pccd_types.h - the types that users, the library, the protocol and the engine share:
+ * statuses, modes, contacts.
+ *
+ * Room:     common; installed beside pccd.h. May include: the C library. Compiles as C++.
+ * Does:     define status codes, modes, formats and the records of an answer, with their
+ *           layout.
+ * Does not: declare functions.
+ *
+ * More than 200 lines: all that is one vocabulary, to be read from top to bottom.
+ */
+#ifndef PCCD_TYPES_H
+#define PCCD_TYPES_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Every status of the wire, the library and the tools: X(name, value, text).
+ * A value is never renumbered; new ones go at the end. */
+#define PCCD_STATUS_LIST(X)                                                              \
+    X(OK, 0, "success")                                                                  \
+    X(E_NOMEM, -1, "out of memory")                                                      \
+    X(E_INVAL, -2, "invalid argument")                                                   \
+    X(E_QUOTA, -3, "quota reached")                                                      \
+    X(E_LIMIT, -4, "limit of the format or of this build reached")                       \
+    X(E_BADMSG, -5, "malformed message")                                                 \
+    X(E_VERSION, -6, "no common protocol version")                                       \
+    X(E_NOHELLO, -7, "hello must come first")                                            \
+    X(E_NOMETHOD, -8, "unknown method")                                                  \
+    X(E_HANDLE, -9, "unknown or stale handle")                                           \
+    X(E_STATE, -10, "not possible in this state")                                        \
+    X(E_BUSY, -11, "too many requests in flight")                                        \
+    X(E_SLOT_STALE, -12, "the slot does not hold the submitted step")                    \
+    X(E_SLOT_TORN, -13, "the slot was written while it was read")                        \
+    X(E_SEGMENT, -14, "malformed segment table")                                         \
+    X(E_NOTFINITE, -15, "a coordinate is not finite or beyond 1e18")                     \
+    X(E_INDEX, -16, "a vertex index is out of range")                                    \
+    X(E_DISCONNECTED, -17, "the daemon is gone")                                         \
+    X(E_TIMEOUT, -18, "timed out")                                                       \
+    X(E_NODAEMON, -19, "no daemon could be reached or started")                          \
+    X(E_SHUTDOWN, -20, "the daemon is shutting down")                                    \
+    X(E_CANCELLED, -21, "cancelled")                                                     \
+    X(E_SYSTEM, -22, "the operating system refused")                                     \
+    X(E_AGAIN, -23, "not there yet")                                                     \
+    X(E_FORMAT, -24, "file format not understood")                                       \
+    X(E_INTERNAL, -25, "internal error")                                                 \
+    X(E_ACCESS, -26, "not allowed to this user")
+
+enum pccd_status {
+#define PCCD_STATUS_ENUM(name, value, text) PCCD_##name = (value),
+    PCCD_STATUS_LIST(PCCD_STATUS_ENUM)
+#undef PCCD_STATUS_ENUM
+};
+
+/* What a step is asked for. */
+enum pccd_mode {
+    PCCD_MODE_ALL = 0,   /* every contact */
+    PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
+    PCCD_MODE_ANY = 2,   /* yes, no or possible; no records */
+    PCCD_MODE_PAIRS = 3, /* the pairs that no axis separates, for tests of one's own */
+    PCCD_MODE_COUNT = 4
+};
+
+/* Which engine computes it. Both give the same bytes. */
+enum pccd_method {
+    PCCD_METHOD_DEFAULT = 0, /* wide; paper where its scheduler is asked for */
+    PCCD_METHOD_PAPER = 1, /* binary AABB tree, self-CD task units (PCCD, sections 3-6) */
+    PCCD_METHOD_WIDE = 2,  /* trees of 16 children over vertices, edges and faces */
+    PCCD_METHOD_COUNT = 3
+};
+
+/* Bytes, with its NUL, of the text that says how the threads of a step share its work,
+ * such as "scheduler=paper,refit=paper" (pccd.h). */
+#define PCCD_TUNING_BYTES 64
+
+/* How the trees of the method paper are built. The answer never depends on it. */
+enum pccd_quality {
+    PCCD_QUALITY_DEFAULT = 0,
+    PCCD_QUALITY_MEDIAN = 1, /* median of the centroids along the longest axis */
+    PCCD_QUALITY_SAH = 2,    /* surface area heuristic: slower to build */
+    PCCD_QUALITY_COUNT = 3
+};
+
+/* Coordinates in a slot: x, y, z per vertex, tightly packed, little-endian IEEE 754. */
+enum pccd_format {
+    PCCD_FORMAT_F32 = 0, /* float[3], 12 bytes a vertex */
+    PCCD_FORMAT_F64 = 1, /* double[3], 24 bytes a vertex */
+    PCCD_FORMAT_COUNT = 2
+};
+
+/* What is set of an object: bits. */
+enum pccd_object_what {
+    PCCD_OBJECT_GROUP = 1,
+    PCCD_OBJECT_MASK = 2,
+    PCCD_OBJECT_SELF = 4,
+    PCCD_OBJECT_ALL = 2147483647 /* whatever there is to set */
+};
+
+/* What contacts and candidates are between: X(NAME, value, name, points of a, points of
+ * b, text). A feature of one point is a vertex, of two an edge, of three a face. A value
+ * is never renumbered; new ones go at the end. */
+#define PCCD_KIND_LIST(X)                                                                \
+    X(VF, 0, vf, 1, 3, "a vertex of object a, a face of object b")                       \
+    X(EE, 1, ee, 2, 2, "an edge of object a, an edge of object b; (object, edge) a < b")
+
+/* Kinds of contact and candidate. */
+enum pccd_kind {
+#define PCCD_KIND_ENUM(NAME, value, name, points_a, points_b, text) PCCD_##NAME = (value),
+    PCCD_KIND_LIST(PCCD_KIND_ENUM)
+#undef PCCD_KIND_ENUM
+    PCCD_KIND_COUNT /* of them, without gaps */
+};
+
+/* Flags of a contact. */
+enum pccd_contact_flag {
+    PCCD_PROVED = 1u,  /* it exists, first in [toi, toi_hi]; every record has it by now */
+    PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
+};
+
+/* Whether a named scene is made. */
+enum pccd_share {
+    PCCD_SHARE_CREATE = 0, /* there must be none of that name */
+    PCCD_SHARE_OPEN = 1,   /* made unless there is one */
+    PCCD_SHARE_ATTACH = 2, /* there must be one */
+    PCCD_SHARE_OTHER = 3,  /* there must be one of another user, who is named */
+    PCCD_SHARE_COUNT = 4
+};
+
+/* Why an answer is not complete. */
+enum pccd_incomplete {
+    PCCD_COMPLETE = 0,
+    PCCD_INCOMPLETE_RESULT_FULL = 1, /* page ended; go on with the cursor */
+    PCCD_INCOMPLETE_DEADLINE = 2,    /* the deadline passed; these records were found */
+    PCCD_INCOMPLETE_CANCELLED = 3,   /* cancelled; likewise */
+    PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more than the daemon keeps: the first in order */
+};
+
+/* Room for kinds in what counts by kind: kinds that come later need no other struct. */
+#define PCCD_KINDS_MAX 8
+
+/* How long the parts of a step took, nanoseconds. By several threads a part ends with the
+ * last of them; only `rebuild` is the sum over all threads. */
+struct pccd_step_times {
+    uint64_t queue;     /* from the request's arrival to its turn */
+    uint64_t ingest;    /* copy and check of the positions */
+    uint64_t refit;     /* of all boxes */
+    uint64_t traversal; /* box tests */
+    uint64_t tests;     /* elementary tests: filter and solver */
+    uint64_t merge;     /* sort, hash and copy of the records */
+    uint64_t step;      /* the whole step, from ingest to merge and what lies between */
+    uint64_t low;       /* of traversal + tests: low-level nodes; by stealing: all */
+    uint64_t high;      /* of traversal + tests: high-level nodes */
+    uint64_t rebuild;   /* reconstruction of subtrees, in the background too */
+};
+
+/* What a step did. */
+struct pccd_step_counters {
+    uint64_t task_units; /* self-CD task units processed (PCCD, section 4) */
+    uint64_t box_tests;  /* pairs of nodes tested */
+    uint64_t leaf_pairs; /* pairs of leaves that overlap */
+    /* Pairs of features whose boxes overlap, by enum pccd_kind. But for mode pairs the
+     * method wide may count fewer, as it leaves out those below nodes that no time brings
+     * together, and a few more, as its boxes are in whole numbers. */
+    uint64_t candidates[PCCD_KINDS_MAX];
+    uint64_t survivors;         /* candidates that the filter could not reject */
+    uint64_t exact;             /* elementary tests that needed exact arithmetic */
+    uint64_t builds;            /* hierarchies built during the step */
+    uint64_t allocs;            /* allocations made during the step */
+    uint64_t rebuilds;          /* subtrees reconstructed during the traversal */
+    uint64_t rebuilt_triangles; /* in these; above the objects: objects */
+    uint64_t swaps; /* large subtrees and orders of features, made in the background over
+                     * several steps, that were put in place */
+    uint64_t swapped_triangles; /* in these */
+};
+
+#define PCCD_HASH_VERSION 2u /* of answers: PROTOCOL.md, "The hash of an answer" */
+/* The answer of mode `any`. */
+enum pccd_verdict {
+    PCCD_VERDICT_NO = 0,
+    PCCD_VERDICT_POSSIBLE = 1, /* nothing proved, something undecided: not yet given */
+    PCCD_VERDICT_YES = 2,
+    PCCD_VERDICT_NONE = 3 /* other modes, or incomplete before a decision */
+};
+
+/* One contact. Records are sorted by (kind, object_a, feature_a, object_b, feature_b).
+ *
+ * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
+ *              Proved: first contact in [toi, toi_hi] and toi_hi - toi <= tolerance.
+ *              Else (not in this release): none before toi, unknown from there on.
+ * param        VF: barycentric weights of the face's second and third vertex.
+ *              EE: position along edge a and along edge b, 0 at the lower vertex index.
+ * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros
+ *              where the configuration has no direction (coincident features). */
+struct pccd_contact {
+    uint32_t kind;      /* enum pccd_kind */
+    uint32_t flags;     /* enum pccd_contact_flag */
+    uint32_t object_a;  /* handle given by scene.add */
+    uint32_t feature_a; /* vertex or edge index in that object's mesh */
+    uint32_t object_b;
+    uint32_t feature_b; /* face or edge index */
+    double toi;
+    double toi_hi;
+    float param[2];
+    float normal[3];
+    uint32_t reserved; /* 0 */
+};
+
+/* One candidate of mode `pairs`, in the same order. */
+struct pccd_pair {
+    uint32_t kind;
+    uint32_t object_a;
+    uint32_t feature_a;
+    uint32_t object_b;
+    uint32_t feature_b;
+};
+
+/* An edge of a mesh: vertex indices, a < b. Edges are numbered by (b, a). */
+struct pccd_edge {
+    uint32_t a;
+    uint32_t b;
+};
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

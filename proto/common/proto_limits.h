@@ -1,0 +1,62 @@
+/* proto_limits.h - every limit of the protocol, by name.
+ *
+ * Room:     common. May include: nothing.
+ * Does:     name the bounds of messages, rings and sessions.
+ * Does not: decide what happens at the bound: PROTOCOL.md says it, the server does it.
+ */
+#ifndef PROTO_LIMITS_H
+#define PROTO_LIMITS_H
+
+#define PROTO_VERSION_MIN 1u /* oldest protocol version this build speaks */
+#define PROTO_VERSION_MAX 1u /* newest */
+
+/* Messages. */
+#define PROTO_MESSAGE_BYTES_MAX  65536u /* one SEQPACKET datagram */
+#define PROTO_DEPTH_MAX          16u    /* nesting of MessagePack containers */
+#define PROTO_ELEMENTS_MAX       4096u  /* MessagePack objects in one message */
+#define PROTO_STR_MAX            255u   /* bytes of a string field */
+#define PROTO_MESSAGES_PER_TURN  4u     /* read from one client before the others' turn */
+#define PROTO_REPLIES_QUEUED_MAX 16u    /* then the client is not read until it reads */
+#define PROTO_REPLIES_KEPT       32u    /* of a resumable session, to be sent again */
+#define PROTO_LINGER_S           5u     /* that such a session waits for its client */
+
+/* Bits of hello's `features`. */
+#define PROTO_FEATURE_RESUME  1u
+#define PROTO_FEATURE_FILTERS 2u  /* object.set, scene.ignore */
+#define PROTO_FEATURE_OBSERVE 4u  /* list, stats.histogram, config, watch */
+#define PROTO_FEATURE_SHARED  8u  /* scenes that sessions share */
+#define PROTO_FEATURE_JOURNAL 16u /* scene.journal */
+#define PROTO_FEATURE_HELD    32u /* scene.held is told */
+#define PROTO_FEATURE_HASH_2  64u /* hashes of answers are of version 2; without: 1 */
+
+/* Steps that may wait for a client that watches; more are lost, and counted. */
+#define PROTO_WATCH_ROOM 128u
+
+/* Upload ring and result region. */
+#define PROTO_SLOTS_MAX        16u
+#define PROTO_INFLIGHT_MAX     16u
+#define PROTO_SEGMENTS_MAX     65536u /* segments of one step */
+#define PROTO_SLOT_BYTES_MIN   4096u
+#define PROTO_RESULT_BYTES_MIN 65536u
+
+/* Recordings: events of each thread, and of the loop. */
+#define PROTO_TRACE_EVENTS     65536u
+#define PROTO_TRACE_EVENTS_MAX (1u << 20)
+#define PROTO_TRACE_BYTES_MAX  (256ull << 20) /* of all of them */
+
+/* Geometry. */
+#define PROTO_COUNT_MAX      2147483647u /* vertices, triangles or edges of a scene */
+#define PROTO_COORDINATE_MAX 1e18        /* |x| <= this */
+
+/* Default quotas of one uid, charged before allocation; options change them. */
+#define PROTO_CLIENTS_PER_UID   64u
+#define PROTO_SHM_BYTES_PER_UID (512ull << 20)
+#define PROTO_MESHES_PER_UID    1024u
+#define PROTO_TRIANGLES_PER_UID 64000000ull
+#define PROTO_SCENES_PER_CLIENT 64u
+#define PROTO_OBJECTS_PER_SCENE 65536u
+#define PROTO_IGNORED_PER_SCENE (1u << 18)  /* pairs of objects that ignore each other */
+#define PROTO_STEP_MAX_MS       86400000u   /* that a step may be let compute: a day */
+#define PROTO_CONTACTS_PER_STEP (16u << 20) /* records the daemon keeps for one answer */
+
+#endif

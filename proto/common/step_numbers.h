@@ -1,0 +1,52 @@
+/* step_numbers.h - the list of the times and counters of a step, with their names in an
+ * answer.
+ *
+ * Room:     common. May include: pccd_types.h.
+ * Does:     serve the three places that copy them: the message that carries them, the
+ *           daemon that fills it in, and the library that reads it.
+ */
+#ifndef COMMON_STEP_NUMBERS_H
+#define COMMON_STEP_NUMBERS_H
+
+#include "pccd_types.h"
+
+/* X(F, field of the message, need, member, meaning). `member` is of something that has
+ * struct pccd_step_times times and struct pccd_step_counters counters; `need` is as in
+ * messages.def. All are u64; times are in nanoseconds. F is handed through. */
+#define COMMON_STEP_TIMES(X, F)                                                          \
+    X(F, ns_queue, REQ, times.queue, "from arrival to the compute thread")               \
+    X(F, ns_ingest, REQ, times.ingest, "copy and check of the slot")                     \
+    X(F, ns_refit, REQ, times.refit, "refit of all boxes")                               \
+    X(F, ns_traversal, REQ, times.traversal, "box tests")                                \
+    X(F, ns_tests, REQ, times.tests, "filters and solver")                               \
+    X(F, ns_merge, REQ, times.merge, "sort, hash, copy to the result region")            \
+    X(F, ns_step, REQ, times.step, "the whole step, ingest to finished result")          \
+    X(F, ns_low, OPT, times.low, "of traversal and tests: low-level nodes")              \
+    X(F, ns_high, OPT, times.high, "of traversal and tests: high-level nodes")           \
+    X(F, ns_rebuild, OPT, times.rebuild, "reconstruction, the sum over all threads")
+
+/* The same of `counts`: records by kind. */
+#define COMMON_STEP_KINDS(X, F)                                                          \
+    X(F, vf, REQ, counts[PCCD_VF],                                                       \
+      "VF records of the whole answer; mode pairs: pairs; any: 0")                       \
+    X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")
+
+#define COMMON_STEP_COUNTERS(X, F)                                                       \
+    X(F, task_units, REQ, counters.task_units, "self-CD task units processed")           \
+    X(F, box_tests, REQ, counters.box_tests, "pairs of nodes tested")                    \
+    X(F, leaf_pairs, REQ, counters.leaf_pairs, "pairs of leaves that overlap")           \
+    X(F, candidates_vf, REQ, counters.candidates[PCCD_VF],                               \
+      "VF pairs after feature box tests; wide may vary a bit")                           \
+    X(F, candidates_ee, REQ, counters.candidates[PCCD_EE],                               \
+      "EE pairs after feature box tests; wide may vary a bit")                           \
+    X(F, survivors, REQ, counters.survivors, "pairs that the filter could not reject")   \
+    X(F, exact, REQ, counters.exact, "queries that went to exact arithmetic")            \
+    X(F, builds, REQ, counters.builds, "hierarchies built during the step")              \
+    X(F, allocs, REQ, counters.allocs, "allocations the engine made during the step")    \
+    X(F, rebuilds, OPT, counters.rebuilds, "subtrees reconstructed in the traversal")    \
+    X(F, rebuilt_triangles, OPT, counters.rebuilt_triangles, "triangles of these")       \
+    X(F, swaps, OPT, counters.swaps,                                                     \
+      "large subtrees that were rebuilt in the background and put in place")             \
+    X(F, swapped_triangles, OPT, counters.swapped_triangles, "triangles of these")
+
+#endif

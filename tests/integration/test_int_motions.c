@@ -1,0 +1,255 @@
+/* test_int_motions.c - many objects in one call, and memory that others look after.
+ *
+ * Room:     tests/integration. May include: pccd.h, tests/support.
+ * Does:     pccd_submit, pccd_step and pccd_abandon; a ring that grows while answers are
+ *           held; options.unmap.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include <cmocka.h>
+
+#include "fixture.h"
+#include "pccd.h"
+
+static const uint32_t triangle[1][3] = {{0, 1, 2}};
+static const double still[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+static const double lowered[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -2};
+
+/* A floor, and three triangles above it side by side, each to be moved in its own way. */
+struct yard {
+    uint32_t scene, bodies[3];
+    double x0[3][3][3], x1[3][3][3];
+};
+
+static void make_yard(struct pccd_client *client, struct yard *yard)
+{
+    static const double ground[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    uint32_t mesh, object;
+
+    assert_int_equal(pccd_scene_create(client, NULL, &yard->scene), 0);
+    assert_int_equal(
+        pccd_mesh_create(client, ground, PCCD_FORMAT_F64, 3, triangle, 1, &mesh, NULL),
+        0);
+    assert_int_equal(pccd_scene_add(client, yard->scene, mesh, &object), 0);
+    for (int i = 0; i < 3; i++) {
+        const double x[3][3] = {{i, 0, 1}, {i + 0.25, 0, 2}, {i, 0.25, 2}};
+
+        memcpy(yard->x0[i], x, sizeof x);
+        memcpy(yard->x1[i], x, sizeof x);
+        for (int v = 0; v < 3; v++) {
+            yard->x1[i][v][2] -= 2;
+        }
+        assert_int_equal(
+            pccd_mesh_create(client, x, PCCD_FORMAT_F64, 3, triangle, 1, &mesh, NULL), 0);
+        assert_int_equal(pccd_scene_add(client, yard->scene, mesh, &yard->bodies[i]), 0);
+    }
+}
+
+/* If it failed, several objects in one call would go elsewhere than in a frame. */
+static void motions__give_the_bytes_of_a_frame(void **state)
+{
+    struct pccd_client *client = ((struct test_crossing *)*state)->client;
+    struct yard yard;
+    struct pccd_frame frame;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t step, hash[2];
+    void *x0, *x1;
+
+    make_yard(client, &yard);
+    assert_int_equal(pccd_frame_begin(client, yard.scene, 3, 3 * 72 + 192, &frame), 0);
+    assert_int_equal(pccd_frame_x1(&frame, yard.bodies[0], PCCD_FORMAT_F64, 0, 3, &x1),
+                     0);
+    memcpy(x1, yard.x1[0], 72);
+    assert_int_equal(
+        pccd_frame_x0x1(&frame, yard.bodies[1], PCCD_FORMAT_F64, 0, 3, &x0, &x1), 0);
+    memcpy(x0, yard.x0[1], 72);
+    memcpy(x1, yard.x1[1], 72);
+    assert_int_equal(pccd_frame_rigid(&frame, yard.bodies[2], 0, 3, still, lowered), 0);
+    assert_int_equal(pccd_frame_commit(&frame, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_true(answer.total >= 3);
+    memcpy(hash, answer.hash, sizeof hash);
+    pccd_answer_release(client, &answer);
+
+    const struct pccd_motion back = {
+        .object = yard.bodies[0], .count = 3, .format = PCCD_FORMAT_F64, .x1 = yard.x0};
+    assert_int_equal(pccd_step(client, yard.scene, &back, 1, NULL, &answer), 0);
+    pccd_answer_release(client, &answer);
+    const struct pccd_motion motions[3] = {
+        {.object = yard.bodies[0],
+         .count = 3,
+         .format = PCCD_FORMAT_F64,
+         .x1 = yard.x1[0]},
+        {.object = yard.bodies[1],
+         .count = 3,
+         .format = PCCD_FORMAT_F64,
+         .x0 = yard.x0[1],
+         .x1 = yard.x1[1]},
+        {.object = yard.bodies[2], .count = 3, .m0 = still, .m1 = lowered}};
+    assert_int_equal(pccd_step(client, yard.scene, motions, 3, NULL, &answer), 0);
+    assert_memory_equal(answer.hash, hash, sizeof hash);
+    pccd_answer_release(client, &answer);
+    assert_int_equal(pccd_submit(client, yard.scene, NULL, 0, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    memcpy(hash, answer.hash, sizeof hash);
+    pccd_answer_release(client, &answer);
+    assert_int_equal(pccd_submit_still(client, yard.scene, NULL, &step), 0);
+    assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+    assert_memory_equal(answer.hash, hash, sizeof hash);
+    pccd_answer_release(client, &answer);
+}
+
+/* If it failed, a motion that says nothing, or two things, would be taken for another. */
+static void motions__in_no_way_or_in_two_are_refused(void **state)
+{
+    struct pccd_client *client = ((struct test_crossing *)*state)->client;
+    struct yard yard;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t step = 0;
+
+    make_yard(client, &yard);
+    const struct pccd_motion bad[] = {
+        {.object = yard.bodies[0], .count = 3},
+        {.object = yard.bodies[0], .count = 3, .x0 = yard.x0},
+        {.object = yard.bodies[0], .count = 3, .m0 = still},
+        {.object = yard.bodies[0], .count = 3, .m1 = still},
+        {.object = yard.bodies[0], .count = 3, .m0 = still, .m1 = still, .x1 = yard.x1},
+        {.object = yard.bodies[0], .count = 3, .m0 = still, .m1 = still, .x0 = yard.x0}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(pccd_submit(client, yard.scene, &bad[i], 1, NULL, &step),
+                         PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(client), "motion 0"));
+    }
+    assert_int_equal(pccd_submit(client, yard.scene, NULL, 1, NULL, &step), PCCD_E_INVAL);
+    assert_int_equal(pccd_submit(client, yard.scene, bad, 1, NULL, NULL), PCCD_E_INVAL);
+    assert_int_equal(pccd_submit(NULL, yard.scene, bad, 1, NULL, &step), PCCD_E_INVAL);
+    assert_int_equal(pccd_step(client, yard.scene, bad, 1, NULL, NULL), PCCD_E_INVAL);
+    assert_int_equal(step, 0);
+    assert_int_equal(pccd_step(client, yard.scene, NULL, 0, NULL, &answer), 0);
+    pccd_answer_release(client, &answer); /* the slots of the refused are free */
+}
+
+/* If it failed, an answer that nobody wants would be handed to who polls, or fill the
+ * table of those that wait to be taken. */
+static void abandon__drops_the_answer(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t step = 0;
+
+    for (int i = 0; i < 100; i++) {
+        assert_int_equal(pccd_submit_still(client, crossing->scene, NULL, &step), 0);
+        pccd_abandon(client, step);
+    }
+    assert_int_equal(pccd_wait(client, step, -1, &answer), PCCD_E_INVAL);
+    pccd_abandon(client, step);
+    pccd_abandon(NULL, step);
+    assert_true(test_crossing_turn(crossing));
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_AGAIN);
+}
+
+/* ---- memory ------------------------------------------------------------------------ */
+
+/* What pccd_options.unmap was called with. */
+struct orphans {
+    int count;
+    void *memory[8];
+    size_t bytes[8];
+};
+
+static void take_orphan(void *context, void *memory, size_t bytes)
+{
+    struct orphans *orphans = context;
+
+    assert_true(orphans->count < 8);
+    orphans->memory[orphans->count] = memory;
+    orphans->bytes[orphans->count++] = bytes;
+}
+
+static bool is_within(const struct orphans *orphans, const void *at)
+{
+    for (int i = 0; i < orphans->count; i++) {
+        if ((uintptr_t)at - (uintptr_t)orphans->memory[i] < orphans->bytes[i]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* If it failed, a larger step would be refused for an answer that somebody still reads,
+ * or take the answer's memory away; and arrays of a garbage-collected language would lead
+ * to memory that is gone. */
+static void memory__outlives_a_growing_ring_and_a_close(void **state)
+{
+    struct orphans orphans = {0};
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_crossing crossing;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_answer other = PCCD_ANSWER_INIT;
+    struct pccd_frame frame;
+    const struct pccd_contact *contacts;
+    struct pccd_contact first;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = test_shared.url;
+    options.unmap = take_orphan;
+    options.unmap_context = &orphans;
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    float x[3][3];
+    test_crossing_positions(x, -crossing.z);
+    assert_int_equal(pccd_step_x1(client, crossing.scene, crossing.object, x,
+                                  PCCD_FORMAT_F32, 3, NULL, &held),
+                     0);
+    assert_true(held.count > 0);
+    contacts = held.contacts;
+    first = contacts[0];
+    assert_int_equal(pccd_frame_begin(client, crossing.scene, 1, 1u << 22, &frame), 0);
+    pccd_frame_abort(&frame);
+    assert_int_equal(orphans.count, 1); /* the slots; the records are in use */
+    assert_memory_equal(&contacts[0], &first, sizeof first);
+    test_crossing_positions(x, crossing.z);
+    assert_int_equal(pccd_step_x1(client, crossing.scene, crossing.object, x,
+                                  PCCD_FORMAT_F32, 3, NULL, &other),
+                     0);
+    assert_int_equal(other.count, held.count);
+    pccd_answer_release(client, &held);
+    assert_int_equal(orphans.count, 2);
+    assert_true(is_within(&orphans, contacts));
+    assert_memory_equal(&contacts[0], &first, sizeof first);
+    contacts = other.contacts;
+    first = contacts[0];
+    pccd_close(client);
+    assert_int_equal(orphans.count, 4);
+    assert_true(is_within(&orphans, contacts));
+    assert_memory_equal(&contacts[0], &first, sizeof first);
+    for (int i = 0; i < orphans.count; i++) {
+        assert_int_equal(munmap(orphans.memory[i], orphans.bytes[i]), 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(motions__give_the_bytes_of_a_frame,
+                                        test_crossing_open, test_crossing_close),
+        cmocka_unit_test_setup_teardown(motions__in_no_way_or_in_two_are_refused,
+                                        test_crossing_open, test_crossing_close),
+        cmocka_unit_test_setup_teardown(abandon__drops_the_answer, test_crossing_open,
+                                        test_crossing_close),
+        cmocka_unit_test(memory__outlives_a_growing_ring_and_a_close),
+    };
+
+    return cmocka_run_group_tests_name("motions", tests, test_shared_start,
+                                       test_shared_stop);
+}

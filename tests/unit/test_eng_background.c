@@ -1,0 +1,224 @@
+/* tests/unit/test_eng_background.c - large subtrees, built in the background and swapped
+ * in.
+ *
+ * Room:     engine (background.h, step.h, world.h).
+ * Does:     poor subtrees above the regions come back good, a share at a time; answers
+ *           meanwhile; objects that go away; no memory after the first time.
+ * Does not: fail allocations (test_eng_fault.c).
+ * Threads:  up to eight.
+ * Source:   daemon/engine/paper/background.h; paper sections 6.2 and 7.1.
+ */
+#include "eng_blast.h"
+
+#include <string.h>
+
+#include "background.h"
+#include "build.h"
+#include "paper.h"
+#include "step_memory.h"
+
+#define REGION    40u /* triangles; the whole has 2312 */
+#define STEPS_MAX 500u
+
+static struct blast blast;
+
+static void start(double ratio, enum pccd_quality quality)
+{
+    blast_init(&blast, &(struct eng_scene_settings){quality, ratio, REGION, 1});
+}
+
+static struct eng_step_settings team_of(uint32_t threads, enum eng_scheduler scheduler)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.method = PCCD_METHOD_PAPER;
+    settings.threads = threads;
+    settings.tuning.scheduler = scheduler;
+    return settings;
+}
+
+static struct eng_step_result stand_still(double t)
+{
+    return blast_run(&blast, t, t, team_of(1, ENG_SCHEDULER_STEAL));
+}
+
+static bool is_busy(const struct eng_scene *scene)
+{
+    const struct eng_background *background = &eng_paper_of(scene)->background;
+    for (uint32_t i = 0; i < background->part_count; i++) {
+        if (background->parts[i].state != ENG_BACKGROUND_GONE) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Step on the spot until nothing is being built; returns the triangles swapped in. */
+static uint64_t settle(double t, struct eng_step_result *result)
+{
+    uint64_t triangles = 0;
+    for (uint32_t step = 0; step < STEPS_MAX; step++) {
+        *result = stand_still(t);
+        triangles += result->counters.swapped_triangles;
+        assert_int_equal(result->counters.swaps > 0,
+                         result->counters.swapped_triangles > 0);
+        if (!is_busy(blast.scene)) {
+            return triangles;
+        }
+    }
+    fail_msg("still busy after %u steps", STEPS_MAX);
+    return 0;
+}
+
+/* If it failed: the upper levels of a hierarchy would stay as bad as they have become, or
+ * only a long step would make them good. */
+static void aside__poor_high_nodes_become_good(void **state)
+{
+    (void)state;
+    const double t = 0.3;
+    for (int q = PCCD_QUALITY_MEDIAN; q <= PCCD_QUALITY_SAH; q++) {
+        start(0, (enum pccd_quality)q);
+        uint64_t never = stand_still(t).counters.box_tests;
+        blast_rebuild(&blast);
+        uint64_t fresh = stand_still(t).counters.box_tests;
+        blast_deinit(&blast);
+        start(0.9, (enum pccd_quality)q);
+        struct eng_step_result result;
+        assert_true(settle(t, &result) >= BLAST_TRIANGLES);
+        uint64_t swapped = result.counters.box_tests;
+        assert_true(never > 3 * fresh);
+        assert_true((double)swapped < 1.1 * (double)fresh);
+        /* It knows when it is done. */
+        for (int step = 0; step < 5; step++) {
+            result = stand_still(t);
+            assert_int_equal(result.counters.swaps, 0);
+            assert_int_equal(result.counters.rebuilds, 0);
+            assert_int_equal(result.counters.box_tests, swapped);
+        }
+        blast_deinit(&blast);
+    }
+}
+
+/* If it failed: a large scene would be rebuilt within a step, which would then take as
+ * long as many: the spikes of the paper's figure 6. */
+static void aside__shares_are_as_small_as_they_are_told(void **state)
+{
+    (void)state;
+    struct eng_step_result result;
+    start(0.9, PCCD_QUALITY_MEDIAN);
+    struct eng_background *background = &eng_paper_of(blast.scene)->background;
+    uint32_t swap_step = 0;
+    uint64_t swapped = 0;
+    for (uint32_t step = 0; step < STEPS_MAX && swapped == 0; step++) {
+        background->budget_ns = 20000; /* triangles are listed in a quarter of it */
+        result = stand_still(0.3);
+        swapped = result.counters.swapped_triangles;
+        swap_step = step;
+    }
+    assert_int_equal(swapped, BLAST_TRIANGLES);
+    /* Listing takes a few steps, building several. */
+    assert_true(swap_step >= 3);
+    blast_deinit(&blast);
+}
+
+/* If it failed: contacts would be lost or doubled while a subtree is built in the
+ * background, or by its swap. */
+static void aside__answers_do_not_notice(void **state)
+{
+    (void)state;
+    const double dt = 0.02;
+    uint64_t expected[12][2];
+    start(0, PCCD_QUALITY_MEDIAN);
+    for (uint32_t step = 0; step < 12; step++) {
+        struct eng_step_result result = blast_run(&blast, step * dt, (step + 1) * dt,
+                                                  team_of(1, ENG_SCHEDULER_STEAL));
+        expected[step][0] = result.hash[0];
+        expected[step][1] = result.hash[1];
+    }
+    blast_deinit(&blast);
+    for (int way = 0; way < 16; way++) {
+        enum eng_scheduler scheduler =
+            way & 2 ? ENG_SCHEDULER_PAPER : ENG_SCHEDULER_STEAL;
+        uint64_t swaps = 0;
+        start(0.9, way & 1 ? PCCD_QUALITY_SAH : PCCD_QUALITY_MEDIAN);
+        for (uint32_t step = 0; step < 12; step++) {
+            struct eng_step_result result = blast_run(&blast, step * dt, (step + 1) * dt,
+                                                      team_of(1u << way / 4, scheduler));
+            assert_int_equal(result.hash[0], expected[step][0]);
+            assert_int_equal(result.hash[1], expected[step][1]);
+            swaps += result.counters.swaps;
+        }
+        assert_true(swaps > 0);
+        blast_deinit(&blast);
+    }
+}
+
+/* If it failed: a subtree would be swapped into nodes that belong to another object by
+ * now. */
+static void aside__objects_that_go_take_their_subtrees_along(void **state)
+{
+    (void)state;
+    struct kit_random random = {66};
+    struct eng_mesh *soups[2] = {kit_soup(&random, 400), kit_soup(&random, 3000)};
+    start(0.9, PCCD_QUALITY_SAH);
+    for (uint32_t round = 0; round < 60; round++) {
+        struct eng_background *background = &eng_paper_of(blast.scene)->background;
+        uint32_t other;
+        assert_int_equal(eng_scene_add(blast.scene, soups[round % 2], 9, &other),
+                         PCCD_OK);
+        for (uint32_t step = 0; step <= round / 4; step++) {
+            background->budget_ns =
+                8000 + 5000 * (round % 7); /* to be anywhere in the work */
+            stand_still(0.05 * round);
+        }
+        if (round % 3 == 0) {
+            assert_int_equal(eng_scene_replace(blast.scene, blast.idx, soups[0]),
+                             PCCD_OK);
+            blast_deinit(&blast);
+            start(0.9, PCCD_QUALITY_SAH);
+            continue;
+        }
+        uint32_t gone = other;
+        assert_int_equal(eng_scene_remove(blast.scene, gone), PCCD_OK);
+        struct eng_step_result result = stand_still(0.05 * round);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+    }
+    eng_mesh_release(soups[0]);
+    eng_mesh_release(soups[1]);
+    blast_deinit(&blast);
+}
+
+/* If it failed: every large reconstruction would go to the system for memory. */
+static void aside__memory_is_taken_once(void **state)
+{
+    (void)state;
+    struct eng_step_result result;
+    uint64_t swapped = 0;
+    start(0.9, PCCD_QUALITY_SAH);
+    assert_true(settle(0.3, &result) > 0);
+    stand_still(0); /* contacts take memory too */
+    uint64_t bytes = eng_scene_bytes(blast.scene);
+    for (uint32_t round = 1; round < 6; round++) {
+        for (uint32_t step = 0; step < 5; step++) {
+            result = stand_still(round % 2 ? 0 : 0.3);
+            assert_int_equal(result.counters.allocs, 0);
+            swapped += result.counters.swapped_triangles;
+        }
+    }
+    assert_true(swapped > 0);
+    assert_true(eng_background_bytes(&eng_paper_of(blast.scene)->background) >=
+                BLAST_TRIANGLES * sizeof(struct eng_split_item));
+    assert_int_equal(eng_scene_bytes(blast.scene), bytes);
+    blast_deinit(&blast);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(aside__poor_high_nodes_become_good),
+        cmocka_unit_test(aside__shares_are_as_small_as_they_are_told),
+        cmocka_unit_test(aside__answers_do_not_notice),
+        cmocka_unit_test(aside__objects_that_go_take_their_subtrees_along),
+        cmocka_unit_test(aside__memory_is_taken_once),
+    };
+    return cmocka_run_group_tests_name("eng_background", tests, NULL, NULL);
+}
