@@ -66,32 +66,54 @@ static void uncharge(size_t total)
     }
 }
 
-/* Count a block before it is made: together all threads keep the limit. */
+/* Add to what is held unless it then is more than `limit`. Never for a moment: what one
+ * thread is refused may not be in the way of what another asks for. */
+static bool take_all(size_t total)
+{
+    uint64_t limit = atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
+    uint64_t held = atomic_load_explicit(&alloc_bytes, memory_order_relaxed);
+    do {
+        if (total > limit || held > limit - total) {
+            return false;
+        }
+    } while (!atomic_compare_exchange_weak_explicit(
+        &alloc_bytes, &held, held + total, memory_order_relaxed, memory_order_relaxed));
+    return true;
+}
+
+static bool take_own(struct eng_account *account, size_t total)
+{
+    int64_t limit = atomic_load_explicit(&account->limit, memory_order_relaxed);
+    int64_t held = atomic_load_explicit(&account->bytes, memory_order_relaxed);
+    do {
+        if (held + (int64_t)total > limit) {
+            return false;
+        }
+    } while (!atomic_compare_exchange_weak_explicit(
+        &account->bytes, &held, held + (int64_t)total, memory_order_relaxed,
+        memory_order_relaxed));
+    return true;
+}
+
+/* Count a block before it is made: together all threads keep the limits. */
 static bool charge(size_t total)
 {
     struct eng_payer *payer = eng_payer();
     struct eng_account *account = payer->account;
-    uint64_t all = atomic_fetch_add_explicit(&alloc_bytes, total, memory_order_relaxed);
-    int64_t held = 0;
-    int64_t limit = INT64_MAX;
-    if (account) {
-        held = atomic_fetch_add_explicit(&account->bytes, (int64_t)total,
-                                         memory_order_relaxed);
-        limit = atomic_load_explicit(&account->limit, memory_order_relaxed);
+    if (account && !take_own(account, total)) {
+        atomic_fetch_add_explicit(&account->refused, 1, memory_order_relaxed);
+        return false;
     }
-    bool is_too_high =
-        all + total > atomic_load_explicit(&byte_ceiling, memory_order_relaxed);
-    if (!is_too_high && held + (int64_t)total <= limit) {
-        return true;
-    }
-    uncharge(total);
-    if (is_too_high) {
+    if (!take_all(total)) {
+        if (account) {
+            atomic_fetch_sub_explicit(&account->bytes, (int64_t)total,
+                                      memory_order_relaxed);
+        }
         atomic_store_explicit(&payer->ceiling_asked, total, memory_order_relaxed);
         atomic_fetch_add_explicit(&payer->ceiling_hits, 1, memory_order_relaxed);
-    } else {
-        atomic_fetch_add_explicit(&account->refused, 1, memory_order_relaxed);
+        return false;
     }
-    return false;
+    return true;
 }
 
 void *eng_alloc(size_t count, size_t bytes)
