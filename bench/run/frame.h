@@ -47,6 +47,10 @@ enum run_count {
     RUN_RECONSTRUCTED_TRIANGLES,
     RUN_SWAPS, /* made in the background, as far as time allows, and put in place */
     RUN_SWAPPED_TRIANGLES,
+    RUN_STILL_FEATURES,
+    RUN_STILL_PAIRS,
+    RUN_KEPT_RECORDS,
+    RUN_RIGID_OBJECTS,
     RUN_CONTACTS, /* records: pairs in mode pairs, none in mode any */
     RUN_ALLOCS,
     RUN_SCENE_BYTES,   /* resident: the scene and its meshes; from here on no sums */
@@ -94,6 +98,10 @@ struct run_frame {
         (frame)->counts[RUN_RECONSTRUCTED_TRIANGLES] = (counters)->rebuilt_triangles;    \
         (frame)->counts[RUN_SWAPS] = (counters)->swaps;                                  \
         (frame)->counts[RUN_SWAPPED_TRIANGLES] = (counters)->swapped_triangles;          \
+        (frame)->counts[RUN_STILL_FEATURES] = (counters)->still_features;                \
+        (frame)->counts[RUN_STILL_PAIRS] = (counters)->still_pairs;                      \
+        (frame)->counts[RUN_KEPT_RECORDS] = (counters)->kept_records;                    \
+        (frame)->counts[RUN_RIGID_OBJECTS] = (counters)->rigid_objects;                  \
         (frame)->counts[RUN_ALLOCS] = (counters)->allocs;                                \
     } while (0)
 

@@ -51,7 +51,7 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/exact_span.c \
     daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \
-    daemon/engine/elementary/motion.h \
+    daemon/engine/elementary/moving.h \
     daemon/engine/elementary/plane.c \
     daemon/engine/elementary/plane.h \
     daemon/engine/elementary/poly.c \
@@ -120,6 +120,8 @@ libengine_la_SOURCES = \
     daemon/engine/scene/masks.h \
     daemon/engine/scene/mesh.h \
     daemon/engine/scene/mesh_fill.c \
+    daemon/engine/scene/moving.c \
+    daemon/engine/scene/moving.h \
     daemon/engine/scene/objects.c \
     daemon/engine/scene/pairset.c \
     daemon/engine/scene/pairset.h \

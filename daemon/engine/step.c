@@ -215,6 +215,8 @@ static void add_counters(const struct eng_team *team, struct pccd_step_counters 
         }
         sum->survivors += worker->tally.survivors;
         sum->rebuilt_triangles += worker->tally.rebuilt_triangles;
+        sum->still_features += worker->tally.still_features;
+        sum->still_pairs += worker->tally.still_pairs;
         sum->exact += worker->exact.queries;
     }
 }

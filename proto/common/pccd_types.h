@@ -173,6 +173,12 @@ struct pccd_step_counters {
     uint64_t swaps; /* large subtrees and orders of features, made in the background over
                      * several steps, that were put in place */
     uint64_t swapped_triangles; /* in these */
+    /* What stands still: neither in this step nor in the one before has a vertex of it
+     * moved. */
+    uint64_t still_features; /* whose boxes were kept from the step before */
+    uint64_t still_pairs;    /* pairs of nodes or features left out: neither moves */
+    uint64_t kept_records;   /* of pairs that stand, from the last answer of this mode */
+    uint64_t rigid_objects;  /* whose poses prove that they do not meet themselves */
 };
 
 #define PCCD_HASH_VERSION 2u /* of answers: PROTOCOL.md, "The hash of an answer" */

@@ -47,6 +47,14 @@
     X(F, rebuilt_triangles, OPT, counters.rebuilt_triangles, "triangles of these")       \
     X(F, swaps, OPT, counters.swaps,                                                     \
       "large subtrees that were rebuilt in the background and put in place")             \
-    X(F, swapped_triangles, OPT, counters.swapped_triangles, "triangles of these")
+    X(F, swapped_triangles, OPT, counters.swapped_triangles, "triangles of these")       \
+    X(F, still_features, OPT, counters.still_features,                                   \
+      "features that stand still, whose boxes were kept")                                \
+    X(F, still_pairs, OPT, counters.still_pairs,                                         \
+      "pairs of nodes or features left out: neither moves")                              \
+    X(F, kept_records, OPT, counters.kept_records,                                       \
+      "records of what stands still, from the last answer")                              \
+    X(F, rigid_objects, OPT, counters.rigid_objects,                                     \
+      "objects whose rigid motion proves that they do not meet themselves")
 
 #endif

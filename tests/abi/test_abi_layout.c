@@ -201,7 +201,7 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_times, low, 56);
     AT(pccd_step_times, high, 64);
     AT(pccd_step_times, rebuild, 72);
-    SIZE(pccd_step_counters, 152);
+    SIZE(pccd_step_counters, 184);
     AT(pccd_step_counters, task_units, 0);
     AT(pccd_step_counters, box_tests, 8);
     AT(pccd_step_counters, leaf_pairs, 16);
@@ -214,13 +214,17 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_counters, rebuilt_triangles, 128);
     AT(pccd_step_counters, swaps, 136);
     AT(pccd_step_counters, swapped_triangles, 144);
+    AT(pccd_step_counters, still_features, 152);
+    AT(pccd_step_counters, still_pairs, 160);
+    AT(pccd_step_counters, kept_records, 168);
+    AT(pccd_step_counters, rigid_objects, 176);
 }
 
 /* If this failed, a program would read an answer's members at the wrong places. */
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 520);
+    SIZE(pccd_answer, 552);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -244,7 +248,7 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, tuning, 204);
     AT(pccd_answer, times, 272);
     AT(pccd_answer, counters, 352);
-    AT(pccd_answer, reserved, 504);
+    AT(pccd_answer, reserved, 536);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

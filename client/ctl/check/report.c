@@ -223,6 +223,19 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
                 proto_plural(counters->rebuilt_triangles, "triangle", "triangles"),
                 counters->swaps, counters->swapped_triangles);
     }
+    if (counters->still_features + counters->rigid_objects > 0) {
+        fprintf(to,
+                "still      %" PRIu64 " %s, %" PRIu64 " %s kept, %" PRIu64
+                " rigid %s that %s not meet %s\n",
+                counters->still_features,
+                proto_plural(counters->still_features, "feature", "features"),
+                counters->kept_records,
+                proto_plural(counters->kept_records, "record", "records"),
+                counters->rigid_objects,
+                proto_plural(counters->rigid_objects, "object", "objects"),
+                proto_plural(counters->rigid_objects, "does", "do"),
+                proto_plural(counters->rigid_objects, "itself", "themselves"));
+    }
     print_times(to, mesh, step);
 }
 

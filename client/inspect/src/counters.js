@@ -20,6 +20,10 @@ const TEXTS = {
   rebuilt_triangles: "triangles of these",
   swaps: "large subtrees, built in the background, put in place",
   swapped_triangles: "triangles of these",
+  still_features: "features that stand still, whose boxes were kept",
+  still_pairs: "pairs of nodes or features left out: neither moves",
+  kept_records: "records of what stands still, from the last answer",
+  rigid_objects: "rigid objects that were not tested against themselves",
 };
 
 function course(values) {

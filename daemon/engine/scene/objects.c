@@ -102,6 +102,7 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene->x[0]);
     eng_free(scene->x[1]);
     eng_free(scene->start);
+    eng_free(scene->moving.moves);
     eng_free(scene->framing.items);
     eng_free(scene->writes);
     eng_free(scene);
@@ -170,7 +171,8 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
                                 .id = object_id,
                                 .bounds = {mesh->bounds, mesh->bounds},
                                 .frame = {.scale = 1},
-                                .still = true};
+                                .still = true,
+                                .is_new = true};
     int status = take_all(scene, &object);
     if (status != PCCD_OK) {
         return status;
@@ -401,7 +403,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
            (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->object_capacity * sizeof *scene->framing.items +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
-           (uint64_t)scene->vertex_capacity * 2 * sizeof *scene->x[0] +
+           (uint64_t)scene->vertex_capacity *
+               (2 * sizeof *scene->x[0] + sizeof *scene->moving.moves) +
            (uint64_t)scene->start_capacity * sizeof *scene->start +
            (uint64_t)scene->write_capacity * sizeof *scene->writes;
 }

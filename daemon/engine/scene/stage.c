@@ -17,6 +17,7 @@
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
+#include "moving.h"
 #include "step_settings.h"
 
 void eng_stage_begin(struct eng_scene *scene)
@@ -307,6 +308,7 @@ int eng_stage_commit(struct eng_scene *scene)
         eng_stage_abort(scene);
         return PCCD_E_SEGMENT;
     }
+    eng_moving_commit(scene);
     take_starts(scene);
     measure_written(scene);
     double(*current)[3] = scene->x[scene->now];

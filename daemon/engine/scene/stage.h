@@ -9,15 +9,6 @@
 
 #include "world.h"
 
-/* A range written by the step being staged. */
-struct eng_write {
-    uint32_t object;
-    uint32_t first; /* local vertex */
-    uint32_t count;
-    bool has_start;              /* x0 waits in world->start */
-    struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
-};
-
 /* Close the staging (if none is open: an empty one) and move the scene on: x[1 - now] is
  * then t = 0 and x[now] t = 1. PCCD_E_SEGMENT: two writes to one vertex; the scene stands
  * where it stood and the staging is gone. */

@@ -20,6 +20,10 @@ int eng_world_reserve(struct eng_scene *scene)
         status = eng_array_grow(&scene->x[1], capacity, sizeof *scene->x[1]);
     }
     if (status == PCCD_OK) {
+        status =
+            eng_array_grow(&scene->moving.moves, capacity, sizeof *scene->moving.moves);
+    }
+    if (status == PCCD_OK) {
         scene->vertex_capacity = capacity;
     }
     return status;

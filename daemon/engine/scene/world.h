@@ -23,6 +23,9 @@
 
 #define ENG_NO_OBJECT UINT32_MAX
 
+/* How much of an object moves in a step (moving.h). */
+enum eng_movement { ENG_STANDS, ENG_MOVES_SOME, ENG_MOVES_ALL };
+
 /* Methods, and the step itself, keep something of a scene and of each of its objects. It
  * is theirs alone: the scene has a slot for each of them, and tells them what happens. */
 enum eng_slot { ENG_SLOT_PAPER, ENG_SLOT_WIDE, ENG_SLOT_STEP, ENG_SLOTS };
@@ -51,8 +54,20 @@ struct eng_object {
     void *slots[ENG_SLOTS];      /* what the owners of the slots keep of it */
     struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
     struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
-    bool still;      /* x[0] and x[1] hold the same positions of this object */
-    uint64_t staged; /* stage number that last wrote to it */
+    bool still;                 /* x[0] and x[1] hold the same positions of this object */
+    uint64_t staged;            /* stage number that last wrote to it */
+    enum eng_movement movement; /* in the last step, and .. */
+    enum eng_movement moved;    /* .. in it without the one before */
+    bool is_new;                /* it was in no step yet */
+};
+
+/* What moves in the last step that was committed (moving.h). */
+struct eng_moving {
+    uint64_t number;   /* of the step; boxes say by it how old they are */
+    uint64_t vertices; /* that move, of all objects, .. */
+    uint32_t objects;  /* .. and objects that have such */
+    unsigned char
+        *moves; /* [vertex_capacity] not 0: it moves; of an object of which some do */
 };
 
 /* One object along one axis, while frames are chosen. */
@@ -80,7 +95,14 @@ struct eng_replaced {
     struct eng_object before;
 };
 
-struct eng_write; /* stage.h: a range written by the step being staged */
+/* A range written by the step being staged. */
+struct eng_write {
+    uint32_t object;
+    uint32_t first; /* local vertex */
+    uint32_t count;
+    bool has_start;              /* x0 waits in scene->start */
+    struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
+};
 
 struct eng_scene {
     struct eng_scene_settings settings;
@@ -104,6 +126,7 @@ struct eng_scene {
 
     uint32_t step; /* number of the step; goes round */
 
+    struct eng_moving moving;
     struct eng_framing framing;
     struct eng_masks masks;
 

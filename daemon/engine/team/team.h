@@ -30,6 +30,9 @@ struct eng_team {
                                             * the refit has ended */
     uint32_t shares;                       /* as many as asked for */
     const struct eng_method_calls *method; /* method.h */
+    /* Records of pairs of which neither feature moves (moving.h) are taken from the last
+     * answer: no worker finds such a pair. */
+    bool prunes;
     uint64_t refit_end_ns; /* written by the thread that ended the refit */
     struct eng_refit_progress refit;
     _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */

@@ -50,6 +50,8 @@ struct eng_tally {
     uint64_t candidates[PCCD_KIND_COUNT];
     uint64_t survivors;
     uint64_t rebuilt_triangles;
+    uint64_t still_features;
+    uint64_t still_pairs;
 };
 
 /* Every access is relaxed: these are hints that only save work, and the end of the
@@ -70,6 +72,7 @@ struct eng_worker {
     struct eng_deque deque;      /* work stealing: tasks others may take */
     uint32_t victim;             /* whom to rob next */
     bool is_dealt;               /* the step began with tasks for it */
+    bool prunes;                 /* that of the team */
     struct eng_task_queue units; /* the paper's scheduler: tasks of its own */
     struct eng_found found;      /* records */
     struct eng_exact exact;

@@ -59,6 +59,10 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->rebuilt_triangles += answer->rebuilt_triangles;
     counters->swaps += answer->swaps;
     counters->swapped_triangles += answer->swapped_triangles;
+    counters->still_features += answer->still_features;
+    counters->still_pairs += answer->still_pairs;
+    counters->kept_records += answer->kept_records;
+    counters->rigid_objects += answer->rigid_objects;
 }
 
 void srv_metrics_add_error(struct srv_metrics *metrics, int status)

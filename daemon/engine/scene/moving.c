@@ -1,0 +1,174 @@
+/* daemon/engine/scene/moving.c - which vertices move, from what was staged.
+ *
+ * Room:     engine.
+ * Does:     compare bit for bit. Most of what a client sends that stands is passed over
+ *           by blocks; of an object that moves as a whole a sample is enough.
+ * Threads:  [compute].
+ */
+#include "moving.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* In scene->moving.moves. */
+#define NOW    1u
+#define BEFORE 2u
+
+/* Vertices that are compared at once: two of them are a tenth of a small first cache. */
+#define BLOCK 64u
+
+/* Vertices that are looked at before all are: if each of them moves, all count as moving,
+ * so that a step in which everything moves does not pay for the comparison. */
+#define SAMPLES 64u
+
+typedef const double (*positions)[3];
+
+/* Both ends that a write gives, and the current end, of its vertices. */
+struct ends {
+    positions x0;
+    positions x1;
+    positions last;
+};
+
+static struct ends ends_of(const struct eng_scene *scene, const struct eng_write *write)
+{
+    uint32_t v = scene->objects[write->object].vertices.first + write->first;
+    positions last = (positions)scene->x[scene->now] + v;
+    return (struct ends){.x0 = write->has_start ? (positions)scene->start + v : last,
+                         .x1 = (positions)scene->x[1 - scene->now] + v,
+                         .last = last};
+}
+
+static bool differ(positions a, positions b, uint32_t first, uint32_t count)
+{
+    return memcmp(a + first, b + first, count * sizeof *a) != 0;
+}
+
+static bool moves(const struct ends *ends, uint32_t first, uint32_t count)
+{
+    return differ(ends->x0, ends->x1, first, count) ||
+           (ends->x0 != ends->last && differ(ends->x0, ends->last, first, count));
+}
+
+/* Does a write of a whole object seem to move all of it? */
+static bool moves_all(const struct ends *ends, uint32_t count)
+{
+    uint32_t samples = count < SAMPLES ? count : SAMPLES;
+    for (uint32_t i = 0; i < samples; i++) {
+        if (!moves(ends, (uint32_t)((uint64_t)count * i / samples), 1)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Mark the vertices of a write that move now; returns how many. */
+static uint32_t mark(unsigned char *marks, const struct ends *ends, uint32_t count)
+{
+    uint32_t moving = 0;
+    for (uint32_t first = 0; first < count; first += BLOCK) {
+        uint32_t n = count - first < BLOCK ? count - first : BLOCK;
+        if (!moves(ends, first, n)) {
+            continue;
+        }
+        for (uint32_t i = first; i < first + n; i++) {
+            if (moves(ends, i, 1)) {
+                marks[i] |= NOW;
+                moving++;
+            }
+        }
+    }
+    return moving;
+}
+
+/* What moved in the last step did so before. */
+static void age(unsigned char *marks, uint32_t count, bool had_marks)
+{
+    if (!had_marks) {
+        memset(marks, 0, count);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        marks[i] = marks[i] & NOW ? BEFORE : 0;
+    }
+}
+
+/* How much of an object the writes [count], which are its own, move in this step. */
+static enum eng_movement compare(struct eng_scene *scene, const struct eng_object *object,
+                                 const struct eng_write *writes, uint32_t count)
+{
+    unsigned char *marks = scene->moving.moves + object->vertices.first;
+    if (count == 1 && writes->count == object->vertices.count) {
+        struct ends ends = ends_of(scene, writes);
+        if (moves_all(&ends, writes->count)) {
+            return ENG_MOVES_ALL;
+        }
+    }
+    age(marks, object->vertices.count, object->moved == ENG_MOVES_SOME);
+    uint32_t moving = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        struct ends ends = ends_of(scene, &writes[i]);
+        moving += mark(marks + writes[i].first, &ends, writes[i].count);
+    }
+    return moving > 0 ? ENG_MOVES_SOME : ENG_STANDS;
+}
+
+static uint32_t count_moving(const struct eng_scene *scene,
+                             const struct eng_object *object)
+{
+    const unsigned char *marks = scene->moving.moves + object->vertices.first;
+    uint32_t moving = 0;
+    for (uint32_t i = 0; i < object->vertices.count; i++) {
+        moving += marks[i] != 0;
+    }
+    return moving;
+}
+
+/* An object moved so much before this step, and `now` in it, of which the marks tell if
+ * it is some of it. */
+static void settle(struct eng_scene *scene, struct eng_object *object,
+                   enum eng_movement now)
+{
+    enum eng_movement before = object->moved;
+    object->moved = now;
+    object->movement = now > before ? now : before;
+    if (object->is_new) {
+        object->movement = ENG_MOVES_ALL;
+        object->is_new = false;
+    }
+    if (object->movement == ENG_MOVES_ALL) {
+        scene->moving.vertices += object->vertices.count;
+    } else if (object->movement == ENG_MOVES_SOME) {
+        scene->moving.vertices += count_moving(scene, object);
+    }
+    scene->moving.objects += object->movement != ENG_STANDS;
+}
+
+void eng_moving_commit(struct eng_scene *scene)
+{
+    assert(scene->staging);
+    scene->moving.number++;
+    scene->moving.vertices = 0;
+    scene->moving.objects = 0;
+    for (uint32_t i = 0; i < scene->write_count;) {
+        uint32_t first = i;
+        struct eng_object *object = &scene->objects[scene->writes[first].object];
+        assert(object->mesh && object->staged == scene->stage);
+        while (i < scene->write_count &&
+               scene->writes[i].object == scene->writes[first].object) {
+            i++;
+        }
+        settle(scene, object, compare(scene, object, &scene->writes[first], i - first));
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        struct eng_object *object = &scene->objects[i];
+        if (!object->mesh || object->staged == scene->stage) {
+            continue;
+        }
+        if (object->moved == ENG_MOVES_SOME) {
+            age(scene->moving.moves + object->vertices.first, object->vertices.count,
+                true);
+        }
+        settle(scene, object, ENG_STANDS);
+    }
+}

@@ -1,0 +1,49 @@
+/* daemon/engine/scene/moving.h - knows which vertices move in a step, so that what stands
+ * still costs nothing.
+ *
+ * Room:     engine. May include: world.h.
+ * Does:     compare, when a step is committed, the positions that it wrote with those
+ *           that they replace.
+ * Does not: decide what is left out for it: that is the methods' and the answer's.
+ * Threads:  made by [compute]; inside a step the team reads it.
+ *
+ * A vertex *moves* in a step if, bit for bit, its x0 or x1 is not what it was in the step
+ * before. So one that has just stopped still moves for one step: where it came to rest
+ * was never tested as its start. A pair of features of which no vertex moves has the
+ * record that it had, or none again. Something may be said to move that does not.
+ */
+#ifndef ENG_MOVING_H
+#define ENG_MOVING_H
+
+#include "world.h"
+
+/* Compare the staged writes, which are in order and do not overlap, before they become
+ * the scene's positions. O(objects + vertices written). Cannot fail. */
+void eng_moving_commit(struct eng_scene *scene);
+
+/* Does any vertex of the object move? Such a vertex, by its index within the object, and
+ * such a feature, by its index within the mesh. */
+static inline bool eng_moves_vertex(const struct eng_scene *scene,
+                                    const struct eng_object *object, uint32_t vertex)
+{
+    return object->movement == ENG_MOVES_ALL ||
+           (object->movement == ENG_MOVES_SOME &&
+            scene->moving.moves[object->vertices.first + vertex] != 0);
+}
+
+static inline bool eng_moves_edge(const struct eng_scene *scene,
+                                  const struct eng_object *object, uint32_t edge)
+{
+    const uint32_t *v = object->mesh->edges[edge];
+    return eng_moves_vertex(scene, object, v[0]) || eng_moves_vertex(scene, object, v[1]);
+}
+
+static inline bool eng_moves_face(const struct eng_scene *scene,
+                                  const struct eng_object *object, uint32_t face)
+{
+    const uint32_t *v = object->mesh->triangles[face].v;
+    return eng_moves_vertex(scene, object, v[0]) ||
+           eng_moves_vertex(scene, object, v[1]) || eng_moves_vertex(scene, object, v[2]);
+}
+
+#endif
