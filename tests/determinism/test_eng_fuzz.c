@@ -19,7 +19,7 @@
 #include <cmocka.h>
 
 #include "clock.h"
-#include "eng_player.h"
+#include "eng_fresh.h"
 #include "eng_way.h"
 #include "trace.h"
 
@@ -42,15 +42,6 @@ struct fuzz {
     uint32_t thread_max;
     struct player player;
     struct eng_trace trace;
-};
-
-/* Records of the reference, by mode. */
-struct answer {
-    uint64_t count;
-    uint32_t record_bytes;
-    uint64_t hash[2];
-    enum pccd_verdict verdict;
-    void *records;
 };
 
 #define CHECK(fuzz, condition)                                                           \
@@ -88,27 +79,13 @@ static struct eng_step_settings some_settings(struct fuzz *fuzz, enum pccd_mode 
 }
 
 /* What a fresh scene, one thread and default settings answer. */
-static void find_reference(struct fuzz *fuzz, enum pccd_mode mode, struct answer *answer)
+static void find_reference(struct fuzz *fuzz, enum pccd_mode mode,
+                           struct fresh_answer *answer)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    struct eng_step_result result;
-    struct player copy;
     settings.mode = mode;
-    player_copy(&fuzz->player, NULL, &copy);
-    CHECK(fuzz, player_step(&copy, &settings, &result) == PCCD_OK);
-    CHECK(fuzz, result.incomplete == PCCD_COMPLETE);
-    size_t bytes = result.count * result.record_bytes;
-    answer->count = result.count;
-    answer->record_bytes = result.record_bytes;
-    answer->hash[0] = result.hash[0];
-    answer->hash[1] = result.hash[1];
-    answer->verdict = result.verdict;
-    answer->records = malloc(bytes + 1);
-    assert_non_null(answer->records);
-    if (bytes > 0) {
-        memcpy(answer->records, result.records, bytes);
-    }
-    player_deinit(&copy);
+    fresh_find(&fuzz->player, &settings, answer);
+    CHECK(fuzz, answer->result.incomplete == PCCD_COMPLETE);
 }
 
 static void tally(const struct eng_step_result *result)
@@ -122,24 +99,23 @@ static void tally(const struct eng_step_result *result)
 }
 
 static void take_whole_step(struct fuzz *fuzz, enum pccd_mode mode,
-                            const struct answer *want)
+                            const struct fresh_answer *want)
 {
     struct eng_step_settings settings = some_settings(fuzz, mode);
     struct eng_step_result result;
     CHECK(fuzz, player_step(&fuzz->player, &settings, &result) == PCCD_OK);
     tally(&result);
-    CHECK(fuzz, result.incomplete == PCCD_COMPLETE);
-    CHECK(fuzz, result.verdict == want->verdict);
-    CHECK(fuzz, result.count == want->count);
-    CHECK(fuzz, result.hash[0] == want->hash[0]);
-    CHECK(fuzz, result.hash[1] == want->hash[1]);
-    CHECK(fuzz, want->count == 0 || memcmp(result.records, want->records,
-                                           want->count * want->record_bytes) == 0);
+    const char *difference = fresh_difference(want, &result);
+    if (difference) {
+        fail_msg("PCCD_SEED=%llu, step %u: not the same: %s",
+                 (unsigned long long)fuzz->seed, fuzz->step, difference);
+    }
     CHECK(fuzz, way_tree_is_sound(fuzz->player.scene, &result));
 }
 
 /* Both are sorted; what is kept must be the very records. */
-static bool is_part_of(const struct eng_step_result *result, const struct answer *whole)
+static bool is_part_of(const struct eng_step_result *result,
+                       const struct eng_step_result *whole)
 {
     const char *have = result->records;
     const char *from = whole->records;
@@ -159,7 +135,7 @@ static bool is_part_of(const struct eng_step_result *result, const struct answer
 /* The step that is staged, in mode `all` or `pairs`, but it may not end: too late,
  * cancelled, or too many records. */
 static void take_cut_step(struct fuzz *fuzz, enum pccd_mode mode,
-                          const struct answer *whole)
+                          const struct eng_step_result *whole)
 {
     struct eng_step_settings settings = some_settings(fuzz, mode);
     struct eng_step_result result;
@@ -226,7 +202,7 @@ static void fuzz_step(struct fuzz *fuzz)
     static const enum pccd_mode modes[] = {PCCD_MODE_ALL, PCCD_MODE_FIRST, PCCD_MODE_ANY,
                                            PCCD_MODE_PAIRS};
     enum pccd_mode mode = modes[draw(fuzz, 4)];
-    struct answer want;
+    struct fresh_answer want;
     if (draw(fuzz, 4) == 0) {
         player_draw_filters(&fuzz->player, &fuzz->prng);
     }
@@ -239,7 +215,7 @@ static void fuzz_step(struct fuzz *fuzz)
         take_detour(fuzz);
     }
     if (draw(fuzz, 4) == 0 && (mode == PCCD_MODE_ALL || mode == PCCD_MODE_PAIRS)) {
-        take_cut_step(fuzz, mode, &want);
+        take_cut_step(fuzz, mode, &want.result);
         player_stage_copies(&fuzz->player);
     }
     take_whole_step(fuzz, mode, &want);
@@ -247,7 +223,7 @@ static void fuzz_step(struct fuzz *fuzz)
         player_stage_copies(&fuzz->player);
         take_whole_step(fuzz, mode, &want);
     }
-    free(want.records);
+    fresh_free(&want);
     fuzz->step++;
 }
 

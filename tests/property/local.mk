@@ -2,7 +2,8 @@
 
 property_names = \
     tests/property/test_eng_against_oracle \
-    tests/property/test_eng_plays
+    tests/property/test_eng_plays \
+    tests/property/test_eng_standing
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
@@ -25,3 +26,9 @@ tests_property_test_eng_plays_SOURCES = tests/property/test_eng_plays.c $(proper
 tests_property_test_eng_plays_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_plays_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_plays_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_standing_SOURCES = tests/property/test_eng_standing.c \
+    $(property_judge)
+tests_property_test_eng_standing_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_standing_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_standing_LDADD = $(PROPERTY_LDADD)

@@ -27,16 +27,17 @@ enum play_what {
     PLAY_ADD, /* triangles and x0: an object at its registered positions */
     PLAY_REMOVE,
     PLAY_REPLACE, /* triangles and x0, as for PLAY_ADD */
-    PLAY_X1,      /* x1: moves on from where it is */
-    PLAY_X0X1,    /* x0 and x1 */
-    PLAY_RIGID,   /* m: of the registered positions, rows of [R | t], at both ends */
+    PLAY_X1,      /* x1 of a range: moves on from where it is */
+    PLAY_X0X1,    /* x0 and x1 of a range */
+    PLAY_RIGID,   /* m: of a range as registered, rows of [R | t], at both ends */
     PLAY_STEP     /* whoever has not moved since the last one stands still */
 };
 
 struct play_act {
     enum play_what what;
     uint32_t object_id;
-    bool is_f32; /* positions are to be sent as floats; they are floats then */
+    bool is_f32;    /* positions are to be sent as floats; they are floats then */
+    uint32_t first; /* of what moves: vertices first .. first + vertex_count - 1 */
     uint32_t vertex_count;
     uint32_t triangle_count;
     double (*x0)[3];

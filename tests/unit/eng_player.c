@@ -170,26 +170,28 @@ static void move(struct player *player, const struct play_act *act)
 {
     struct player_object *object = find(player, act->object_id);
     enum pccd_format format = act->is_f32 ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
-    uint32_t count = object->vertex_count;
+    uint32_t first = act->first;
+    uint32_t count = act->vertex_count;
     int status;
-    assert_int_equal(act->vertex_count, count);
+    assert_true(first < object->vertex_count && count <= object->vertex_count - first);
     if (act->what == PLAY_RIGID) {
-        for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t i = first; i < first + count; i++) {
             transform(act->m[0], object->registered[i], object->x0[i]);
             transform(act->m[1], object->registered[i], object->x1[i]);
         }
-        status =
-            eng_stage_rigid(player->scene, object->idx, 0, count, act->m[0], act->m[1]);
+        status = eng_stage_rigid(player->scene, object->idx, first, count, act->m[0],
+                                 act->m[1]);
     } else {
         void *x1 = packed(act, (const double(*)[3])act->x1);
-        memcpy(object->x1, act->x1, count * sizeof *object->x1);
+        memcpy(object->x1 + first, act->x1, count * sizeof *object->x1);
         if (act->what == PLAY_X0X1) {
             void *x0 = packed(act, (const double(*)[3])act->x0);
-            memcpy(object->x0, act->x0, count * sizeof *object->x0);
-            status = eng_stage_x0x1(player->scene, object->idx, format, 0, count, x0, x1);
+            memcpy(object->x0 + first, act->x0, count * sizeof *object->x0);
+            status =
+                eng_stage_x0x1(player->scene, object->idx, format, first, count, x0, x1);
             free(x0);
         } else {
-            status = eng_stage_x1(player->scene, object->idx, format, 0, count, x1);
+            status = eng_stage_x1(player->scene, object->idx, format, first, count, x1);
         }
         free(x1);
     }

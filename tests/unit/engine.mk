@@ -16,10 +16,14 @@ libengkit_la_SOURCES = \
     tests/unit/eng_crew.h \
     tests/unit/eng_filters.c \
     tests/unit/eng_filters.h \
+    tests/unit/eng_fresh.c \
+    tests/unit/eng_fresh.h \
     tests/unit/eng_kit.c \
     tests/unit/eng_kit.h \
     tests/unit/eng_player.c \
     tests/unit/eng_player.h \
+    tests/unit/eng_stir.c \
+    tests/unit/eng_stir.h \
     tests/unit/eng_way.c \
     tests/unit/eng_way.h
 libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
