@@ -7,11 +7,17 @@ DETERMINISM_LDADD = libengkit.la libengine.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
 
 determinism_names = \
+    tests/determinism/test_eng_anew \
     tests/determinism/test_eng_fuzz \
     tests/determinism/test_eng_golden \
     tests/determinism/test_eng_recorded
 check_PROGRAMS += $(determinism_names)
 TESTS += $(determinism_names)
+
+tests_determinism_test_eng_anew_SOURCES = tests/determinism/test_eng_anew.c
+tests_determinism_test_eng_anew_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
+tests_determinism_test_eng_anew_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_determinism_test_eng_anew_LDADD = $(DETERMINISM_LDADD)
 
 tests_determinism_test_eng_golden_SOURCES = tests/determinism/test_eng_golden.c
 tests_determinism_test_eng_golden_CPPFLAGS = $(DETERMINISM_CPPFLAGS)
