@@ -24,8 +24,10 @@ bench_scenes_sources = \
     bench/scenes/drape.h \
     bench/scenes/exploding.c \
     bench/scenes/families.h \
+    bench/scenes/game.c \
     bench/scenes/layers.c \
     bench/scenes/overlap.c \
+    bench/scenes/partial.c \
     bench/scenes/recorded.c \
     bench/scenes/shards.c \
     bench/scenes/shards.h \
@@ -119,6 +121,12 @@ bench-python: pccdd bench/turns$(EXEEXT) libpccd-direct.la
 	[ -n "$$python" ] || { echo "$$no_python" >&2; exit 1; }; \
 	PCCD_DIRECT=$(abs_builddir)/.libs/libpccd-direct.so.0 \
 	    PYTHON_ROUNDS=$(PYTHON_ROUNDS) "$$python" $(top_srcdir)/bench/python.py bench/turns
+
+# What a step costs of which little moves.
+.PHONY: standing
+standing: bench/pccd-bench pccdd libpccd-direct.la
+	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/tables.sh $(BENCH_ARGS) standing \
+	    standing-all standing-daemon standing-threads standing-avx2 standing-paper game
 
 .PHONY: bench-tables
 bench-tables: $(bench_names) bench/pccd-bench pccdd pccdctl

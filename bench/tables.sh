@@ -26,6 +26,12 @@ done
 recorded='cloth-ball cloth-ball-fifth n-body n-body-fifth cloth-funnel'
 made='cloth-20k cloth crumpled fast-sheet all-overlap nothing-moves teleport'
 
+# What moves of a scene, by turns: all of it, parts, nothing.
+standing='bodies cloth cloth-ball'
+moving='--frames=hard+19 --moving=all --beside= --beside=--moving=objects:0.1 \
+    --beside=--moving=objects:0.01 --beside=--moving=patch:0.01 --beside=--moving=vertices:0.01 \
+    --beside=--moving=none'
+
 # Row | scenes | options. @ in an option is the number of threads.
 rows="
 modes   | $made $recorded | --method=paper --frames=hard+9 --beside= --beside=--fresh \
@@ -40,6 +46,14 @@ small   | soup-16 soup-64 soup-256 soup-1024 soup-4096 | --frames=15 --repeat=10
     --beside=--threads=@_--team
 rebuild | exploding breaking bodies cloth-ball-fifth n-body-fifth | --method=paper \
     --rebuild-ratio=-1 --beside=--rebuild-ratio=0.9 --beside=--fresh
+standing         | $standing | --via=direct --sends=moved $moving
+standing-all     | $standing | --via=direct $moving
+standing-daemon  | $standing | --via=daemon --sends=moved $moving
+standing-threads | $standing | --via=direct --sends=moved --threads=@ $moving
+standing-avx2    | $standing | --via=direct --sends=moved --cpu=avx2 $moving
+standing-paper   | $standing | --via=direct --sends=moved --method=paper $moving
+game    | game | --via=daemon --sends=moved --hz=60 --frames=60-299 --beside= --beside=--sends=all \
+    --beside=--via=direct --beside=--threads=@ --beside=--method=paper
 direct  | one-triangle cloth-20k cloth-ball-fifth | --frames=hard+4 --repeat=5 --via=daemon \
     --beside=--via=direct --beside=--via=engine
 "

@@ -34,6 +34,7 @@ static const struct {
     {.name = "layers-10m", .make = bench_make_layers_10m, .only_by_name = true},
     {.name = "breaking", .make = bench_make_breaking, .hard_frame = 240},
     {.name = "bodies", .make = bench_make_bodies, .hard_frame = 280},
+    {.name = "game", .make = bench_make_game, .hard_frame = 100, .only_by_name = true},
     {.name = "exploding", .make = bench_make_exploding, .hard_frame = 10},
     {.name = "cloth-ball",
      .steps = 1,

@@ -94,8 +94,8 @@ static void text_sides(FILE *to, const struct run_play *play)
     for (size_t c = 0; c < count; c++) {
         fprintf(to, " %9s", run_time_names[columns[c]]);
     }
-    fprintf(to, " %10s | %8s %8s  times as fast as the first\n", "box_tests", "step",
-            "wall");
+    fprintf(to, " %9s %10s | %8s %8s  times as fast as the first\n", "wall p99",
+            "box_tests", "step", "wall");
     for (uint32_t i = 0; i < play->settings->side_count; i++) {
         const struct run_sequence *side = &play->sides[i];
         const char *label = play->settings->sides[i].label;
@@ -106,7 +106,8 @@ static void text_sides(FILE *to, const struct run_play *play)
         struct bench_summary tests;
         uint64_t total;
         (void)run_summarise_count(play, i, RUN_BOX_TESTS, &tests, &total);
-        fprintf(to, " %10.0f", tests.p50);
+        fprintf(to, " %9.4g %10.0f", run_summarise_time(play, i, RUN_WALL).p99,
+                tests.p50);
         if (i > 0) {
             fprintf(to, " | %8.3f %8.3f", bench_summarise(&side->speed[RUN_STEP]).p50,
                     bench_summarise(&side->speed[RUN_WALL]).p50);

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -85,15 +86,16 @@ static void digest_triangles(XXH3_state_t *state, const struct bench_scene *scen
 struct player {
     const struct run_side *side;
     const struct run_way *way;
-    struct run_asked *asked; /* NULL between the steps of a side that is fresh */
+    struct bench_frames *frames; /* of the first side of the same scene */
+    struct bench_frames own;     /* of that one */
+    struct run_asked *asked;     /* NULL between the steps of a side that is fresh */
 };
 
-static void player_open(struct player *player, const struct run_side *side,
-                        const struct bench_frames *frames)
+static void player_open(struct player *player, const struct run_side *side)
 {
     player->side = side;
     player->way = side->via == RUN_VIA_ENGINE ? &run_way_engine : &run_way_client;
-    player->asked = side->is_fresh ? NULL : player->way->open(side, frames);
+    player->asked = side->is_fresh ? NULL : player->way->open(side, player->frames);
 }
 
 static void player_close(struct player *player, struct run_sequence *sequence)
@@ -107,8 +109,9 @@ static void player_close(struct player *player, struct run_sequence *sequence)
 }
 
 static bool player_step(struct player *player, struct run_sequence *sequence,
-                        const struct bench_frames *frames, struct run_frame *frame)
+                        struct run_frame *frame)
 {
+    const struct bench_frames *frames = player->frames;
     if (!player->side->is_fresh) {
         return player->way->step(player->asked, frames, frame);
     }
@@ -133,9 +136,29 @@ static bool keep(struct run_frame *kept, const struct run_frame *frame, uint32_t
     return memcmp(kept->hash, frame->hash, sizeof kept->hash) == 0;
 }
 
+/* Until the next step is due, so many times a second; 0: it is now. */
+static void await_tick(uint32_t hz)
+{
+    static uint64_t due_ns;
+    uint64_t now_ns = common_now_ns();
+    if (hz == 0) {
+        return;
+    }
+    due_ns += 1000000000u / hz;
+    due_ns = due_ns < now_ns ? now_ns : due_ns;
+    struct timespec due = {(time_t)(due_ns / 1000000000u), (long)(due_ns % 1000000000u)};
+    (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL);
+}
+
+static void seek(const struct run_play *play, struct player *players, uint32_t number)
+{
+    for (uint32_t i = 0; i < play->settings->side_count; i++) {
+        bench_frames_seek(players[i].frames, number);
+    }
+}
+
 /* The same step by all sides, beginning with another one each time. */
-static bool take_turns(struct run_play *play, struct player *players,
-                       const struct bench_frames *frames, uint32_t turn,
+static bool take_turns(struct run_play *play, struct player *players, uint32_t turn,
                        struct run_frame *taken)
 {
     uint32_t sides = play->settings->side_count;
@@ -143,14 +166,36 @@ static bool take_turns(struct run_play *play, struct player *players,
     for (uint32_t i = 0; i < sides; i++) {
         uint32_t which = (i + turn) % sides;
         memset(&taken[which], 0, sizeof taken[which]);
-        good = player_step(&players[which], &play->sides[which], frames, &taken[which]) &&
-               good;
+        await_tick(play->settings->hz);
+        good = player_step(&players[which], &play->sides[which], &taken[which]) && good;
     }
     return good;
 }
 
-/* What all sides took of a step. False: an answer is not that of the first side, or of
- * the first pass. */
+/* The first side of the same scene as side i. */
+static uint32_t first_of(const struct run_play *play, uint32_t i)
+{
+    uint32_t first = 0;
+    while (play->sides[first].source != play->sides[i].source) {
+        first++;
+    }
+    return first;
+}
+
+/* The first side that must have the same answers as side i. */
+static uint32_t first_like(const struct run_play *play, uint32_t i)
+{
+    const struct run_side *sides = play->settings->sides;
+    uint32_t first = 0;
+    while (sides[first].step.mode != sides[i].step.mode ||
+           play->sides[first].source != play->sides[i].source) {
+        first++;
+    }
+    return first;
+}
+
+/* What all sides took of a step. False: an answer is not that of the first side like it,
+ * or of the first pass. */
 static bool keep_turns(struct run_play *play, uint32_t step, uint32_t pass,
                        const struct run_frame *taken)
 {
@@ -160,10 +205,9 @@ static bool keep_turns(struct run_play *play, uint32_t step, uint32_t pass,
         struct run_sequence *sequence = &play->sides[i];
         good = bench_check(keep(&sequence->frames[step], &taken[i], pass),
                            play->source->name, "another pass has another answer") &&
-               bench_check(
-                   settings->sides[i].step.mode != settings->sides[0].step.mode ||
-                       memcmp(taken[i].hash, taken[0].hash, sizeof taken[i].hash) == 0,
-                   settings->sides[i].label, "another side has another answer") &&
+               bench_check(memcmp(taken[i].hash, taken[first_like(play, i)].hash,
+                                  sizeof taken[i].hash) == 0,
+                           settings->sides[i].label, "another side has another answer") &&
                good;
         for (enum run_time t = 0; i > 0 && t < RUN_TIMES; t++) {
             if (taken[i].ns[t] > 0 && taken[0].ns[t] > 0) {
@@ -177,16 +221,15 @@ static bool keep_turns(struct run_play *play, uint32_t step, uint32_t pass,
 
 /* The steps before the first one that counts. Where a scene has not so many, the first
  * one again and again, each time from its start. */
-static bool warm_up(struct run_play *play, struct player *players,
-                    struct bench_frames *frames)
+static bool warm_up(struct run_play *play, struct player *players)
 {
     const struct run_settings *settings = play->settings;
     struct run_frame unused[RUN_SIDES_MAX];
     bool good = true;
     for (uint32_t left = settings->warm_up; left > 0 && good; left--) {
-        bench_frames_seek(frames, settings->first >= left ? settings->first - left
-                                                          : settings->first);
-        good = take_turns(play, players, frames, 0, unused);
+        seek(play, players,
+             settings->first >= left ? settings->first - left : settings->first);
+        good = take_turns(play, players, 0, unused);
     }
     return good;
 }
@@ -194,25 +237,25 @@ static bool warm_up(struct run_play *play, struct player *players,
 /* The next step is of other triangles, or there is none. */
 static bool is_last_of_its_scene(const struct run_play *play, uint32_t number)
 {
-    const struct bench_scene *source = play->source;
+    const struct bench_scene *source = play->sides[0].source;
     return number == play->settings->last ||
            (source->before && number + 1 == source->break_frame);
 }
 
-static bool play_steps(struct run_play *play, struct player *players,
-                       struct bench_frames *frames, uint32_t pass, XXH3_state_t *state)
+static bool play_steps(struct run_play *play, struct player *players, uint32_t pass,
+                       XXH3_state_t *state)
 {
+    const struct bench_frames *frames = players[0].frames;
     const char *name = play->source->name;
     struct run_frame taken[RUN_SIDES_MAX];
-    bool good =
-        bench_check(warm_up(play, players, frames), name, "incomplete while warming up");
+    bool good = bench_check(warm_up(play, players), name, "incomplete while warming up");
     for (uint32_t i = 0; i < play->count && good; i++) {
         uint32_t number = play->settings->first + i;
         draw(play, pass, i);
-        bench_frames_seek(frames, number);
+        seek(play, players, number);
         digest_frame(state, frames, 0);
-        good = bench_check(take_turns(play, players, frames, pass + i, taken), name,
-                           "incomplete");
+        good =
+            bench_check(take_turns(play, players, pass + i, taken), name, "incomplete");
         for (uint32_t s = 0; s < play->settings->side_count; s++) {
             taken[s].number = number;
         }
@@ -231,22 +274,48 @@ static bool play_pass(struct run_play *play, uint32_t pass, XXH3_state_t *state)
     uint32_t before =
         settings->first < settings->warm_up ? settings->first : settings->warm_up;
     struct player players[RUN_SIDES_MAX];
-    struct bench_frames frames;
     char input[sizeof play->input];
     XXH3_128bits_reset(state);
-    bench_frames_init(&frames, play->source, settings->first - before);
     for (uint32_t i = 0; i < settings->side_count; i++) {
-        player_open(&players[i], &settings->sides[i], &frames);
+        players[i].frames = &players[first_of(play, i)].own;
+        if (players[i].frames == &players[i].own) {
+            bench_frames_init(&players[i].own, play->sides[i].source,
+                              settings->first - before);
+        }
+        player_open(&players[i], &settings->sides[i]);
     }
-    bool good = play_steps(play, players, &frames, pass, state);
+    bool good = play_steps(play, players, pass, state);
     digest_text(state, pass == 0 ? play->input : input);
     good = good && bench_check(pass == 0 || strcmp(play->input, input) == 0,
                                play->source->name, "frames differ when made again");
     for (uint32_t i = 0; i < settings->side_count; i++) {
         player_close(&players[i], &play->sides[i]);
+        if (players[i].frames == &players[i].own) {
+            bench_frames_deinit(&players[i].own);
+        }
     }
-    bench_frames_deinit(&frames);
     return good;
+}
+
+/* The scene of a side: as it is told, or the part that moves. */
+static void make_source(struct run_play *play, uint32_t i)
+{
+    const struct run_settings *settings = play->settings;
+    struct bench_moving moving = settings->sides[i].moving;
+    uint32_t first = 0;
+    while (settings->sides[first].moving.what != moving.what ||
+           settings->sides[first].moving.share != moving.share) {
+        first++;
+    }
+    if (first < i) {
+        play->sides[i].source = play->sides[first].source;
+    } else if (moving.what == BENCH_MOVING_TOLD) {
+        play->sides[i].source = play->source;
+    } else {
+        bench_make_partial(&play->sides[i].partial, play->source, settings->first,
+                           moving);
+        play->sides[i].source = &play->sides[i].partial;
+    }
 }
 
 bool run_play(struct run_play *play, const struct run_settings *settings,
@@ -259,6 +328,7 @@ bool run_play(struct run_play *play, const struct run_settings *settings,
                               .count = settings->last - settings->first + 1};
     for (uint32_t i = 0; i < settings->side_count; i++) {
         play->sides[i].frames = bench_alloc(play->count, sizeof *play->sides[i].frames);
+        make_source(play, i);
     }
     for (uint32_t pass = 0; pass < settings->repeat && good; pass++) {
         good = play_pass(play, pass, state);
@@ -275,6 +345,9 @@ void run_play_deinit(struct run_play *play)
 {
     for (uint32_t i = 0; i < play->settings->side_count; i++) {
         free(play->sides[i].frames);
+        if (play->sides[i].source == &play->sides[i].partial) {
+            bench_scene_free(&play->sides[i].partial);
+        }
         for (enum run_time t = 0; t < RUN_TIMES; t++) {
             bench_free(&play->sides[i].speed[t]);
         }

@@ -16,6 +16,9 @@
 
 /* What the steps of one side were. */
 struct run_sequence {
+    const struct bench_scene *source; /* of which its steps are */
+    struct bench_scene partial; /* that scene, where this side is the first of it and not
+                                   all moves as it is told */
     struct run_frame *frames; /* [count]; times of the least pass, counts of the first */
     const char *method;       /* that the steps used */
     const char *cpu;          /* their instruction set */
@@ -25,7 +28,7 @@ struct run_sequence {
 
 struct run_play {
     const struct run_settings *settings;
-    const struct bench_scene *source;
+    const struct bench_scene *source;         /* as it is told */
     uint32_t count;                           /* of steps that are kept */
     struct run_sequence sides[RUN_SIDES_MAX]; /* [settings->side_count] */
     char input[33]; /* XXH3-128 of the positions of all steps that are kept */

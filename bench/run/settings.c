@@ -18,10 +18,14 @@
 #define THREADS_MAX 1024u
 #define STEPS_MAX   1000000u
 #define REPEATS_MAX 1000000u
+#define HZ_MAX      10000u
 #define WORDS_MAX   32 /* of --beside */
 
 static const char *const vias[RUN_VIAS] = {"engine", "daemon", "direct"};
 static const char *const formats[RUN_FORMATS] = {"text", "csv", "json"};
+static const char *const sends[] = {"all", "moved"};
+static const char *const movings[BENCH_MOVINGS] = {"told", "objects", "patch",
+                                                   "vertices"};
 static const char *const cpus[] = {"scalar", "sse4", "avx2", "avx512", "neon"};
 
 enum {
@@ -40,7 +44,10 @@ enum {
     OPTION_BESIDE,
     OPTION_FRESH,
     OPTION_TEAM,
-    OPTION_REBUILD_RATIO
+    OPTION_REBUILD_RATIO,
+    OPTION_MOVING,
+    OPTION_SENDS,
+    OPTION_HZ
 };
 
 /* What a side may differ in. */
@@ -66,6 +73,15 @@ static const struct argp_option side_options[] = {
     {"fresh", OPTION_FRESH, NULL, 0,
      "Make a scene for each step, and free it: what a function takes that keeps nothing",
      2},
+    {"moving", OPTION_MOVING, "told|none|all|objects:SHARE|patch:SHARE|vertices:SHARE", 0,
+     "What moves: all as it is told (the default); or this part, such as objects:0.01, "
+     "goes to and fro between the first frame that counts and the next one, and all else "
+     "stands",
+     2},
+    {"sends", OPTION_SENDS, "all|moved", 0,
+     "Hand over every position (the default), or only those that change (daemon and "
+     "direct only)",
+     2},
     {"cpu", OPTION_CPU, "scalar|sse4|avx2|avx512|neon", 0,
      "Instruction set (default: $PCCD_CPU, or the best)", 2},
     {0},
@@ -86,6 +102,10 @@ static const struct argp_option option_list[] = {
     {"repeat", OPTION_REPEAT, "N", 0,
      "Play everything N times, each time a new scene; of each step the pass that took "
      "the least is kept, with its phases (default: 1)",
+     1},
+    {"hz", OPTION_HZ, "N", 0,
+     "Begin a step so many times a second, as a game does (default: as soon as the last "
+     "one ended)",
      1},
     {"beside", OPTION_BESIDE, "OPTIONS", 0,
      "Take each step once more with these options besides the others, such as "
@@ -171,6 +191,36 @@ static void read_tuning(struct pccd_step_settings *step, const struct argp_state
     step->tuning = text;
 }
 
+static struct bench_moving moving_of(const struct argp_state *state, const char *text)
+{
+    const char *share = strchr(text, ':');
+    struct bench_moving moving = {BENCH_MOVING_VERTICES, 0};
+    char *stop = NULL;
+    if (strcmp(text, "none") == 0) {
+        return moving;
+    }
+    if (strcmp(text, "all") == 0) {
+        moving.share = 1;
+        return moving;
+    }
+    for (moving.what = 0; moving.what < BENCH_MOVINGS; moving.what++) {
+        size_t length = strlen(movings[moving.what]);
+        if (strncmp(text, movings[moving.what], length) == 0 &&
+            (share ? text + length == share : text[length] == '\0')) {
+            break;
+        }
+    }
+    if (share) {
+        moving.share = strtod(share + 1, &stop);
+    }
+    if (moving.what == BENCH_MOVINGS || (moving.what == BENCH_MOVING_TOLD) == !!share ||
+        (share && (stop == share + 1 || *stop != '\0' || !(moving.share >= 0) ||
+                   moving.share > 1))) {
+        argp_error(state, "--moving: \"%s\" is not known; see --help", text);
+    }
+    return moving;
+}
+
 /* Those that choose a way to compute a step. */
 static error_t parse_side(int key, char *text, struct argp_state *state)
 {
@@ -207,7 +257,16 @@ static error_t parse_side(int key, char *text, struct argp_state *state)
     case OPTION_VIA:
         side->via = (enum run_via)place_of(state, "via", text, vias, RUN_VIAS);
         break;
+    case OPTION_MOVING:
+        side->moving = moving_of(state, text);
+        break;
+    case OPTION_SENDS:
+        side->sends_moved = place_of(state, "sends", text, sends, 2) == 1;
+        break;
     case ARGP_KEY_END:
+        if (side->sends_moved && side->via == RUN_VIA_ENGINE) {
+            argp_error(state, "--sends: only with --via daemon or direct");
+        }
         if (side->is_team && side->via != RUN_VIA_ENGINE) {
             argp_error(state, "--team: only with --via engine");
         }
@@ -268,6 +327,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_REPEAT:
         settings->repeat = number_of(state, "repeat", text, 1, REPEATS_MAX);
         break;
+    case OPTION_HZ:
+        settings->hz = number_of(state, "hz", text, 1, HZ_MAX);
+        break;
     case OPTION_BESIDE:
         add_beside(settings, state, text);
         break;
@@ -324,6 +386,16 @@ void run_settings_read(struct run_settings *settings, int argc, char **argv)
     }
 }
 
+static bool is_endless(const struct run_settings *settings)
+{
+    for (uint32_t i = 0; i < settings->side_count; i++) {
+        if (settings->sides[i].moving.what == BENCH_MOVING_TOLD) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool run_settings_fit(struct run_settings *settings, uint32_t step_count,
                       uint32_t hard_step)
 {
@@ -334,7 +406,12 @@ bool run_settings_fit(struct run_settings *settings, uint32_t step_count,
     if (settings->is_hard) {
         settings->first = hard_step;
         settings->last += hard_step;
-        settings->last = settings->last < step_count ? settings->last : step_count - 1;
+    }
+    if (is_endless(settings)) {
+        return settings->first < step_count;
+    }
+    if (settings->is_hard && settings->last >= step_count) {
+        settings->last = step_count - 1;
     }
     return settings->last < step_count;
 }

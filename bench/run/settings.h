@@ -1,6 +1,6 @@
 /* bench/run/settings.h - the command line of pccd-bench.
  *
- * Room:     bench/run. May include: pccd.h.
+ * Room:     bench/run. May include: bench/scenes, pccd.h.
  * Does:     read it; name the choices.
  * Threads:  one.
  */
@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "families.h"
 #include "pccd.h"
 
 enum run_via { RUN_VIA_ENGINE, RUN_VIA_DAEMON, RUN_VIA_DIRECT, RUN_VIAS };
@@ -27,6 +28,8 @@ struct run_side {
     double rebuild_ratio;           /* of the scene (pccd_scene_settings) */
     bool is_fresh; /* each step in a scene of its own, which is made and freed with it */
     bool is_team;  /* by all threads also where one would be faster */
+    struct bench_moving moving; /* of the scene */
+    bool sends_moved; /* only what moves is handed over, not every position (libpccd) */
 };
 
 struct run_settings {
@@ -42,6 +45,7 @@ struct run_settings {
     uint32_t last;
     uint32_t warm_up; /* steps before them */
     uint32_t repeat;  /* passes */
+    uint32_t hz;      /* begin a step so many times a second; 0: at once */
     const char *path; /* of the output; NULL: the standard output */
 };
 
@@ -49,7 +53,8 @@ struct run_settings {
 void run_settings_read(struct run_settings *settings, int argc, char **argv);
 
 /* Choose the steps of a scene that has 0 .. step_count - 1, of which `hard_step` stands
- * for it. False: some that were asked for are none of them. */
+ * for it; where each side says what moves, there are any number from the first one on.
+ * False: some that were asked for are none of them. */
 bool run_settings_fit(struct run_settings *settings, uint32_t step_count,
                       uint32_t hard_step);
 

@@ -60,6 +60,22 @@ cat "$work/different" >>"$log"
 [ ! -s "$work/different" ]
 tap_result $? pccd_bench__has_the_same_frames_when_repeated "$log"
 
+# If this failed, steps of which a part moves would be others by another way, or where only what
+# moves is handed over; or what stands would move.
+: >"$log"
+for moving in none objects:0.5 patch:0.05 vertices:0.02 all; do
+    for via in engine daemon direct; do
+        run --via $via --moving $moving --frames hard+3 --format csv -o "$work/$via.csv" bodies 2>>"$log" &&
+            item hash "$work/$via.csv" || echo "$via $moving failed"
+        [ $via = engine ] ||
+            run --via $via --moving $moving --sends moved --frames hard+3 --format csv \
+                -o "$work/$via.csv" bodies 2>>"$log" && item hash "$work/$via.csv" || echo "$via moved failed"
+    done | sort -u
+done >"$work/hashes"
+cat "$work/hashes" >>"$log"
+[ "$(wc -l <"$work/hashes")" -eq 5 ] && [ "$(sort -u "$work/hashes" | grep -cE '^2:[0-9a-f]{32}$')" -eq 5 ]
+tap_result $? pccd_bench__moves_the_same_part_by_all_ways "$log"
+
 # If this failed, steps would be missing from a figure, or stand under another heading.
 run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
     awk -F, '/^#/ { next }
@@ -127,6 +143,13 @@ done <<'END'
 --method --method narrow cloth-20k
 --tuning --tuning=scheduler=serial cloth-20k
 --format --format xml cloth-20k
+--moving --moving=some cloth-20k
+--moving --moving=objects cloth-20k
+--moving --moving=patch:2 cloth-20k
+--moving --moving=none:0.1 cloth-20k
+--sends --sends=moved cloth-20k
+--sends --via=daemon --sends=nothing cloth-20k
+--hz --hz=0 cloth-20k
 --output --output /nowhere/file cloth-20k
 cloth-21k cloth-21k
 --list

@@ -17,6 +17,7 @@
 #include "workload.h"
 
 #define TIMEOUT_MS 3600000 /* a step of millions of triangles, on one thread */
+#define GAP_MAX    4u      /* vertices of a range that do not move, one after the other */
 
 struct run_asked {
     struct pccd_client *client;
@@ -27,6 +28,17 @@ struct run_asked {
     uint32_t *meshes;  /* the same */
     uint32_t frame;    /* where it stands */
     enum pccd_method method;
+    bool sends_moved;
+    struct range *ranges; /* what is handed over of a step, object by object */
+    uint32_t range_count;
+    uint32_t range_capacity;
+};
+
+/* Vertices of an object that are handed over together. */
+struct range {
+    uint32_t object;
+    uint32_t first;
+    uint32_t count;
 };
 
 static struct pccd_client *connect_via(const struct run_side *side)
@@ -79,7 +91,8 @@ static struct run_asked *open_client(const struct run_side *side,
     *asked = (struct run_asked){.client = connect_via(side),
                                 .settings = side->step,
                                 .source = frames->scene,
-                                .frame = frames->from};
+                                .frame = frames->from,
+                                .sends_moved = side->sends_moved};
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
     asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
     const struct pccd_scene_settings scene = {.rebuild_ratio = side->rebuild_ratio};
@@ -96,6 +109,7 @@ static void close_client(struct run_asked *asked)
     pccd_close(asked->client);
     free(asked->objects);
     free(asked->meshes);
+    free(asked->ranges);
     free(asked);
 }
 
@@ -117,24 +131,75 @@ static void follow(struct run_asked *asked, const struct bench_frames *frames)
 
 /* ---- a step ------------------------------------------------------------------------ */
 
-/* The positions of one object, one end or both. */
-static void write_object(struct run_asked *asked, const struct bench_frames *frames,
-                         struct pccd_frame *slot, uint32_t i)
+static void add_range(struct run_asked *asked, struct range range)
 {
-    uint32_t count = asked->source->objects[i].vertex_count;
-    size_t bytes = count * sizeof(double[3]);
+    if (asked->range_count == asked->range_capacity) {
+        uint32_t capacity = asked->range_capacity > 0 ? 2 * asked->range_capacity : 64;
+        struct range *ranges = bench_alloc(capacity, sizeof *ranges);
+        if (asked->range_count > 0) {
+            memcpy(ranges, asked->ranges, asked->range_count * sizeof *ranges);
+        }
+        free(asked->ranges);
+        asked->ranges = ranges;
+        asked->range_capacity = capacity;
+    }
+    asked->ranges[asked->range_count++] = range;
+}
+
+/* The ranges of an object that change; one range goes on over a few vertices that do
+ * not, which take less than another segment would. */
+static void add_moved(struct run_asked *asked, const struct bench_frames *frames,
+                      uint32_t i)
+{
+    const double(*x0)[3] = (const double(*)[3])bench_frames_x(frames, 0, i);
+    const double(*x1)[3] = (const double(*)[3])bench_frames_x(frames, 1, i);
+    uint32_t before = asked->range_count;
+    for (uint32_t v = 0; v < asked->source->objects[i].vertex_count; v++) {
+        if (memcmp(x0[v], x1[v], sizeof *x0) == 0) {
+            continue;
+        }
+        struct range *last =
+            asked->range_count > before ? &asked->ranges[asked->range_count - 1] : NULL;
+        if (last && v - last->first - last->count <= GAP_MAX) {
+            last->count = v - last->first + 1;
+        } else {
+            add_range(asked, (struct range){i, v, 1});
+        }
+    }
+}
+
+/* What is handed over of the next step. A client knows it: not timed. */
+static void choose_ranges(struct run_asked *asked, const struct bench_frames *frames)
+{
+    asked->range_count = 0;
+    for (uint32_t i = 0; i < asked->source->object_count; i++) {
+        if (asked->sends_moved && asked->frame == frames->from) {
+            add_moved(asked, frames, i);
+        } else {
+            add_range(asked,
+                      (struct range){i, 0, asked->source->objects[i].vertex_count});
+        }
+    }
+}
+
+/* The positions of a range, one end or both. */
+static void write_range(struct run_asked *asked, const struct bench_frames *frames,
+                        struct pccd_frame *slot, const struct range *range)
+{
+    uint32_t object = asked->objects[range->object];
+    size_t bytes = range->count * sizeof(double[3]);
     void *x[2];
     if (asked->frame == frames->from) {
-        bench_must(
-            pccd_frame_x1(slot, asked->objects[i], PCCD_FORMAT_F64, 0, count, &x[1]),
-            "segment", asked->client);
-    } else {
-        bench_must(pccd_frame_x0x1(slot, asked->objects[i], PCCD_FORMAT_F64, 0, count,
-                                   &x[0], &x[1]),
+        bench_must(pccd_frame_x1(slot, object, PCCD_FORMAT_F64, range->first,
+                                 range->count, &x[1]),
                    "segment", asked->client);
-        memcpy(x[0], bench_frames_x(frames, 0, i), bytes);
+    } else {
+        bench_must(pccd_frame_x0x1(slot, object, PCCD_FORMAT_F64, range->first,
+                                   range->count, &x[0], &x[1]),
+                   "segment", asked->client);
+        memcpy(x[0], bench_frames_x(frames, 0, range->object) + range->first, bytes);
     }
-    memcpy(x[1], bench_frames_x(frames, 1, i), bytes);
+    memcpy(x[1], bench_frames_x(frames, 1, range->object) + range->first, bytes);
 }
 
 static void ask(struct run_asked *asked, const struct bench_frames *frames,
@@ -142,12 +207,12 @@ static void ask(struct run_asked *asked, const struct bench_frames *frames,
 {
     struct pccd_frame slot;
     uint64_t step;
-    bench_must(pccd_frame_begin(asked->client, asked->scene, asked->source->object_count,
+    bench_must(pccd_frame_begin(asked->client, asked->scene, asked->range_count,
                                 2ull * asked->source->vertex_count * sizeof(double[3]),
                                 &slot),
                "frame", asked->client);
-    for (uint32_t i = 0; i < asked->source->object_count; i++) {
-        write_object(asked, frames, &slot, i);
+    for (uint32_t i = 0; i < asked->range_count; i++) {
+        write_range(asked, frames, &slot, &asked->ranges[i]);
     }
     bench_must(pccd_frame_commit(&slot, &asked->settings, &step), "commit",
                asked->client);
@@ -179,6 +244,7 @@ static bool step_client(struct run_asked *asked, const struct bench_frames *fram
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     follow(asked, frames);
+    choose_ranges(asked, frames);
     uint64_t begin_ns = common_now_ns();
     ask(asked, frames, &answer);
     frame->ns[RUN_WALL] = common_now_ns() - begin_ns;

@@ -45,6 +45,28 @@ void bench_make_layers_10m(struct bench_scene *scene, bool small);
 /* Two sheets, of which `count` vertices of the one pass through the other to and fro. */
 void bench_make_crossing(struct bench_scene *scene, uint32_t side, uint32_t count);
 
+/* game.c: a landscape that stands, bodies that move on it, a flag; now and then a large
+ * boulder rolls on. Sixty frames are a second. */
+void bench_make_game(struct bench_scene *scene, bool small);
+
+/* partial.c: which part of a scene moves. */
+enum bench_moving_what {
+    BENCH_MOVING_TOLD,     /* as the scene is told */
+    BENCH_MOVING_OBJECTS,  /* a share of the objects, spread evenly */
+    BENCH_MOVING_PATCH,    /* of the vertices, those around one of the largest object */
+    BENCH_MOVING_VERTICES, /* of the vertices, spread evenly */
+    BENCH_MOVINGS
+};
+struct bench_moving {
+    enum bench_moving_what what;
+    double share; /* 0 .. 1 */
+};
+
+/* The objects of `told`. What moves goes to and fro between `frame` and the next one, all
+ * else stands where it is at `frame`; for any number of frames. */
+void bench_make_partial(struct bench_scene *scene, const struct bench_scene *told,
+                        uint32_t frame, struct bench_moving moving);
+
 /* recorded.c: from one frame of $PCCD_DATA to another with the same faces, in `steps` of
  * equal length. False: they are not there. */
 bool bench_read_recorded(struct bench_scene *scene, const char *const names[2],
