@@ -7,6 +7,7 @@
 #include "answer.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "clock.h"
@@ -85,6 +86,27 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
     return status;
 }
 
+void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team)
+{
+    struct eng_worker *worker = team->workers[0];
+    struct eng_kept *kept = &memory->kept;
+    assert(team->prunes && memory->merge.out == &memory->sorted);
+    if (worker->settings->mode == PCCD_MODE_ANY) {
+        if (eng_kept_decides(kept, team->scene)) {
+            worker->proved_seen = 1;
+            worker->proof = kept->proof;
+            atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
+        }
+        return;
+    }
+    memory->merge.out = &memory->found;
+    double bound =
+        eng_kept_select(kept, team->scene, &memory->sorted, &memory->kept_counts);
+    if (worker->settings->mode == PCCD_MODE_FIRST) {
+        eng_worker_tighten(worker, bound);
+    }
+}
+
 /* A part of the merge that began at `begin_ns` is done. */
 static void end_part(struct eng_worker *worker, uint64_t begin_ns)
 {
@@ -119,11 +141,11 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
     }
 }
 
+/* What the workers found, in order, in merge->out, and counted. */
 static int collect(struct eng_step_memory *memory, const struct eng_team *team,
-                   struct eng_step_result *result)
+                   struct eng_step_result *result, struct eng_counts *counts)
 {
     struct eng_merge *merge = &memory->merge;
-    struct eng_counts counts;
     bool overflowed = false;
     if (result->mode == PCCD_MODE_FIRST && team->count == 1) {
         struct eng_worker *worker = team->workers[0];
@@ -134,7 +156,7 @@ static int collect(struct eng_step_memory *memory, const struct eng_team *team,
         result->incomplete = (enum pccd_incomplete)atomic_load_explicit(
             &team->workers[0]->stop->reason, memory_order_relaxed);
     }
-    int status = eng_merge_end(merge, &counts);
+    int status = eng_merge_end(merge, counts);
     if (status != PCCD_OK) {
         return status;
     }
@@ -148,27 +170,94 @@ static int collect(struct eng_step_memory *memory, const struct eng_team *team,
     if (overflowed && result->incomplete == PCCD_COMPLETE) {
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
+    return PCCD_OK;
+}
+
+static void add_counts(struct eng_counts *to, const struct eng_counts *from)
+{
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        to->kind[kind] += from->kind[kind];
+    }
+    to->possible += from->possible;
+    to->initial += from->initial;
+    to->hash += from->hash;
+    to->toi_first = fmin(to->toi_first, from->toi_first);
+}
+
+/* The records of what stands come to those that were found. An answer that is incomplete
+ * without them stays so: who asked for it in time gets it at once. */
+static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
+                    struct eng_step_result *result, struct eng_counts *counts)
+{
+    if (result->incomplete != PCCD_COMPLETE) {
+        struct eng_records sorted = memory->sorted;
+        memory->sorted = memory->found;
+        memory->found = sorted;
+        return PCCD_OK;
+    }
+    result->counters.kept_records = memory->sorted.count;
+    int status = eng_kept_merge(&memory->sorted, &memory->found);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    add_counts(counts, &memory->kept_counts);
+    uint64_t limit = team->workers[0]->found.limit;
+    if (memory->sorted.count > limit) {
+        memory->sorted.count = limit;
+        eng_kept_count(&memory->sorted, counts);
+        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+    }
+    return PCCD_OK;
+}
+
+static int put_together(struct eng_step_memory *memory, const struct eng_team *team,
+                        struct eng_step_result *result, struct eng_counts *counts)
+{
+    int status = collect(memory, team, result, counts);
+    if (status == PCCD_OK && team->prunes) {
+        status = add_kept(memory, team, result, counts);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
     result->records = memory->sorted.data;
     result->count = memory->sorted.count;
-    memcpy(result->counts, counts.kind, sizeof counts.kind);
-    result->possible = counts.possible;
-    result->initial = counts.initial;
-    result->toi_first = counts.toi_first;
-    eng_hash_end(counts.hash, result->count, result->hash);
+    memcpy(result->counts, counts->kind, sizeof counts->kind);
+    result->possible = counts->possible;
+    result->initial = counts->initial;
+    result->toi_first = counts->toi_first;
+    eng_hash_end(counts->hash, result->count, result->hash);
     return PCCD_OK;
+}
+
+/* A pair that decided mode any. NULL: none has. */
+static const struct pccd_pair *proof_of(const struct eng_team *team)
+{
+    for (uint32_t i = 0; i < team->count; i++) {
+        if (team->workers[i]->proved_seen > 0) {
+            return &team->workers[i]->proof;
+        }
+    }
+    return NULL;
 }
 
 void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result)
 {
-    memory->sorted.count = 0;
+    struct eng_counts counts = {.toi_first = 2};
+    if (!team->prunes || result->mode == PCCD_MODE_ANY) {
+        memory->sorted.count = 0;
+    }
     if (result->mode == PCCD_MODE_ANY) {
         decide(team, result);
-    } else if (collect(memory, team, result) != PCCD_OK) {
+    } else if (put_together(memory, team, result, &counts) != PCCD_OK) {
         /* No memory to sort: an empty page that says it is not the whole answer. */
+        memory->sorted.count = 0;
         eng_answer_nothing(result);
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
+    eng_kept_finish(&memory->kept, team->scene, team->workers[0]->settings, result,
+                    &counts, proof_of(team));
 }
 
 void eng_answer_nothing(struct eng_step_result *result)

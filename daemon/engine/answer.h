@@ -16,6 +16,10 @@
 /* PCCD_E_NOMEM. */
 int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team);
 
+/* The team prunes (team.h): take what stands out of the last answer. Then, in mode any,
+ * the step may be decided: it is stopped. [compute] */
+void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team);
+
 /* The thread's share: `worker` is its own. Fills in record.merge_ns; waits for the others
  * once, or twice if there is much to merge, and in mode first once more. */
 void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,

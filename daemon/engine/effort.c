@@ -51,6 +51,13 @@ bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t tr
     return effort->paid && (work_ns >= PAYS_SURELY_FROM_NS || is_quicker(effort, mode));
 }
 
+bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
+                         double part)
+{
+    assert(part >= 0 && part <= 1);
+    return (double)effort->work_ns[mode] * part >= PAYS_FROM_NS;
+}
+
 void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns)
 {
     assert(mode <= PCCD_MODE_PAIRS);

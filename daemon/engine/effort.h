@@ -23,6 +23,10 @@ struct eng_effort {
 /* Should the next step in this mode be taken by more than one thread? */
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles);
 
+/* The same where this part, 0 .. 1, of what is searched as a rule moves. */
+bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
+                         double part);
+
 /* A step was done from beginning to end; `work_ns` is the time that its threads took,
  * without waiting. */
 void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns);

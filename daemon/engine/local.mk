@@ -193,6 +193,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_resort.h \
     daemon/engine/wide/wide_state.c \
     daemon/engine/wide/wide_state.h \
+    daemon/engine/wide/wide_still.c \
+    daemon/engine/wide/wide_still.h \
     daemon/engine/wide/wide_sweep.c \
     daemon/engine/wide/wide_sweep.h \
     daemon/engine/wide/wide_team.c \
@@ -206,6 +208,8 @@ libengine_la_SOURCES = \
     daemon/engine/effort.c \
     daemon/engine/effort.h \
     daemon/engine/engine.h \
+    daemon/engine/kept.c \
+    daemon/engine/kept.h \
     daemon/engine/levels.c \
     daemon/engine/levels.h \
     daemon/engine/methods.c \

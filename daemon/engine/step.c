@@ -28,7 +28,8 @@ static bool settings_are_valid(const struct eng_step_settings *settings)
     return settings->mode < PCCD_MODE_COUNT && settings->method < PCCD_METHOD_COUNT &&
            settings->threads >= 1 && settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            settings->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
-           settings->tuning.refit < ENG_REFIT_COUNT && settings->tolerance >= 1e-12 &&
+           settings->tuning.refit < ENG_REFIT_COUNT &&
+           settings->tuning.still < ENG_STILL_COUNT && settings->tolerance >= 1e-12 &&
            settings->tolerance <= 1;
 }
 
@@ -60,6 +61,7 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     enum pccd_method method = eng_method_of(settings);
     team->scene = scene;
+    team->prunes = false;
     team->method = eng_methods[method];
     if (team->method->is_stale(scene)) {
         eng_effort_forget(&memory->effort[method]);
@@ -83,6 +85,42 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
         memory->workers[i]->thread = i;
     }
     return eng_answer_begin(memory, team);
+}
+
+/* What is left of the work where most stands still is for one thread, as a rule. */
+static void make_single(struct eng_step_memory *memory, struct eng_team *team,
+                        const struct eng_step_settings *settings, struct eng_stop *stop)
+{
+    team->count = 1;
+    eng_pool_reset(&memory->pool, 1);
+    eng_worker_begin(memory->workers[0], team->scene, settings, stop, &memory->pool);
+    int status = eng_answer_begin(memory, team);
+    assert(status == PCCD_OK); /* it had room for more */
+    (void)status;
+}
+
+/* The positions have moved on: keep what the last answer says of what stands still. */
+static void keep_what_stands(struct eng_team *team,
+                             const struct eng_step_settings *settings,
+                             struct eng_stop *stop)
+{
+    const struct eng_scene *scene = team->scene;
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    const struct eng_effort *effort = &memory->effort[eng_method_of(settings)];
+    team->prunes = team->method->can_prune &&
+                   eng_kept_begin(&memory->kept, scene, settings, &memory->sorted);
+    if (!team->prunes) {
+        return;
+    }
+    double part = (double)scene->moving.vertices / (double)scene->moving.all;
+    if (team->count > 1 && !settings->team_always &&
+        !eng_effort_pays_for(effort, settings->mode, part)) {
+        make_single(memory, team, settings, stop);
+    }
+    for (uint32_t i = 0; i < team->count; i++) {
+        memory->workers[i]->prunes = true;
+    }
+    eng_answer_keep(memory, team);
 }
 
 /* Refit and detection by one thread; returns when they ended. */
@@ -243,7 +281,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         work_ns += record->refit_ns + record->low_ns + record->high_ns + record->merge_ns;
         memory->records[i] = *record;
     }
-    if (result->incomplete == PCCD_COMPLETE) {
+    if (result->incomplete == PCCD_COMPLETE && !team->prunes) {
         struct eng_effort *effort = &memory->effort[result->method];
         eng_effort_learn(effort, result->mode, work_ns);
         eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
@@ -284,7 +322,8 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
                                 .toi_first = 2};
     r.times.ingest = scene->stage_ns;
     scene->step++;
-    eng_frames_choose(scene, 1 - scene->now, scene->now);
+    keep_what_stands(&team, settings, &stop);
+    eng_frames_follow(scene);
     team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);

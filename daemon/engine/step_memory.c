@@ -59,6 +59,8 @@ static void destroy(struct eng_scene *scene)
     eng_pool_deinit(&memory->pool);
     eng_merge_deinit(&memory->merge);
     eng_records_deinit(&memory->sorted);
+    eng_records_deinit(&memory->found);
+    eng_kept_deinit(&memory->kept);
     eng_free(memory);
     scene->slots[ENG_SLOT_STEP] = NULL;
 }
@@ -101,10 +103,9 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
     return PCCD_OK;
 }
 
-/* The last answer is dropped: its names may no longer mean the same. */
 static void changed(struct eng_scene *scene)
 {
-    eng_step_memory_of(scene)->sorted.count = 0;
+    eng_step_memory_of(scene)->kept.objects_changed = true;
 }
 
 static uint64_t bytes_of(const struct eng_worker *worker)
@@ -121,6 +122,7 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
 {
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
     uint64_t sum = sizeof *memory + memory->sorted.capacity_bytes +
+                   memory->found.capacity_bytes + eng_kept_bytes(&memory->kept) +
                    eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         sum += bytes_of(memory->workers[i]);

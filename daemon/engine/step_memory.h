@@ -1,7 +1,7 @@
 /* daemon/engine/step_memory.h - the memory that a step leaves for the next one, so that a
  * warm step allocates nothing.
  *
- * Room:     engine. May include: effort.h, merge.h, worker.h, world.h.
+ * Room:     engine. May include: effort.h, kept.h, merge.h, worker.h, world.h.
  * Does:     keep threads' workers, queues, records and sort scratch of a scene.
  * Threads:  [compute].
  */
@@ -9,6 +9,7 @@
 #define ENG_STEP_MEMORY_H
 
 #include "effort.h"
+#include "kept.h"
 #include "merge.h"
 #include "worker.h"
 #include "world.h"
@@ -23,6 +24,9 @@ struct eng_step_memory {
     struct eng_pool pool;                        /* of the workers' records */
     struct eng_merge merge;
     struct eng_records sorted; /* the last answer */
+    struct eng_records found;  /* what a step adds to those of it that it keeps */
+    struct eng_kept kept;
+    struct eng_counts kept_counts; /* of what a step keeps */
 };
 
 /* That of a scene. */

@@ -151,6 +151,7 @@ static void effort__steps_go_by_it(void **state)
     uint32_t small;
     uint32_t large;
     settings.threads = 2;
+    settings.tuning.still = ENG_STILL_ANEW;
     assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
     struct eng_mesh *mesh = kit_soup(&random, 8);
     assert_int_equal(eng_scene_add(scene, mesh, 1, &small), PCCD_OK);
@@ -164,6 +165,10 @@ static void effort__steps_go_by_it(void **state)
         assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
         assert_int_equal(result.threads, 2);
     }
+    settings.tuning.still = ENG_STILL_KEPT; /* nothing moves: there is nothing to share */
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.threads, 1);
+    settings.tuning.still = ENG_STILL_ANEW;
     assert_int_equal(eng_scene_remove(scene, large), PCCD_OK);
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
     assert_int_equal(result.threads, 1);

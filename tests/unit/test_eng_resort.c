@@ -67,6 +67,7 @@ static struct eng_step_result step(enum pccd_mode mode, uint32_t threads)
     settings.mode = mode;
     settings.threads = threads;
     settings.team_always = true;
+    settings.tuning.still = ENG_STILL_ANEW; /* the shuffled soup then stands */
     eng_stage_begin(soup.scene);
     assert_int_equal(eng_stage_x0x1(soup.scene, soup.idx, PCCD_FORMAT_F64, 0, VERTICES,
                                     soup.x, soup.x),
@@ -290,6 +291,7 @@ static struct eng_step_result step_pieces(struct eng_scene *scene, uint32_t idx,
     struct eng_step_result result;
     settings.method = PCCD_METHOD_WIDE;
     settings.mode = PCCD_MODE_PAIRS;
+    settings.tuning.still = ENG_STILL_ANEW;
     eng_stage_begin(scene);
     assert_int_equal(eng_stage_x0x1(scene, idx, PCCD_FORMAT_F64, 0, PIECES * SHEET, x, x),
                      PCCD_OK);

@@ -194,6 +194,7 @@ static void warm__second_step_allocates_nothing(void **state)
         enum pccd_mode mode = (enum pccd_mode)(round % MODES);
         enum pccd_method method = round < MODES ? PCCD_METHOD_PAPER : PCCD_METHOD_WIDE;
         struct eng_step_result first = run_by(f, mode, method);
+        (void)run_by(f, mode, method); /* the first that keeps what stands */
         for (int again = 0; again < 3; again++) {
             size_t before = calls;
             struct eng_step_result second = run_by(f, mode, method);

@@ -41,11 +41,19 @@ enum eng_refit_scheme {
     ENG_REFIT_COUNT
 };
 
+/* What becomes of the boxes and records of what stands still (scene/moving.h). */
+enum eng_still {
+    ENG_STILL_KEPT, /* they are those of the last step */
+    ENG_STILL_ANEW, /* they are made anew, as if everything moved: to compare with */
+    ENG_STILL_COUNT
+};
+
 /* All of it; zeros are the defaults. Its text is in tuning.h. */
 struct eng_tuning {
     enum eng_scheduler scheduler;
     enum eng_high_level high_level;
     enum eng_refit_scheme refit;
+    enum eng_still still; /* of steps by one thread, too */
 };
 
 struct eng_step_settings {
@@ -71,8 +79,9 @@ struct eng_step_settings {
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                 \
-            {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN}, NULL,     \
-            NULL, NULL, false, false                                                     \
+            {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
+             ENG_STILL_KEPT},                                                            \
+            NULL, NULL, NULL, false, false                                               \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

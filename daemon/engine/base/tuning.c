@@ -13,7 +13,7 @@
 #define VALUES_MAX  2
 #define QUOTE_BYTES 32 /* of the client's text that an error says again */
 
-enum { SCHEDULER, HIGH_LEVEL, REFIT, CHOICE_COUNT };
+enum { SCHEDULER, HIGH_LEVEL, REFIT, STILL, CHOICE_COUNT };
 
 static const struct {
     const char *name;
@@ -22,9 +22,10 @@ static const struct {
     [SCHEDULER] = {"scheduler", {"steal", "paper"}},
     [HIGH_LEVEL] = {"high-level", {"round-robin", "disjoint"}},
     [REFIT] = {"refit", {"even", "paper"}},
+    [STILL] = {"still", {"kept", "anew"}},
 };
 static_assert(ENG_SCHEDULER_COUNT == VALUES_MAX && ENG_HIGH_LEVEL_COUNT == VALUES_MAX &&
-                  ENG_REFIT_COUNT == VALUES_MAX,
+                  ENG_REFIT_COUNT == VALUES_MAX && ENG_STILL_COUNT == VALUES_MAX,
               "a word for each value");
 
 /* A part of a text. */
@@ -63,9 +64,9 @@ static int read_choice(struct word item, uint32_t values[CHOICE_COUNT],
     }
     if (choice == CHOICE_COUNT || equals == NULL) {
         (void)snprintf(why, ENG_TUNING_WHY_BYTES,
-                       "\"%s\" is none of %s=, %s=, %s=", quoted(item, quote),
+                       "\"%s\" is none of %s=, %s=, %s=, %s=", quoted(item, quote),
                        choices[SCHEDULER].name, choices[HIGH_LEVEL].name,
-                       choices[REFIT].name);
+                       choices[REFIT].name, choices[STILL].name);
         return PCCD_E_INVAL;
     }
     const struct word text = {equals + 1, item.bytes - name_bytes - 1};
@@ -87,8 +88,8 @@ static int read_choice(struct word item, uint32_t values[CHOICE_COUNT],
 int eng_tuning_read(const char *text, struct eng_tuning *tuning,
                     char why[ENG_TUNING_WHY_BYTES])
 {
-    uint32_t values[CHOICE_COUNT] = {tuning->scheduler, tuning->high_level,
-                                     tuning->refit};
+    uint32_t values[CHOICE_COUNT] = {tuning->scheduler, tuning->high_level, tuning->refit,
+                                     tuning->still};
     bool is_named[CHOICE_COUNT] = {false};
     int status = PCCD_OK;
     while (status == PCCD_OK && *text != '\0') {
@@ -103,7 +104,8 @@ int eng_tuning_read(const char *text, struct eng_tuning *tuning,
     if (status == PCCD_OK) {
         *tuning = (struct eng_tuning){(enum eng_scheduler)values[SCHEDULER],
                                       (enum eng_high_level)values[HIGH_LEVEL],
-                                      (enum eng_refit_scheme)values[REFIT]};
+                                      (enum eng_refit_scheme)values[REFIT],
+                                      (enum eng_still)values[STILL]};
     }
     return status;
 }

@@ -1,5 +1,5 @@
 /* daemon/engine/base/tuning.h - the text by which a client tunes how threads share a
- * step: "scheduler=paper,refit=paper".
+ * step, and whether it uses what stands still: "scheduler=paper,refit=paper".
  *
  * Room:     engine. May include: pccd_types.h, step_settings.h, step_result.h.
  * Does:     read it, or say what is wrong in it; write what was used.
@@ -15,7 +15,7 @@
 #define ENG_TUNING_WHY_BYTES 128
 
 /* Set what `text` names, and leave the rest of `tuning` as it is; "" names nothing. Any
- * of the three may stand, in any order, once each. PCCD_E_INVAL: `tuning` is as before
+ * of the four may stand, in any order, once each. PCCD_E_INVAL: `tuning` is as before
  * and `why` says what is wrong, in printable ASCII whatever `text` holds. What is
  * accepted is shorter than PCCD_TUNING_BYTES. */
 int eng_tuning_read(const char *text, struct eng_tuning *tuning,

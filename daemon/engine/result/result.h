@@ -47,7 +47,9 @@ void eng_found_keep(struct eng_found *found, uint64_t count);
 
 void eng_records_deinit(struct eng_records *records);
 
-/* Room for `count` records of record_bytes each; PCCD_E_NOMEM: as before. */
+/* Room for `count` records of record_bytes each, whose content is lost, or, by extend, is
+ * kept; PCCD_E_NOMEM: as before. */
 int eng_records_reserve(struct eng_records *records, uint64_t count);
+int eng_records_extend(struct eng_records *records, uint64_t count);
 
 #endif

@@ -282,9 +282,21 @@ bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high
     return low[0] <= high[0];
 }
 
+void eng_frames_follow(struct eng_scene *scene)
+{
+    struct eng_framing *framing = &scene->framing;
+    if (scene->moving.objects > 0 || framing->of + 1 != scene->moving.number) {
+        eng_frames_choose(scene, 1 - scene->now, scene->now);
+    }
+    framing->ends[0] = 1 - scene->now;
+    framing->ends[1] = scene->now;
+    framing->of = scene->moving.number;
+}
+
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
 {
     assert(from <= 1 && to <= 1);
+    scene->framing.of = 0;
     struct detail detail = detail_of(scene, from, to);
     double low[3];
     double high[3];

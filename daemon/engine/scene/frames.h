@@ -24,6 +24,10 @@
  * it is for most scenes. O(objects); where it is not, O(n log n) of them. */
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to);
 
+/* The same for the step that the scene has just moved on by; where nothing moves, the
+ * frames of the step before stay. */
+void eng_frames_follow(struct eng_scene *scene);
+
 /* Around all objects at both ends of that step, as they are measured. False: there is no
  * object. */
 bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high[3]);

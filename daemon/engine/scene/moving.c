@@ -141,6 +141,7 @@ static void settle(struct eng_scene *scene, struct eng_object *object,
     } else if (object->movement == ENG_MOVES_SOME) {
         scene->moving.vertices += count_moving(scene, object);
     }
+    scene->moving.all += object->vertices.count;
     scene->moving.objects += object->movement != ENG_STANDS;
 }
 
@@ -149,6 +150,7 @@ void eng_moving_commit(struct eng_scene *scene)
     assert(scene->staging);
     scene->moving.number++;
     scene->moving.vertices = 0;
+    scene->moving.all = 0;
     scene->moving.objects = 0;
     for (uint32_t i = 0; i < scene->write_count;) {
         uint32_t first = i;

@@ -21,6 +21,13 @@
  * the scene's positions. O(objects + vertices written). Cannot fail. */
 void eng_moving_commit(struct eng_scene *scene);
 
+/* Does so little move that what stands is worth looking for? Costs more than it saves
+ * where nearly everything moves. */
+static inline bool eng_moves_little(const struct eng_scene *scene)
+{
+    return 8 * scene->moving.vertices <= 7 * scene->moving.all;
+}
+
 /* Does any vertex of the object move? Such a vertex, by its index within the object, and
  * such a feature, by its index within the mesh. */
 static inline bool eng_moves_vertex(const struct eng_scene *scene,

@@ -64,8 +64,9 @@ struct eng_object {
 /* What moves in the last step that was committed (moving.h). */
 struct eng_moving {
     uint64_t number;   /* of the step; boxes say by it how old they are */
-    uint64_t vertices; /* that move, of all objects, .. */
-    uint32_t objects;  /* .. and objects that have such */
+    uint64_t vertices; /* that move, of .. */
+    uint64_t all;      /* .. those of all objects */
+    uint32_t objects;  /* that have such */
     unsigned char
         *moves; /* [vertex_capacity] not 0: it moves; of an object of which some do */
 };
@@ -83,9 +84,10 @@ struct eng_framing {
     /* Which frames the boxes are measured in: the number of the choice, which shows
      * whether boxes are older; 0: in coordinates as they are. */
     uint64_t number;
-    uint64_t chosen;              /* the last number */
-    double scale;                 /* of all frames; 1 if there are none */
-    unsigned ends[2];             /* of x[]: the ends of the step that they are for */
+    uint64_t chosen;  /* the last number */
+    uint64_t of;      /* moving.number of the step that they are for; 0: none */
+    double scale;     /* of all frames; 1 if there are none */
+    unsigned ends[2]; /* of x[]: the ends of the step that they are for */
     struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
 };
 

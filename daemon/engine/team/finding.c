@@ -16,6 +16,7 @@ void eng_test_keep(struct eng_worker *worker, const struct pccd_pair *name,
     if (worker->settings->mode == PCCD_MODE_ANY) {
         if (hit->flags & PCCD_PROVED) {
             worker->proved_seen++;
+            worker->proof = *name;
             atomic_store_explicit(&worker->stop->stopped, true, memory_order_relaxed);
         } else {
             worker->possible_seen++;

@@ -12,6 +12,7 @@
 #include "team.h"
 
 struct eng_method_calls {
+    bool can_prune; /* it leaves out pairs that stand (team.h, prunes) */
     /* Are its trees of other objects than the scene has now? [compute] */
     bool (*is_stale)(const struct eng_scene *scene);
     /* Whatever can fail for want of memory: put trees together, reserve for team->count

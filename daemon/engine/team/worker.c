@@ -43,6 +43,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
     worker->stop = stop;
     worker->time_bound = 1;
     worker->box_bound = 1;
+    worker->prunes = false;
     worker->units.head = 0;
     worker->units.tail = 0;
     worker->exact.queries = 0;

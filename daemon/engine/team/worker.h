@@ -83,6 +83,7 @@ struct eng_worker {
                              * low-level nodes; else 0 */
     uint64_t possible_seen; /* mode any */
     uint64_t proved_seen;
+    struct pccd_pair proof; /* the last of these */
 };
 
 /* What is in `work` is freed by its methods, before deinit. */

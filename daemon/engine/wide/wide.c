@@ -30,6 +30,8 @@ void eng_wide_deinit(struct eng_wide *wide)
         eng_free(tree->blocks);
         eng_free(tree->boxes);
         eng_free(tree->keys);
+        eng_free(tree->moving);
+        eng_free(tree->chunks);
         for (int k = 0; k < 3; k++) {
             eng_free(tree->corner[k]);
         }
@@ -55,8 +57,10 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
             (sizeof *wide->points + sizeof *wide->point_boxes + sizeof *wide->marks);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
-        bytes +=
-            (uint64_t)tree->block_capacity * (sizeof *tree->blocks + sizeof *tree->boxes);
+        bytes += (uint64_t)tree->block_capacity *
+                     (sizeof *tree->blocks + sizeof *tree->boxes) +
+                 (uint64_t)tree->moving_capacity * sizeof *tree->moving +
+                 (uint64_t)tree->chunk_capacity * sizeof *tree->chunks;
         if (kind != PCCD_TREE_VERTICES) {
             bytes += (uint64_t)tree->slot_capacity *
                      (corner_count(kind) * sizeof *tree->corner[0] + sizeof *tree->keys);
@@ -197,6 +201,24 @@ static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
     return status;
 }
 
+/* Room to mark what moves (wide_still.h), as there is for blocks and slots. */
+static int reserve_moving(struct eng_wide_tree *tree)
+{
+    uint32_t chunks = eng_wide_chunks(tree->slot_capacity);
+    int status = PCCD_OK;
+    if (tree->block_capacity > tree->moving_capacity) {
+        status =
+            eng_array_grow(&tree->moving, tree->block_capacity, sizeof *tree->moving);
+        tree->moving_capacity =
+            status == PCCD_OK ? tree->block_capacity : tree->moving_capacity;
+    }
+    if (status == PCCD_OK && chunks > tree->chunk_capacity) {
+        status = eng_array_grow(&tree->chunks, chunks, sizeof *tree->chunks);
+        tree->chunk_capacity = status == PCCD_OK ? chunks : tree->chunk_capacity;
+    }
+    return status;
+}
+
 /* Room for everything. */
 static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
                    const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
@@ -213,6 +235,9 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
         if (status == PCCD_OK) {
             status = reserve_blocks(&wide->trees[kind],
                                     count_blocks(slots[kind], level_count, NULL));
+        }
+        if (status == PCCD_OK) {
+            status = reserve_moving(&wide->trees[kind]);
         }
     }
     return status;
@@ -243,7 +268,10 @@ static void fill(struct eng_wide *wide, const struct eng_scene *scene,
     const struct eng_object *object = &scene->objects[object_idx];
     struct eng_wide_tree *tree = &wide->trees[kind];
     const struct eng_mesh *mesh = object->mesh;
-    const uint32_t *slot_of = wide->slot_of + object->vertices.first;
+    uint32_t *slot_of = wide->slot_of + object->vertices.first;
+    if (kind == PCCD_TREE_VERTICES) {
+        memset(slot_of, 0xff, object->vertices.count * sizeof *slot_of); /* NO_SLOT */
+    }
     for (uint32_t i = 0; i < eng_wide_order_of(object)->count[kind]; i++) {
         uint32_t feature = eng_wide_order_of(object)->feature[kind][i];
         uint32_t slot = first + i;
@@ -280,6 +308,7 @@ static void set_nowhere(struct eng_extents *boxes, uint32_t count)
 static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
                          const uint32_t slots[ENG_WIDE_TREES])
 {
+    wide->feature_count = 0;
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
         uint32_t end = 0;
@@ -291,11 +320,46 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
             fill(wide, scene, wide->items[i].id, kind, first);
+            wide->feature_count += count;
             end = first + count;
         }
         clear(wide, kind, end, tree->slot_count);
     }
     set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
+}
+
+static void add_vertices(struct eng_wide_chunk_state *chunk, uint32_t vertices)
+{
+    for (uint32_t i = 0; i < chunk->vertex_chunks; i++) {
+        if (chunk->vertices[i] == vertices) {
+            return;
+        }
+    }
+    if (chunk->vertex_chunks < ENG_WIDE_CHUNK_VERTICES) {
+        chunk->vertices[chunk->vertex_chunks] = vertices;
+    }
+    chunk->vertex_chunks += chunk->vertex_chunks <= ENG_WIDE_CHUNK_VERTICES;
+}
+
+/* Find the chunks of vertices of each chunk of edges and faces. */
+static void list_chunks(struct eng_wide *wide)
+{
+    for (enum pccd_tree kind = PCCD_TREE_EDGES; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
+            tree->chunks[i].vertex_chunks = 0;
+        }
+        for (uint32_t slot = 0; slot < tree->slot_count; slot++) {
+            uint32_t last = UINT32_MAX;
+            for (uint32_t k = 0; k < (uint32_t)kind + 1; k++) {
+                uint32_t vertices = tree->corner[k][slot] / ENG_WIDE_CHUNK_SLOTS;
+                if (vertices != last) {
+                    add_vertices(&tree->chunks[slot / ENG_WIDE_CHUNK_SLOTS], vertices);
+                }
+                last = vertices;
+            }
+        }
+    }
 }
 
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
@@ -321,6 +385,7 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         wide->level_count = level_count;
         wide->assembled++;
         put_together(wide, scene, slots);
+        list_chunks(wide);
         wide->is_stale = false;
         wide->boxes_are_old = true;
     }

@@ -27,7 +27,8 @@
 /* 16^8 = 2^32 slots. */
 #define ENG_WIDE_LEVELS_MAX 8u
 
-#define ENG_WIDE_NOBODY UINT64_MAX /* in eng_point.word0 */
+#define ENG_WIDE_NOBODY  UINT64_MAX /* in eng_point.word0 */
+#define ENG_WIDE_NO_SLOT UINT32_MAX /* of a vertex that no triangle has */
 
 /* The tree of the features of a side, 0 or 1, of a kind of pair. */
 static inline enum pccd_tree eng_wide_tree_of(enum pccd_kind kind, int side)
@@ -39,6 +40,28 @@ static inline enum pccd_tree eng_wide_tree_of(enum pccd_kind kind, int side)
 
 /* Of a feature: object id << 32 | local index. Records are in the order of the keys. */
 typedef uint64_t eng_wide_key;
+
+/* Nodes of level 1 in a chunk of the refit, of 256 features each: 5 to 10 us of work
+ * against 0.1 us to take it. */
+#define ENG_WIDE_CHUNK_NODES  2u
+#define ENG_WIDE_CHUNK_BLOCKS (ENG_WIDE_CHUNK_NODES * ENG_WIDE)
+#define ENG_WIDE_CHUNK_SLOTS  (ENG_WIDE_CHUNK_BLOCKS * ENG_WIDE)
+
+static inline uint32_t eng_wide_chunks(uint32_t slots)
+{
+    return (slots + ENG_WIDE_CHUNK_SLOTS - 1) / ENG_WIDE_CHUNK_SLOTS;
+}
+
+/* Of the slots that are refitted together (wide_still.h): how far what moves in them is
+ * marked, and in which chunks of vertices the corners of its features lie; more than the
+ * most that are listed: in any. */
+#define ENG_WIDE_CHUNK_VERTICES 6u
+
+struct eng_wide_chunk_state {
+    uint32_t state;
+    uint32_t vertex_chunks;
+    uint32_t vertices[ENG_WIDE_CHUNK_VERTICES];
+};
 
 struct eng_wide_tree {
     uint32_t slot_count; /* a multiple of 16, at least 16 */
@@ -52,6 +75,10 @@ struct eng_wide_tree {
     struct eng_extents *boxes; /* [block_capacity] around each block */
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
+    uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
+    uint32_t moving_capacity;
+    uint32_t chunk_capacity;
+    struct eng_wide_chunk_state *chunks; /* [chunk_capacity] */
 };
 
 struct eng_wide {
@@ -77,9 +104,15 @@ struct eng_wide {
     atomic_bool left_quantised;
     atomic_uint farthest; /* the most that one of their numbers grows by; as left_grid */
     bool boxes_are_old;   /* not made since the trees were put together */
-    uint64_t frames;      /* of the last step: as in the scene */
+    uint64_t boxes_of;    /* moving.number of the step that they are of; 0: of none */
+    uint64_t refit_of;    /* .. that they will be of */
+    bool keeps;           /* the refit leaves the boxes of what stands as they are */
+    bool has_moving;      /* what moves is marked (wide_still.h) */
+    uint64_t feature_count;
+    uint64_t frames; /* of the last step: as in the scene */
     double frame_scale;
-    uint32_t *slot_of; /* [slot_of_capacity] of the vertices in the scene's arrays */
+    uint32_t *slot_of; /* [slot_of_capacity] of vertices in the scene's arrays, or
+                        * ENG_WIDE_NO_SLOT */
     uint32_t slot_of_capacity;
     struct eng_split_item *items; /* [item_capacity] the objects in their order */
     uint32_t item_capacity;

@@ -60,7 +60,7 @@ struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind
                               .t_end = 1};
 }
 
-void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
+bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
 {
     struct eng_grid *grid = &wide->grid;
     bool was_left = atomic_load_explicit(&wide->left_grid, memory_order_relaxed);
@@ -69,11 +69,11 @@ void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
     double half = 0;
     if (!eng_wide_extent(wide, scene, low, high)) {
         grid->scale = 0;
-        return;
+        return false;
     }
     atomic_store_explicit(&wide->left_grid, false, memory_order_relaxed);
     if (!was_left && grid->scale > 0 && still_fits(grid, low, high)) {
-        return;
+        return true;
     }
     for (int k = 0; k < 3; k++) {
         grid->origin[k] = 0.5 * (low[k] + high[k]);
@@ -82,4 +82,5 @@ void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene)
     int exponent;
     frexp(ROOM * half, &exponent);
     grid->scale = ldexp(1, 30 - (exponent > EXPONENT_MIN ? exponent : EXPONENT_MIN));
+    return false;
 }

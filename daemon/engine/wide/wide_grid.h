@@ -13,8 +13,8 @@
 #include "wide.h"
 
 /* Before the refit of a step, when objects have their frames; keeps the grid that it had
- * where that still fits. O(1), with frames O(objects). [compute] */
-void eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene);
+ * where that still fits: true. O(1), with frames O(objects). [compute] */
+bool eng_wide_grid_choose(struct eng_wide *wide, const struct eng_scene *scene);
 
 /* Around all vertices, as their boxes are measured in the step to come: as known from
  * both ends of the last step, or exactly if there was none or it had other frames. False:

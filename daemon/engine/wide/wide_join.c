@@ -13,6 +13,7 @@
 
 #include "wide_owner.h"
 #include "wide_quantised.h"
+#include "wide_still.h"
 
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
@@ -29,6 +30,8 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     uint32_t farthest = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
     join->kernels = wide->kernels;
     join->owners = NULL;
+    join->moving = NULL;
+    join->still = 0;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
@@ -84,6 +87,44 @@ static void flush(struct eng_wide_join *join, enum pccd_kind kind)
     assert(join->chunks[kind].count == 0);
 }
 
+/* Of the pairs a[count], b[count] of features, those of which one moves at least. */
+static uint32_t keep_moving_features(struct eng_wide_join *join, enum pccd_kind kind,
+                                     uint32_t *a, uint32_t *b, uint32_t count)
+{
+    const struct eng_wide_tree *tree_a = &join->moving->trees[eng_wide_tree_of(kind, 0)];
+    const struct eng_wide_tree *tree_b = &join->moving->trees[eng_wide_tree_of(kind, 1)];
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t slot_a = a[i];
+        uint32_t slot_b = b[i];
+        a[kept] = slot_a;
+        b[kept] = slot_b;
+        kept += eng_wide_slot_moves(tree_a, slot_a) | eng_wide_slot_moves(tree_b, slot_b);
+    }
+    join->still += count - kept;
+    return kept;
+}
+
+/* The same of nodes of a level. */
+static uint32_t keep_moving_nodes(struct eng_wide_join *join, enum pccd_kind kind,
+                                  uint32_t level, uint32_t *a, uint32_t *b,
+                                  uint32_t count)
+{
+    const struct eng_wide_tree *tree_a = &join->moving->trees[eng_wide_tree_of(kind, 0)];
+    const struct eng_wide_tree *tree_b = &join->moving->trees[eng_wide_tree_of(kind, 1)];
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t node_a = a[i];
+        uint32_t node_b = b[i];
+        a[kept] = node_a;
+        b[kept] = node_b;
+        kept += eng_wide_moves(tree_a, level, node_a) ||
+                eng_wide_moves(tree_b, level, node_b);
+    }
+    join->still += count - kept;
+    return kept;
+}
+
 /* Pairs of blocks of features, of one pair of nodes. */
 static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
                           const uint32_t *a, const uint32_t *b, uint32_t count)
@@ -96,8 +137,10 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
         uint32_t room = ENG_CHUNK_MAX - chunk->count;
-        chunk->count +=
+        uint32_t more =
             join->kernels->join_features[kind](job, round, out_a, out_b, room);
+        chunk->count +=
+            join->moving ? keep_moving_features(join, kind, out_a, out_b, more) : more;
         if (eng_join_has_ended(round) || join->stopped) {
             return;
         }
@@ -105,10 +148,15 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     }
 }
 
-/* Roots that may not meet: of all other pairs that has been seen to (owners_keep). */
+/* Roots that may not meet, or stand: of all other pairs that has been seen to (keep). */
 static bool is_allowed(const struct eng_wide_join *join, enum pccd_kind kind,
                        uint32_t level, uint32_t n, uint32_t m)
 {
+    if (join->moving &&
+        !eng_wide_moves(&join->moving->trees[eng_wide_tree_of(kind, 0)], level, n) &&
+        !eng_wide_moves(&join->moving->trees[eng_wide_tree_of(kind, 1)], level, m)) {
+        return false;
+    }
     return !join->owners || eng_wide_owners_allow(join->owners, kind, level, n, m);
 }
 
@@ -129,6 +177,10 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint3
     if (join->owners) {
         below->count = eng_wide_owners_keep(join->owners, kind, level, n, m, below->a,
                                             below->b, below->count);
+    }
+    if (join->moving) {
+        below->count =
+            keep_moving_nodes(join, kind, level - 1, below->a, below->b, below->count);
     }
 }
 

@@ -32,6 +32,8 @@ struct eng_wide_list {
 struct eng_wide_join {
     const struct eng_kernels *kernels;
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
+    const struct eng_wide
+        *moving; /* pairs of which neither moves are left out; or NULL */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
      * and sets the count to 0. */
@@ -42,6 +44,7 @@ struct eng_wide_join {
     uint32_t looked;                 /* joins since the last look */
     uint64_t pairs;                  /* pairs of nodes refined */
     uint64_t below[PCCD_KIND_COUNT]; /* pairs of nodes that they led to */
+    uint64_t still;                  /* pairs that were left out as neither moves */
     struct eng_join jobs[PCCD_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_join_round round;
@@ -49,7 +52,7 @@ struct eng_wide_join {
 };
 
 /* Get ready for the trees as they are; owner, flush and look are set by the caller, and
- * `owners` where pairs are to be left out (wide_owner.h). Boxes are ENG_JOIN_SWEPT if
+ * `owners` and `moving` where pairs are to be left out. Boxes are ENG_JOIN_SWEPT if
  * the refit made them so, else ENG_JOIN_MOVING. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);

@@ -15,9 +15,11 @@
 #include <assert.h>
 
 #include "frames.h"
+#include "moving.h"
 #include "wide_grid.h"
 #include "wide_quantised.h"
 #include "wide_state.h"
+#include "wide_still.h"
 #include "wide_team.h"
 #include "wide_test.h"
 
@@ -249,13 +251,26 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     return status;
 }
 
+/* Are the boxes of what stands those of the last step, so that only what moves needs new
+ * ones? And is it worth it? */
+static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scene *scene,
+                              const struct eng_step_settings *settings)
+{
+    return settings->tuning.still == ENG_STILL_KEPT && !wide->boxes_are_old &&
+           wide->boxes_of != 0 && wide->boxes_of + 1 >= scene->moving.number &&
+           wide->frames == scene->framing.number && eng_moves_little(scene);
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
     wide->kernels = team->workers[0]->kernels;
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
-    eng_wide_quantised_choose(wide, team->scene, settings->mode != PCCD_MODE_PAIRS);
-    eng_wide_grid_choose(wide, team->scene);
+    bool keeps = has_current_boxes(wide, team->scene, settings);
+    keeps &= eng_wide_quantised_choose(wide, team->scene,
+                                       settings->mode != PCCD_MODE_PAIRS, keeps);
+    keeps &= eng_wide_grid_choose(wide, team->scene);
+    eng_wide_still_begin(wide, team->scene, keeps, team->prunes);
     wide->frames = team->scene->framing.number;
     wide->frame_scale = team->scene->framing.scale;
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
@@ -333,6 +348,10 @@ static void end(struct eng_team *team, struct eng_step_result *result, uint64_t 
     struct eng_wide_resort *resort = &eng_wide_state_of(team->scene)->resort;
     result->counters.swaps = resort->sorts;
     result->counters.swapped_triangles = resort->sorted_triangles;
+    result->counters.still_features = eng_wide_still_count(eng_wide_of(team->scene));
+    if (team->prunes) {
+        return; /* what was counted is not what the whole scene asks for */
+    }
     if (result->incomplete == PCCD_COMPLETE && result->mode != PCCD_MODE_ANY) {
         eng_wide_resort_learn(resort, result->mode, result->counters.box_tests, step_ns);
     }
@@ -341,7 +360,8 @@ static void end(struct eng_team *team, struct eng_step_result *result, uint64_t 
     }
 }
 
-const struct eng_method_calls eng_method_wide = {.is_stale = is_stale,
+const struct eng_method_calls eng_method_wide = {.can_prune = true,
+                                                 .is_stale = is_stale,
                                                  .prepare = prepare,
                                                  .start = start,
                                                  .refit = refit,

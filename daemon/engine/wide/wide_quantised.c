@@ -20,6 +20,10 @@
 /* Scales that floats can be multiplied by, with as much again to either side. */
 #define EXPONENT_MOST 60
 
+/* Numbers up to which a coordinate is certainly among those that there are: rounding and
+ * the cells around it take a few. */
+#define REACH_SURELY (ENG_QUANTISED_REACH - 64.0)
+
 /* Blocks that are looked at, and the cells that the longest side of one takes at least on
  * average. A box is larger by about a cell for its rounding, that of a feature a fourth
  * of its block's: so it grows by a twentieth at most, where a comparison costs a third
@@ -106,9 +110,39 @@ static bool has_kept_scale(const struct eng_wide *wide, const struct eng_scene *
     return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
 }
 
-void eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
-                               bool may)
+/* Are both ends of what moves so far within the numbers that no rounding leads out? */
+static bool movers_are_within(const struct eng_wide *wide, const struct eng_scene *scene)
 {
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (!object->mesh || object->movement == ENG_STANDS) {
+            continue;
+        }
+        for (int j = 0; j < 6; j++) {
+            int k = j % 3;
+            const struct eng_bounds *bounds =
+                &object->bounds[j < 3 ? 1 - scene->now : scene->now];
+            double origin = object->frame.origin[j < 3 ? k : 4 + k];
+            double scale = (double)wide->quantising.scale[k];
+            double middle = (double)wide->quantising.below[k];
+            double low = (bounds->low[k] - origin) * object->frame.scale * scale - middle;
+            double high =
+                (bounds->high[k] - origin) * object->frame.scale * scale - middle;
+            if (!(low > -REACH_SURELY && high < REACH_SURELY)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
+                               bool may, bool is_current)
+{
+    bool were_quantised = eng_wide_has_quantised(wide);
+    if (is_current && may && were_quantised && movers_are_within(wide, scene)) {
+        return true;
+    }
     struct eng_quantising quantising = {{0}, {0}, {0}};
     atomic_store_explicit(&wide->left_quantised, false, memory_order_relaxed);
     atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
@@ -116,4 +150,5 @@ void eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
         may && has_kept_scale(wide, scene) && quantising_of(wide, scene, &quantising) &&
         features_are_large(&wide->trees[PCCD_TREE_EDGES], &quantising);
     wide->quantising = quantising;
+    return is_current && !were_quantised && !wide->makes_quantised;
 }

@@ -13,9 +13,12 @@
 
 /* Before the refit of a step, which `may` do so, when objects have their frames. A step
  * that goes farther than the last one let expect, and a scene whose features are small in
- * cells, do without. O(1), with frames O(objects). [compute] */
-void eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
-                               bool may);
+ * cells, do without. O(1), with frames O(objects). [compute]
+ *
+ * `is_current`: the boxes of what stands are there from the last step. True: they may
+ * stay, as cells and what is made of them are the same. */
+bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *scene,
+                               bool may, bool is_current);
 
 /* Cells of 1 / scale, a power of two, 2^-60 .. 2^60, around `middle` along an axis: what
  * is added for it is rounded, together never to less than ENG_QUANTISED_ROUND. [any] */

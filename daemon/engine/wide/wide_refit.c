@@ -11,19 +11,16 @@
 #include <string.h>
 
 #include "wide_quantised.h"
+#include "wide_still.h"
 #include "world.h"
-
-/* Nodes of level 1 in a chunk, of 256 features each: 5 to 10 us of work against 0.1 us to
- * take it. */
-#define CHUNK_NODES  2u
-#define CHUNK_BLOCKS (CHUNK_NODES * ENG_WIDE)
 
 /* Blocks at a time whose floats are only made to become whole numbers: 6 KiB. */
 #define FLOAT_BLOCKS 8u
 
 uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind)
 {
-    return (wide->trees[kind].block_count[0] + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
+    return (wide->trees[kind].block_count[0] + ENG_WIDE_CHUNK_BLOCKS - 1) /
+           ENG_WIDE_CHUNK_BLOCKS;
 }
 
 /* Slots first .. behind which a slot is nobody's or, where objects have frames, another
@@ -137,12 +134,9 @@ static bool becomes_quantised(const struct eng_wide *wide, enum pccd_tree kind)
                                       : eng_wide_has_quantised(wide);
 }
 
-void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
-                          enum pccd_tree kind, uint32_t chunk, bool swept)
+static void refit_blocks(struct eng_wide *wide, const struct eng_scene *scene,
+                         enum pccd_tree kind, uint32_t block, uint32_t count, bool swept)
 {
-    struct eng_wide_tree *tree = &wide->trees[kind];
-    uint32_t block = chunk * CHUNK_BLOCKS;
-    uint32_t count = smaller(CHUNK_BLOCKS, tree->block_count[0] - block);
     if (kind == PCCD_TREE_VERTICES) {
         uint32_t slot = block * ENG_WIDE;
         refit_points(wide, scene, slot, slot + count * ENG_WIDE, swept);
@@ -150,12 +144,59 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     if (!swept && becomes_quantised(wide, kind)) {
         quantised_features(wide, kind, block, count);
     } else {
-        box_features(wide, kind, block, count, swept, tree->blocks + block);
+        box_features(wide, kind, block, count, swept, wide->trees[kind].blocks + block);
+    }
+}
+
+/* Those of the blocks in which something moves. */
+static void refit_moving(struct eng_wide *wide, const struct eng_scene *scene,
+                         enum pccd_tree kind, uint32_t block, uint32_t count)
+{
+    const uint16_t *moving = wide->trees[kind].moving;
+    uint32_t end = block + count;
+    while (block < end) {
+        uint32_t first = block;
+        while (block < end && moving[block] != 0) {
+            block++;
+        }
+        if (block > first) {
+            refit_blocks(wide, scene, kind, first, block - first, false);
+        }
+        while (block < end && moving[block] == 0) {
+            block++;
+        }
+    }
+}
+
+/* May boxes of what stands stay? Not if they are whole numbers, and it has turned out
+ * that floats are needed in this step. */
+static bool keeps(const struct eng_wide *wide, enum pccd_tree kind)
+{
+    return wide->keeps && (kind == PCCD_TREE_VERTICES || !wide->makes_quantised ||
+                           eng_wide_has_quantised(wide));
+}
+
+void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
+                          enum pccd_tree kind, uint32_t chunk, bool swept)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t block = chunk * ENG_WIDE_CHUNK_BLOCKS;
+    uint32_t count = smaller(ENG_WIDE_CHUNK_BLOCKS, tree->block_count[0] - block);
+    bool moves =
+        swept || !wide->has_moving || eng_wide_still_mark_chunk(wide, kind, chunk);
+    if (!swept && keeps(wide, kind)) {
+        if (!moves) {
+            return;
+        }
+        refit_moving(wide, scene, kind, block, count);
+    } else {
+        refit_blocks(wide, scene, kind, block, count, swept);
     }
     if (wide->level_count > 1) {
-        uint32_t node = chunk * CHUNK_NODES;
+        uint32_t node = chunk * ENG_WIDE_CHUNK_NODES;
         wide->kernels->box_fold(
-            tree->boxes + block, smaller(CHUNK_NODES, tree->block_count[1] - node), swept,
+            tree->boxes + block,
+            smaller(ENG_WIDE_CHUNK_NODES, tree->block_count[1] - node), swept,
             eng_wide_blocks(tree, 1) + node, eng_wide_boxes(tree, 1) + node);
     }
 }
@@ -163,6 +204,10 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
 void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 {
     wide->boxes_are_old = false;
+    wide->boxes_of = swept ? 0 : wide->refit_of;
+    if (!swept && wide->has_moving) {
+        eng_wide_still_mark_above(wide);
+    }
     if (!swept && wide->makes_quantised && !eng_wide_has_quantised(wide)) {
         struct eng_wide_tree *vertices = &wide->trees[PCCD_TREE_VERTICES];
         box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0], false,
@@ -180,6 +225,7 @@ void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 
 void eng_wide_refit(struct eng_wide *wide, const struct eng_scene *scene, bool swept)
 {
+    eng_wide_still_begin(wide, scene, false, false);
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t count = eng_wide_refit_chunks(wide, kind);
         for (uint32_t i = 0; i < count; i++) {

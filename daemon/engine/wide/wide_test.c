@@ -272,6 +272,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, eng_wide_of(worker->scene), ENG_JOIN_MOVING);
     work->join.owners = owners->masks ? owners : NULL;
+    work->join.moving = worker->prunes ? eng_wide_of(worker->scene) : NULL;
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool in_time = worker->settings->mode != PCCD_MODE_PAIRS;
         work->join.jobs[kind][0].in_time = in_time;
@@ -291,4 +292,5 @@ void eng_wide_work_end(struct eng_worker *worker)
     const struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     worker->record.box_tests = eng_wide_join_tests(join);
     worker->record.pairs = join->pairs;
+    worker->tally.still_pairs = join->still;
 }

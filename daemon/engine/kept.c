@@ -1,0 +1,333 @@
+/* daemon/engine/kept.c - records of what stands still, from the last answer.
+ *
+ * Room:     engine.
+ * Does:     see kept.h.
+ * Threads:  [compute].
+ */
+#include "kept.h"
+
+#include <assert.h>
+#include <string.h>
+
+#include "kinds.h"
+#include "memory.h"
+#include "moving.h"
+
+/* Records of a brief step that are looked at, at most: some 10 us. */
+#define BRIEF_RECORDS 1024u
+
+void eng_kept_deinit(struct eng_kept *kept)
+{
+    eng_free(kept->table);
+    eng_free(kept->stands);
+    memset(kept, 0, sizeof *kept);
+}
+
+uint64_t eng_kept_bytes(const struct eng_kept *kept)
+{
+    return kept->table_size * sizeof *kept->table + kept->stands_size;
+}
+
+/* ---- ids --------------------------------------------------------------------------- */
+
+/* Ids are numbers from 1 on, as a rule: this spreads others, too. */
+static uint32_t place_of(const struct eng_kept *kept, uint32_t id)
+{
+    return (id * 0x9e3779b1u) >> 7 & (kept->table_size - 1);
+}
+
+static void put(struct eng_kept *kept, uint32_t id, uint32_t object)
+{
+    uint32_t place = place_of(kept, id);
+    while (kept->table[place].object != ENG_NO_OBJECT) {
+        place = (place + 1) & (kept->table_size - 1);
+    }
+    kept->table[place] = (struct eng_kept_place){id, object};
+}
+
+/* NULL: there is no such object any more. */
+static const struct eng_object *object_of(const struct eng_kept *kept,
+                                          const struct eng_scene *scene, uint32_t id)
+{
+    uint32_t place = place_of(kept, id);
+    while (kept->table[place].object != ENG_NO_OBJECT) {
+        if (kept->table[place].id == id) {
+            return &scene->objects[kept->table[place].object];
+        }
+        place = (place + 1) & (kept->table_size - 1);
+    }
+    return NULL;
+}
+
+static bool make_table(struct eng_kept *kept, const struct eng_scene *scene)
+{
+    uint32_t size = 64;
+    while (size < 2 * scene->object_count) {
+        size *= 2;
+    }
+    if (size > kept->table_size) {
+        struct eng_kept_place *table = eng_alloc(size, sizeof *table);
+        if (!table) {
+            return false;
+        }
+        eng_free(kept->table);
+        kept->table = table;
+        kept->table_size = size;
+    }
+    for (uint32_t i = 0; i < kept->table_size; i++) {
+        kept->table[i].object = ENG_NO_OBJECT;
+    }
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            put(kept, scene->objects[i].id, i);
+        }
+    }
+    kept->objects_changed = false;
+    return true;
+}
+
+static bool reserve(struct eng_kept *kept, const struct eng_scene *scene)
+{
+    kept->has_all = !kept->objects_changed;
+    if (kept->count > kept->stands_size) {
+        uint64_t size = kept->count + kept->count / 8;
+        unsigned char *stands = eng_alloc(size, 1);
+        if (!stands) {
+            return false;
+        }
+        eng_free(kept->stands);
+        kept->stands = stands;
+        kept->stands_size = size;
+    }
+    if (kept->objects_changed || !kept->table) {
+        return make_table(kept, scene);
+    }
+    return true;
+}
+
+/* ---- what stands ------------------------------------------------------------------- */
+
+static bool feature_stands(const struct eng_scene *scene, const struct eng_object *object,
+                           uint32_t points, uint32_t feature)
+{
+    if (!object || object->movement == ENG_MOVES_ALL) {
+        return false;
+    }
+    if (object->movement == ENG_STANDS) {
+        return true;
+    }
+    switch (points) {
+    case 1:
+        return !eng_moves_vertex(scene, object, feature);
+    case 2:
+        return !eng_moves_edge(scene, object, feature);
+    default:
+        assert(points == 3);
+        return !eng_moves_face(scene, object, feature);
+    }
+}
+
+static bool name_stands(const struct eng_kept *kept, const struct eng_scene *scene,
+                        const struct eng_name *name)
+{
+    const uint32_t *word = name->word;
+    const struct eng_object *a = object_of(kept, scene, word[1]);
+    const struct eng_object *b = word[3] == word[1] ? a : object_of(kept, scene, word[3]);
+    return feature_stands(scene, a, common_kinds[word[0]].points[0], word[2]) &&
+           feature_stands(scene, b, common_kinds[word[0]].points[1], word[4]);
+}
+
+bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
+                    const struct eng_step_settings *settings,
+                    const struct eng_records *records)
+{
+    assert(!kept->is_valid || kept->mode == PCCD_MODE_ANY ||
+           records->count == kept->count);
+    (void)records;
+    if (!kept->is_valid || settings->tuning.still == ENG_STILL_ANEW ||
+        kept->number + 1 != scene->moving.number || kept->mode != settings->mode ||
+        kept->tolerance != settings->tolerance ||
+        kept->masks_version != scene->masks.version ||
+        (settings->brief && kept->count > BRIEF_RECORDS) || !eng_moves_little(scene)) {
+        return false;
+    }
+    if (!reserve(kept, scene)) {
+        return false;
+    }
+    if (settings->mode == PCCD_MODE_ANY) {
+        return kept->verdict == PCCD_VERDICT_NO ||
+               (kept->verdict == PCCD_VERDICT_YES && eng_kept_decides(kept, scene));
+    }
+    return true;
+}
+
+bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene)
+{
+    struct eng_name name;
+    memcpy(&name, &kept->proof, sizeof name);
+    return kept->verdict == PCCD_VERDICT_YES && name_stands(kept, scene, &name);
+}
+
+/* ---- the part of the last answer --------------------------------------------------- */
+
+static void count_record(const unsigned char *record, uint32_t record_bytes,
+                         struct eng_counts *counts, double *bound)
+{
+    if (record_bytes == sizeof(struct pccd_pair)) {
+        counts->kind[eng_name_word(record, record_bytes, 0)]++;
+        return;
+    }
+    const struct pccd_contact *contact = (const void *)record;
+    counts->kind[contact->kind]++;
+    counts->possible += !(contact->flags & PCCD_PROVED);
+    counts->initial += (contact->flags & PCCD_INITIAL) != 0;
+    counts->toi_first =
+        contact->toi < counts->toi_first ? contact->toi : counts->toi_first;
+    if ((contact->flags & PCCD_PROVED) && contact->toi_hi < *bound) {
+        *bound = contact->toi_hi;
+    }
+}
+
+/* Mark what stands; returns how many do. */
+static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
+                     const struct eng_records *records, struct eng_counts *counts,
+                     double *bound)
+{
+    uint64_t standing = 0;
+    for (uint64_t i = 0; i < records->count; i++) {
+        const unsigned char *record = records->data + i * records->record_bytes;
+        struct eng_name name = eng_name_of(record, records->record_bytes);
+        bool stands = name_stands(kept, scene, &name);
+        kept->stands[i] = stands;
+        if (stands) {
+            standing++;
+            count_record(record, records->record_bytes, counts, bound);
+        }
+    }
+    return standing;
+}
+
+/* The end of the run of records from `first` on that are marked as the first one is. */
+static uint64_t end_of_run(const struct eng_kept *kept, uint64_t first, uint64_t count)
+{
+    const unsigned char *stands = kept->stands;
+    const void *other = memchr(stands + first, !stands[first], count - first);
+    return other ? (uint64_t)((const unsigned char *)other - stands) : count;
+}
+
+double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
+                       struct eng_records *records, struct eng_counts *counts)
+{
+    double bound = 1;
+    uint32_t bytes = records->record_bytes;
+    kept->is_valid = false; /* until the step has ended */
+    if (kept->has_all && kept->mode != PCCD_MODE_FIRST && scene->moving.objects == 0) {
+        *counts = kept->counts;
+        return bound;
+    }
+    *counts = (struct eng_counts){.toi_first = 2};
+    uint64_t standing = mark(kept, scene, records, counts, &bound);
+    bool by_loss = 2 * standing > records->count; /* hash whichever are fewer */
+    eng_hash_sum sum = by_loss ? kept->counts.hash : 0;
+    unsigned char *to = records->data;
+    for (uint64_t i = 0; i < records->count;) {
+        uint64_t end = end_of_run(kept, i, records->count);
+        const unsigned char *run = records->data + i * bytes;
+        if (!kept->stands[i]) {
+            sum -= by_loss ? eng_hash_records(run, end - i, bytes) : 0;
+        } else {
+            sum += by_loss ? 0 : eng_hash_records(run, end - i, bytes);
+            if (to != run) {
+                memmove(to, run, (end - i) * bytes);
+            }
+            to += (end - i) * bytes;
+        }
+        i = end;
+    }
+    records->count = standing;
+    counts->hash = sum;
+    return bound;
+}
+
+void eng_kept_count(const struct eng_records *records, struct eng_counts *counts)
+{
+    double bound = 1;
+    *counts = (struct eng_counts){.toi_first = 2};
+    for (uint64_t i = 0; i < records->count; i++) {
+        count_record(records->data + i * records->record_bytes, records->record_bytes,
+                     counts, &bound);
+    }
+    counts->hash = eng_hash_records(records->data, records->count, records->record_bytes);
+}
+
+/* Where among the records [count] one of this name belongs: from the end on, as those to
+ * be placed come from the end. */
+static uint64_t place_among(const struct eng_records *records, uint64_t count,
+                            const struct eng_name *name)
+{
+    uint64_t low = 0;
+    uint64_t high = count;
+    for (uint64_t step = 1; high > 0; step *= 2) { /* gallop */
+        uint64_t at = step < high ? high - step : 0;
+        struct eng_name other = eng_name_of(records->data + at * records->record_bytes,
+                                            records->record_bytes);
+        if (eng_name_compare(&other, name) < 0) {
+            low = at + 1;
+            break;
+        }
+        high = at;
+    }
+    while (low < high) {
+        uint64_t middle = low + (high - low) / 2;
+        struct eng_name other = eng_name_of(
+            records->data + middle * records->record_bytes, records->record_bytes);
+        bool is_below = eng_name_compare(&other, name) < 0;
+        low = is_below ? middle + 1 : low;
+        high = is_below ? high : middle;
+    }
+    return low;
+}
+
+int eng_kept_merge(struct eng_records *records, const struct eng_records *found)
+{
+    uint32_t bytes = records->record_bytes;
+    uint64_t left = records->count;
+    uint64_t end = left + found->count;
+    if (found->count == 0) {
+        return PCCD_OK;
+    }
+    assert(found->record_bytes == bytes);
+    int status = eng_records_extend(records, end);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    records->count = end;
+    for (uint64_t i = found->count; i-- > 0;) {
+        const unsigned char *record = found->data + i * bytes;
+        struct eng_name name = eng_name_of(record, bytes);
+        uint64_t at = place_among(records, left, &name);
+        memmove(records->data + (at + i + 1) * bytes, records->data + at * bytes,
+                (left - at) * bytes);
+        memcpy(records->data + (at + i) * bytes, record, bytes);
+        left = at;
+    }
+    return PCCD_OK;
+}
+
+void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
+                     const struct eng_step_settings *settings,
+                     const struct eng_step_result *result,
+                     const struct eng_counts *counts, const struct pccd_pair *proof)
+{
+    kept->is_valid = result->incomplete == PCCD_COMPLETE;
+    kept->number = scene->moving.number;
+    kept->mode = settings->mode;
+    kept->tolerance = settings->tolerance;
+    kept->masks_version = scene->masks.version;
+    kept->count = result->count;
+    kept->counts = *counts;
+    kept->verdict = result->verdict;
+    if (proof) {
+        kept->proof = *proof;
+    }
+}

@@ -1,0 +1,82 @@
+/* daemon/engine/kept.h - keeps the records of what stands still from one answer to the
+ * next.
+ *
+ * Room:     engine. May include: merge_data.h, result.h, step_result.h, step_settings.h,
+ *           world.h.
+ * Does:     know the last complete answer. A pair of features of which neither moves
+ *           (moving.h) has the record that it had there, so the methods search for other
+ *           pairs only; put both parts together.
+ * Does not: search; read positions.
+ * Threads:  [compute].
+ *
+ * A step: begin says whether the last answer serves; then the records that stand are
+ * taken out of it (select), and what the step found is merged into them (merge); finish
+ * notes the new answer.
+ */
+#ifndef ENG_KEPT_H
+#define ENG_KEPT_H
+
+#include "merge_data.h"
+#include "result.h"
+#include "step_result.h"
+#include "step_settings.h"
+#include "world.h"
+
+/* Which object has an id: a table that is made anew when objects came or went. */
+struct eng_kept_place {
+    uint32_t id;
+    uint32_t object; /* ENG_NO_OBJECT: a free place */
+};
+
+struct eng_kept {
+    /* The last complete answer, whose records are the step memory's. */
+    bool is_valid;
+    uint64_t number; /* of the motion (moving.h) */
+    enum pccd_mode mode;
+    double tolerance;
+    uint32_t masks_version;
+    uint64_t count;
+    struct eng_counts counts;
+    enum pccd_verdict verdict;
+    struct pccd_pair proof; /* mode any, verdict yes: a pair that meets */
+
+    bool objects_changed;         /* since the table was made */
+    bool has_all;                 /* the objects of the last answer are all there */
+    struct eng_kept_place *table; /* [table_size], a power of two */
+    uint32_t table_size;
+    unsigned char *stands; /* [stands_size] of the records: 1, it stays */
+    uint64_t stands_size;
+};
+
+void eng_kept_deinit(struct eng_kept *kept);
+uint64_t eng_kept_bytes(const struct eng_kept *kept);
+
+/* The positions have moved on: does the last answer, `records`, serve a step with these
+ * settings, and is it worth it? Reserves memory; without it, no. */
+bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
+                    const struct eng_step_settings *settings,
+                    const struct eng_records *records);
+
+/* If it does, in mode any: has the pair that met neither moved nor gone? Then the answer
+ * is yes again. */
+bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene);
+
+/* If it does, in other modes: leave in `records` those that stand, in their order, and
+ * count them, *counts. Returns their earliest toi_hi of a proved contact, 1 without. */
+double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
+                       struct eng_records *records, struct eng_counts *counts);
+
+/* Count records anew. */
+void eng_kept_count(const struct eng_records *records, struct eng_counts *counts);
+
+/* Merge `found`, in order and none of them in `records`, into these. PCCD_E_NOMEM: they
+ * are as they were. */
+int eng_kept_merge(struct eng_records *records, const struct eng_records *found);
+
+/* Note a step's answer; `proof` of mode any with a contact. */
+void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
+                     const struct eng_step_settings *settings,
+                     const struct eng_step_result *result,
+                     const struct eng_counts *counts, const struct pccd_pair *proof);
+
+#endif
