@@ -5,6 +5,8 @@ noinst_LTLIBRARIES += liboracle.la
 liboracle_la_SOURCES = \
     client/oracle/oracle.c \
     client/oracle/oracle.h \
+    client/oracle/oracle_distance.c \
+    client/oracle/oracle_distance.h \
     client/oracle/oracle_scene.c \
     client/oracle/oracle_scene.h \
     client/oracle/oracle_poly.c \

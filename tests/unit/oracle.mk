@@ -7,3 +7,10 @@ tests_unit_test_oracle_SOURCES = tests/unit/test_oracle.c
 tests_unit_test_oracle_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 tests_unit_test_oracle_LDADD = liboracle.la $(CMOCKA_LIBS) $(GMP_LIBS) $(LIBM)
+
+check_PROGRAMS += tests/unit/test_oracle_distance
+TESTS += tests/unit/test_oracle_distance
+
+tests_unit_test_oracle_distance_SOURCES = tests/unit/test_oracle_distance.c
+tests_unit_test_oracle_distance_CPPFLAGS = $(tests_unit_test_oracle_CPPFLAGS)
+tests_unit_test_oracle_distance_LDADD = $(tests_unit_test_oracle_LDADD)

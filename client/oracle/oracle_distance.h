@@ -1,0 +1,59 @@
+/* oracle_distance.h - the exact distance of two features at one moment: of a vertex and a
+ * triangle, or of two edges.
+ *
+ * Room:     client/oracle. May include: oracle.h.
+ * Does:     find by the definition, in integers, how far two closed features are from
+ *           each other, between which parts of them that is, and where; whether an edge
+ *           passes through a triangle.
+ * Does not: share a line of code with the engine, which it checks.
+ * Threads:  [any]; no global state.
+ * Source:   the definition: the least distance of a point of the one and a point of the
+ *           other. It is that of two vertices, of a vertex and its foot on an edge, of a
+ *           vertex and its foot on the plane, or of the feet of a common perpendicular;
+ *           all of them are computed, and the least is taken.
+ */
+#ifndef ORACLE_ORACLE_DISTANCE_H
+#define ORACLE_ORACLE_DISTANCE_H
+
+#include <stdint.h>
+
+#include "oracle.h"
+
+/* What the distance is between. */
+enum oracle_nearest {
+    ORACLE_NEAREST_VF = 0,
+    ORACLE_NEAREST_EE = 1,
+    ORACLE_NEAREST_VE = 2,
+    ORACLE_NEAREST_VV = 3
+};
+
+struct oracle_distance {
+    /* The one with the fewest points. Among equals, of two vertices the pair with the
+     * least lower rank, then the least higher one; of a vertex and an edge the one with
+     * the least rank of the vertex, then of the edge's higher, then of its lower end. */
+    enum oracle_nearest type;
+    uint32_t points; /* bit i: point i is one of them */
+    /* The distance, rounded down and up to doubles of at most 33 significant bits. */
+    double lo;
+    double hi;
+    /* VF: weights of the second and the third corner; EE: positions on the first and the
+     * second edge, 0 at its first end. The nearest multiples of 2^-32, halves to even. */
+    double param[2];
+    /* Of length 1, from the second feature to the first, each coordinate rounded
+     * likewise; zeros at distance 0. */
+    double direction[3];
+};
+
+/* p: the points of the kind, as in oracle.h, at one moment, finite. rank: of each point,
+ * no two alike. */
+void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
+                          const uint8_t rank[4], struct oracle_distance *distance);
+
+/* Is the distance at most d >= 0? */
+bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d);
+
+/* Do the ends p[0], p[1] of an edge lie strictly on different sides of the plane of the
+ * triangle p[2..4], and does the edge pass strictly through its inside? */
+bool oracle_crosses(const double p[5][3]);
+
+#endif
