@@ -162,7 +162,9 @@ static void begin(struct world *world, enum pccd_method method, uint32_t threads
     lift(world, BODY, 0, object_of(world, BODY)->vertex_count, -2);
     check_step(world);
     go_on(world, 2);
-    assert_true(world->result.initial > 0); /* what touches at rest */
+    /* What touches at rest was not found again, so the case can fail. */
+    assert_true(world->result.initial > 0);
+    assert_true(world->result.counters.kept_records > 0 || method != PCCD_METHOD_WIDE);
 }
 
 static void end(struct world *world)

@@ -46,6 +46,7 @@ integration_names = \
     tests/integration/test_int_shared \
     tests/integration/test_int_slot \
     tests/integration/test_int_socketfile \
+    tests/integration/test_int_standing \
     tests/integration/test_int_step \
     tests/integration/test_int_supervise \
     tests/integration/test_int_threads \
@@ -59,6 +60,10 @@ TESTS += $(integration_names)
 integration_cppflags = $(AM_CPPFLAGS) -I$(top_srcdir)/proto -I$(top_srcdir)/client/lib \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 integration_libs = libtestdaemon.la libpccd.la libproto.la $(CMOCKA_LIBS) -lm
+
+tests_integration_test_int_standing_SOURCES = tests/integration/test_int_standing.c
+tests_integration_test_int_standing_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_standing_LDADD = $(integration_libs)
 
 tests_integration_test_int_socketfile_SOURCES = tests/integration/test_int_socketfile.c
 tests_integration_test_int_socketfile_CPPFLAGS = $(integration_cppflags)
