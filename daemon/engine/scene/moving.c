@@ -81,15 +81,63 @@ static uint32_t mark(unsigned char *marks, const struct ends *ends, uint32_t cou
     return moving;
 }
 
+/* Eight marks at a time: as a rule none of them is set. */
+#define WORD      8u
+#define EACH(bit) (0x0101010101010101u * (bit))
+
 /* What moved in the last step did so before. */
 static void age(unsigned char *marks, uint32_t count, bool had_marks)
 {
+    uint32_t i = 0;
     if (!had_marks) {
         memset(marks, 0, count);
         return;
     }
-    for (uint32_t i = 0; i < count; i++) {
+    static_assert(BEFORE == NOW << 1, "one place to the left");
+    for (; i + WORD <= count; i += WORD) {
+        uint64_t word;
+        memcpy(&word, marks + i, WORD);
+        word = (word & EACH(NOW)) << 1;
+        memcpy(marks + i, &word, WORD);
+    }
+    for (; i < count; i++) {
         marks[i] = marks[i] & NOW ? BEFORE : 0;
+    }
+}
+
+/* From mark `i` on, the next that is not 0; `count` if there is none. */
+static uint32_t next_mark(const unsigned char *marks, uint32_t i, uint32_t count)
+{
+    for (; i + WORD <= count; i += WORD) {
+        uint64_t word;
+        memcpy(&word, marks + i, WORD);
+        if (word != 0) {
+            break;
+        }
+    }
+    while (i < count && marks[i] == 0) {
+        i++;
+    }
+    return i;
+}
+
+void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *object)
+{
+    uint32_t first = object->vertices.first;
+    uint32_t count = object->vertices.count;
+    double(*to)[3] = scene->x[1 - scene->now] + first;
+    positions from = (positions)scene->x[scene->now] + first;
+    if (object->is_spoilt || object->moved == ENG_MOVES_ALL) {
+        memcpy(to, from, count * sizeof *to);
+        return;
+    }
+    if (object->moved == ENG_STANDS) {
+        return;
+    }
+    const unsigned char *marks = scene->moving.moves + first;
+    for (uint32_t i = next_mark(marks, 0, count); i < count;
+         i = next_mark(marks, i + 1, count)) {
+        memcpy(to[i], from[i], sizeof *to);
     }
 }
 
@@ -117,9 +165,11 @@ static uint32_t count_moving(const struct eng_scene *scene,
                              const struct eng_object *object)
 {
     const unsigned char *marks = scene->moving.moves + object->vertices.first;
+    uint32_t count = object->vertices.count;
     uint32_t moving = 0;
-    for (uint32_t i = 0; i < object->vertices.count; i++) {
-        moving += marks[i] != 0;
+    for (uint32_t i = next_mark(marks, 0, count); i < count;
+         i = next_mark(marks, i + 1, count)) {
+        moving++;
     }
     return moving;
 }

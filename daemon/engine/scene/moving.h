@@ -21,6 +21,10 @@
  * the scene's positions. O(objects + vertices written). Cannot fail. */
 void eng_moving_commit(struct eng_scene *scene);
 
+/* Make x[1 - now] of an object what x[now] is, before the step is committed. As long as
+ * nothing was written there since the last step, that is a copy of what moved in it. */
+void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *object);
+
 /* Does so little move that what stands is worth looking for? Costs more than it saves
  * where nearly everything moves. */
 static inline bool eng_moves_little(const struct eng_scene *scene)

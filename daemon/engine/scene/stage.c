@@ -102,11 +102,10 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
     }
     bool whole = count == object->vertices.count;
     if (object->staged != scene->stage && !whole && !object->still) {
-        memcpy(scene->x[1 - scene->now] + object->vertices.first,
-               scene->x[scene->now] + object->vertices.first,
-               object->vertices.count * sizeof *scene->x[0]);
+        eng_moving_catch_up(scene, object);
     }
     object->staged = scene->stage;
+    object->is_spoilt = true;
     object->still = false;
     return PCCD_OK;
 }
@@ -308,20 +307,18 @@ int eng_stage_commit(struct eng_scene *scene)
         eng_stage_abort(scene);
         return PCCD_E_SEGMENT;
     }
-    eng_moving_commit(scene);
-    take_starts(scene);
-    measure_written(scene);
-    double(*current)[3] = scene->x[scene->now];
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
         if (object->mesh && object->staged != scene->stage && !object->still) {
-            uint32_t v = object->vertices.first;
-            memcpy(scene->x[1 - scene->now] + v, current + v,
-                   object->vertices.count * sizeof *current);
+            eng_moving_catch_up(scene, object);
             object->bounds[1 - scene->now] = object->bounds[scene->now];
             object->still = true;
         }
+        object->is_spoilt = false;
     }
+    eng_moving_commit(scene);
+    take_starts(scene);
+    measure_written(scene);
     scene->now = 1 - scene->now;
     scene->staging = false;
     scene->write_count = 0;

@@ -56,6 +56,7 @@ struct eng_object {
     struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
     bool still;                 /* x[0] and x[1] hold the same positions of this object */
     uint64_t staged;            /* stage number that last wrote to it */
+    bool is_spoilt;             /* x[1 - now] has been written to since the last step */
     enum eng_movement movement; /* in the last step, and .. */
     enum eng_movement moved;    /* .. in it without the one before */
     bool is_new;                /* it was in no step yet */
