@@ -110,6 +110,8 @@ libengine_la_SOURCES = \
     daemon/engine/team/wait.h \
     daemon/engine/team/worker.c \
     daemon/engine/team/worker.h \
+    daemon/engine/scene/blur.c \
+    daemon/engine/scene/blur.h \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/feature.h \
     daemon/engine/scene/frames.c \
@@ -128,6 +130,8 @@ libengine_la_SOURCES = \
     daemon/engine/scene/range.c \
     daemon/engine/scene/range.h \
     daemon/engine/scene/scene.h \
+    daemon/engine/scene/spacing.c \
+    daemon/engine/scene/spacing.h \
     daemon/engine/scene/stage.c \
     daemon/engine/scene/stage.h \
     daemon/engine/scene/topology.h \

@@ -67,7 +67,7 @@ daemon/engine kernel      base
 daemon/engine elementary  base kernel
 daemon/engine result      base
 daemon/engine team        base kernel elementary result
-daemon/engine scene       base kernel team
+daemon/engine scene       base kernel elementary team
 daemon/engine paper       base kernel elementary team scene
 daemon/engine wide        base kernel elementary team scene
 daemon/engine .           base kernel elementary result team scene paper wide

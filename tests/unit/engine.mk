@@ -75,13 +75,23 @@ ENG_TESTS = \
     tests/unit/test_eng_wide \
     tests/unit/test_eng_footprint \
     tests/unit/test_eng_masks \
-    tests/unit/test_eng_pairset
+    tests/unit/test_eng_pairset \
+    tests/unit/test_eng_blur \
+    tests/unit/test_eng_spacing
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
 
 tests_unit_test_eng_masks_SOURCES = tests/unit/test_eng_masks.c
 tests_unit_test_eng_masks_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 tests_unit_test_eng_masks_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_blur_SOURCES = tests/unit/test_eng_blur.c
+tests_unit_test_eng_blur_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_blur_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_spacing_SOURCES = tests/unit/test_eng_spacing.c
+tests_unit_test_eng_spacing_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_spacing_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_pairset_SOURCES = tests/unit/test_eng_pairset.c
 tests_unit_test_eng_pairset_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

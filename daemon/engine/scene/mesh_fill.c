@@ -16,6 +16,7 @@
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
+#include "spacing.h"
 #include "topology.h"
 
 /* Triangles of which the typical size is told. */
@@ -33,6 +34,7 @@ int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh
     }
     memset(m, 0, sizeof *m);
     atomic_init(&m->references, 1);
+    atomic_init(&m->spacing.state, ENG_SPACING_UNKNOWN);
     m->info.vertex_count = vertex_count;
     m->info.triangle_count = triangle_count;
     m->x = eng_alloc(vertex_count, sizeof *m->x);
@@ -64,6 +66,7 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->corners);
     eng_free(mesh->triangles);
     eng_free(mesh->edges);
+    eng_spacing_deinit(mesh);
     eng_free(mesh);
 }
 

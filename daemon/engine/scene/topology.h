@@ -1,9 +1,9 @@
 /* daemon/engine/scene/topology.h - the fields of a mesh, for the files that fill, derive
  * or read it.
  *
- * Room:     engine. May include: box_frame.h, mesh.h.
- * Does:     define struct eng_mesh. It does not change after commit, so any thread may
- *           read it then.
+ * Room:     engine. May include: box_frame.h, mesh.h, pccd_trace.h.
+ * Does:     define struct eng_mesh. But for its spacing it does not change after commit,
+ *           so any thread may read it then.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
 #ifndef ENG_TOPOLOGY_H
@@ -13,6 +13,7 @@
 
 #include "box_frame.h"
 #include "mesh.h"
+#include "pccd_trace.h"
 
 /* Ownership bits of a triangle: bit k: it owns corner k; bit 3 + k: it owns the edge from
  * corner k to corner (k + 1) mod 3. */
@@ -25,6 +26,24 @@
 struct eng_face {
     uint32_t v[3];
     uint32_t owns; /* ENG_OWNS_* */
+};
+
+enum eng_spacing_state {
+    ENG_SPACING_UNKNOWN, /* nobody is at it */
+    ENG_SPACING_TAKEN,   /* a thread is */
+    ENG_SPACING_KNOWN
+};
+
+/* Which features of a mesh are near each other (spacing.h). All but the state belongs to
+ * whoever has taken it, and does not change any more once it is known. */
+struct eng_spacing {
+    atomic_int state; /* enum eng_spacing_state */
+    double length;    /* the spacing; 0: of no use, too much is near */
+    /* By enum pccd_tree a bit for each vertex, edge and face; NULL: nothing is near. */
+    uint64_t *near[PCCD_TREE_FACES + 1];
+    uint64_t near_count;
+    uint64_t work; /* so far */
+    struct eng_spacing_search *search;
 };
 
 struct eng_mesh {
@@ -41,6 +60,7 @@ struct eng_mesh {
      * typical triangle beside that. */
     struct eng_bounds bounds;
     double fineness;
+    struct eng_spacing spacing; /* which is found out after commit, if at all */
 };
 
 /* The bounds of the mesh's triangles, with its vertices at x. Vertices that are in none
