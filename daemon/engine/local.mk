@@ -129,6 +129,8 @@ libengine_la_SOURCES = \
     daemon/engine/scene/pairset.h \
     daemon/engine/scene/range.c \
     daemon/engine/scene/range.h \
+    daemon/engine/scene/rigid.c \
+    daemon/engine/scene/rigid.h \
     daemon/engine/scene/scene.h \
     daemon/engine/scene/spacing.c \
     daemon/engine/scene/spacing.h \

@@ -17,6 +17,7 @@
 #include "frames.h"
 #include "memory.h"
 #include "methods.h"
+#include "rigid.h"
 #include "schedule_paper.h"
 #include "schedule_steal.h"
 #include "stage.h"
@@ -67,6 +68,7 @@ static int prepare(struct eng_scene *scene, const struct eng_step_settings *sett
         eng_effort_forget(&memory->effort[method]);
     }
     team->count = threads_for(scene, settings);
+    eng_rigid_prepare(scene);
     eng_refit_begin(team);
     int status = eng_step_memory_reserve(memory, team->count);
     team->workers = memory->workers;
@@ -123,6 +125,19 @@ static void keep_what_stands(struct eng_team *team,
     eng_answer_keep(memory, team);
 }
 
+/* What goes on beside the traversal, by one thread. A brief step has no time for more
+ * than itself. */
+static void beside(struct eng_team *team, struct eng_worker *worker)
+{
+    team->method->beside(worker);
+    if (worker->settings->brief || eng_stop_is_set(worker->stop)) {
+        return;
+    }
+    uint64_t begin_ns = common_now_ns();
+    eng_rigid_share(team->scene);
+    worker->record.low_ns += common_now_ns() - begin_ns;
+}
+
 /* Refit and detection by one thread; returns when they ended. */
 static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
 {
@@ -141,7 +156,7 @@ static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
         method->perform_all(worker);
     }
     method->leave(worker);
-    method->beside(worker);
+    beside(team, worker);
     uint64_t end_ns = common_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
@@ -203,7 +218,7 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
             method->enter(worker);
         }
         if (worker->thread == team->count - 1) {
-            method->beside(worker);
+            beside(team, worker);
         }
         if (by_paper) {
             eng_schedule_paper(team, worker);
@@ -275,6 +290,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns, 0, 0);
     divide_time(team, &result->times);
     add_counters(team, &result->counters);
+    result->counters.rigid_objects = team->scene->rigid.objects;
     uint64_t work_ns = 0;
     for (uint32_t i = 0; i < team->count; i++) {
         const struct eng_thread_record *record = &team->workers[i]->record;
@@ -324,6 +340,7 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     scene->step++;
     keep_what_stands(&team, settings, &stop);
     eng_frames_follow(scene);
+    eng_rigid_choose(scene, settings->mode != PCCD_MODE_PAIRS);
     team.method->start(&team, settings);
     uint64_t detect_ns =
         team.count == 1 ? run_alone(&team, &r.times) : run_together(&team, &r.times);

@@ -3,7 +3,8 @@
 property_names = \
     tests/property/test_eng_against_oracle \
     tests/property/test_eng_plays \
-    tests/property/test_eng_standing
+    tests/property/test_eng_standing \
+    tests/property/test_eng_rigid
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
@@ -32,3 +33,8 @@ tests_property_test_eng_standing_SOURCES = tests/property/test_eng_standing.c \
 tests_property_test_eng_standing_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_standing_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_standing_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_rigid_SOURCES = tests/property/test_eng_rigid.c $(property_judge)
+tests_property_test_eng_rigid_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_rigid_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_rigid_LDADD = $(PROPERTY_LDADD)

@@ -62,6 +62,15 @@ void eng_masks_set(struct eng_masks *masks, uint32_t object,
     masks->version++;
 }
 
+void eng_masks_leave_out(struct eng_masks *masks, uint32_t object, enum eng_self left_out)
+{
+    assert(object < masks->capacity);
+    struct eng_masks_entry *entry = &masks->entries[object];
+    masks->left_out_count -= entry->left_out != ENG_SELF_TESTED;
+    masks->left_out_count += left_out != ENG_SELF_TESTED;
+    entry->left_out = left_out;
+}
+
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored)
 {
     assert(a != b && a < masks->capacity && b < masks->capacity);
@@ -125,6 +134,7 @@ void eng_masks_forget(struct eng_masks *masks, uint32_t object)
         masks->entries[other].ignored--;
     }
     masks->changed_count -= entry->is_changed;
+    masks->left_out_count -= entry->left_out != ENG_SELF_TESTED;
     *entry = at_first;
     masks->version++;
 }

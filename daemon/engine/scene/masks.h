@@ -19,19 +19,29 @@
 #include "pairset.h"
 #include "scene.h"
 
+/* Which pairs within an object are tested in a step, if its self-collision is on. Those
+ * that are not are known to have no contact. */
+enum eng_self {
+    ENG_SELF_TESTED,
+    ENG_SELF_NEAR, /* only those of two features that are near (spacing.h) */
+    ENG_SELF_APART /* none */
+};
+
 struct eng_masks_entry {
     uint64_t group;
     uint64_t mask;
     uint32_t ignored; /* pairs that it is part of */
     bool self;
-    bool is_changed; /* not as an object begins */
-    bool is_hidden;  /* about to go away */
+    bool is_changed;        /* not as an object begins */
+    bool is_hidden;         /* about to go away */
+    enum eng_self left_out; /* in this step */
 };
 
 struct eng_masks {
     struct eng_masks_entry *entries; /* [capacity] by object index */
     uint32_t capacity;
-    uint32_t changed_count; /* entries that are changed */
+    uint32_t changed_count;  /* entries that are changed */
+    uint32_t left_out_count; /* entries of which anything is left out in this step */
     struct eng_pairset ignored;
     uint32_t version; /* goes on with every change, and round */
 };
@@ -53,13 +63,18 @@ void eng_masks_forget(struct eng_masks *masks, uint32_t object);
 
 void eng_masks_set(struct eng_masks *masks, uint32_t object,
                    const struct eng_object_filter *bits);
+/* Which pairs within the object the step does not test. The version stays: this is asked
+ * of the entry, pair by pair. */
+void eng_masks_leave_out(struct eng_masks *masks, uint32_t object,
+                         enum eng_self left_out);
 /* Two different objects. PCCD_E_LIMIT, PCCD_E_NOMEM: as before. */
 int eng_masks_ignore(struct eng_masks *masks, uint32_t a, uint32_t b, bool ignored);
 
 /* Is there anything that may be left out? If not, nobody needs to ask. */
 static inline bool eng_masks_is_on(const struct eng_masks *masks)
 {
-    return masks->changed_count > 0 || masks->ignored.count > 0;
+    return masks->changed_count > 0 || masks->ignored.count > 0 ||
+           masks->left_out_count > 0;
 }
 
 /* What is behind the bits. */
@@ -70,13 +85,14 @@ static inline bool eng_masks_ignores(const struct eng_masks *masks, uint32_t a,
            eng_pairset_has(&masks->ignored, a, b);
 }
 
-/* May object a meet object b? */
+/* May object a meet object b? Of one that may meet itself only where it is near itself,
+ * anything may. */
 static inline bool eng_masks_allows(const struct eng_masks *masks, uint32_t a, uint32_t b)
 {
     const struct eng_masks_entry *of_a = &masks->entries[a];
     const struct eng_masks_entry *of_b = &masks->entries[b];
     if (a == b) {
-        return of_a->self;
+        return of_a->self && of_a->left_out != ENG_SELF_APART;
     }
     return (of_a->group & of_b->mask) != 0 && (of_b->group & of_a->mask) != 0 &&
            !eng_masks_ignores(masks, a, b);

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "blur.h"
 #include "clock.h"
 #include "coordinates.h"
 #include "ingest.h"
@@ -91,9 +92,13 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
         count > object->vertices.count - first) {
         return PCCD_E_INVAL;
     }
-    int status = remember(
-        scene, (struct eng_write){
-                   object_idx, first, count, has_start, {ENG_NO_BOUNDS, ENG_NO_BOUNDS}});
+    int status =
+        remember(scene, (struct eng_write){.object = object_idx,
+                                           .first = first,
+                                           .count = count,
+                                           .has_start = has_start,
+                                           .bounds = {ENG_NO_BOUNDS, ENG_NO_BOUNDS},
+                                           .blur = {INFINITY, INFINITY}});
     if (status == PCCD_OK && has_start) {
         status = reserve_start(scene);
     }
@@ -183,6 +188,10 @@ int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first
         if (status == PCCD_OK) {
             status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1,
                                &write->bounds[1]);
+        }
+        if (status == PCCD_OK && count == object->vertices.count) {
+            write->blur[0] = eng_blur(matrix0, matrix1, &object->mesh->bounds);
+            write->blur[1] = eng_blur(matrix1, matrix1, &object->mesh->bounds);
         }
     }
     scene->stage_ns += common_now_ns() - begin_ns;
@@ -291,6 +300,10 @@ static void measure_written(struct eng_scene *scene)
                scene->writes[i].object == scene->writes[first].object) {
             i++;
         }
+        /* Several are parts: they have no blur. */
+        struct eng_object *object = &scene->objects[scene->writes[first].object];
+        memcpy(object->blur, scene->writes[first].blur, sizeof object->blur);
+        object->is_posed = object->blur[1] < INFINITY;
         measure(scene, scene->now, 0, &scene->writes[first], i - first);
         measure(scene, 1 - scene->now, 1, &scene->writes[first], i - first);
     }
@@ -312,6 +325,7 @@ int eng_stage_commit(struct eng_scene *scene)
         if (object->mesh && object->staged != scene->stage && !object->still) {
             eng_moving_catch_up(scene, object);
             object->bounds[1 - scene->now] = object->bounds[scene->now];
+            object->blur[0] = object->blur[1];
             object->still = true;
         }
         object->is_spoilt = false;

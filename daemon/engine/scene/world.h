@@ -60,6 +60,11 @@ struct eng_object {
     enum eng_movement movement; /* in the last step, and .. */
     enum eng_movement moved;    /* .. in it without the one before */
     bool is_new;                /* it was in no step yet */
+    /* Points of the mesh that are farther apart than that do not meet: in the step, and
+     * in later ones until something is written to it (blur.h). */
+    double blur[2];
+    bool is_posed;  /* the blur is that of poses, not of where it was registered */
+    double spacing; /* of the mesh, as the step goes by it (rigid.h) */
 };
 
 /* What moves in the last step that was committed (moving.h). */
@@ -70,6 +75,15 @@ struct eng_moving {
     uint32_t objects;  /* that have such */
     unsigned char
         *moves; /* [vertex_capacity] not 0: it moves; of an object of which some do */
+};
+
+/* Objects that need not be tested against themselves in a step (rigid.h). */
+struct eng_rigid {
+    uint32_t version;   /* goes on, and round, with the spacings that the step goes by */
+    bool is_possible;   /* some have a spacing */
+    uint32_t objects;   /* that are left out, but for what is near */
+    uint64_t triangles; /* of these */
+    uint32_t wanted;    /* the first whose spacing is to be found; ENG_NO_OBJECT */
 };
 
 /* One object along one axis, while frames are chosen. */
@@ -105,6 +119,7 @@ struct eng_write {
     uint32_t count;
     bool has_start;              /* x0 waits in scene->start */
     struct eng_bounds bounds[2]; /* of x0, if there is one, and of x1 */
+    double blur[2]; /* as that of an object: INFINITY unless these are poses of it all */
 };
 
 struct eng_scene {
@@ -130,6 +145,7 @@ struct eng_scene {
     uint32_t step; /* number of the step; goes round */
 
     struct eng_moving moving;
+    struct eng_rigid rigid;
     struct eng_framing framing;
     struct eng_masks masks;
 

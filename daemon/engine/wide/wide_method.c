@@ -261,9 +261,26 @@ static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scen
            wide->frames == scene->framing.number && eng_moves_little(scene);
 }
 
+/* A part of the scene's triangles: with so many more, or fewer, that need no tests
+ * against themselves, the number of box tests says nothing of the order. */
+#define LEFT_OUT_PART 16u
+
+static void follow_rigid(const struct eng_scene *scene)
+{
+    struct eng_wide_state *state = eng_wide_state_of(scene);
+    uint64_t now = scene->rigid.triangles;
+    uint64_t change =
+        now > state->left_out ? now - state->left_out : state->left_out - now;
+    if (change > scene->triangle_count / LEFT_OUT_PART) {
+        eng_wide_resort_unlearn(&state->resort);
+        state->left_out = now;
+    }
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
+    follow_rigid(team->scene);
     wide->kernels = team->workers[0]->kernels;
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
     bool keeps = has_current_boxes(wide, team->scene, settings);

@@ -10,6 +10,7 @@
 
 #include "array.h"
 #include "memory.h"
+#include "spacing.h"
 
 static const struct eng_wide_owner nobody = {
     .first = 1, .last = 0, .object = ENG_NO_OBJECT};
@@ -46,6 +47,20 @@ static int reserve(struct eng_wide_owners *owners, const struct eng_wide *wide)
     return PCCD_OK;
 }
 
+/* Is any of a block's features near another of its object? */
+static bool block_has_near(const struct eng_object *object, enum pccd_tree kind,
+                           uint32_t first)
+{
+    const struct eng_wide_order *order = eng_wide_order_of(object);
+    bool has_near = false;
+    for (uint32_t i = first; i < first + ENG_WIDE && i < order->count[kind]; i++) {
+        uint32_t feature = order->feature[kind][i];
+        has_near |= feature != ENG_WIDE_NO_FEATURE &&
+                    eng_spacing_is_near(object->mesh, kind, feature);
+    }
+    return has_near;
+}
+
 /* The blocks of features, object by object. */
 static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wide,
                        const struct eng_scene *scene, enum pccd_tree kind)
@@ -56,6 +71,8 @@ static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wi
     for (uint32_t i = 0; i < scene->object_count; i++) {
         uint32_t object = wide->items[i].id;
         const struct eng_masks_entry *entry = &scene->masks.entries[object];
+        bool can_have_near = scene->objects[object].spacing > 0 &&
+                             eng_spacing_has_near(scene->objects[object].mesh);
         uint32_t count = eng_wide_order_of(&scene->objects[object])->count[kind];
         uint32_t first = eng_wide_first_slot(end, count);
         end = first + count;
@@ -69,6 +86,9 @@ static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wi
                                                    .last = i,
                                                    .object = object,
                                                    .has_self = entry->self};
+            owner[block].has_near =
+                can_have_near &&
+                block_has_near(&scene->objects[object], kind, block * ENG_WIDE - first);
         }
     }
     for (; block < wide->trees[kind].block_count[0]; block++) {
@@ -88,6 +108,7 @@ static struct eng_wide_owner unite(const struct eng_wide_owner *below, uint32_t 
         all.groups |= below[i].groups;
         all.masks |= below[i].masks;
         all.has_self |= below[i].has_self;
+        all.has_near |= below[i].has_near;
         all.first = is_first ? below[i].first : all.first;
         all.last = below[i].last;
         all.object =
@@ -115,9 +136,11 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
                             const struct eng_scene *scene, bool *has_changed)
 {
     assert(!wide->is_stale);
-    bool is_on = eng_masks_is_on(&scene->masks);
+    bool is_on = eng_masks_is_on(&scene->masks) || scene->rigid.is_possible;
     *has_changed = owners->version != scene->masks.version;
-    bool is_old = *has_changed || !owners->masks || owners->assembled != wide->assembled;
+    bool is_old = *has_changed || !owners->masks ||
+                  owners->assembled != wide->assembled ||
+                  owners->near_version != scene->rigid.version;
     if (is_on && is_old) {
         int status = reserve(owners, wide);
         if (status != PCCD_OK) {
@@ -132,7 +155,29 @@ int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wid
     owners->assembled = wide->assembled;
     owners->masks = is_on ? &scene->masks : NULL;
     owners->version = scene->masks.version;
+    owners->near_version = scene->rigid.version;
     return PCCD_OK;
+}
+
+bool eng_wide_owners_are_on(const struct eng_wide_owners *owners)
+{
+    return owners->masks && eng_masks_is_on(owners->masks);
+}
+
+/* Two nodes, or one twice, of one object alone. */
+static bool may_meet_within(const struct eng_masks *masks, const struct eng_wide_owner *a,
+                            const struct eng_wide_owner *b)
+{
+    assert(a->object == b->object);
+    switch (masks->entries[a->object].left_out) {
+    case ENG_SELF_TESTED:
+        return a->has_self;
+    case ENG_SELF_NEAR:
+        return a->has_self && a->has_near && b->has_near;
+    case ENG_SELF_APART:
+        break;
+    }
+    return false;
 }
 
 /* A node of an object has its bits; the groups of several are those of any of them, and
@@ -144,7 +189,7 @@ static bool may_meet(const struct eng_masks *masks, const struct eng_wide_owner 
     bool have_common = a->first <= b->last && b->first <= a->last;
     bool are_objects = a->object != ENG_NO_OBJECT && b->object != ENG_NO_OBJECT;
     if (are_objects && have_common) {
-        return a->has_self;
+        return may_meet_within(masks, a, b);
     }
     if (have_common && a->has_self && b->has_self) {
         return true;
@@ -176,8 +221,14 @@ uint32_t eng_wide_owners_keep(const struct eng_wide_owners *owners, enum pccd_ki
 {
     assert(level >= 1);
     const struct eng_masks *masks = owners->masks;
-    if (!masks || (owners_of(owners, kind, 0, level)[n].object != ENG_NO_OBJECT &&
-                   owners_of(owners, kind, 1, level)[m].object != ENG_NO_OBJECT)) {
+    if (!masks) {
+        return count;
+    }
+    uint32_t a_object = owners_of(owners, kind, 0, level)[n].object;
+    uint32_t b_object = owners_of(owners, kind, 1, level)[m].object;
+    bool is_one = a_object == b_object && a_object != ENG_NO_OBJECT;
+    if (a_object != ENG_NO_OBJECT && b_object != ENG_NO_OBJECT &&
+        !(is_one && masks->entries[a_object].left_out == ENG_SELF_NEAR)) {
         return count; /* what is below two objects' nodes is theirs */
     }
     const struct eng_wide_owner *of_a = owners_of(owners, kind, 0, level - 1);

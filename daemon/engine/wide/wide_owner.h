@@ -13,6 +13,10 @@
  * object. Any other node is culled if no group of its objects is in the masks of the
  * other node. Example: a thousand things that stand still and ignore each other cost only
  * a few tests.
+ *
+ * A rigid object does not meet itself (rigid.h), but for features of it that are near
+ * each other: then only blocks that have such are joined. Which objects these are is
+ * asked of the masks while traversing, as it may change with every step.
  */
 #ifndef ENG_WIDE_OWNER_H
 #define ENG_WIDE_OWNER_H
@@ -29,6 +33,7 @@ struct eng_wide_owner {
     uint32_t last;
     uint32_t object; /* the only one; of several: ENG_NO_OBJECT */
     bool has_self;   /* an object below may meet itself */
+    bool has_near;   /* something below is near something of its own object (spacing.h) */
 };
 
 struct eng_wide_owners {
@@ -37,17 +42,22 @@ struct eng_wide_owners {
     const struct eng_masks *masks; /* NULL: they are not made, or nothing is left out */
     struct eng_wide_owner *of[ENG_WIDE_TREES]; /* [capacity] by block, as the boxes */
     uint32_t capacity[ENG_WIDE_TREES];
-    uint32_t version; /* of the masks that they were made by */
+    uint32_t version;      /* of the masks that they were made by, .. */
+    uint32_t near_version; /* .. and of what was known to be near (rigid.h) */
 };
 
 void eng_wide_owners_deinit(struct eng_wide_owners *owners);
 uint64_t eng_wide_owners_bytes(const struct eng_wide_owners *owners);
 
 /* Before a step, the trees being put together: make them anew, O(blocks), when the masks
- * have changed or the trees. No more than a look while nothing is left out.
- * *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
+ * have changed, the trees, or what is known to be near. No more than a look while nothing
+ * can be left out. *has_changed: the masks have. PCCD_E_NOMEM. [compute] */
 int eng_wide_owners_prepare(struct eng_wide_owners *owners, const struct eng_wide *wide,
                             const struct eng_scene *scene, bool *has_changed);
+
+/* In a step: is there anything to ask? What objects leave out of themselves is known only
+ * once their positions are. [any] */
+bool eng_wide_owners_are_on(const struct eng_wide_owners *owners);
 
 /* Nodes n and m of a level, of the two trees of a kind of pair (of one tree n == m for a
  * node with itself): may anything below the one meet anything below the other? [any] */

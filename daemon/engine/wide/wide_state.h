@@ -16,6 +16,7 @@ struct eng_wide_state {
     struct eng_wide trees;         /* first: eng_wide_of finds them by it */
     struct eng_wide_owners owners; /* made anew after the trees */
     struct eng_wide_resort resort;
+    uint64_t left_out; /* triangles of rigid objects that `resort` has learned without */
 };
 
 static_assert(offsetof(struct eng_wide_state, trees) == 0, "eng_wide_of");

@@ -271,7 +271,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
     eng_wide_join_begin(&work->join, eng_wide_of(worker->scene), ENG_JOIN_MOVING);
-    work->join.owners = owners->masks ? owners : NULL;
+    work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
     work->join.moving = worker->prunes ? eng_wide_of(worker->scene) : NULL;
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool in_time = worker->settings->mode != PCCD_MODE_PAIRS;

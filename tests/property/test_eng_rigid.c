@@ -1,0 +1,445 @@
+/* test_eng_rigid.c - objects that move by poses are answered as any others.
+ *
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
+ *           tests/unit, cmocka.
+ * Does:     sequences of steps of objects that are posed, stand, and are written to in
+ *           other ways between: meshes that touch themselves, cut themselves, have parts
+ *           within a hair of each other, or nothing of that; turns up to half a turn,
+ *           scales, shears, places so far away that rounding brings features together.
+ *           Each complete answer against that of a fresh scene, which is given positions
+ *           and knows of no pose; those of small scenes against exact arithmetic, too.
+ * Threads:  teams of one to three.
+ * Source:   PCCD_SEED repeats a sequence; PCCD_PROPERTY_SECONDS says for how long.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "clock.h"
+#include "eng_fresh.h"
+#include "eng_way.h"
+#include "judge.h"
+
+#define SEQUENCES     40
+#define STEPS         8u
+#define THREADS_MAX   3u
+#define VERTICES_MAX  200u
+#define OBJECTS       3u
+#define PI            3.14159265358979323846
+#define TINY_VERTICES 30u /* an object: few enough for exact arithmetic */
+
+static struct {
+    uint64_t sequences;
+    uint64_t steps;
+    uint64_t records;
+    uint64_t within; /* of these, within an object */
+    uint64_t rigid;  /* objects that were left out of their own way .. */
+    uint64_t beside; /* .. in steps with contacts within objects */
+} sums;
+
+static struct judge_sums judged;
+
+struct sequence {
+    uint64_t seed;
+    uint32_t step;
+    uint32_t next_id;
+    struct prng prng;
+    struct player player;
+    struct eng_step_settings settings;
+    bool is_tiny;
+    double pose[OBJECTS][12]; /* where the last one ended */
+};
+
+static uint32_t draw(struct sequence *sequence, uint32_t bound)
+{
+    return (uint32_t)prng_below(&sequence->prng, bound);
+}
+
+static double between(struct sequence *sequence, double low, double high)
+{
+    return prng_between(&sequence->prng, low, high);
+}
+
+static void must(const struct sequence *sequence, bool holds, const char *what)
+{
+    if (!holds) {
+        char way[WAY_TEXT_MAX];
+        way_tell(&sequence->settings, way);
+        print_message("# mode %d, %s\n", (int)sequence->settings.mode, way);
+        fail_msg("PCCD_SEED=%llu, step %u: %s", (unsigned long long)sequence->seed,
+                 sequence->step, what);
+    }
+}
+
+/* ---- meshes ------------------------------------------------------------------------ */
+
+struct mesh {
+    double x[VERTICES_MAX][3];
+    uint32_t triangles[2 * VERTICES_MAX][3];
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+};
+
+static void add_triangle(struct mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t *corners = mesh->triangles[mesh->triangle_count++];
+    corners[0] = a;
+    corners[1] = b;
+    corners[2] = c;
+}
+
+/* side x side squares at about a height. */
+static void add_sheet(struct sequence *sequence, struct mesh *mesh, uint32_t side,
+                      double height, double rough)
+{
+    uint32_t first = mesh->vertex_count;
+    uint32_t row = side + 1;
+    for (uint32_t i = 0; i < row * row; i++) {
+        double *x = mesh->x[mesh->vertex_count++];
+        x[0] = (double)(i % row) / side;
+        x[1] = (double)(i / row) / side;
+        x[2] = height + between(sequence, 0, rough);
+    }
+    for (uint32_t i = 0; i < side * side; i++) {
+        uint32_t v = first + i / side * row + i % side;
+        add_triangle(mesh, v, v + 1, v + row);
+        add_triangle(mesh, v + 1, v + row + 1, v + row);
+    }
+}
+
+/* A body of eight faces, each of them a corner of space. */
+static void add_octahedron(struct mesh *mesh, double x, double size)
+{
+    uint32_t first = mesh->vertex_count;
+    for (uint32_t i = 0; i < 6; i++) {
+        double *v = mesh->x[mesh->vertex_count++];
+        v[0] = x;
+        v[1] = 0.5;
+        v[2] = 0.5;
+        v[i / 2] += i % 2 ? size : -size;
+    }
+    for (uint32_t i = 0; i < 8; i++) {
+        add_triangle(mesh, first + i % 2, first + 2 + i / 2 % 2, first + 4 + i / 4);
+    }
+}
+
+static void make_mesh(struct sequence *sequence, struct mesh *mesh, uint32_t at)
+{
+    static const double gaps[] = {0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4};
+    uint32_t side = sequence->is_tiny ? 1 + draw(sequence, 2) : 3 + draw(sequence, 6);
+    double rough = draw(sequence, 2) * 0.3 / side;
+    mesh->vertex_count = mesh->triangle_count = 0;
+    switch (draw(sequence, 6)) {
+    case 0: /* nothing is near */
+        add_sheet(sequence, mesh, side, 0, rough);
+        break;
+    case 1: /* two bodies, which touch, cut each other, or neither */
+        add_octahedron(mesh, 0, 0.5);
+        add_octahedron(mesh, 0.5 + 0.25 * draw(sequence, 4), 0.5);
+        break;
+    case 2: /* two sheets within a hair of each other, or a little more */
+        add_sheet(sequence, mesh, side, 0, 0);
+        add_sheet(sequence, mesh, side, gaps[draw(sequence, 6)], 0);
+        break;
+    case 3: /* a patch on a sheet: a few features are near */
+        add_sheet(sequence, mesh, side, 0, 0);
+        add_octahedron(mesh, 0.5, 0.2);
+        for (uint32_t v = mesh->vertex_count - 6; v < mesh->vertex_count; v++) {
+            mesh->x[v][2] += gaps[draw(sequence, 6)] - 0.3;
+        }
+        break;
+    case 4: /* a heap */
+        for (uint32_t i = 0; i < 6; i++) {
+            for (int k = 0; k < 9; k++) {
+                mesh->x[3 * i + (uint32_t)k / 3][k % 3] = between(sequence, 0, 1);
+            }
+            add_triangle(mesh, 3 * i, 3 * i + 1, 3 * i + 2);
+        }
+        mesh->vertex_count = 18;
+        break;
+    default: /* one body */
+        add_octahedron(mesh, 0, 0.5);
+        break;
+    }
+    double scale = exp2(draw(sequence, 3) ? 0 : 60 * between(sequence, -1, 1));
+    for (uint32_t i = 0; i < 3 * mesh->vertex_count; i++) {
+        double aside = i % 3 == 0 ? 1.25 * at : 0; /* fewer meet others */
+        mesh->x[i / 3][i % 3] = scale * (mesh->x[i / 3][i % 3] + aside);
+    }
+}
+
+static void add_object(struct sequence *sequence, bool replaces)
+{
+    static struct mesh mesh;
+    struct play_act act = {.what = replaces ? PLAY_REPLACE : PLAY_ADD};
+    uint32_t at = replaces ? draw(sequence, OBJECTS) : sequence->player.object_count;
+    make_mesh(sequence, &mesh, at);
+    act.object_id = replaces ? sequence->player.objects[at].id : sequence->next_id++;
+    act.vertex_count = mesh.vertex_count;
+    act.triangle_count = mesh.triangle_count;
+    act.x0 = mesh.x;
+    act.triangles = mesh.triangles;
+    player_act(&sequence->player, &act);
+    memset(sequence->pose[at], 0, sizeof sequence->pose[at]);
+    for (int i = 0; i < 3; i++) {
+        sequence->pose[at][5 * i] = 1;
+    }
+}
+
+/* ---- motions ----------------------------------------------------------------------- */
+
+/* m, then a turn about an axis of space. */
+static void turn(double m[12], int axis, double angle)
+{
+    int a = (axis + 1) % 3;
+    int b = (axis + 2) % 3;
+    for (int k = 0; k < 4; k++) {
+        double one = m[4 * a + k];
+        double other = m[4 * b + k];
+        m[4 * a + k] = cos(angle) * one - sin(angle) * other;
+        m[4 * b + k] = sin(angle) * one + cos(angle) * other;
+    }
+}
+
+/* From one pose to the next; `size` is about that of the mesh. */
+static void change_pose(struct sequence *sequence, double m[12], double size)
+{
+    static const double angles[] = {0, 1, 10, 90, 170, 179.9, 180};
+    int axis = (int)draw(sequence, 3);
+    switch (draw(sequence, 8)) {
+    case 0: /* far: rounding is up to as large as the object */
+        m[4 * axis + 3] += size * exp2(40 * between(sequence, 0, 1));
+        break;
+    case 1:
+        for (int k = 0; k < 3; k++) { /* larger or smaller along one axis of space */
+            m[4 * axis + k] *= exp2(between(sequence, -3, 3));
+        }
+        break;
+    case 2: /* a shear, or pressed flat */
+        for (int k = 0; k < 3; k++) {
+            m[4 * axis + k] = draw(sequence, 8) == 0
+                                  ? 0
+                                  : m[4 * axis + k] + 0.3 * m[(4 * axis + 4) % 12 + k];
+        }
+        break;
+    case 3: /* back to where it was registered */
+        memset(m, 0, 12 * sizeof *m);
+        m[0] = m[5] = m[10] = 1;
+        break;
+    default:
+        turn(m, axis, PI / 180 * angles[draw(sequence, 7)]);
+        m[4 * axis + 3] += size * between(sequence, -0.3, 0.3);
+        break;
+    }
+    for (int i = 0; i < 12; i++) {
+        double most = i % 4 == 3 ? 1e17 : 1e17 / size; /* coordinates have a limit */
+        m[i] = fmin(fmax(m[i], -most), most);
+    }
+}
+
+static double size_of(const struct player_object *object)
+{
+    double size = 0;
+    for (uint32_t i = 0; i < 3 * object->vertex_count; i++) {
+        size = fmax(size, fabs(object->registered[i / 3][i % 3]));
+    }
+    return size;
+}
+
+static void pose(struct sequence *sequence, uint32_t at, bool in_halves)
+{
+    const struct player_object *object = &sequence->player.objects[at];
+    struct play_act act = {.what = PLAY_RIGID, .object_id = object->id};
+    double *last = sequence->pose[at];
+    memcpy(act.m[0], last, sizeof act.m[0]);
+    if (draw(sequence, 6) == 0) {
+        change_pose(sequence, act.m[0], size_of(object));
+    }
+    memcpy(act.m[1], act.m[0], sizeof act.m[1]);
+    if (draw(sequence, 5) > 0) {
+        change_pose(sequence, act.m[1], size_of(object));
+    }
+    memcpy(last, act.m[1], sizeof act.m[1]);
+    uint32_t half = object->vertex_count / 2;
+    act.vertex_count = in_halves ? half : object->vertex_count;
+    player_act(&sequence->player, &act);
+    if (in_halves) {
+        act.first = half;
+        act.vertex_count = object->vertex_count - half;
+        player_act(&sequence->player, &act);
+    }
+}
+
+/* Positions: of a few vertices, or of all. */
+static void bend(struct sequence *sequence, uint32_t at)
+{
+    static double x1[VERTICES_MAX][3];
+    const struct player_object *object = &sequence->player.objects[at];
+    uint32_t first = draw(sequence, object->vertex_count);
+    uint32_t most = object->vertex_count - first;
+    struct play_act act = {.what = PLAY_X1,
+                           .object_id = object->id,
+                           .first = first,
+                           .vertex_count = 1 + draw(sequence, most),
+                           .x1 = x1};
+    double reach = size_of(object) * exp2(-30 * between(sequence, 0, 1));
+    for (uint32_t i = 0; i < 3 * act.vertex_count; i++) {
+        x1[i / 3][i % 3] =
+            object->x1[first + i / 3][i % 3] + between(sequence, -reach, reach);
+    }
+    player_act(&sequence->player, &act);
+}
+
+/* Each object is posed, as a rule. */
+static void move(struct sequence *sequence)
+{
+    player_open(&sequence->player);
+    for (uint32_t at = 0; at < OBJECTS; at++) {
+        uint32_t how = draw(sequence, 12);
+        if (how < 8) {
+            pose(sequence, at, false);
+        } else if (how == 8) {
+            pose(sequence, at, true);
+        } else if (how == 9) {
+            bend(sequence, at);
+        }
+    }
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+static bool is_within(const struct eng_step_result *result, uint64_t at)
+{
+    struct pccd_contact contact;
+    memcpy(&contact, (const char *)result->records + at * result->record_bytes,
+           sizeof contact);
+    return contact.object_a == contact.object_b;
+}
+
+static void count(const struct eng_step_result *result)
+{
+    uint64_t within = 0;
+    for (uint64_t i = 0; i < result->count && result->mode == PCCD_MODE_ALL; i++) {
+        within += is_within(result, i);
+    }
+    sums.steps++;
+    sums.records += result->count;
+    sums.within += within;
+    sums.rigid += result->counters.rigid_objects;
+    sums.beside += within > 0 ? result->counters.rigid_objects : 0;
+}
+
+static void check_by_oracle(struct sequence *sequence, struct eng_step_result *result)
+{
+    struct judge judge;
+    struct oracle_contacts truth;
+    judge_watch_init(&judge, &judged, sequence->settings.tolerance);
+    snprintf(judge.context, sizeof judge.context, "PCCD_SEED=%llu, step %u",
+             (unsigned long long)sequence->seed, sequence->step);
+    judge_watch(&judge, &sequence->player);
+    judge_find(&judge, &truth);
+    judge_check_all(&judge, result, &truth);
+    oracle_contacts_deinit(&truth);
+    judge_deinit(&judge);
+}
+
+static bool all_are_small(const struct player *player)
+{
+    uint32_t vertices = 0;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        vertices += player->objects[i].vertex_count;
+    }
+    return vertices <= TINY_VERTICES;
+}
+
+static void take_step(struct sequence *sequence)
+{
+    struct eng_step_result result;
+    struct fresh_answer fresh;
+    way_draw(&sequence->prng, THREADS_MAX, &sequence->settings);
+    sequence->settings.mode = draw(sequence, 3) > 0
+                                  ? PCCD_MODE_ALL
+                                  : (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+    must(sequence,
+         player_step(&sequence->player, &sequence->settings, &result) == PCCD_OK &&
+             result.incomplete == PCCD_COMPLETE,
+         "the step failed");
+    must(sequence, result.mode != PCCD_MODE_PAIRS || result.counters.rigid_objects == 0,
+         "pairs of boxes are left out");
+    fresh_find(&sequence->player, &sequence->settings, &fresh);
+    must(sequence, fresh.result.counters.rigid_objects == 0, "positions are no poses");
+    const char *difference = fresh_difference(&fresh, &result);
+    must(sequence, difference == NULL, difference);
+    fresh_free(&fresh);
+    count(&result);
+    if (result.mode == PCCD_MODE_ALL && all_are_small(&sequence->player)) {
+        check_by_oracle(sequence, &result);
+    }
+}
+
+static void live(uint64_t seed)
+{
+    struct sequence sequence = {.seed = seed, .prng = {seed}, .next_id = 3};
+    sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    sequence.is_tiny = draw(&sequence, 2) == 0;
+    player_init(&sequence.player, NULL);
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        add_object(&sequence, false);
+    }
+    for (; sequence.step < STEPS; sequence.step++) {
+        if (draw(&sequence, 8) == 0) {
+            add_object(&sequence, true);
+        }
+        if (draw(&sequence, 8) == 0) {
+            player_draw_filters(&sequence.player, &sequence.prng);
+        }
+        move(&sequence);
+        if (draw(&sequence, 10) == 0) { /* what is dropped leaves no trace */
+            player_drop(&sequence.player);
+            player_stage_copies(&sequence.player);
+        }
+        take_step(&sequence);
+    }
+    sums.sequences++;
+    player_deinit(&sequence.player);
+}
+
+/* If this failed, a contact of an object with itself would be missed because the poses
+ * that move it seem to keep its parts from each other. */
+static void rigid__objects_are_answered_as_any_others(void **state)
+{
+    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
+    uint64_t end_ns = common_now_ns();
+    struct prng prng = {prng_seed()};
+    (void)state;
+    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
+    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < SEQUENCES; i++) {
+        live(i == 0 ? prng.state : prng_next(&prng));
+    }
+    print_message(
+        "# %llu sequences, %llu steps, %llu records, %llu within objects; %llu "
+        "objects left out, %llu beside such records; by the oracle %llu steps\n",
+        (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
+        (unsigned long long)sums.records, (unsigned long long)sums.within,
+        (unsigned long long)sums.rigid, (unsigned long long)sums.beside,
+        (unsigned long long)judged.steps);
+    if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
+        assert_true(sums.within > 1000 && sums.rigid > sums.steps / 4);
+        assert_true(sums.beside > 20 && judged.steps > 20);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rigid__objects_are_answered_as_any_others),
+    };
+    return cmocka_run_group_tests_name("eng_rigid", tests, NULL, NULL);
+}
