@@ -17,6 +17,7 @@
 #include "frames.h"
 #include "memory.h"
 #include "methods.h"
+#include "moving.h"
 #include "rigid.h"
 #include "schedule_paper.h"
 #include "schedule_steal.h"
@@ -147,7 +148,8 @@ static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
     uint64_t begin_ns = common_now_ns();
     method->refit(worker);
     uint64_t refit_ns = common_now_ns();
-    eng_worker_trace(worker, PCCD_TRACE_REFIT, begin_ns, 0, 0);
+    eng_worker_trace(worker, PCCD_TRACE_REFIT, begin_ns, eng_moving_count(worker->scene),
+                     0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
     method->ready(worker);
@@ -287,7 +289,8 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
     worker->record.merge_ns += end_ns - begin_ns;
-    eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns, 0, 0);
+    eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns,
+                     (uint32_t)result->counters.kept_records, 0);
     divide_time(team, &result->times);
     add_counters(team, &result->counters);
     result->counters.rigid_objects = team->scene->rigid.objects;

@@ -31,7 +31,7 @@ static const struct {
     const char *b;
 } kinds[PCCD_TRACE_KIND_COUNT] = {
     [PCCD_TRACE_STEP] = {"step", "triangles", "threads"},
-    [PCCD_TRACE_REFIT] = {"refit", NULL, NULL},
+    [PCCD_TRACE_REFIT] = {"refit", "moving_vertices", NULL},
     [PCCD_TRACE_UNIT] = {"unit", "node", "triangles"},
     [PCCD_TRACE_SUBTREE] = {"subtree", "node", "triangles"},
     [PCCD_TRACE_PAIRS] = {"pairs", "node", "other"},
@@ -40,7 +40,7 @@ static const struct {
     [PCCD_TRACE_REBUILD] = {"rebuild", "node", "triangles"},
     [PCCD_TRACE_BACKGROUND] = {"built in the background", "node", "triangles"},
     [PCCD_TRACE_WAIT] = {"wait", NULL, NULL},
-    [PCCD_TRACE_MERGE] = {"merge", NULL, NULL},
+    [PCCD_TRACE_MERGE] = {"merge", "kept_records", NULL},
     [PCCD_TRACE_REQUEST] = {NULL, NULL, "id"}, /* these have the method's name */
     [PCCD_TRACE_RECEIVE] = {"receive ", NULL, "id"},
     [PCCD_TRACE_ANSWER] = {"answer ", NULL, "id"},

@@ -32,6 +32,13 @@ static inline bool eng_moves_little(const struct eng_scene *scene)
     return 8 * scene->moving.vertices <= 7 * scene->moving.all;
 }
 
+/* Vertices that move, 2^32 - 1 if there are more: for the trace. */
+static inline uint32_t eng_moving_count(const struct eng_scene *scene)
+{
+    return scene->moving.vertices < UINT32_MAX ? (uint32_t)scene->moving.vertices
+                                               : UINT32_MAX;
+}
+
 /* Does any vertex of the object move? Such a vertex, by its index within the object, and
  * such a feature, by its index within the mesh. */
 static inline bool eng_moves_vertex(const struct eng_scene *scene,

@@ -360,19 +360,38 @@ static void learn_times(const struct eng_team *team)
     }
 }
 
+/* Box tests of the step, or what they would have been had it left nothing out. 0: nothing
+ * is to be learned from it. */
+static uint64_t whole_tests(const struct eng_team *team,
+                            const struct eng_step_result *result)
+{
+    struct eng_wide_resort *resort = &eng_wide_state_of(team->scene)->resort;
+    const struct eng_moving *moving = &team->scene->moving;
+    if (team->prunes) {
+        return moving->vertices == 0
+                   ? 0
+                   : eng_wide_resort_whole(resort, result->mode,
+                                           result->counters.box_tests, moving->vertices,
+                                           moving->all);
+    }
+    resort->whole_tests[result->mode] = result->counters.box_tests;
+    resort->tests_each[result->mode] = 0;
+    return result->counters.box_tests;
+}
+
 static void end(struct eng_team *team, struct eng_step_result *result, uint64_t step_ns)
 {
     struct eng_wide_resort *resort = &eng_wide_state_of(team->scene)->resort;
     result->counters.swaps = resort->sorts;
     result->counters.swapped_triangles = resort->sorted_triangles;
     result->counters.still_features = eng_wide_still_count(eng_wide_of(team->scene));
-    if (team->prunes) {
-        return; /* what was counted is not what the whole scene asks for */
+    uint64_t tests = whole_tests(team, result);
+    if (tests > 0 && result->incomplete == PCCD_COMPLETE &&
+        result->mode != PCCD_MODE_ANY) {
+        eng_wide_resort_learn(resort, result->mode, tests, step_ns);
     }
-    if (result->incomplete == PCCD_COMPLETE && result->mode != PCCD_MODE_ANY) {
-        eng_wide_resort_learn(resort, result->mode, result->counters.box_tests, step_ns);
-    }
-    if (result->incomplete == PCCD_COMPLETE && result->mode == PCCD_MODE_ALL) {
+    if (!team->prunes && result->incomplete == PCCD_COMPLETE &&
+        result->mode == PCCD_MODE_ALL) {
         learn_times(team);
     }
 }

@@ -74,6 +74,8 @@ void eng_wide_resort_unlearn(struct eng_wide_resort *resort)
     begin_anew(resort);
     memset(resort->last_tests, 0, sizeof resort->last_tests);
     memset(resort->refused_tests, 0, sizeof resort->refused_tests);
+    memset(resort->whole_tests, 0, sizeof resort->whole_tests);
+    memset(resort->tests_each, 0, sizeof resort->tests_each);
 }
 
 /* What only the sort itself takes. */
@@ -291,6 +293,21 @@ void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scen
             break;
         }
     }
+}
+
+uint64_t eng_wide_resort_whole(struct eng_wide_resort *resort, enum pccd_mode mode,
+                               uint64_t box_tests, uint64_t moving, uint64_t all)
+{
+    assert(moving >= 1 && moving <= all);
+    double whole = (double)resort->whole_tests[mode];
+    double each = (double)box_tests / (double)moving;
+    double *first = &resort->tests_each[mode];
+    if (*first <= 0) {
+        *first = each;
+    }
+    double part = (double)moving / (double)all;
+    double growth = each > *first ? each / *first - 1 : 0;
+    return (uint64_t)(whole * (1 + part * growth));
 }
 
 void eng_wide_resort_learn(struct eng_wide_resort *resort, enum pccd_mode mode,

@@ -47,8 +47,12 @@ struct eng_wide_resort {
     /* Of the last step in each mode, with the order before the one that is tried. */
     uint64_t last_tests[PCCD_MODE_PAIRS + 1];
     uint64_t refused_tests[PCCD_MODE_PAIRS + 1]; /* of the order that was taken back to */
-    uint64_t budget_ns;                          /* of a step's share */
-    uint64_t sorts; /* taken in this step, with their triangles */
+    /* Of the last step that searched the whole scene; and how many box tests a moving
+     * vertex took in the first step after it that left out what stands, or 0. */
+    uint64_t whole_tests[PCCD_MODE_PAIRS + 1];
+    double tests_each[PCCD_MODE_PAIRS + 1];
+    uint64_t budget_ns; /* of a step's share */
+    uint64_t sorts;     /* taken in this step, with their triangles */
     uint64_t sorted_triangles;
     /* While sorting: slots of all objects, object by object, tree by tree. */
     struct eng_split_item *items; /* [item_count] */
@@ -85,6 +89,12 @@ void eng_wide_resort_share(struct eng_wide_resort *resort, const struct eng_scen
 /* More, or less, may meet from now on: what steps took says nothing of the order any
  * more. [compute] */
 void eng_wide_resort_unlearn(struct eng_wide_resort *resort);
+
+/* The box tests that a whole step would have done where one that leaves out what stands
+ * did `box_tests`, with `moving` vertices, >= 1, of `all`: as many as the last whole one,
+ * and more as far as what moves takes more. 0: there was none. [compute] */
+uint64_t eng_wide_resort_whole(struct eng_wide_resort *resort, enum pccd_mode mode,
+                               uint64_t box_tests, uint64_t moving, uint64_t all);
 
 /* What a whole step took, and whether that asks for a sort. [compute] */
 void eng_wide_resort_learn(struct eng_wide_resort *resort, enum pccd_mode mode,

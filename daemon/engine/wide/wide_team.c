@@ -11,6 +11,7 @@
 
 #include <assert.h>
 
+#include "moving.h"
 #include "wait.h"
 #include "wide.h"
 #include "wide_test.h"
@@ -40,7 +41,8 @@ static uint32_t make_chunks(struct eng_team *team, struct eng_worker *worker,
 static void record(struct eng_worker *worker, uint64_t begin_ns)
 {
     worker->record.refit_ns += common_now_ns() - begin_ns;
-    eng_worker_trace(worker, PCCD_TRACE_REFIT, begin_ns, 0, 0);
+    eng_worker_trace(worker, PCCD_TRACE_REFIT, begin_ns, eng_moving_count(worker->scene),
+                     0);
 }
 
 bool eng_wide_refit_by_team(struct eng_team *team, struct eng_worker *worker)
