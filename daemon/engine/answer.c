@@ -184,12 +184,14 @@ static void add_counts(struct eng_counts *to, const struct eng_counts *from)
     to->toi_first = fmin(to->toi_first, from->toi_first);
 }
 
-/* The records of what stands come to those that were found. An answer that is incomplete
- * without them stays so: who asked for it in time gets it at once. */
+/* The records of what stands come to those that were found. An answer that ended early
+ * without them stays so: who asked for it in time gets it at once. One that is too long
+ * begins with whichever come first. */
 static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result, struct eng_counts *counts)
 {
-    if (result->incomplete != PCCD_COMPLETE) {
+    if (result->incomplete != PCCD_COMPLETE &&
+        result->incomplete != PCCD_INCOMPLETE_CONTACT_LIMIT) {
         struct eng_records sorted = memory->sorted;
         memory->sorted = memory->found;
         memory->found = sorted;
