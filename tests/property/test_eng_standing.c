@@ -78,6 +78,7 @@ static void change_settings(struct sequence *sequence)
     struct eng_step_settings *settings = &sequence->settings;
     if (draw(sequence, 6) == 0) {
         way_draw(&sequence->prng, THREADS_MAX, settings);
+        settings->team_always = draw(sequence, 4) > 0; /* else by a team where it pays */
     }
     if (draw(sequence, 8) == 0) {
         settings->mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
@@ -104,16 +105,18 @@ static void check_by_oracle(struct sequence *sequence, struct eng_step_result *r
     judge_deinit(&judge);
 }
 
-static void check(struct sequence *sequence, struct eng_step_result *result)
+static void check(struct sequence *sequence, const struct eng_step_settings *settings,
+                  struct eng_step_result *result)
 {
     struct fresh_answer fresh;
-    fresh_find(&sequence->stir.player, &sequence->settings, &fresh);
+    fresh_find(&sequence->stir.player, settings, &fresh);
     const char *difference = fresh_difference(&fresh, result);
     must(sequence, difference == NULL, difference);
     must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
          "the tree is not sound");
     fresh_free(&fresh);
-    if (sequence->is_tiny && result->mode == PCCD_MODE_ALL) {
+    if (sequence->is_tiny && result->mode == PCCD_MODE_ALL &&
+        result->incomplete == PCCD_COMPLETE) {
         check_by_oracle(sequence, result);
     }
     sums.complete++;
@@ -141,8 +144,11 @@ static void take_cut_step(struct sequence *sequence)
     must(sequence, player_step(&sequence->stir.player, &settings, &result) == PCCD_OK,
          "a step with a limit failed");
     sums.cut += result.incomplete != PCCD_COMPLETE;
-    if (result.incomplete == PCCD_COMPLETE) {
-        check(sequence, &result);
+    /* Those that are too many to keep are the last ones, in these modes. */
+    bool is_prefix =
+        why == 1 && (settings.mode == PCCD_MODE_ALL || settings.mode == PCCD_MODE_PAIRS);
+    if (result.incomplete == PCCD_COMPLETE || is_prefix) {
+        check(sequence, &settings, &result);
     }
 }
 
@@ -152,7 +158,7 @@ static void take_whole_step(struct sequence *sequence)
     must(sequence,
          player_step(&sequence->stir.player, &sequence->settings, &result) == PCCD_OK,
          "the step failed");
-    check(sequence, &result);
+    check(sequence, &sequence->settings, &result);
 }
 
 /* The step that is staged, as a brief one. What is given up is owed, or the scene goes on
@@ -177,7 +183,7 @@ static void take_brief_step(struct sequence *sequence)
         must(sequence, status == PCCD_OK, "what is owed failed");
     }
     if (status == PCCD_OK) {
-        check(sequence, &result);
+        check(sequence, &sequence->settings, &result);
     }
 }
 
