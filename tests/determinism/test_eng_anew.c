@@ -24,11 +24,12 @@
 #include "play_actor.h"
 #include "wide_state.h"
 
-#define CELL      0x1p-3
-#define SIDE      24u /* squares of the cloth: features of several blocks and nodes */
-#define SOUP      6000u
-#define TORN      900u
-#define STEPS_MAX 10000u
+#define CELL        0x1p-3
+#define SIDE        24u /* squares of the cloth: features of several blocks and nodes */
+#define PATCH_FIRST (11 * (SIDE + 1) + 9) /* of the cloth, where it crosses the floor */
+#define SOUP        6000u
+#define TORN        900u
+#define STEPS_MAX   10000u
 
 /* What the objects are called. */
 enum { FLOOR, TILE, CLOTH, BODY, OTHER };
@@ -127,10 +128,11 @@ static void check_step(struct world *world)
     fresh_free(&fresh);
 }
 
-/* A few vertices of the cloth go up or down; all else stands. */
+/* A few vertices of the cloth go up or down through the floor and the tile; all else
+ * stands. */
 static void move_patch(struct world *world)
 {
-    lift(world, CLOTH, 2 * SIDE, 5, world->moves++ % 2 ? 0.25 : -0.25);
+    lift(world, CLOTH, PATCH_FIRST, 5, world->moves++ % 2 ? 0.25 : -0.25);
 }
 
 /* Steps in which little moves. */
@@ -198,7 +200,7 @@ static void change_masks(struct world *world)
     filters_set(&player->filters, player->scene, filter_place(world, TILE), bits);
     check_step(world);
     assert_true(world->result.count < before);
-    go_on(world, 1);
+    go_on(world, 2);
     bits.mask = UINT64_MAX;
     filters_set(&player->filters, player->scene, filter_place(world, TILE), bits);
     check_step(world);
@@ -365,15 +367,22 @@ static void tolerance__is_that_of_each_step(void **state)
     for_each_way(change_tolerance);
 }
 
+/* The methods take turns, four steps each. The tile goes away in steps of the one and
+ * comes back in steps of the other; a patch meets it, or not, while it stands. */
 static void change_method(struct world *world)
 {
-    for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
+    const uint32_t count = object_of(world, TILE)->vertex_count;
+    for (uint32_t i = 0; i < 8; i++) {
         world->settings.method = way_methods[i % WAY_METHODS];
-        check_step(world);
-        move_patch(world);
-        if (i % 2 == 0) { /* and back the next time: its boxes are two steps old */
-            lift(world, BODY, 0, 9, 0.25);
+        if (i == 4) { /* the other one brings it back */
+            lift(world, TILE, 0, count, -0.5);
+            check_step(world);
         }
+        move_patch(world);
+        check_step(world);
+        lift(world, TILE, 0, count, (i % 2 == 0) == (i < 4) ? -0.5 : 0.5);
+        check_step(world);
+        check_step(world);
         check_step(world);
     }
 }
@@ -516,6 +525,25 @@ static void failed_step__has_moved_nothing(void **state)
     for_each_way(fail_in_every_way);
 }
 
+/* The tile lies on other squares of the floor, without a motion to there. */
+static void jump_and_stand(struct world *world)
+{
+    struct player_object *tile = object_of(world, TILE);
+    double(*x)[3] = play_get(tile->vertex_count, sizeof *x);
+    const struct play_act act = {.what = PLAY_X0X1,
+                                 .object_id = TILE,
+                                 .vertex_count = tile->vertex_count,
+                                 .x0 = x,
+                                 .x1 = x};
+    memcpy(x, tile->x1, tile->vertex_count * sizeof *x);
+    for (uint32_t i = 0; i < tile->vertex_count; i++) {
+        x[i][0] += 0.25;
+    }
+    player_act(&world->player, &act);
+    check_step(world);
+    free(x);
+}
+
 static void jump(struct world *world)
 {
     struct player_object *body = object_of(world, BODY);
@@ -541,9 +569,11 @@ static void jump(struct world *world)
         x1[i][0] += 0x1p30;
     }
     player_act(&world->player, &act);
+    move_patch(world); /* through what stands */
     check_step(world);
     free(x0);
     free(x1);
+    jump_and_stand(world);
 }
 
 /* If this failed, an object that is set elsewhere would be taken to stand where it was;
