@@ -269,6 +269,45 @@ static void frames__a_scaled_scene_counts_as_in_place(void **state)
     }
 }
 
+/* If it failed, all boxes of a scene on a map would be made anew when one of its objects
+ * moves, or kept in a frame that is not theirs any more. */
+static void frames__stay_where_little_moves(void **state)
+{
+    static double x[VERTICES][3];
+    const struct layout layout = {.offset = {{1e6, -2e6, 0}, {1e6 + 3, -2e6, 0}},
+                                  .scale = 1};
+    struct ground grounds[2]; /* the second makes everything anew */
+    struct eng_step_result results[2];
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    (void)state;
+    settings.method = PCCD_METHOD_WIDE;
+    ground_init(&grounds[0], &layout);
+    ground_init(&grounds[1], &layout);
+    for (uint32_t number = 1; number < 12; number++) {
+        bool is_slow = number != 4; /* then it leaves what the frame is fine for */
+        for (int i = 0; i < 2; i++) {
+            settings.tuning.still = i == 0 ? ENG_STILL_KEPT : ENG_STILL_ANEW;
+            place_sheet(0, number, layout.offset[0], layout.back[0], 1, x);
+            for (uint32_t v = 0; v < VERTICES && !is_slow; v++) {
+                x[v][1] += 1e8;
+            }
+            eng_stage_begin(grounds[i].scene);
+            assert_int_equal(eng_stage_x1(grounds[i].scene, grounds[i].objects[0],
+                                          PCCD_FORMAT_F64, 0, VERTICES, x),
+                             PCCD_OK);
+            assert_int_equal(eng_step(grounds[i].scene, &settings, &results[i]), PCCD_OK);
+        }
+        assert_true(grounds[0].scene->framing.number > 0);
+        assert_int_equal(results[0].count, results[1].count);
+        assert_memory_equal(results[0].hash, results[1].hash, sizeof results[0].hash);
+        assert_int_equal(results[1].counters.still_features, 0);
+        assert_true((number != 3 && number < 9) ||
+                    results[0].counters.still_features > 0);
+    }
+    eng_scene_free(grounds[0].scene);
+    eng_scene_free(grounds[1].scene);
+}
+
 /* If it failed, one object far away would make the step of all others as slow as if they
  * were far away themselves. */
 static void frames__objects_far_apart_count_as_in_place(void **state)
@@ -422,6 +461,7 @@ int main(void)
         cmocka_unit_test(frames__kernels_find_the_bounds),
         cmocka_unit_test(frames__a_scene_moved_away_counts_as_in_place),
         cmocka_unit_test(frames__a_scaled_scene_counts_as_in_place),
+        cmocka_unit_test(frames__stay_where_little_moves),
         cmocka_unit_test(frames__objects_far_apart_count_as_in_place),
         cmocka_unit_test(frames__what_travels_counts_as_in_place),
         cmocka_unit_test(frames__boxes_that_are_shown_are_in_coordinates),

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "moving.h"
 #include "world.h"
 
 /* A float is off by 2^-24 of its distance from the origin, and so by at most 2^-10 of a
@@ -282,17 +283,6 @@ bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high
     return low[0] <= high[0];
 }
 
-void eng_frames_follow(struct eng_scene *scene)
-{
-    struct eng_framing *framing = &scene->framing;
-    if (scene->moving.objects > 0 || framing->of + 1 != scene->moving.number) {
-        eng_frames_choose(scene, 1 - scene->now, scene->now);
-    }
-    framing->ends[0] = 1 - scene->now;
-    framing->ends[1] = scene->now;
-    framing->of = scene->moving.number;
-}
-
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
 {
     assert(from <= 1 && to <= 1);
@@ -315,4 +305,73 @@ void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
     struct eng_bounds around = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     set_scale(scene, scale_for(farthest_of(&around)));
     scene->framing.number = ++scene->framing.chosen;
+}
+
+/* Have all objects one frame? Then it may stay wherever they go: only what is near the
+ * origin is measured finely. */
+static bool is_uniform(const struct eng_scene *scene)
+{
+    const struct eng_frame *one = NULL;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_frame *frame = &scene->objects[i].frame;
+        if (!scene->objects[i].mesh) {
+            continue;
+        }
+        for (int k = 0; one && k < 3; k++) {
+            if (frame->origin[k] != one->origin[k] ||
+                frame->origin[4 + k] != one->origin[4 + k]) {
+                return false;
+            }
+        }
+        if (one && frame->scale != one->scale) {
+            return false;
+        }
+        one = frame;
+    }
+    return one != NULL;
+}
+
+/* How far an object is from the origin of its frame, at either end. */
+static double far_in_frame(const struct eng_object *object, const unsigned ends[2])
+{
+    double far = 0;
+    for (int j = 0; j < 6; j++) {
+        const struct eng_bounds *bounds = &object->bounds[ends[j / 3]];
+        double origin = object->frame.origin[4 * (j / 3) + j % 3];
+        far = fmax(far, fmax(fabs(bounds->low[j % 3] - origin),
+                             fabs(bounds->high[j % 3] - origin)));
+    }
+    return far;
+}
+
+/* May the frames of the last step stay, so that the boxes of what stands can? */
+static bool still_fit(const struct eng_scene *scene)
+{
+    const struct eng_framing *framing = &scene->framing;
+    struct detail detail = detail_of(scene, framing->ends[0], framing->ends[1]);
+    if (!is_uniform(scene) || !detail.finest ||
+        is_fine_enough(detail.far, detail.least) ||
+        far_in_frame(detail.finest, framing->ends) > FINE_ENOUGH * detail.least) {
+        return false;
+    }
+    double far = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        far = object->mesh ? fmax(far, far_in_frame(object, framing->ends)) : far;
+    }
+    return scale_for(far) == framing->scale;
+}
+
+void eng_frames_follow(struct eng_scene *scene)
+{
+    struct eng_framing *framing = &scene->framing;
+    bool is_next = framing->of != 0 && framing->of + 1 == scene->moving.number;
+    framing->ends[0] = 1 - scene->now;
+    framing->ends[1] = scene->now;
+    if (!is_next ||
+        (scene->moving.objects > 0 &&
+         (framing->number == 0 || !eng_moves_little(scene) || !still_fit(scene)))) {
+        eng_frames_choose(scene, framing->ends[0], framing->ends[1]);
+    }
+    framing->of = scene->moving.number;
 }

@@ -24,8 +24,8 @@
  * it is for most scenes. O(objects); where it is not, O(n log n) of them. */
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to);
 
-/* The same for the step that the scene has just moved on by; where nothing moves, the
- * frames of the step before stay. */
+/* The same for the step that the scene has just moved on by; where little moves and they
+ * still do, the frames of the step before stay. */
 void eng_frames_follow(struct eng_scene *scene);
 
 /* Around all objects at both ends of that step, as they are measured. False: there is no
