@@ -388,7 +388,7 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  *
  *     scheduler=paper,high-level=disjoint,refit=paper
  *
- * in which any of these three may stand, once each; the first value is the default:
+ * in which any of these four may stand, once each; the first value is the default:
  *
  *     scheduler=steal|paper            threads steal work from each other, or the paper's
  *                                      dynamic assignment, then high-level nodes
@@ -397,6 +397,8 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  *                                      searched at a time
  *     refit=even|paper                 many small subtrees, taken on demand, or two a
  *                                      thread
+ *     still=kept|anew                  boxes and records of what stands still come from
+ *                                      the last step, or are made anew (to compare)
  *
  * It never changes the answer. A text that is wrong makes the step fail (E_INVAL), and
  * pccd_error_text names what is wrong in it. */

@@ -197,13 +197,18 @@ void eng_wide_still_mark_above(struct eng_wide *wide)
     }
 }
 
+#define MASKS 4u /* of 16 bits in 64 */
+
 uint64_t eng_wide_still_count(const struct eng_wide *wide)
 {
     uint64_t moving = 0;
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
-        for (uint32_t i = 0; i < tree->block_count[0]; i++) {
-            moving += (uint64_t)__builtin_popcount(tree->moving[i]);
+        for (uint32_t i = 0; i < tree->block_count[0]; i += MASKS) {
+            uint32_t n = smaller(MASKS, tree->block_count[0] - i);
+            uint64_t masks = 0;
+            memcpy(&masks, tree->moving + i, n * sizeof *tree->moving);
+            moving += masks == 0 ? 0 : (uint64_t)__builtin_popcountll(masks);
         }
     }
     return wide->keeps && moving < wide->feature_count ? wide->feature_count - moving : 0;
