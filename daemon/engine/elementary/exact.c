@@ -34,22 +34,10 @@ static void load(struct eng_exact *exact, const double (*x)[3])
 {
     int low = INT_MAX;
     for (int i = 0; i < 12; i++) {
-        double value = x[i / 3][i % 3];
-        if (value != 0) {
-            int exponent;
-            frexp(value, &exponent);
-            low = exponent - 53 < low ? exponent - 53 : low;
-        }
+        low = eng_lowest_exponent(x[i / 3][i % 3], low);
     }
     for (int i = 0; i < 12; i++) {
-        int exponent;
-        double mantissa = frexp(x[i / 3][i % 3], &exponent);
-        mpz_set_d(exact->z[POINTS + i], ldexp(mantissa, 53));
-        if (mantissa != 0) {
-            assert(exponent - low <= ENG_EXACT_BITS);
-            mpz_mul_2exp(exact->z[POINTS + i], exact->z[POINTS + i],
-                         (unsigned long)(exponent - 53 - low));
-        }
+        eng_set_scaled(exact->z[POINTS + i], x[i / 3][i % 3], low);
     }
 }
 

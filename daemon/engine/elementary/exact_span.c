@@ -23,39 +23,16 @@
 
 #include "exact_roots.h"
 
-/* Exponent of the lowest bit that `value` may have. */
-static int lowest_exponent(double value, int low)
-{
-    int exponent;
-    if (value == 0) {
-        return low;
-    }
-    frexp(value, &exponent);
-    return exponent - 53 < low ? exponent - 53 : low;
-}
-
-/* out = value * 2^-low, exactly. */
-static void set_scaled(mpz_t out, double value, int low)
-{
-    int exponent;
-    double mantissa = frexp(value, &exponent);
-    mpz_set_d(out, ldexp(mantissa, 53));
-    if (mantissa != 0) {
-        assert(exponent - low <= ENG_EXACT_BITS);
-        mpz_mul_2exp(out, out, (unsigned long)(exponent - 53 - low));
-    }
-}
-
 /* Points at both ends of the step, times one power of two. */
 static void load_points(struct eng_exact_span *span)
 {
     int low = INT_MAX;
     for (int i = 0; i < 24; i++) {
-        low = lowest_exponent(span->query.x[i / 12][i / 3 % 4][i % 3], low);
+        low = eng_lowest_exponent(span->query.x[i / 12][i / 3 % 4][i % 3], low);
     }
     for (int i = 0; i < 24; i++) {
-        set_scaled(span->x[i / 12][i / 3 % 4][i % 3],
-                   span->query.x[i / 12][i / 3 % 4][i % 3], low);
+        eng_set_scaled(span->x[i / 12][i / 3 % 4][i % 3],
+                       span->query.x[i / 12][i / 3 % 4][i % 3], low);
     }
 }
 
@@ -280,9 +257,9 @@ static void load(struct eng_exact_span *span, const struct eng_query *query)
 
 static void set_span(struct eng_exact_span *span, double l, double r)
 {
-    int low = lowest_exponent(l, lowest_exponent(r, 0));
-    set_scaled(span->l, l, low);
-    set_scaled(span->width, r, low);
+    int low = eng_lowest_exponent(l, eng_lowest_exponent(r, 0));
+    eng_set_scaled(span->l, l, low);
+    eng_set_scaled(span->width, r, low);
     mpz_sub(span->width, span->width, span->l);
     span->time_k = (unsigned long)-low;
     span->form = l == 0 && r == 1 ? &span->whole : &span->part;

@@ -3,15 +3,17 @@
  *
  * Room:     engine. May include: GMP.
  * Does:     hand out one part of the block after the other; without a block, add up how
- *           long it has to be. GMP ends the process when an allocation fails, so whoever
- *           computes with such integers proves that no result is longer than its room
- *           (BOUNDS.md).
+ *           long it has to be; turn doubles into such integers. GMP ends the process when
+ *           an allocation fails, so whoever computes with such integers proves that no
+ *           result is longer than its room (BOUNDS.md).
  * Threads:  one thread for one block.
  */
 #ifndef ENG_LIMBS_H
 #define ENG_LIMBS_H
 
+#include <assert.h>
 #include <gmp.h>
+#include <math.h>
 #include <stddef.h>
 
 struct eng_limbs {
@@ -31,6 +33,29 @@ static inline void eng_limbs_give(struct eng_limbs *limbs, mpz_ptr number, size_
         limbs->next += count;
     }
     limbs->count += count;
+}
+
+/* The exponent of the lowest bit that `value` may have, if that is below `low`. */
+static inline int eng_lowest_exponent(double value, int low)
+{
+    int exponent;
+    if (value == 0) {
+        return low;
+    }
+    frexp(value, &exponent);
+    return exponent - 53 < low ? exponent - 53 : low;
+}
+
+/* out = value * 2^-low, exactly; low is at most eng_lowest_exponent. */
+static inline void eng_set_scaled(mpz_ptr out, double value, int low)
+{
+    int exponent;
+    double mantissa = frexp(value, &exponent);
+    mpz_set_d(out, ldexp(mantissa, 53));
+    if (mantissa != 0) {
+        assert(exponent - 53 >= low);
+        mpz_mul_2exp(out, out, (unsigned long)(exponent - 53 - low));
+    }
 }
 
 #endif
