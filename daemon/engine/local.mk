@@ -43,6 +43,12 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/closest.h \
     daemon/engine/elementary/direction.c \
     daemon/engine/elementary/direction.h \
+    daemon/engine/elementary/distance.c \
+    daemon/engine/elementary/distance.h \
+    daemon/engine/elementary/distance_quick.c \
+    daemon/engine/elementary/distance_quick.h \
+    daemon/engine/elementary/distance_rule.c \
+    daemon/engine/elementary/distance_rule.h \
     daemon/engine/elementary/exact.c \
     daemon/engine/elementary/exact.h \
     daemon/engine/elementary/exact_memory.c \
@@ -52,6 +58,9 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/moving.h \
+    daemon/engine/elementary/nearest.h \
+    daemon/engine/elementary/number.c \
+    daemon/engine/elementary/number.h \
     daemon/engine/elementary/plane.c \
     daemon/engine/elementary/plane.h \
     daemon/engine/elementary/poly.c \

@@ -31,12 +31,36 @@ tests_fuzz_test_eng_elementary_SOURCES = tests/fuzz/test_eng_elementary.c $(fuzz
 tests_fuzz_test_eng_elementary_CPPFLAGS = $(FUZZ_CPPFLAGS)
 tests_fuzz_test_eng_elementary_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 
+# ---- distances ----------------------------------------------------------------------
+#
+# make fuzz-distance FUZZ_QUERIES=1e8 FUZZ_SEED=1 FUZZ_JOBS=2
+fuzz_distance_sources = \
+    tests/fuzz/fuzz_distance.c \
+    tests/fuzz/fuzz_distance.h
+
+check_PROGRAMS += tests/fuzz/distance tests/fuzz/test_eng_distance
+TESTS += tests/fuzz/test_eng_distance
+
+tests_fuzz_distance_SOURCES = tests/fuzz/distance.c $(fuzz_distance_sources)
+tests_fuzz_distance_CPPFLAGS = $(FUZZ_CPPFLAGS)
+tests_fuzz_distance_LDADD = $(FUZZ_LDADD)
+
+tests_fuzz_test_eng_distance_SOURCES = tests/fuzz/test_eng_distance.c \
+    $(fuzz_distance_sources)
+tests_fuzz_test_eng_distance_CPPFLAGS = $(FUZZ_CPPFLAGS)
+tests_fuzz_test_eng_distance_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
+
 FUZZ_QUERIES = 1e7
 FUZZ_SEED = 1
 FUZZ_JOBS = 2
 .PHONY: fuzz-elementary
 fuzz-elementary: tests/fuzz/elementary
 	nice -n 19 tests/fuzz/elementary --queries $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
+	    --jobs $(FUZZ_JOBS)
+
+.PHONY: fuzz-distance
+fuzz-distance: tests/fuzz/distance
+	nice -n 19 tests/fuzz/distance --cases $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
 	    --jobs $(FUZZ_JOBS)
 
 # ---- targets for libFuzzer ----------------------------------------------------------

@@ -1,0 +1,57 @@
+/* daemon/engine/elementary/distance.h - the exact distance of two features at one moment,
+ * for answers about what is near: of a vertex and a face, or of two edges; and whether an
+ * edge passes through a face.
+ *
+ * Room:     engine. May include: nearest.h, number.h, pccd_types.h.
+ * Does:     decide whether two closed features are within a distance, exactly, and say
+ *           between which of their points the distance is, how long, where and in which
+ *           direction. Every number is defined by the points alone, so it is the same
+ *           whichever stage has found it: doubles with margins, pairs of doubles or
+ *           integers.
+ * Does not: know objects, radii, or which pairs there are.
+ * Threads:  one thread for one struct eng_distances. Decisions allocate nothing.
+ * Source:   BOUNDS.md, "Distances".
+ *
+ * Everywhere x are the points of a pair at one moment, finite, of magnitude at most 1e18.
+ * VF: the vertex, then the face's corners. EE: the ends of one edge, then of the other.
+ * A face may be a segment or a point, an edge a point.
+ */
+#ifndef ENG_DISTANCE_H
+#define ENG_DISTANCE_H
+
+#include "nearest.h"
+#include "number.h"
+#include "pccd_types.h"
+
+/* How a decision is found; the answer is the same. */
+enum eng_distance_stage {
+    ENG_DISTANCE_BY_DOUBLES,
+    ENG_DISTANCE_BY_PAIRS,
+    ENG_DISTANCE_BY_INTEGERS,
+    ENG_DISTANCE_STAGES
+};
+
+struct eng_distances {
+    struct eng_numbers numbers;
+    enum eng_distance_stage first; /* the stage to begin with; for tests */
+    uint64_t decided[ENG_DISTANCE_STAGES];
+};
+
+/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+int eng_distances_init(struct eng_distances *distances);
+void eng_distances_deinit(struct eng_distances *distances);
+
+/* Is the distance at most d, 0 <= d <= 1e18? Exactly d is within. */
+bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
+                         const double x[4][3], double d);
+
+/* rank: of each point, no two alike; the order of (object, vertex). */
+void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
+                       const double x[4][3], const uint8_t rank[4],
+                       struct eng_distance *distance);
+
+/* Do the ends x[0], x[1] of an edge lie strictly on different sides of the plane of the
+ * face x[2], x[3], x[4], and does the edge pass strictly through its inside? */
+bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3]);
+
+#endif

@@ -1,0 +1,103 @@
+/* distance.c - exact distances of the engine against the oracle, for as long as wanted.
+ *
+ * Room:     tests/fuzz.
+ * Does:     make cases from a seed, in several processes with seeds of their own, and
+ *           compare all numbers. Prints what is wrong, and ends with 1 then.
+ * Threads:  one a process.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "fuzz_distance.h"
+
+#define JOBS_MAX 64
+#define ROUND    1000000u
+
+static void print(const struct fuzz_distance_run *run, uint64_t seed)
+{
+    static const char *const types[4] = {"VF", "EE", "VE", "VV"};
+    printf("seed %" PRIu64 ": %" PRIu64 " cases, %" PRIu64 " failures; %" PRIu64
+           " within d, %" PRIu64 " crossings;",
+           seed, run->cases, run->failures, run->within, run->crossings);
+    for (int i = 0; i < 4; i++) {
+        printf(" %s %" PRIu64, types[i], run->types[i]);
+    }
+    printf("\n");
+    fflush(stdout);
+}
+
+static void print_families(const struct fuzz_distance_run *run)
+{
+    for (int i = 0; i < FUZZ_DISTANCE_FAMILIES; i++) {
+        double percent =
+            100.0 / (double)(run->family_cases[i] ? run->family_cases[i] : 1);
+        printf("  %-10s %10" PRIu64
+               " cases, decided by doubles %5.1f %%, pairs %5.1f %%, integers %5.1f %%\n",
+               fuzz_distance_name((enum fuzz_distance_family)i), run->family_cases[i],
+               percent * (double)run->stages[i][0], percent * (double)run->stages[i][1],
+               percent * (double)run->stages[i][2]);
+    }
+    fflush(stdout);
+}
+
+static int work(uint64_t seed, uint64_t count, bool with_families)
+{
+    static struct fuzz_distance_run run;
+    fuzz_distance_init(&run, seed, stdout);
+    while (run.cases < count && run.failures == 0) {
+        uint64_t left = count - run.cases;
+        fuzz_distance_more(&run, left < ROUND ? left : ROUND);
+        print(&run, seed);
+    }
+    if (with_families) {
+        print_families(&run);
+    }
+    fuzz_distance_deinit(&run);
+    return run.failures > 0;
+}
+
+int main(int argc, char **argv)
+{
+    uint64_t seed = prng_seed();
+    uint64_t count = 100000;
+    long job_count = 1;
+    for (int i = 1; i < argc; i++) {
+        if (i + 1 < argc && strcmp(argv[i], "--cases") == 0) {
+            count = (uint64_t)strtod(argv[++i], NULL);
+        } else if (i + 1 < argc && strcmp(argv[i], "--seed") == 0) {
+            seed = strtoull(argv[++i], NULL, 0);
+        } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
+            job_count = strtol(argv[++i], NULL, 10);
+        } else {
+            job_count = 0;
+        }
+    }
+    if (job_count < 1 || job_count > JOBS_MAX) {
+        fprintf(stderr, "usage: %s [--cases N] [--seed N] [--jobs 1..%d]\n", argv[0],
+                JOBS_MAX);
+        return 2;
+    }
+    uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;
+    int failed = 0;
+    long started = 0;
+    for (; started < job_count; started++) {
+        pid_t pid = fork();
+        if (pid < 0) {
+            perror("fork");
+            failed = 1;
+            break;
+        }
+        if (pid == 0) {
+            _exit(work(seed + (uint64_t)started, each, started == 0));
+        }
+    }
+    for (; started > 0; started--) {
+        int status;
+        failed |= wait(&status) < 0 || status != 0;
+    }
+    return failed;
+}
