@@ -54,6 +54,8 @@ standing-avx2    | $standing | --via=direct --sends=moved --cpu=avx2 $moving
 standing-paper   | $standing | --via=direct --sends=moved --method=paper $moving
 game    | game | --via=daemon --sends=moved --hz=60 --frames=60-299 --beside= --beside=--sends=all \
     --beside=--via=direct --beside=--threads=@ --beside=--method=paper
+poses   | bodies | --via=direct --frames=280-299 --warm-up=150 --beside= --beside=--sends=poses \
+    --beside=--method=paper --beside=--method=paper_--sends=poses
 direct  | one-triangle cloth-20k cloth-ball-fifth | --frames=hard+4 --repeat=5 --via=daemon \
     --beside=--via=direct --beside=--via=engine
 "

@@ -23,7 +23,7 @@
 
 static const char *const vias[RUN_VIAS] = {"engine", "daemon", "direct"};
 static const char *const formats[RUN_FORMATS] = {"text", "csv", "json"};
-static const char *const sends[] = {"all", "moved"};
+static const char *const sends[RUN_SENDS] = {"all", "moved", "poses"};
 static const char *const movings[BENCH_MOVINGS] = {"told", "objects", "patch",
                                                    "vertices"};
 static const char *const cpus[] = {"scalar", "sse4", "avx2", "avx512", "neon"};
@@ -78,9 +78,9 @@ static const struct argp_option side_options[] = {
      "goes to and fro between the first frame that counts and the next one, and all else "
      "stands",
      2},
-    {"sends", OPTION_SENDS, "all|moved", 0,
-     "Hand over every position (the default), or only those that change (daemon and "
-     "direct only)",
+    {"sends", OPTION_SENDS, "all|moved|poses", 0,
+     "Hand over every position (the default), only those that change, or poses of what "
+     "only turns and shifts (daemon and direct only)",
      2},
     {"cpu", OPTION_CPU, "scalar|sse4|avx2|avx512|neon", 0,
      "Instruction set (default: $PCCD_CPU, or the best)", 2},
@@ -261,10 +261,10 @@ static error_t parse_side(int key, char *text, struct argp_state *state)
         side->moving = moving_of(state, text);
         break;
     case OPTION_SENDS:
-        side->sends_moved = place_of(state, "sends", text, sends, 2) == 1;
+        side->sends = (enum run_sends)place_of(state, "sends", text, sends, RUN_SENDS);
         break;
     case ARGP_KEY_END:
-        if (side->sends_moved && side->via == RUN_VIA_ENGINE) {
+        if (side->sends != RUN_SENDS_ALL && side->via == RUN_VIA_ENGINE) {
             argp_error(state, "--sends: only with --via daemon or direct");
         }
         if (side->is_team && side->via != RUN_VIA_ENGINE) {

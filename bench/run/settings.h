@@ -14,6 +14,13 @@
 #include "pccd.h"
 
 enum run_via { RUN_VIA_ENGINE, RUN_VIA_DAEMON, RUN_VIA_DIRECT, RUN_VIAS };
+/* What is handed over of the next step. */
+enum run_sends {
+    RUN_SENDS_ALL,   /* every position */
+    RUN_SENDS_MOVED, /* those that change (libpccd) */
+    RUN_SENDS_POSES, /* poses where there are any, else positions (libpccd) */
+    RUN_SENDS
+};
 enum run_format { RUN_TEXT, RUN_CSV, RUN_JSON, RUN_FORMATS };
 
 #define RUN_SIDES_MAX 16u
@@ -29,7 +36,7 @@ struct run_side {
     bool is_fresh; /* each step in a scene of its own, which is made and freed with it */
     bool is_team;  /* by all threads also where one would be faster */
     struct bench_moving moving; /* of the scene */
-    bool sends_moved; /* only what moves is handed over, not every position (libpccd) */
+    enum run_sends sends;
 };
 
 struct run_settings {

@@ -76,6 +76,17 @@ cat "$work/hashes" >>"$log"
 [ "$(wc -l <"$work/hashes")" -eq 5 ] && [ "$(sort -u "$work/hashes" | grep -cE '^2:[0-9a-f]{32}$')" -eq 5 ]
 tap_result $? pccd_bench__moves_the_same_part_by_all_ways "$log"
 
+# If this failed, bodies that are handed over as poses would be elsewhere than by positions, or be
+# tested against themselves all the same.
+run --via engine --frames 100-107 --format csv -o "$work/engine.csv" bodies 2>"$log" &&
+    run --via direct --sends poses --frames 100-107 --warm-up 20 --format csv -o "$work/poses.csv" \
+        bodies 2>>"$log" &&
+    [ "$(item hash "$work/engine.csv")" = "$(item hash "$work/poses.csv")" ] &&
+    awk -F, '/^#/ { next }
+        !at { for (at = 1; $at != "rigid_objects"; at++); next }
+        { rigid += $at } END { exit rigid == 0 }' "$work/poses.csv"
+tap_result $? pccd_bench__moves_bodies_by_poses "$log"
+
 # If this failed, steps would be missing from a figure, or stand under another heading.
 run --frames 3-7 --format csv cloth-20k >"$work/steps.csv" 2>"$log" &&
     awk -F, '/^#/ { next }

@@ -28,7 +28,7 @@ struct run_asked {
     uint32_t *meshes;  /* the same */
     uint32_t frame;    /* where it stands */
     enum pccd_method method;
-    bool sends_moved;
+    enum run_sends sends;
     struct range *ranges; /* what is handed over of a step, object by object */
     uint32_t range_count;
     uint32_t range_capacity;
@@ -69,11 +69,24 @@ static struct pccd_client *connect_via(const struct run_side *side)
     return client;
 }
 
+/* The pose of an object at an end of the next step, if it is moved by such. */
+static bool pose_of(const struct run_asked *asked, const struct bench_frames *frames,
+                    uint32_t i, uint32_t end, double m[12], double (*rest)[3])
+{
+    const struct bench_scene *scene = frames->scene;
+    return asked->sends == RUN_SENDS_POSES && scene->pose &&
+           scene->pose(scene, i, frames->from + end, m, rest);
+}
+
 static void add_object(struct run_asked *asked, const struct bench_frames *frames,
                        uint32_t i)
 {
     const struct bench_object *object = &frames->scene->objects[i];
-    bench_must(pccd_mesh_create(asked->client, bench_frames_x(frames, 0, i),
+    double(*rest)[3] = bench_alloc(object->vertex_count, sizeof *rest);
+    double m[12];
+    bool has_pose = pose_of(asked, frames, i, 0, m, rest);
+    bench_must(pccd_mesh_create(asked->client,
+                                has_pose ? rest : bench_frames_x(frames, 0, i),
                                 PCCD_FORMAT_F64, object->vertex_count,
                                 (const uint32_t(*)[3])object->triangles,
                                 object->triangle_count, &asked->meshes[i], NULL),
@@ -82,6 +95,7 @@ static void add_object(struct run_asked *asked, const struct bench_frames *frame
     bench_must(
         pccd_scene_add(asked->client, asked->scene, asked->meshes[i], &asked->objects[i]),
         "add", asked->client);
+    free(rest);
 }
 
 static struct run_asked *open_client(const struct run_side *side,
@@ -92,7 +106,7 @@ static struct run_asked *open_client(const struct run_side *side,
                                 .settings = side->step,
                                 .source = frames->scene,
                                 .frame = frames->from,
-                                .sends_moved = side->sends_moved};
+                                .sends = side->sends};
     asked->objects = bench_alloc(frames->scene->object_count, sizeof *asked->objects);
     asked->meshes = bench_alloc(frames->scene->object_count, sizeof *asked->meshes);
     const struct pccd_scene_settings scene = {.rebuild_ratio = side->rebuild_ratio};
@@ -173,7 +187,7 @@ static void choose_ranges(struct run_asked *asked, const struct bench_frames *fr
 {
     asked->range_count = 0;
     for (uint32_t i = 0; i < asked->source->object_count; i++) {
-        if (asked->sends_moved && asked->frame == frames->from) {
+        if (asked->sends == RUN_SENDS_MOVED && asked->frame == frames->from) {
             add_moved(asked, frames, i);
         } else {
             add_range(asked,
@@ -189,6 +203,13 @@ static void write_range(struct run_asked *asked, const struct bench_frames *fram
     uint32_t object = asked->objects[range->object];
     size_t bytes = range->count * sizeof(double[3]);
     void *x[2];
+    double m[2][12];
+    if (pose_of(asked, frames, range->object, 0, m[0], NULL)) {
+        (void)pose_of(asked, frames, range->object, 1, m[1], NULL);
+        bench_must(pccd_frame_rigid(slot, object, range->first, range->count, m[0], m[1]),
+                   "segment", asked->client);
+        return;
+    }
     if (asked->frame == frames->from) {
         bench_must(pccd_frame_x1(slot, object, PCCD_FORMAT_F64, range->first,
                                  range->count, &x[1]),

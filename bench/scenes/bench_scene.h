@@ -35,6 +35,12 @@ struct bench_scene {
     uint32_t break_object;
     /* Write frame 0 .. frame_count - 1 to x[vertex_count]; in any order. */
     void (*place)(const struct bench_scene *scene, uint32_t frame, double (*x)[3]);
+    /* For those who move objects by poses: the pose (rows of [R | t]) of one that only
+     * turns and shifts takes it to a frame, bit for bit where `place` does, from where it
+     * has to be registered for that, which goes to rest[vertex_count] unless NULL. False:
+     * the object bends. NULL: all do. */
+    bool (*pose)(const struct bench_scene *scene, uint32_t object, uint32_t frame,
+                 double m[12], double (*rest)[3]);
     void *state; /* what `place` needs */
     void (*free_state)(void *state);
 };

@@ -144,6 +144,23 @@ static void place(const struct bench_scene *scene, uint32_t frame, double (*x)[3
     surface_place_ground(x, bodies->ground, GROUND_SIDE, GROUND_WAVES);
 }
 
+static bool pose(const struct bench_scene *scene, uint32_t object, uint32_t frame,
+                 double m[12], double (*rest)[3])
+{
+    const struct bodies *bodies = scene->state;
+    if (object >= bodies->count || bodies->phase[object] >= 0) {
+        return false; /* the ground, or it beats */
+    }
+    const struct surface *shape = &bodies->shapes[object];
+    memcpy(m, tumble_poses(&bodies->tumble, frame)[object].m, 12 * sizeof *m);
+    for (uint32_t v = 0; rest && v < shape->vertex_count; v++) {
+        for (int k = 0; k < 3; k++) {
+            rest[v][k] = bodies->at[object][k] + shape->x[v][k];
+        }
+    }
+    return true;
+}
+
 static void free_state(void *state)
 {
     struct bodies *bodies = state;
@@ -187,6 +204,7 @@ void bench_make_bodies(struct bench_scene *scene, bool small)
     free(balls);
     scene->frame_count = FRAMES;
     scene->place = place;
+    scene->pose = pose;
     scene->state = bodies;
     scene->free_state = free_state;
 }

@@ -14,7 +14,7 @@
  * tenth of what a step takes. By number, not by time: so what is counted in a step does
  * not depend on how fast it was. */
 #define SHARE_MIN           4096u
-#define SHARE_PER_TRIANGLES 4u
+#define SHARE_PER_TRIANGLES 2u
 
 void eng_rigid_prepare(struct eng_scene *scene)
 {
