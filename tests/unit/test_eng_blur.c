@@ -165,14 +165,14 @@ static void blur__no_length_shrinks_more_than_is_said(void **state)
     assert_true(certain[ANYTHING] > 0 && certain[FLAT] == 0);
 }
 
-/* If this failed, more would be tested than need be: bodies turn by some degrees in a
- * step, about any axis. */
+/* If this failed, more would be tested than need be: bodies turn in a step, about any
+ * axis. */
 static void blur__turns_are_bounded_tightly(void **state)
 {
     struct kit_random random = {12};
     (void)state;
     for (uint32_t i = 0; i < 2000; i++) {
-        double angle = kit_between(&random, 0, PI / 2);
+        double angle = PI / 180 * kit_between(&random, 0, 179.9);
         double axis[3];
         double m0[12];
         double m1[12];
@@ -182,13 +182,13 @@ static void blur__turns_are_bounded_tightly(void **state)
         memcpy(m1, m0, sizeof m1);
         unit(&random, axis);
         turn(m1, axis, angle);
-        assert_true(eng_blur_shrink(m0, m1) > 0.5 * cos(angle / 2));
+        assert_true(eng_blur_shrink(m0, m1) > 0.6 * cos(angle / 2) - 0.003);
         axis[0] = axis[1] = 0; /* about an axis of the mesh: as it is */
         axis[2] = 1;
         identity(m0);
         identity(m1);
         turn(m1, axis, angle);
-        assert_true(fabs(eng_blur_shrink(m0, m1) - cos(angle / 2)) < 1e-12);
+        assert_true(fabs(eng_blur_shrink(m0, m1) - cos(angle / 2)) < 1e-3);
     }
 }
 

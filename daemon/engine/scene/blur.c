@@ -10,6 +10,7 @@
 #include "blur.h"
 
 #include <assert.h>
+#include <stdbool.h>
 
 #include "query.h"
 
@@ -17,29 +18,124 @@
  * of both matrices. */
 #define SHRINK_MARGIN (256 * ENG_U)
 
+/* Of a guess at an eigenvalue, which is proved or dropped: so far below, it can be proved
+ * even where two eigenvalues are equal. */
+#define GUESS_MARGIN 0x1p-20
+
+/* Its third power is far above the least number. */
+#define SIZE_MIN 0x1p-300
+
+#define PI 3.14159265358979323846
+
 /* A matrix is that of a pose: three rows of three factors, and a shift each. */
 static double product(const double *m, const double *n, int i, int j)
 {
     return m[i] * n[j] + m[4 + i] * n[4 + j] + m[8 + i] * n[8 + j];
 }
 
-/* Not above the least eigenvalue of transposed(m) n + transposed(n) m, by Gershgorin, but
- * for rounding. */
+/* A symmetric matrix. */
+struct symmetric {
+    double at[3][3];
+};
+
+/* By Gershgorin: no eigenvalue is below that, but for rounding. */
+static double below_eigenvalues(const struct symmetric *s)
+{
+    double below = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        double others = fabs(s->at[i][(i + 1) % 3]) + fabs(s->at[i][(i + 2) % 3]);
+        below = fmin(below, s->at[i][i] - others);
+    }
+    return below;
+}
+
+static double trace(const struct symmetric *s)
+{
+    return s->at[0][0] + s->at[1][1] + s->at[2][2];
+}
+
+/* The sum of the determinants of two of its rows and columns. */
+static double minors(const struct symmetric *s)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        sum += s->at[i][i] * s->at[j][j] - s->at[i][j] * s->at[i][j];
+    }
+    return sum;
+}
+
+static double determinant(const struct symmetric *s)
+{
+    double sum = 0;
+    for (int j = 0; j < 3; j++) {
+        int k = (j + 1) % 3;
+        int l = (j + 2) % 3;
+        sum += s->at[0][j] * (s->at[1][k] * s->at[2][l] - s->at[1][l] * s->at[2][k]);
+    }
+    return sum;
+}
+
+/* s less a multiple of the identity. */
+static struct symmetric less(const struct symmetric *s, double multiple)
+{
+    struct symmetric rest = *s;
+    for (int i = 0; i < 3; i++) {
+        rest.at[i][i] -= multiple;
+    }
+    return rest;
+}
+
+/* The largest magnitude of an entry. */
+static double size_of(const struct symmetric *s)
+{
+    double size = 0;
+    for (int i = 0; i < 9; i++) {
+        size = fmax(size, fabs(s->at[i / 3][i % 3]));
+    }
+    return size;
+}
+
+/* Are all eigenvalues greater than 0? They are where all coefficients of the
+ * characteristic polynomial have the signs that they then have. */
+static bool is_positive(const struct symmetric *s)
+{
+    double size = size_of(s);
+    return size > SIZE_MIN && trace(s) > 8 * ENG_U * size &&
+           minors(s) > 64 * ENG_U * size * size &&
+           determinant(s) > 64 * ENG_U * size * size * size;
+}
+
+/* About the least eigenvalue: the least root of the characteristic polynomial, which has
+ * three, by the cosine of a third of an angle. */
+static double about_least(const struct symmetric *s)
+{
+    double mean = trace(s) / 3;
+    struct symmetric rest = less(s, mean);
+    double spread = sqrt(fmax(-minors(&rest) / 3, 0));
+    double cosine = determinant(&rest) / (2 * spread * spread * spread);
+    cosine = fmax(fmin(cosine, 1), -1); /* also where the spread is 0 */
+    return mean + 2 * spread * cos((acos(cosine) + 2 * PI) / 3);
+}
+
+/* Not above the least eigenvalue of transposed(m) n + transposed(n) m, but for rounding.
+ * The quick bound is enough for turns by some degrees a step. */
 static double least_eigenvalue(const double *m, const double *n)
 {
-    double least = INFINITY;
-    double sums[3][3];
+    struct symmetric s;
     for (int i = 0; i < 3; i++) {
         for (int j = i; j < 3; j++) {
-            sums[i][j] = product(m, n, i, j) + product(n, m, i, j);
-            sums[j][i] = sums[i][j];
+            s.at[i][j] = product(m, n, i, j) + product(n, m, i, j);
+            s.at[j][i] = s.at[i][j];
         }
     }
-    for (int i = 0; i < 3; i++) {
-        double others = fabs(sums[i][(i + 1) % 3]) + fabs(sums[i][(i + 2) % 3]);
-        least = fmin(least, sums[i][i] - others);
+    double below = below_eigenvalues(&s);
+    if (below > trace(&s) / 6) {
+        return below;
     }
-    return least;
+    double guess = about_least(&s) - GUESS_MARGIN * size_of(&s);
+    struct symmetric rest = less(&s, guess);
+    return guess > below && is_positive(&rest) ? guess : below;
 }
 
 double eng_blur_shrink(const double m0[12], const double m1[12])

@@ -18,9 +18,9 @@
 #include "box_frame.h"
 
 /* Of any vector of the mesh: no less than this part of its length is left at any time
- * between the poses m0 and m1 (coordinates.h). 1 for shifts, near cos(a / 2) for a turn
- * by an angle a that is not too large. 0: nothing is certain, for example if the object
- * turns by 180 degrees, or is pressed flat. The numbers of a pose are at most 1e18. */
+ * between the poses m0 and m1 (coordinates.h). 1 for shifts, cos(a / 2) or somewhat less
+ * for a turn by an angle a. 0: nothing is certain, for example if the object turns by 180
+ * degrees, or is pressed flat. The numbers of a pose are at most 1e18. */
 double eng_blur_shrink(const double m0[12], const double m1[12]);
 
 /* No vertex within the bounds is farther from where the pose takes it than that, as its
