@@ -265,13 +265,14 @@ static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scen
  * against themselves, the number of box tests says nothing of the order. */
 #define LEFT_OUT_PART 16u
 
-static void follow_rigid(const struct eng_scene *scene)
+static void follow_rigid(const struct eng_scene *scene, enum pccd_mode mode)
 {
     struct eng_wide_state *state = eng_wide_state_of(scene);
     uint64_t now = scene->rigid.triangles;
     uint64_t change =
         now > state->left_out ? now - state->left_out : state->left_out - now;
-    if (change > scene->triangle_count / LEFT_OUT_PART) {
+    /* What is learned of mode pairs is apart, and that leaves nothing out. */
+    if (mode != PCCD_MODE_PAIRS && change > scene->triangle_count / LEFT_OUT_PART) {
         eng_wide_resort_unlearn(&state->resort);
         state->left_out = now;
     }
@@ -280,7 +281,7 @@ static void follow_rigid(const struct eng_scene *scene)
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
-    follow_rigid(team->scene);
+    follow_rigid(team->scene, settings->mode);
     wide->kernels = team->workers[0]->kernels;
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
     bool keeps = has_current_boxes(wide, team->scene, settings);
