@@ -26,11 +26,13 @@ done
 recorded='cloth-ball cloth-ball-fifth n-body n-body-fifth cloth-funnel'
 made='cloth-20k cloth crumpled fast-sheet all-overlap nothing-moves teleport'
 
-# What moves of a scene, by turns: all of it, parts, nothing.
+# What moves of a scene, by turns: all of it, parts, nothing; and with all that stands found anew.
 standing='bodies cloth cloth-ball'
 moving='--frames=hard+19 --moving=all --beside= --beside=--moving=objects:0.1 \
     --beside=--moving=objects:0.01 --beside=--moving=patch:0.01 --beside=--moving=vertices:0.01 \
-    --beside=--moving=none'
+    --beside=--moving=none --beside=--tuning=still=anew \
+    --beside=--moving=objects:0.01_--tuning=still=anew \
+    --beside=--moving=patch:0.01_--tuning=still=anew --beside=--moving=none_--tuning=still=anew'
 
 # Row | scenes | options. @ in an option is the number of threads.
 rows="
