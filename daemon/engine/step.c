@@ -115,9 +115,10 @@ static void keep_what_stands(struct eng_team *team,
     if (!team->prunes) {
         return;
     }
-    double part = (double)scene->moving.vertices / (double)scene->moving.all;
     if (team->count > 1 && !settings->team_always &&
-        !eng_effort_pays_for(effort, settings->mode, part)) {
+        !eng_effort_pays_for(effort, settings->mode,
+                             (double)scene->moving.vertices /
+                                 (double)scene->moving.all)) {
         make_single(memory, team, settings, stop);
     }
     for (uint32_t i = 0; i < team->count; i++) {

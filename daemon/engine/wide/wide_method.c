@@ -385,7 +385,8 @@ static void end(struct eng_team *team, struct eng_step_result *result, uint64_t 
     struct eng_wide_resort *resort = &eng_wide_state_of(team->scene)->resort;
     result->counters.swaps = resort->sorts;
     result->counters.swapped_triangles = resort->sorted_triangles;
-    result->counters.still_features = eng_wide_still_count(eng_wide_of(team->scene));
+    result->counters.still_features =
+        eng_wide_still_count(eng_wide_of(team->scene), team->scene);
     uint64_t tests = whole_tests(team, result);
     if (tests > 0 && result->incomplete == PCCD_COMPLETE &&
         result->mode != PCCD_MODE_ANY) {

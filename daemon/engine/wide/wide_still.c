@@ -199,9 +199,12 @@ void eng_wide_still_mark_above(struct eng_wide *wide)
 
 #define MASKS 4u /* of 16 bits in 64 */
 
-uint64_t eng_wide_still_count(const struct eng_wide *wide)
+uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene)
 {
     uint64_t moving = 0;
+    if (!wide->keeps || scene->moving.objects == 0) {
+        return wide->keeps ? wide->feature_count : 0;
+    }
     for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
         for (uint32_t i = 0; i < tree->block_count[0]; i += MASKS) {
@@ -211,5 +214,5 @@ uint64_t eng_wide_still_count(const struct eng_wide *wide)
             moving += masks == 0 ? 0 : (uint64_t)__builtin_popcountll(masks);
         }
     }
-    return wide->keeps && moving < wide->feature_count ? wide->feature_count - moving : 0;
+    return moving < wide->feature_count ? wide->feature_count - moving : 0;
 }

@@ -32,7 +32,7 @@ bool eng_wide_still_mark_chunk(struct eng_wide *wide, enum pccd_tree kind,
 void eng_wide_still_mark_above(struct eng_wide *wide);
 
 /* Features whose boxes were kept. [compute] */
-uint64_t eng_wide_still_count(const struct eng_wide *wide);
+uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene);
 
 /* Does anything below a block move? */
 static inline bool eng_wide_moves(const struct eng_wide_tree *tree, uint32_t level,
