@@ -90,7 +90,8 @@ static bool place_foot(const double w[3], const double e[3], double along,
     place->length = length;
     place->length_error = 1.8 * cross.error / length_e + 12 * ENG_U * length;
     *at = along / ee;
-    double at_error = dot_error(size_w, size_e) / ee + 10 * ENG_U * *at;
+    /* The last part is for whoever takes 1 - *at. */
+    double at_error = dot_error(size_w, size_e) / ee + 10 * ENG_U * *at + 4 * ENG_U;
     place->param_error[0] = place->param_error[1] = at_error;
     for (int k = 0; k < 3; k++) {
         place->direction[k] = (w[k] - *at * e[k]) / length;
