@@ -6,7 +6,7 @@
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
-bench_names = bench/exact bench/kernels bench/roofline bench/ipc bench/connect
+bench_names = bench/distances bench/exact bench/kernels bench/roofline bench/ipc bench/connect
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -52,6 +52,10 @@ bench_engine_sources = \
     bench/workload.c \
     bench/workload.h
 bench_engine_libs = libengine.la $(GMP_LIBS) $(LIBM)
+
+bench_distances_SOURCES = bench/distances.c $(bench_engine_sources)
+bench_distances_CPPFLAGS = $(bench_engine_cppflags)
+bench_distances_LDADD = $(bench_engine_libs)
 
 bench_exact_SOURCES = bench/exact.c $(bench_engine_sources)
 bench_exact_CPPFLAGS = $(bench_engine_cppflags)
