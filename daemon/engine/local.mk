@@ -171,8 +171,11 @@ libengine_la_SOURCES = \
     daemon/engine/paper/rebuild.h \
     daemon/engine/paper/refit.c \
     daemon/engine/paper/refit.h \
+    daemon/engine/paper/refit_box.h \
     daemon/engine/paper/refit_plan.c \
     daemon/engine/paper/refit_plan.h \
+    daemon/engine/paper/refit_still.c \
+    daemon/engine/paper/refit_still.h \
     daemon/engine/paper/sah.c \
     daemon/engine/paper/sah.h \
     daemon/engine/paper/schedule_paper.c \

@@ -1,9 +1,10 @@
 /* tests/unit/test_eng_refit.c - bottom-up update of every box.
  *
  * Room:     engine (refit.h, world.h).
- * Does:     containment and tightness after random steps; refitting twice is as once.
+ * Does:     containment and tightness after random steps; refitting twice is as once;
+ *           boxes that are kept, and marks of what moves.
  * Does not: change the shape of trees.
- * Threads:  one.
+ * Threads:  teams of one and two.
  * Source:   daemon/engine/paper/refit.h; paper section 6.1.
  */
 #include "eng_kit.h"
@@ -13,6 +14,7 @@
 #include <string.h>
 
 #include "build.h"
+#include "moving.h"
 #include "refit.h"
 #include "step.h"
 #include "world.h"
@@ -249,6 +251,130 @@ static void refit__still_objects_have_equal_boxes_at_both_ends(void **state)
     eng_scene_free(scene);
 }
 
+/* Boxes alone: marks of what moves are left out, as are words of the records. */
+static void check_same_boxes(const void *a, const void *b, size_t count)
+{
+    const struct eng_box *boxes = a;
+    const struct eng_box *others = b;
+    for (size_t i = 0; i < count; i++) {
+        assert_memory_equal(boxes[i].lo0, others[i].lo0, sizeof boxes->lo0);
+        assert_memory_equal(boxes[i].hi0, others[i].hi0, sizeof boxes->hi0);
+        assert_memory_equal(boxes[i].lo1, others[i].lo1, sizeof boxes->lo1);
+        assert_memory_equal(boxes[i].hi1, others[i].hi1, sizeof boxes->hi1);
+    }
+}
+
+/* Do the marks say of each vertex, edge and node whether it moves? */
+static void check_marks(const struct eng_scene *scene)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    assert_true(trees->mark > 0);
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (!object->mesh) {
+            continue;
+        }
+        const struct eng_planted *planted = eng_planted_of(object);
+        for (uint32_t k = 0; k < object->vertices.count; k++) {
+            assert_int_equal(trees->vertices[object->vertices.first + k].moved ==
+                                 trees->mark,
+                             eng_moves_vertex(scene, object, k));
+        }
+        for (uint32_t k = 0; k < planted->edges.count; k++) {
+            assert_int_equal(trees->edges[planted->edges.first + k].moved == trees->mark,
+                             eng_moves_edge(scene, object, k));
+        }
+        for (uint32_t k = planted->nodes.first;
+             k < planted->nodes.first + planted->nodes.count; k++) {
+            const struct eng_node *node = &trees->nodes[k];
+            bool moves = node->left == ENG_LEAF
+                             ? eng_moves_face(scene, object,
+                                              node->right - planted->triangles.first)
+                             : eng_node_moves(trees, node->left) ||
+                                   eng_node_moves(trees, node->right);
+            assert_int_equal(eng_node_moves(trees, k), moves);
+        }
+    }
+    for (uint32_t k = trees->top.first; k < trees->top.first + trees->top.count; k++) {
+        assert_int_equal(eng_node_moves(trees, k),
+                         eng_node_moves(trees, trees->nodes[k].left) ||
+                             eng_node_moves(trees, trees->nodes[k].right));
+    }
+}
+
+/* Some vertices of one object go somewhere else, now and then all. */
+static void move_some(struct kit_random *random, struct eng_scene *scene)
+{
+    uint32_t idx = kit_below(random, 3);
+    uint32_t count = 1 + kit_below(random, kit_below(random, 4) > 0 ? 3 : VERTICES);
+    uint32_t first = kit_below(random, VERTICES - count + 1);
+    static double x[VERTICES][3];
+    for (uint32_t i = 0; i < 3 * count; i++) {
+        x[i / 3][i % 3] = kit_between(random, -1, 1);
+    }
+    assert_int_equal(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, first, count, x), PCCD_OK);
+}
+
+/* The boxes and marks of a step after which nothing is rebuilt. Returns whether it kept
+ * some. */
+static bool check_kept(struct eng_scene *scene)
+{
+    bool keeps = eng_trees_of(scene)->keeps;
+    if (eng_trees_of(scene)->marks) {
+        check_marks(scene);
+    }
+    struct snapshot kept = snap(scene);
+    eng_refit(scene);
+    check_same_boxes(eng_trees_of(scene)->nodes, kept.nodes,
+                     eng_trees_of(scene)->node_ranges.end);
+    check_same_boxes(eng_trees_of(scene)->edges, kept.edges,
+                     eng_trees_of(scene)->edge_ranges.end);
+    check_same_boxes(eng_trees_of(scene)->vertices, kept.vertices,
+                     scene->vertex_ranges.end);
+    drop(&kept);
+    return keeps;
+}
+
+/* If this failed, what stands would have the boxes of another step, or a pair would be
+ * left out of which a feature moves, or told twice: by the search and by the last answer.
+ * Marks go round on the way. */
+static void refit__keeps_the_boxes_that_it_would_make(void **state)
+{
+    (void)state;
+    static const enum eng_refit_scheme schemes[] = {ENG_REFIT_EVEN, ENG_REFIT_PAPER};
+    struct kit_random random = {34};
+    for (uint32_t way = 0; way < 4; way++) {
+        struct eng_scene *scene = new_scene(&random, 3);
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_step_result result;
+        uint32_t kept = 0;
+        uint64_t features = 0;
+        settings.method = PCCD_METHOD_PAPER;
+        settings.threads = 1 + way / 2;
+        settings.team_always = true;
+        settings.tuning.refit = schemes[way % 2];
+        for (uint32_t step = 0; step < 60; step++) {
+            if (step == 20) {
+                eng_trees_of(scene)->mark = ENG_MARK_MAX - 5;
+            }
+            eng_stage_begin(scene);
+            if (kit_below(&random, 5) > 0) {
+                move_some(&random, scene);
+            }
+            settings.mode =
+                kit_below(&random, 8) == 0 ? PCCD_MODE_FIRST : PCCD_MODE_PAIRS;
+            settings.tuning.still =
+                kit_below(&random, 8) == 0 ? ENG_STILL_ANEW : ENG_STILL_KEPT;
+            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            kept += check_kept(scene);
+            features += result.counters.still_features;
+        }
+        assert_true(kept > 30 && features > 0);
+        assert_true(eng_trees_of(scene)->mark < 100); /* they have gone round */
+        eng_scene_free(scene);
+    }
+}
+
 /* If this failed, many threads and small objects would leave nodes without boxes, or
  * write behind the plan: the trees have fewer subtrees than are wanted. */
 static void refit_plan__covers_every_node_within_its_memory(void **state)
@@ -280,6 +406,7 @@ int main(void)
         cmocka_unit_test(refit__root_is_as_tight_as_the_vertices),
         cmocka_unit_test(refit__repeated_refit_does_not_inflate),
         cmocka_unit_test(refit__still_objects_have_equal_boxes_at_both_ends),
+        cmocka_unit_test(refit__keeps_the_boxes_that_it_would_make),
         cmocka_unit_test(refit_plan__covers_every_node_within_its_memory),
     };
     return cmocka_run_group_tests_name("eng_refit", tests, NULL, NULL);

@@ -196,6 +196,9 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
         return status;
     }
     refit_where_they_stand(scene, object_idx, object_idx + 1);
+    if (!object->is_new) { /* it may stand, and have moved in the step before */
+        eng_trees_of(scene)->boxes_of = 0;
+    }
     eng_regions_mark(scene, eng_planted_of(object)->nodes);
     eng_rebuild_note(scene, eng_planted_of(object)->nodes);
     return PCCD_OK;
@@ -233,7 +236,7 @@ static int reserve_for(struct eng_scene *scene)
 
 int eng_plant_objects(struct eng_scene *scene)
 {
-    const struct eng_trees *trees = eng_trees_of(scene);
+    struct eng_trees *trees = eng_trees_of(scene);
     int status = reserve_for(scene);
     for (uint32_t i = 0; i < scene->object_capacity && status == PCCD_OK; i++) {
         if (scene->objects[i].mesh &&
@@ -243,6 +246,7 @@ int eng_plant_objects(struct eng_scene *scene)
     }
     if (status == PCCD_OK && (scene->framing.number != trees->frames)) {
         /* Those that had a hierarchy before have boxes in other frames. */
+        trees->boxes_of = 0;
         refit_where_they_stand(scene, 0, scene->object_capacity);
     }
     return status;

@@ -17,10 +17,12 @@
 #include "build.h"
 #include "frames.h"
 #include "highlevel.h"
+#include "moving.h"
 #include "paper.h"
 #include "paper_work.h"
 #include "rebuild.h"
 #include "refit.h"
+#include "refit_still.h"
 #include "schedule_paper.h"
 #include "taskunit.h"
 
@@ -98,6 +100,16 @@ static void perform(struct eng_worker *worker, uint64_t task)
 
 /* ---- dynamic assignment ------------------------------------------------------------ */
 
+/* Write a node whose task unit is wanted to `place`; returns whether it is. */
+static uint32_t add_wanted(struct eng_worker *worker, uint32_t node, uint32_t *place)
+{
+    bool is_wanted = eng_taskunit_is_wanted(worker, node);
+    if (is_wanted) {
+        *place = node;
+    }
+    return is_wanted;
+}
+
 /* Breadth-first until the queue `front` holds a node for each thread; the nodes opened on
  * the way are the high-level ones. Leaves wait in front of the queue. Returns the length
  * of the queue. */
@@ -110,20 +122,17 @@ static uint32_t choose_front(struct eng_team *team, struct eng_worker *worker,
     uint32_t tail = 0;
     uint32_t leaves = 0;
     assignment->high_count = 0;
-    front[tail++] = eng_trees_of(worker->scene)->root;
+    tail += add_wanted(worker, eng_trees_of(worker->scene)->root, &front[tail]);
     while (head < tail && leaves + tail - head < team->count) {
         uint32_t idx = front[head++];
-        if (!eng_taskunit_is_wanted(worker, idx)) {
-            continue;
-        }
         const struct eng_node *node = eng_node_open(worker, idx);
         if (node->left == ENG_LEAF) {
             front[leaves++] = idx;
             continue;
         }
         assignment->high[assignment->high_count++] = idx;
-        front[tail++] = node->left;
-        front[tail++] = node->right;
+        tail += add_wanted(worker, node->left, &front[tail]);
+        tail += add_wanted(worker, node->right, &front[tail]);
     }
     while (head < tail) {
         front[leaves++] = front[head++];
@@ -195,9 +204,21 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
     return status;
 }
 
+/* Are the boxes of what stands those of the last step, so that only what moves needs new
+ * ones? And is it worth it? */
+static bool has_current_boxes(const struct eng_trees *trees,
+                              const struct eng_scene *scene,
+                              const struct eng_step_settings *settings)
+{
+    return settings->tuning.still == ENG_STILL_KEPT && trees->boxes_of != 0 &&
+           trees->boxes_of + 1 >= scene->moving.number &&
+           trees->frames == scene->framing.number && eng_moves_little(scene);
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_paper *paper = eng_paper_of(team->scene);
+    bool keeps = has_current_boxes(&paper->trees, team->scene, settings);
     paper->trees.frames = team->scene->framing.number;
     if (eng_background_swap(&paper->background, team->scene)) {
         /* The same division of a tree that has changed: no more memory is needed. */
@@ -205,7 +226,9 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
                                          settings->tuning.refit, team->count);
         assert(status == PCCD_OK);
         (void)status;
+        keeps = false; /* what was swapped in has no boxes */
     }
+    eng_still_begin(team->scene, keeps, team->prunes);
     for (uint32_t i = 0; i < team->count; i++) {
         eng_paper_work_begin(team->workers[i]);
     }
@@ -237,7 +260,11 @@ static void no_more(struct eng_worker *worker)
 
 static void refit(struct eng_worker *worker)
 {
-    eng_refit(worker->scene);
+    if (eng_trees_of(worker->scene)->marks) {
+        worker->tally.still_features += eng_still_refit(worker->scene);
+    } else {
+        eng_refit(worker->scene);
+    }
 }
 
 static bool refit_by_team(struct eng_team *team, struct eng_worker *worker)
@@ -245,7 +272,8 @@ static bool refit_by_team(struct eng_team *team, struct eng_worker *worker)
     return eng_refit_by_team(team, worker, &eng_paper_of(team->scene)->plan);
 }
 
-const struct eng_method_calls eng_method_paper = {.is_stale = is_stale,
+const struct eng_method_calls eng_method_paper = {.can_prune = true,
+                                                  .is_stale = is_stale,
                                                   .prepare = prepare,
                                                   .validate = eng_tree_validate,
                                                   .start = start,

@@ -13,7 +13,7 @@
 #include "grow.h"
 #include "metric.h"
 #include "paper_work.h"
-#include "refit.h"
+#include "refit_still.h"
 #include "wait.h"
 
 /* Nodes of a part of the tree over the objects that is worth a look: two objects can be
@@ -126,10 +126,10 @@ static void rebuild_subtree(struct eng_worker *worker, uint32_t node_idx)
                          eng_median_axis(items, node->count));
         build(scene, items, left_count, node->left);
         build(scene, items + left_count, node->count - left_count, node->right);
-        eng_refit_nodes(scene, (struct eng_range){node_idx + 1, range.count - 1});
+        eng_still_refit_anew(scene, (struct eng_range){node_idx + 1, range.count - 1});
     } else {
         build(scene, items, node->count, node_idx);
-        eng_refit_nodes(scene, range);
+        eng_still_refit_anew(scene, range);
     }
     eng_rebuild_note(scene, range);
     worker->record.rebuilds++;
@@ -162,7 +162,7 @@ static void rebuild_objects(struct eng_worker *worker, uint32_t first, uint32_t 
     grower.sah.boxes = NULL;
     eng_grow_begin(&grower, count, first, eng_grow_levels(count));
     eng_grow(&grower);
-    eng_refit_nodes(scene, (struct eng_range){first, end - first});
+    eng_still_refit_anew(scene, (struct eng_range){first, end - first});
     note_objects(scene, first, end);
     worker->record.rebuilds++;
     worker->tally.rebuilt_triangles += count;

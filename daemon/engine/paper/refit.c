@@ -19,6 +19,7 @@
 #include <assert.h>
 #include <omp.h>
 
+#include "refit_still.h"
 #include "subtree.h"
 #include "wait.h"
 
@@ -37,24 +38,7 @@ void eng_refit_edges(struct eng_scene *scene, struct eng_range range)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     for (uint32_t e = range.first; e < range.first + range.count; e++) {
-        struct eng_edge *edge = &trees->edges[e];
-        eng_box_unite(eng_box_of(edge), eng_box_of(&trees->vertices[edge->a]),
-                      eng_box_of(&trees->vertices[edge->b]));
-    }
-}
-
-static void refit_node(struct eng_trees *trees, uint32_t idx)
-{
-    struct eng_node *node = &trees->nodes[idx];
-    struct eng_box *box = eng_box_of(node);
-    if (node->left == ENG_LEAF) {
-        const uint32_t *v = trees->triangles[node->right].v;
-        eng_box_unite(box, eng_box_of(&trees->vertices[v[0]]),
-                      eng_box_of(&trees->vertices[v[1]]));
-        eng_box_unite(box, box, eng_box_of(&trees->vertices[v[2]]));
-    } else {
-        eng_box_unite(box, eng_box_of(&trees->nodes[node->left]),
-                      eng_box_of(&trees->nodes[node->right]));
+        eng_refit_edge(trees, e);
     }
 }
 
@@ -62,7 +46,7 @@ void eng_refit_nodes(struct eng_scene *scene, struct eng_range range)
 {
     struct eng_trees *trees = eng_trees_of(scene);
     for (uint32_t i = range.count; i-- > 0;) {
-        refit_node(trees, range.first + i);
+        eng_refit_node(trees, range.first + i);
     }
 }
 
@@ -85,7 +69,7 @@ void eng_refit_subtree(struct eng_scene *scene, uint32_t root)
         const struct eng_node *node = &trees->nodes[range.first + i];
         refit_child(scene, node->left);
         refit_child(scene, node->right);
-        refit_node(trees, range.first + i);
+        eng_refit_node(trees, range.first + i);
     }
 }
 
@@ -114,13 +98,19 @@ static uint32_t next(atomic_uint *counter)
 }
 
 /* Vertices until none are left to take. */
-static void vertices_by_team(struct eng_team *team, const struct eng_refit_plan *plan)
+static void vertices_by_team(struct eng_team *team, struct eng_worker *worker,
+                             const struct eng_refit_plan *plan)
 {
     const struct eng_refit_chunks *chunks = &plan->vertices;
     struct eng_refit_progress *progress = &team->refit;
     for (uint32_t i = next(&progress->next_vertices); i < chunks->count;
          i = next(&progress->next_vertices)) {
-        eng_refit_vertices(team->scene, chunks->ranges[i]);
+        if (eng_trees_of(team->scene)->marks) {
+            worker->tally.still_features +=
+                eng_still_refit_vertices(team->scene, chunks->ranges[i]);
+        } else {
+            eng_refit_vertices(team->scene, chunks->ranges[i]);
+        }
         /* Release: pairs with the acquire of the wait. */
         atomic_fetch_add_explicit(&progress->vertices_done, 1, memory_order_acq_rel);
     }
@@ -142,31 +132,43 @@ static uint32_t next_root(struct eng_team *team, const struct eng_refit_plan *pl
 
 /* Root `i` is up to date: go on with the nodes above it for as long as the other child
  * was ready before. True: the root of all was reached. */
-static bool climb(struct eng_trees *trees, struct eng_refit_plan *plan, uint32_t i)
+static bool climb(struct eng_scene *scene, struct eng_refit_plan *plan, uint32_t i)
 {
     uint32_t up = plan->root_parent[i];
     /* Release our child, acquire the other. */
     while (up != ENG_NO_NODE && atomic_fetch_sub_explicit(&plan->unfinished[up], 1,
                                                           memory_order_acq_rel) == 1) {
-        refit_node(trees, plan->opened[up]);
+        eng_still_refit_anew(scene, (struct eng_range){plan->opened[up], 1});
         up = plan->opened_parent[up];
     }
     return up == ENG_NO_NODE;
 }
 
 /* Parts of the second half that this thread has done: chunks of edges, the root. */
-static uint32_t rest_by_team(struct eng_team *team, struct eng_refit_plan *plan)
+static uint32_t rest_by_team(struct eng_team *team, struct eng_worker *worker,
+                             struct eng_refit_plan *plan)
 {
+    bool marks = eng_trees_of(team->scene)->marks;
     uint32_t turn = 0;
     uint32_t done = 0;
     for (uint32_t i = next_root(team, plan, &turn); i < plan->root_count;
          i = next_root(team, plan, &turn)) {
-        eng_refit_subtree(team->scene, plan->roots[i]);
-        done += climb(eng_trees_of(team->scene), plan, i);
+        if (marks) {
+            worker->tally.still_features +=
+                eng_still_refit_subtree(team->scene, plan->roots[i]);
+        } else {
+            eng_refit_subtree(team->scene, plan->roots[i]);
+        }
+        done += climb(team->scene, plan, i);
     }
     for (uint32_t i = next(&team->refit.next_edges); i < plan->edges.count;
          i = next(&team->refit.next_edges)) {
-        eng_refit_edges(team->scene, plan->edges.ranges[i]);
+        if (marks) {
+            worker->tally.still_features +=
+                eng_still_refit_edges(team->scene, plan->edges.ranges[i]);
+        } else {
+            eng_refit_edges(team->scene, plan->edges.ranges[i]);
+        }
         done++;
     }
     return done;
@@ -184,11 +186,11 @@ bool eng_refit_by_team(struct eng_team *team, struct eng_worker *worker,
 {
     assert(plan->root_count >= 1 && worker->thread < team->count);
     uint64_t begin_ns = common_now_ns();
-    vertices_by_team(team, plan);
+    vertices_by_team(team, worker, plan);
     record(worker, begin_ns);
     eng_wait_for(worker, &team->refit.vertices_done, plan->vertices.count);
     begin_ns = common_now_ns();
-    uint32_t done = rest_by_team(team, plan);
+    uint32_t done = rest_by_team(team, worker, plan);
     record(worker, begin_ns);
     if (done == 0) {
         return false;

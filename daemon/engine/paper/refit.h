@@ -1,7 +1,7 @@
 /* daemon/engine/paper/refit.h - updates every box of the trees to the new positions, from
  * the leaves up.
  *
- * Room:     engine. May include: refit_plan.h, team.h.
+ * Room:     engine. May include: refit_box.h, refit_plan.h, team.h.
  * Does:     make every box of vertices, edges and nodes contain what it stands for at t =
  *           0 and at t = 1.
  * Does not: change the shape of a tree (build.h) or allocate inside a region.
@@ -11,17 +11,9 @@
 #ifndef ENG_REFIT_H
 #define ENG_REFIT_H
 
+#include "refit_box.h"
 #include "refit_plan.h"
 #include "team.h"
-
-/* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
-static inline const struct eng_frame *eng_frame_of_vertex(const struct eng_scene *scene,
-                                                          uint32_t vertex)
-{
-    return scene->framing.number > 0
-               ? &scene->objects[eng_trees_of(scene)->vertices[vertex].object].frame
-               : NULL;
-}
 
 /* Boxes from x[1 - now] (t = 0), x[now] (t = 1): vertices from positions; edges from
  * vertices; nodes from vertices or their children, the last of the range first. [any] */
@@ -36,7 +28,8 @@ void eng_refit_subtree(struct eng_scene *scene, uint32_t root);
 void eng_refit_object(struct eng_scene *scene, const struct eng_object *object);
 void eng_refit(struct eng_scene *scene);
 
-/* eng_refit by all threads of the region, each of which calls it, as the plan says. True
+/* eng_refit, or eng_still_refit in a step that marks what moves (refit_still.h), by all
+ * threads of the region, each of which calls it, as the plan says. True
  * for the one thread that ended last, and sees every box (team.h says how it lets the
  * others go on). A thread that comes late holds nobody up: there is no barrier, work is
  * taken on demand. [team] */

@@ -52,9 +52,27 @@ static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_
            (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
 }
 
-bool eng_taskunit_is_wanted(const struct eng_worker *worker, uint32_t node)
+/* Is the pair left out because neither moves? */
+static inline bool is_left_out(const struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_trees *trees = eng_trees_of(worker->scene);
+    return worker->prunes && !eng_node_moves(trees, n) && !eng_node_moves(trees, m);
+}
+
+/* The same, counted. */
+static inline bool leave_out(struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    bool left_out = is_left_out(worker, n, m);
+    worker->tally.still_pairs += left_out;
+    return left_out;
+}
+
+bool eng_taskunit_is_wanted(struct eng_worker *worker, uint32_t node)
 {
     const struct eng_scene *scene = worker->scene;
+    if (leave_out(worker, node, node)) {
+        return false;
+    }
     return !eng_masks_is_on(&scene->masks) || is_allowed(scene, node, node);
 }
 
@@ -127,6 +145,11 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
                 !overlap(worker, box_a, eng_feature_box(trees, points_b, m, b))) {
                 continue;
             }
+            if (worker->prunes && !eng_feature_moves(trees, points_a, n, a) &&
+                !eng_feature_moves(trees, points_b, m, b)) {
+                worker->tally.still_pairs++;
+                continue;
+            }
             if (points_a != points_b || comes_first(scene, points_a, a, b)) {
                 emit(worker, kind, a, b);
             } else {
@@ -163,6 +186,9 @@ static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
     struct eng_pair_queue *pairs = &eng_paper_work_of(worker)->pairs;
+    if (leave_out(worker, n, m)) {
+        return;
+    }
     worker->record.box_tests++;
     if (!may_meet(worker, n, m)) {
         return;
@@ -234,6 +260,9 @@ uint32_t eng_taskunit_refine(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     assert(n != m);
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    if (leave_out(worker, n, m)) {
+        return 0;
+    }
     worker->record.box_tests++;
     if (!may_meet(worker, n, m)) {
         return 0;
@@ -251,10 +280,17 @@ uint32_t eng_taskunit_peek(struct eng_worker *worker, uint32_t n, uint32_t m,
 {
     const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
     bool are_leaves = nodes[n].left == ENG_LEAF && nodes[m].left == ENG_LEAF;
-    if (are_leaves || !may_meet(worker, n, m)) {
+    if (are_leaves || is_left_out(worker, n, m) || !may_meet(worker, n, m)) {
         return 0;
     }
     return refine(worker, n, m, n_out, m_out);
+}
+
+static void push_unit(struct eng_worker *worker, uint32_t node)
+{
+    if (eng_taskunit_is_wanted(worker, node)) {
+        eng_units_push(&worker->units, node);
+    }
 }
 
 void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_children)
@@ -270,8 +306,8 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
     if (push_children) {
-        eng_units_push(&worker->units, opened->left);
-        eng_units_push(&worker->units, opened->right);
+        push_unit(worker, opened->left);
+        push_unit(worker, opened->right);
     }
     eng_taskunit_pairs(worker, opened->left, opened->right);
     eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, node, opened->count);

@@ -12,8 +12,9 @@
 #include "worker.h"
 
 /* May features below a node meet each other? Not where they are all of an object whose
- * self-collision is off (masks.h): nothing below it is worth a task unit then. */
-bool eng_taskunit_is_wanted(const struct eng_worker *worker, uint32_t node);
+ * self-collision is off (masks.h): nothing below it is worth a task unit then. Nor where
+ * none moves, in a step that leaves out such pairs; that counts as one. */
+bool eng_taskunit_is_wanted(struct eng_worker *worker, uint32_t node);
 
 /* The setup phase pushes the children of `node` to the worker's task unit queue if
  * `push_children`; the detection phase works through all pairs that (left, right) leads

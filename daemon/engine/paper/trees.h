@@ -37,7 +37,8 @@ struct eng_node {
     float lo1[3];
     uint32_t count; /* triangles below */
     float hi1[3];
-    uint32_t gate; /* enum eng_gate */
+    uint16_t gate;  /* enum eng_gate */
+    uint16_t moved; /* the mark of a step in which something below it moved */
 };
 
 struct eng_edge {
@@ -48,14 +49,14 @@ struct eng_edge {
     float lo1[3];
     uint32_t object;
     float hi1[3];
-    uint32_t reserved;
+    uint32_t moved; /* as in a node */
 };
 
 struct eng_vertex {
     _Alignas(64) float lo0[3];
     uint32_t object;
     float hi0[3];
-    uint32_t reserved0;
+    uint32_t moved; /* as in a node */
     float lo1[3];
     uint32_t reserved1;
     float hi1[3];
@@ -99,6 +100,9 @@ struct eng_triangle {
  * sum is largest for n = k = 2^30. */
 #define ENG_LEVELS_MAX (30u + 30u + 16u + 1u)
 
+/* Marks are 1 .. ENG_MARK_MAX. */
+#define ENG_MARK_MAX UINT16_MAX
+
 /* What an object has of the arrays below. All counts are 0 until a step asks for it. */
 struct eng_planted {
     struct eng_range edges;
@@ -127,6 +131,13 @@ struct eng_trees {
     bool top_is_stale;    /* objects came or went since it was built */
     bool top_is_fresh;    /* built since the last step */
     uint64_t frames;      /* framing.number of the last step by `paper` */
+
+    /* What stands still (refit_still.h). */
+    uint64_t boxes_of; /* the step whose boxes they are (moving.h); 0: of none */
+    bool keeps;        /* this step keeps the boxes of what stands */
+    bool marks;        /* this step marks what moves, by `mark` */
+    uint32_t mark;     /* the last one given; 0: none yet */
+
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */
     uint32_t top_item_capacity;
 };
@@ -149,6 +160,13 @@ static inline bool eng_is_above_objects(const struct eng_scene *scene, uint32_t 
 {
     const struct eng_trees *trees = eng_trees_of(scene);
     return node_idx - trees->top.first < trees->top.count;
+}
+
+/* In a step that marks what moves: does anything below a node? */
+static inline bool eng_node_moves(const struct eng_trees *trees, uint32_t node_idx)
+{
+    assert(trees->marks);
+    return trees->nodes[node_idx].moved == trees->mark;
 }
 
 void eng_trees_init(struct eng_trees *trees);

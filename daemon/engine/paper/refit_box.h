@@ -1,0 +1,47 @@
+/* daemon/engine/paper/refit_box.h - the box of one edge or node of the trees, and
+ * the frame that a vertex is measured in.
+ *
+ * Room:     engine. May include: aabb.h, trees.h.
+ * Does:     make one box anew: of an edge or a leaf from vertices, of an inner node from
+ *           its children.
+ * Does not: choose which, or in which order (refit.h, refit_still.h).
+ * Threads:  [team]; inline only. A box is written by one thread.
+ * Source:   paper section 6.1.
+ */
+#ifndef ENG_REFIT_BOX_H
+#define ENG_REFIT_BOX_H
+
+#include "trees.h"
+
+/* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
+static inline const struct eng_frame *eng_frame_of_vertex(const struct eng_scene *scene,
+                                                          uint32_t vertex)
+{
+    return scene->framing.number > 0
+               ? &scene->objects[eng_trees_of(scene)->vertices[vertex].object].frame
+               : NULL;
+}
+
+static inline void eng_refit_edge(struct eng_trees *trees, uint32_t e)
+{
+    struct eng_edge *edge = &trees->edges[e];
+    eng_box_unite(eng_box_of(edge), eng_box_of(&trees->vertices[edge->a]),
+                  eng_box_of(&trees->vertices[edge->b]));
+}
+
+static inline void eng_refit_node(struct eng_trees *trees, uint32_t idx)
+{
+    struct eng_node *node = &trees->nodes[idx];
+    struct eng_box *box = eng_box_of(node);
+    if (node->left == ENG_LEAF) {
+        const uint32_t *v = trees->triangles[node->right].v;
+        eng_box_unite(box, eng_box_of(&trees->vertices[v[0]]),
+                      eng_box_of(&trees->vertices[v[1]]));
+        eng_box_unite(box, box, eng_box_of(&trees->vertices[v[2]]));
+    } else {
+        eng_box_unite(box, eng_box_of(&trees->nodes[node->left]),
+                      eng_box_of(&trees->nodes[node->right]));
+    }
+}
+
+#endif
