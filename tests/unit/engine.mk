@@ -44,6 +44,7 @@ ENG_TESTS = \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_sieve \
     tests/unit/test_eng_exact \
+    tests/unit/test_eng_nearest \
     tests/unit/test_eng_plane \
     tests/unit/test_eng_separate \
     tests/unit/test_eng_solve \
@@ -96,6 +97,10 @@ tests_unit_test_eng_spacing_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_pairset_SOURCES = tests/unit/test_eng_pairset.c
 tests_unit_test_eng_pairset_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_pairset_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_nearest_SOURCES = tests/unit/test_eng_nearest.c
+tests_unit_test_eng_nearest_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_nearest_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_memory_SOURCES = tests/unit/test_eng_memory.c
 tests_unit_test_eng_memory_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

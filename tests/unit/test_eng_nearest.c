@@ -1,0 +1,150 @@
+/* tests/unit/test_eng_nearest.c - distances of two features, worked out by hand.
+ *
+ * Room:     engine (distance.h).
+ * Does:     each type, its ties, the distance that is exactly d, crossings: from every
+ *           stage on.
+ * Does not: try hard numbers (tests/fuzz does).
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "distance.h"
+
+static struct eng_distances distances;
+
+static const uint8_t in_order[4] = {0, 1, 2, 3};
+static const uint8_t backwards[4] = {3, 2, 1, 0};
+
+struct expected {
+    enum eng_nearest type;
+    uint32_t points;
+    double length;
+    double param[2];
+};
+
+/* The distance is a double of few bits, so it is known exactly. */
+static void expect(enum pccd_kind kind, const double x[4][3], const uint8_t rank[4],
+                   struct expected expected)
+{
+    for (int first = 0; first < ENG_DISTANCE_STAGES; first++) {
+        struct eng_distance distance;
+        distances.first = (enum eng_distance_stage)first;
+        eng_distance_find(&distances, kind, x, rank, &distance);
+        assert_int_equal(distance.type, expected.type);
+        assert_int_equal(distance.points, expected.points);
+        assert_true(distance.lo == expected.length && distance.hi == expected.length);
+        assert_true(distance.param[0] == expected.param[0]);
+        assert_true(distance.param[1] == expected.param[1]);
+        double square = 0;
+        for (int k = 0; k < 3; k++) {
+            square += distance.direction[k] * distance.direction[k];
+        }
+        assert_true(expected.length == 0 ? square == 0 : fabs(square - 1) < 0x1p-30);
+        assert_true(eng_distance_within(&distances, kind, x, expected.length));
+        assert_true(
+            expected.length == 0 ||
+            !eng_distance_within(&distances, kind, x, nextafter(expected.length, 0)));
+    }
+}
+
+#define AT(x, y, z) ((const double[4][3]){{x, y, z}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}})
+#define RESULT(type, points, length, param0, param1)                                     \
+    ((struct expected){ENG_NEAREST_##type, points, length, {param0, param1}})
+
+/* If it failed: a distance would be measured to the wrong part of a face, or a foot on an
+ * edge would be said to be inside the face. */
+static void distance__of_a_vertex_is_to_the_part_of_fewest_points(void **state)
+{
+    (void)state;
+    expect(PCCD_VF, AT(1, 2, 3), in_order, RESULT(VF, 15, 3, .25, .5));
+    expect(PCCD_VF, AT(3, -3, 4), in_order, RESULT(VE, 7, 5, .75, 0));
+    expect(PCCD_VF, AT(0, -3, 4), in_order, RESULT(VV, 3, 5, 0, 0));
+    expect(PCCD_VF, AT(1, 0, 3), in_order, RESULT(VE, 7, 3, .25, 0));
+    expect(PCCD_VF, AT(1, 3, 3), in_order, RESULT(VE, 13, 3, .25, .75));
+    expect(PCCD_VF, AT(4, 0, 3), in_order, RESULT(VV, 5, 3, 1, 0));
+    expect(PCCD_VF, AT(1, 1, 0), in_order, RESULT(VF, 15, 0, .25, .25));
+    expect(PCCD_VF, AT(0, 4, 0), in_order, RESULT(VV, 9, 0, 0, 1));
+}
+
+/* If it failed: faces that are segments or points would have no answer, or one that
+ * depends on the order of the corners. */
+static void distance__to_a_degenerate_face_takes_the_least_ranks(void **state)
+{
+    static const double line[4][3] = {{2, 0, 1}, {0, 0, 0}, {4, 0, 0}, {8, 0, 0}};
+    static const double dot[4][3] = {{2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    (void)state;
+    expect(PCCD_VF, line, in_order, RESULT(VE, 7, 1, .5, 0));
+    expect(PCCD_VF, line, (const uint8_t[]){0, 2, 3, 1}, RESULT(VE, 11, 1, 0, .25));
+    expect(PCCD_VF, dot, in_order, RESULT(VV, 3, 2, 0, 0));
+    expect(PCCD_VF, dot, backwards, RESULT(VV, 9, 2, 0, 1));
+}
+
+/* If it failed: edges would be measured between the wrong places, or parallel ones would
+ * be EE, which have no common perpendicular of their own. */
+static void distance__of_edges_is_at_ends_where_they_are_parallel(void **state)
+{
+    static const double crossed[4][3] = {{-1, 0, 2}, {3, 0, 2}, {0, -3, 0}, {0, 1, 0}};
+    static const double beside[4][3] = {{1, 3, 4}, {5, 6, 8}, {0, 0, 0}, {4, 0, 0}};
+    static const double meet[4][3] = {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}};
+    static const double shifted[4][3] = {{0, 0, 1}, {4, 0, 1}, {1, 0, 0}, {5, 0, 0}};
+    static const double aligned[4][3] = {{0, 0, 1}, {4, 0, 1}, {4, 0, 0}, {0, 0, 0}};
+    static const double dots[4][3] = {{0, 0, 2}, {0, 0, 2}, {0, 0, 0}, {0, 0, 0}};
+    (void)state;
+    expect(PCCD_EE, crossed, in_order, RESULT(EE, 15, 2, .25, .75));
+    expect(PCCD_EE, beside, in_order, RESULT(VE, 13, 5, 0, .25));
+    expect(PCCD_EE, meet, in_order, RESULT(EE, 15, 0, .5, .5));
+    expect(PCCD_EE, shifted, in_order, RESULT(VE, 14, 1, 1, .75));
+    expect(PCCD_EE, shifted, backwards, RESULT(VE, 7, 1, .25, 0));
+    expect(PCCD_EE, aligned, in_order, RESULT(VV, 9, 1, 0, 1));
+    expect(PCCD_EE, aligned, (const uint8_t[]){1, 0, 2, 3}, RESULT(VV, 6, 1, 1, 0));
+    expect(PCCD_EE, dots, backwards, RESULT(VV, 10, 2, 1, 1));
+}
+
+static bool crosses(double x0, double y0, double z0, double x1, double y1, double z1)
+{
+    const double x[5][3] = {{x0, y0, z0}, {x1, y1, z1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+    distances.first = ENG_DISTANCE_BY_DOUBLES;
+    bool answer = eng_distance_crosses(&distances, x);
+    for (int first = 1; first < ENG_DISTANCE_STAGES; first++) {
+        distances.first = (enum eng_distance_stage)first;
+        assert_int_equal(eng_distance_crosses(&distances, x), answer);
+    }
+    return answer;
+}
+
+/* If it failed: an edge that only touches would count as passing through, or one that
+ * passes through as touching. */
+static void crossing__is_strict(void **state)
+{
+    (void)state;
+    assert_true(crosses(1, 1, 1, 1, 1, -1));
+    assert_true(crosses(0x1p-900, 0x1p-900, 1, 0x1p-900, 0x1p-900, -1));
+    assert_false(crosses(1, 1, 0, 1, 1, -1)); /* an end on the face */
+    assert_false(crosses(1, 1, 2, 1, 1, 1));  /* above it */
+    assert_false(crosses(1, 0, 1, 1, 0, -1)); /* through an edge */
+    assert_false(crosses(4, 0, 1, 4, 0, -1)); /* through a corner */
+    assert_false(crosses(3, 3, 1, 3, 3, -1)); /* past it */
+    assert_false(crosses(-9, 1, 0, 9, 1, 0)); /* in its plane */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(distance__of_a_vertex_is_to_the_part_of_fewest_points),
+        cmocka_unit_test(distance__to_a_degenerate_face_takes_the_least_ranks),
+        cmocka_unit_test(distance__of_edges_is_at_ends_where_they_are_parallel),
+        cmocka_unit_test(crossing__is_strict),
+    };
+    if (eng_distances_init(&distances) != PCCD_OK) {
+        return 1;
+    }
+    int failed = cmocka_run_group_tests_name("eng_nearest", tests, NULL, NULL);
+    eng_distances_deinit(&distances);
+    return failed;
+}
