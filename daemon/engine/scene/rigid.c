@@ -22,10 +22,14 @@ void eng_rigid_prepare(struct eng_scene *scene)
     rigid->is_possible = false;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
-        double spacing = object->mesh ? eng_spacing_of(object->mesh) : 0;
-        rigid->is_possible |= spacing > 0;
-        rigid->version += spacing != object->spacing;
-        object->spacing = spacing;
+        /* Of most objects nothing but these fields is read: what stands costs little. */
+        if (object->mesh && object->spacing == 0 &&
+            (object->is_posed || object->is_new)) {
+            object->spacing = eng_spacing_of(object->mesh);
+            object->has_near = object->spacing > 0 && eng_spacing_has_near(object->mesh);
+            rigid->version += object->spacing > 0;
+        }
+        rigid->is_possible |= object->mesh && object->spacing > 0;
     }
 }
 
@@ -40,7 +44,7 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
         bool is_wanted = object->mesh && may_leave_out && scene->masks.entries[i].self;
         enum eng_self self = ENG_SELF_TESTED;
         if (is_wanted && object->spacing > object->blur[0]) {
-            self = eng_spacing_has_near(object->mesh) ? ENG_SELF_NEAR : ENG_SELF_APART;
+            self = object->has_near ? ENG_SELF_NEAR : ENG_SELF_APART;
             rigid->objects++;
             rigid->triangles += object->mesh->info.triangle_count;
         } else if (is_wanted && object->is_posed && object->spacing == 0 &&

@@ -64,7 +64,8 @@ struct eng_object {
      * in later ones until something is written to it (blur.h). */
     double blur[2];
     bool is_posed;  /* the blur is that of poses, not of where it was registered */
-    double spacing; /* of the mesh, as the step goes by it (rigid.h) */
+    double spacing; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
+    bool has_near;  /* likewise: some features are nearer */
 };
 
 /* What moves in the last step that was committed (moving.h). */

@@ -71,8 +71,7 @@ static void own_blocks(struct eng_wide_owners *owners, const struct eng_wide *wi
     for (uint32_t i = 0; i < scene->object_count; i++) {
         uint32_t object = wide->items[i].id;
         const struct eng_masks_entry *entry = &scene->masks.entries[object];
-        bool can_have_near = scene->objects[object].spacing > 0 &&
-                             eng_spacing_has_near(scene->objects[object].mesh);
+        bool can_have_near = scene->objects[object].has_near;
         uint32_t count = eng_wide_order_of(&scene->objects[object])->count[kind];
         uint32_t first = eng_wide_first_slot(end, count);
         end = first + count;
