@@ -79,7 +79,8 @@ struct eng_step_settings crew_alone(enum pccd_mode mode)
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
-    settings.method = PCCD_METHOD_PAPER; /* whose schedulers are compared */
+    settings.method = PCCD_METHOD_PAPER;    /* whose schedulers are compared */
+    settings.tuning.still = ENG_STILL_ANEW; /* steps of a scene at rest are whole */
     return settings;
 }
 
