@@ -39,6 +39,7 @@ struct zoo_animal {
     bool sleeps;       /* it does nothing that another could notice: one act is enough */
     unsigned burst_us; /* of one that burns: what it works, */
     unsigned rest_us;  /* and what it sleeps then */
+    bool takes_long;   /* the daemon computes for seconds for it */
 };
 
 /* A daemon's socket and `each` animals in front of it. */

@@ -32,32 +32,36 @@
  * what is above is the daemon's fault. */
 #define FAULT_TIMES 2.0
 
+/* Beside animals that let the daemon compute for seconds an answer may take so much more:
+ * what has run for 10 ms is taken for long, and another thread takes the next request. */
+#define LONG_MS 20.0
+
 static const struct zoo_animal animals[] = {
-    {"says nothing", zoo_says_nothing, true, 0, 0},
-    {"never reads", zoo_never_reads, false, 0, 0},
-    {"floods", zoo_floods, false, 0, 0},
-    {"sends 253 descriptors", zoo_sends_253_descriptors, false, 0, 0},
-    {"sends wrong lengths", zoo_sends_wrong_lengths, false, 0, 0},
-    {"uses stale handles", zoo_uses_stale_handles, false, 0, 0},
-    {"rewrites submitted slots", zoo_rewrites_submitted_slots, false, 0, 0},
-    {"punches holes", zoo_punches_holes, false, 0, 0},
-    {"lies about counts", zoo_lies_about_counts, false, 0, 0},
-    {"sends wrong numbers", zoo_sends_wrong_numbers, false, 0, 0},
-    {"names wrong indices", zoo_names_wrong_indices, false, 0, 0},
-    {"submits without end", zoo_submits_without_end, false, 0, 0},
-    {"cancels everything", zoo_cancels_everything, false, 0, 0},
-    {"makes tiny scenes", zoo_makes_tiny_scenes, false, 0, 0},
-    {"dies in the middle", zoo_dies_in_the_middle, false, 0, 0},
-    {"stops itself", zoo_stops_itself, false, 0, 0},
-    {"stacks triangles", zoo_stacks_triangles, false, 0, 0},
-    {"fans triangles out", zoo_fans_triangles_out, false, 0, 0},
-    {"commits heaps", zoo_commits_heaps, false, 0, 0},
-    {"adds heaps", zoo_adds_heaps, false, 0, 0},
-    {"fights over a scene", zoo_fights_over_a_scene, false, 0, 0},
-    {"names scenes", zoo_names_scenes, false, 0, 0},
-    {"ignores every pair", zoo_ignores_every_pair, false, 0, 0},
-    {"reads no news", zoo_reads_no_news, false, 0, 0},
-    {"pries", zoo_pries, false, 0, 0},
+    {"says nothing", zoo_says_nothing, true, 0, 0, false},
+    {"never reads", zoo_never_reads, false, 0, 0, false},
+    {"floods", zoo_floods, false, 0, 0, false},
+    {"sends 253 descriptors", zoo_sends_253_descriptors, false, 0, 0, false},
+    {"sends wrong lengths", zoo_sends_wrong_lengths, false, 0, 0, false},
+    {"uses stale handles", zoo_uses_stale_handles, false, 0, 0, false},
+    {"rewrites submitted slots", zoo_rewrites_submitted_slots, false, 0, 0, false},
+    {"punches holes", zoo_punches_holes, false, 0, 0, false},
+    {"lies about counts", zoo_lies_about_counts, false, 0, 0, false},
+    {"sends wrong numbers", zoo_sends_wrong_numbers, false, 0, 0, false},
+    {"names wrong indices", zoo_names_wrong_indices, false, 0, 0, false},
+    {"submits without end", zoo_submits_without_end, false, 0, 0, false},
+    {"cancels everything", zoo_cancels_everything, false, 0, 0, false},
+    {"makes tiny scenes", zoo_makes_tiny_scenes, false, 0, 0, false},
+    {"dies in the middle", zoo_dies_in_the_middle, false, 0, 0, false},
+    {"stops itself", zoo_stops_itself, false, 0, 0, false},
+    {"stacks triangles", zoo_stacks_triangles, false, 0, 0, true},
+    {"fans triangles out", zoo_fans_triangles_out, false, 0, 0, true},
+    {"commits heaps", zoo_commits_heaps, false, 0, 0, true},
+    {"adds heaps", zoo_adds_heaps, false, 0, 0, true},
+    {"fights over a scene", zoo_fights_over_a_scene, false, 0, 0, false},
+    {"names scenes", zoo_names_scenes, false, 0, 0, false},
+    {"ignores every pair", zoo_ignores_every_pair, false, 0, 0, false},
+    {"reads no news", zoo_reads_no_news, false, 0, 0, false},
+    {"pries", zoo_pries, false, 0, 0, false},
 };
 #define ANIMALS (sizeof animals / sizeof animals[0])
 
@@ -160,8 +164,10 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     report(animal, acts, &rounds, heap_of_each(&before, &during));
     assert_true(rounds.beside.p99_ms <=
                 GENEROUS_TIMES * rounds.alone.p99_ms + GENEROUS_MS);
-    assert_true(!is_long || rounds.beside.p99_ms <= FAULT_TIMES * rounds.alone.p99_ms ||
-                rounds.beside.p99_ms <= FAULT_TIMES * rounds.burned.p99_ms);
+    double more_ms = animal->takes_long ? LONG_MS : 0;
+    assert_true(!is_long ||
+                rounds.beside.p99_ms <= FAULT_TIMES * rounds.alone.p99_ms + more_ms ||
+                rounds.beside.p99_ms <= FAULT_TIMES * rounds.burned.p99_ms + more_ms);
 #ifndef PCCD_SANITIZED /* red zones and shadows are heap, too */
     assert_true(heap_of_each(&before, &during) <= HEAP_MAX);
 #endif
