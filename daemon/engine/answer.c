@@ -99,9 +99,11 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
         }
         return;
     }
-    memory->merge.out = &memory->found;
     double bound =
         eng_kept_select(kept, team->scene, &memory->sorted, &memory->kept_counts);
+    if (memory->sorted.count > 0) {
+        memory->merge.out = &memory->found;
+    } /* else what is found is the answer */
     if (worker->settings->mode == PCCD_MODE_FIRST) {
         eng_worker_tighten(worker, bound);
     }
@@ -212,11 +214,17 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
     return PCCD_OK;
 }
 
+/* Is what was found merged apart from what stands? */
+static bool merge_is_beside(const struct eng_step_memory *memory)
+{
+    return memory->merge.out == &memory->found;
+}
+
 static int put_together(struct eng_step_memory *memory, const struct eng_team *team,
                         struct eng_step_result *result, struct eng_counts *counts)
 {
     int status = collect(memory, team, result, counts);
-    if (status == PCCD_OK && team->prunes) {
+    if (status == PCCD_OK && merge_is_beside(memory)) {
         status = add_kept(memory, team, result, counts);
     }
     if (status != PCCD_OK) {
