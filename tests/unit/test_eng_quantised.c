@@ -429,6 +429,9 @@ static void quantised__boxes_as_they_begin_reach_the_near_time(void **state)
 #define SIDE     12u
 #define VERTICES ((SIDE + 1) * (SIDE + 1))
 
+#define FINE          60u
+#define FINE_VERTICES ((FINE + 1) * (FINE + 1))
+
 /* A sheet by its numbers: shaken, and moved along x at the end. */
 static void stage(struct eng_scene *scene, const uint32_t objects[2],
                   struct kit_random *random, double moved)
@@ -511,6 +514,50 @@ static void quantised__is_left_where_a_step_goes_too_far(void **state)
     }
 }
 
+/* Above a ground of two large triangles a fine sheet of many small ones rises. */
+static struct eng_step_result rise(enum pccd_method method)
+{
+    static const double corners[4][3] = {
+        {-999, -999, -1}, {999, -999, -1}, {999, 999, -1}, {-999, 999, -1}};
+    static const uint32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static double x1[FINE_VERTICES][3];
+    struct eng_step_result result;
+    struct eng_scene *scene;
+    uint32_t object;
+    struct eng_mesh *ground = kit_mesh(corners, 4, halves, 2);
+    struct eng_mesh *sheet = kit_sheet(FINE, 0);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, ground, 1, &object), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, sheet, 2, &object), PCCD_OK);
+    for (uint32_t i = 1; i <= 3; i++) {
+        for (uint32_t k = 0; k < 3 * FINE_VERTICES; k++) {
+            x1[k / 3][k % 3] = sheet->x[k / 3][k % 3] + (k % 3 == 2 ? 0.01 * i : 0);
+        }
+        eng_stage_begin(scene);
+        assert_int_equal(
+            eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, FINE_VERTICES, x1), PCCD_OK);
+        result = step(scene, method, 1);
+    }
+    eng_scene_free(scene);
+    eng_mesh_release(ground);
+    eng_mesh_release(sheet);
+    return result;
+}
+
+/* If it failed, a large triangle would make the cells of the whole scene large, and in them
+ * each feature of what is fine would meet hundreds of others. */
+static void quantised__is_left_where_only_little_is_large(void **state)
+{
+    (void)state;
+    struct eng_step_result found = rise(PCCD_METHOD_WIDE);
+    struct eng_step_result expected = rise(PCCD_METHOD_PAPER);
+    for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        assert_true(expected.counters.candidates[kind] > FINE_VERTICES);
+        assert_true((double)found.counters.candidates[kind] <=
+                    1.02 * (double)expected.counters.candidates[kind]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -521,6 +568,7 @@ int main(void)
         cmocka_unit_test(quantised__joins_go_up_to_a_time),
         cmocka_unit_test(quantised__boxes_as_they_begin_reach_the_near_time),
         cmocka_unit_test(quantised__is_left_where_a_step_goes_too_far),
+        cmocka_unit_test(quantised__is_left_where_only_little_is_large),
     };
     return cmocka_run_group_tests_name("eng_quantised", tests, NULL, NULL);
 }

@@ -27,9 +27,11 @@
 /* Blocks that are looked at, and the cells that the longest side of one takes at least on
  * average. A box is larger by about a cell for its rounding, that of a feature a fourth
  * of its block's: so it grows by a twentieth at most, where a comparison costs a third
- * less. */
+ * less. One that takes more than CELLS_MAX counts as such: a few large ones, as a ground
+ * has, make up for no small ones. */
 #define SAMPLES   64u
 #define CELLS_MIN 80.0f
+#define CELLS_MAX (2 * CELLS_MIN)
 
 void eng_wide_quantised_set(struct eng_quantising *quantising, int axis, double scale,
                             double middle)
@@ -96,7 +98,7 @@ static bool features_are_large(const struct eng_wide_tree *tree,
     for (uint32_t i = 0; i < samples; i++) {
         float cells = cells_of(&tree->boxes[(uint64_t)count * i / samples], quantising);
         if (cells >= 0) {
-            sum += cells;
+            sum += fminf(cells, CELLS_MAX);
             seen += 1;
         }
     }
