@@ -4,6 +4,7 @@ Room:     tests/inspect.
 Does:     options, exit statuses, size; the data against what check said.
 """
 
+import json
 import os
 import tempfile
 import unittest
@@ -51,6 +52,17 @@ class Options(unittest.TestCase):
                              said["counters"]["candidates_vf"])
             self.assertEqual(step["contacts"]["count"], said["contacts"])
             self.assertEqual(step["recorded"], "same")
+
+    # If it failed, nobody would see in the page that a step left out what stands.
+    def test_page__counts_what_stood_still(self):
+        where = self.made.name
+        said = pccdctl("record", "-o", "rest.rec", "--", os.environ["PCCDCTL"], "check",
+                       "--json", *["frame3.ply"] * 4, folder=where).stdout
+        pccdctl("inspect", "rest.rec", "-o", "rest.html", folder=where)
+        told = json.loads(said)["steps"][2]["counters"]
+        shown = Page(os.path.join(where, "rest.html")).meta["steps"][2]["answer"]["counters"]
+        self.assertGreater(told["still_features"], 0)
+        self.assertEqual(shown["still_features"], told["still_features"])
 
     # If it failed, what stands still would be stored at each step.
     def test_page__stores_an_end_once(self):

@@ -222,7 +222,10 @@ ctl check --repeat 0 --method paper --trace trace.json s0.ply s1.ply && is_trace
     ctl check --repeat 0 --method paper --trace trace.json --events 10 s0.ply s1.ply &&
     says 'older ones were lost' &&
     ctl check --json --repeat 0 --method paper --trace trace.json --min-us 1000000 s0.ply s1.ply &&
-    ! grep -q '"name":"unit"' trace.json && [ "$(json_value complete)" = true ]
+    ! grep -q '"name":"unit"' trace.json && [ "$(json_value complete)" = true ] &&
+    printf '%s\n' 'v 0 0 0' 'v 3 0 0' 'v 0 3 0' 'v 1 1 0' 'v 1 1 2' 'v 1 2 2' 'f 1 2 3' 'f 4 5 6' \
+        >rest.obj && ctl check --repeat 1 --trace trace.json rest.obj rest.obj &&
+    grep -qE '"name":"merge","args":\{"kept_records":[1-9][0-9]*\}' trace.json
 report "check --trace writes what its daemon did"
 
 # ---- what is refused ----------------------------------------------------------------

@@ -242,12 +242,44 @@ static void standing__goes_on_with_a_resumed_session(void **state)
     end(&world);
 }
 
+/* If it failed, nobody would see in an answer, or in what `pccdctl stats` prints, whether
+ * what stands was left out. */
+static void standing__is_counted_in_answers_and_totals(void **state)
+{
+    static const char *const names[] = {"still_features", "still_pairs", "kept_records"};
+    static struct world world;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    uint64_t before[3];
+
+    (void)state;
+    begin(&world);
+    for (uint32_t i = 0; i < 3; i++) {
+        before[i] = test_stat(world.client, names[i]);
+    }
+    move(&world, COUNT / 2, 1, 0.25f);
+    uint64_t step = submit(&world, PART, COUNT / 2, 1);
+    assert_int_equal(pccd_wait(world.client, step, -1, &answer), 0);
+    assert_true(answer.counters.still_features > COUNT);
+    assert_true(answer.counters.still_pairs > 0);
+    assert_true(answer.counters.kept_records > 0);
+    assert_true(answer.counters.kept_records < answer.total);
+    const uint64_t counted[3] = {answer.counters.still_features,
+                                 answer.counters.still_pairs,
+                                 answer.counters.kept_records};
+    for (uint32_t i = 0; i < 3; i++) {
+        assert_int_equal(test_stat(world.client, names[i]), before[i] + counted[i]);
+    }
+    pccd_answer_release(world.client, &answer);
+    end(&world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(standing__is_the_same_by_every_kind_of_frame),
         cmocka_unit_test(standing__is_found_by_the_next_daemon),
         cmocka_unit_test(standing__goes_on_with_a_resumed_session),
+        cmocka_unit_test(standing__is_counted_in_answers_and_totals),
     };
     return cmocka_run_group_tests_name("standing", tests, NULL, NULL);
 }
