@@ -130,7 +130,8 @@ bench-python: pccdd bench/turns$(EXEEXT) libpccd-direct.la
 .PHONY: standing
 standing: bench/pccd-bench pccdd libpccd-direct.la
 	@$(AM_TESTS_ENVIRONMENT) $(BASH) $(top_srcdir)/bench/tables.sh $(BENCH_ARGS) standing \
-	    standing-all standing-daemon standing-threads standing-avx2 standing-paper game
+	    standing-all standing-daemon standing-daemon-all standing-threads standing-avx2 \
+	    standing-sse4 standing-paper game
 
 .PHONY: bench-tables
 bench-tables: $(bench_names) bench/pccd-bench pccdd pccdctl

@@ -28,11 +28,11 @@ made='cloth-20k cloth crumpled fast-sheet all-overlap nothing-moves teleport'
 
 # What moves of a scene, by turns: all of it, parts, nothing; and with all that stands found anew.
 standing='bodies cloth cloth-ball'
-moving='--frames=hard+19 --moving=all --beside= --beside=--moving=objects:0.1 \
-    --beside=--moving=objects:0.01 --beside=--moving=patch:0.01 --beside=--moving=vertices:0.01 \
-    --beside=--moving=none --beside=--tuning=still=anew \
-    --beside=--moving=objects:0.01_--tuning=still=anew \
-    --beside=--moving=patch:0.01_--tuning=still=anew --beside=--moving=none_--tuning=still=anew'
+moving='--frames=hard+19 --moving=all --beside= --beside=--tuning=still=anew'
+for part in objects:0.33 objects:0.1 objects:0.01 patch:0.1 patch:0.01 none; do
+    moving+=" --beside=--moving=$part --beside=--moving=${part}_--tuning=still=anew"
+done
+moving+=' --beside=--moving=vertices:0.01'
 
 # Row | scenes | options. @ in an option is the number of threads.
 rows="
@@ -51,8 +51,10 @@ rebuild | exploding breaking bodies cloth-ball-fifth n-body-fifth | --method=pap
 standing         | $standing | --via=direct --sends=moved $moving
 standing-all     | $standing | --via=direct $moving
 standing-daemon  | $standing | --via=daemon --sends=moved $moving
+standing-daemon-all | $standing | --via=daemon $moving
 standing-threads | $standing | --via=direct --sends=moved --threads=@ $moving
 standing-avx2    | $standing | --via=direct --sends=moved --cpu=avx2 $moving
+standing-sse4    | $standing | --via=direct --sends=moved --cpu=sse4 $moving
 standing-paper   | $standing | --via=direct --sends=moved --method=paper $moving
 game    | game | --via=daemon --sends=moved --hz=60 --frames=60-299 --beside= --beside=--sends=all \
     --beside=--via=direct --beside=--threads=@ --beside=--method=paper
