@@ -72,6 +72,16 @@ void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t w
     effort->work_ns[mode] = work_ns > 0 ? work_ns : 1;
 }
 
+void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, double part,
+                           uint64_t work_ns)
+{
+    assert(mode <= PCCD_MODE_PAIRS && part >= 0 && part <= 1);
+    double most_ns = (double)effort->work_ns[mode];
+    if ((double)work_ns < most_ns * part) {
+        eng_effort_learn(effort, mode, (uint64_t)((double)work_ns / part));
+    }
+}
+
 void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
                      uint64_t took_ns)
 {

@@ -31,6 +31,12 @@ bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
  * without waiting. */
 void eng_effort_learn(struct eng_effort *effort, enum pccd_mode mode, uint64_t work_ns);
 
+/* The same of a step that left out what stood still, and searched this part, 0 .. 1, of
+ * what is searched as a rule. It can only show that the work is less than was believed:
+ * one slow step at the beginning would else stand for as long as something stands. */
+void eng_effort_learn_part(struct eng_effort *effort, enum pccd_mode mode, double part,
+                           uint64_t work_ns);
+
 /* How long it took, by a team or not. */
 void eng_effort_time(struct eng_effort *effort, enum pccd_mode mode, bool by_team,
                      uint64_t took_ns);

@@ -102,6 +102,14 @@ static void make_single(struct eng_step_memory *memory, struct eng_team *team,
     (void)status;
 }
 
+/* How much of the scene moves, 0 .. 1. */
+static double moving_part(const struct eng_scene *scene)
+{
+    const struct eng_moving *moving = &scene->moving;
+    assert(moving->vertices <= moving->all);
+    return moving->all > 0 ? (double)moving->vertices / (double)moving->all : 0;
+}
+
 /* The positions have moved on: keep what the last answer says of what stands still. */
 static void keep_what_stands(struct eng_team *team,
                              const struct eng_step_settings *settings,
@@ -116,9 +124,7 @@ static void keep_what_stands(struct eng_team *team,
         return;
     }
     if (team->count > 1 && !settings->team_always &&
-        !eng_effort_pays_for(effort, settings->mode,
-                             (double)scene->moving.vertices /
-                                 (double)scene->moving.all)) {
+        !eng_effort_pays_for(effort, settings->mode, moving_part(scene))) {
         make_single(memory, team, settings, stop);
     }
     for (uint32_t i = 0; i < team->count; i++) {
@@ -301,8 +307,10 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         work_ns += record->refit_ns + record->low_ns + record->high_ns + record->merge_ns;
         memory->records[i] = *record;
     }
-    if (result->incomplete == PCCD_COMPLETE && !team->prunes) {
-        struct eng_effort *effort = &memory->effort[result->method];
+    struct eng_effort *effort = &memory->effort[result->method];
+    if (result->incomplete == PCCD_COMPLETE && team->prunes) {
+        eng_effort_learn_part(effort, result->mode, moving_part(team->scene), work_ns);
+    } else if (result->incomplete == PCCD_COMPLETE) {
         eng_effort_learn(effort, result->mode, work_ns);
         eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
     }

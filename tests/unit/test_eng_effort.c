@@ -10,6 +10,7 @@
 
 #include "effort.h"
 #include "step.h"
+#include "step_memory.h"
 
 #define MS 1000000u
 
@@ -139,6 +140,53 @@ static void effort__near_the_border_the_clock_decides(void **state)
     }
 }
 
+/* If it failed: a scene of which little moves would be taken for the work of its first
+ * step for ever, however long that was off its processor: teams would be woken for some
+ * microseconds of work, and no step be brief. */
+static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
+{
+    (void)state;
+    struct kit_random random = {3};
+    struct eng_effort effort;
+    struct eng_scene *scene = NULL;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    uint64_t still = 0;
+    double x[24][3];
+    uint32_t idx[2];
+    eng_effort_forget(&effort);
+    eng_effort_learn(&effort, PCCD_MODE_ALL, 8 * MS);
+    eng_effort_learn_part(&effort, PCCD_MODE_ALL, 0, MS);
+    eng_effort_learn_part(&effort, PCCD_MODE_ALL, 0.5, 5 * MS); /* no more than known */
+    assert_int_equal(effort.work_ns[PCCD_MODE_ALL], 8 * MS);
+    eng_effort_learn_part(&effort, PCCD_MODE_ALL, 0.5, 3 * MS);
+    assert_int_equal(effort.work_ns[PCCD_MODE_ALL], 6 * MS);
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    for (uint32_t i = 0; i < 2; i++) {
+        struct eng_mesh *mesh = kit_soup(&random, 8);
+        assert_int_equal(eng_scene_add(scene, mesh, 1 + i, &idx[i]), PCCD_OK);
+        eng_mesh_release(mesh);
+    }
+    settings.threads = 2;
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    uint64_t *work_ns =
+        eng_step_memory_of(scene)->effort[result.method].work_ns + PCCD_MODE_ALL;
+    *work_ns = 50 * MS; /* as if others had had the processor */
+    for (int i = 0; i < 100; i++) {
+        for (int k = 0; k < 24; k++) {
+            for (int axis = 0; axis < 3; axis++) {
+                x[k][axis] = kit_between(&random, 0, 1);
+            }
+        }
+        eng_stage_begin(scene);
+        assert_int_equal(eng_stage_x1(scene, idx[1], PCCD_FORMAT_F64, 0, 24, x), PCCD_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        still += result.counters.still_features;
+    }
+    assert_true(still > 0 && *work_ns < 2 * MS);
+    eng_scene_free(scene);
+}
+
 /* If it failed: steps would not ask, or would go on with what they knew of objects that
  * are gone. */
 static void effort__steps_go_by_it(void **state)
@@ -183,6 +231,7 @@ int main(void)
         cmocka_unit_test(effort__border_scenes_stay_with_the_last_answer),
         cmocka_unit_test(effort__near_the_border_the_clock_decides),
         cmocka_unit_test(effort__one_odd_step_changes_little),
+        cmocka_unit_test(effort__one_slow_step_is_forgotten_where_most_stands),
         cmocka_unit_test(effort__steps_go_by_it),
     };
     return cmocka_run_group_tests_name("eng_effort", tests, NULL, NULL);
