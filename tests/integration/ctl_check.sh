@@ -302,9 +302,10 @@ ctl check --url "unix:$dir/s" --threads 2 --repeat 0 s0.ply s1.ply &&
     [ "$(json_value tuning)" = null ]
 report "stats --threads tells what the threads of the last step did"
 
-# Triangles beside each other that move, so many that a team is worth while.
-awk 'BEGIN { for (i = 0; i < 6000; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\n", i, i, i
-    for (i = 0; i < 6000; i++) printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3 }' \
+# Triangles beside each other that move, so many that a team is worth while whatever else
+# the processors do.
+awk 'BEGIN { for (i = 0; i < 40000; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\n", i, i, i
+    for (i = 0; i < 40000; i++) printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3 }' \
     >many.obj
 sed 's/^v [0-9]*/&.25/' many.obj >more.obj
 if [ "$(nproc)" -gt 1 ]; then
