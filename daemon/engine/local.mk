@@ -57,7 +57,7 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/exact_span.c \
     daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \
-    daemon/engine/elementary/moving.h \
+    daemon/engine/elementary/motion.h \
     daemon/engine/elementary/nearest.h \
     daemon/engine/elementary/number.c \
     daemon/engine/elementary/number.h \

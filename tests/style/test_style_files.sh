@@ -52,6 +52,14 @@ mapfile -t headers < <(printf '%s\n' "${sources[@]}" | grep '[.]h$')
 long_files 200 "${headers[@]}" >"$work/log"
 check headers__have_200_lines_or_a_reason
 
+# If this failed, the tarball would not build: a header that no local.mk names is not in
+# it, and one that is named and gone stops `make dist`. (Lists of tests/ shorten names.)
+mapfile -t lists < <(find proto daemon client bench -name local.mk)
+diff <(printf '%s\n' "${headers[@]}" | grep -v ^tests/) \
+    <(grep -ohE '(proto|daemon|client|bench)/[a-z0-9_/]*[.]h\>' "${lists[@]}" |
+        LC_ALL=C sort -u) | sed -n 's/^</no list names/p; s/^>/named, and not there:/p' >"$work/log"
+check headers__are_in_the_tarball
+
 # If this failed, a function would not fit on a screen. One that needs more says why in the
 # comment before it, after the words "More than 70 lines:".
 awk 'FNR == 1 { start = 0; excused = 0 }
