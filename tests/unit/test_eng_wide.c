@@ -27,6 +27,7 @@
 #define OBJECTS_MAX  8u
 #define VERTICES_MAX 1024u
 #define SHAKEN_BY    0.15
+#define NEEDLES      1600u
 
 struct fixture {
     struct eng_scene *scene;
@@ -489,6 +490,67 @@ static void wide__zeros_of_both_signs_are_one_place(void **state)
     }
 }
 
+/* Needles beside each other, with corners anywhere along z: those of a chunk of faces lie
+ * in more chunks of vertices than are listed. */
+static void add_needles(struct fixture *f)
+{
+    static double x[3 * NEEDLES][3];
+    static uint32_t triangles[NEEDLES][3];
+    for (uint32_t i = 0; i < 3 * NEEDLES; i++) {
+        x[i][0] = i / 3 % 40 + 0.3 * (i % 3 == 1);
+        x[i][1] = i / 120 + 0.3 * (i % 3 == 2);
+        x[i][2] = kit_between(&f->random, 0, 20);
+        triangles[i / 3][i % 3] = i;
+    }
+    add(f, kit_mesh(x, 3 * NEEDLES, triangles, NEEDLES));
+}
+
+static bool has_more_chunks_than_listed(const struct eng_wide *wide)
+{
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_FACES];
+    bool has = false;
+    for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
+        has |= tree->chunks[i].vertex_chunks > ENG_WIDE_CHUNK_VERTICES;
+    }
+    return has;
+}
+
+/* If it failed, a feature whose vertices lie far from each other would not move with
+ * them; a sanitizer would see a read beyond the list of their chunks. */
+static void wide__features_move_with_vertices_from_many_chunks(void **state)
+{
+    (void)state;
+    uint64_t records = 0;
+    struct fixture f[2] = {{.random = {9}}, {.random = {9}}};
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(eng_scene_new(NULL, &f[i].scene), PCCD_OK);
+        add_needles(&f[i]);
+    }
+    for (uint32_t round = 0; round < 12; round++) {
+        struct eng_step_result results[2];
+        for (uint32_t i = 0; i < 2; i++) {
+            uint32_t vertex = round * 397 % (3 * NEEDLES);
+            const struct eng_object *object =
+                eng_scene_object(f[i].scene, f[i].objects[0]);
+            const double *x = object->mesh->x[vertex];
+            const double x1[3] = {x[0] + 9.5, x[1] + 6.5, x[2]};
+            eng_stage_begin(f[i].scene);
+            assert_int_equal(
+                eng_stage_x1(f[i].scene, f[i].objects[0], PCCD_FORMAT_F64, vertex, 1, x1),
+                PCCD_OK);
+            results[i] =
+                step(&f[i], PCCD_MODE_ALL, i == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER);
+        }
+        assert_true(has_more_chunks_than_listed(eng_wide_of(f[0].scene)));
+        assert_int_equal(results[0].count, results[1].count);
+        assert_true(results[0].hash[0] == results[1].hash[0]);
+        records += results[0].count;
+    }
+    assert_true(records > 12);
+    eng_scene_free(f[0].scene);
+    eng_scene_free(f[1].scene);
+}
+
 /* If a cancelled step went on, a client could not stop it; if it said that it was
  * complete, the client would believe it. */
 static void wide__stops_when_cancelled(void **state)
@@ -518,6 +580,7 @@ int main(void)
                                         setup, teardown),
         cmocka_unit_test(wide__small_scenes_are_trees_too),
         cmocka_unit_test(wide__zeros_of_both_signs_are_one_place),
+        cmocka_unit_test(wide__features_move_with_vertices_from_many_chunks),
         cmocka_unit_test_setup_teardown(wide__stops_when_cancelled, setup, teardown),
     };
     return cmocka_run_group_tests_name("eng_wide", tests, NULL, NULL);

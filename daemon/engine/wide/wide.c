@@ -330,6 +330,9 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
 
 static void add_vertices(struct eng_wide_chunk_state *chunk, uint32_t vertices)
 {
+    if (chunk->vertex_chunks > ENG_WIDE_CHUNK_VERTICES) {
+        return; /* more than are listed, already */
+    }
     for (uint32_t i = 0; i < chunk->vertex_chunks; i++) {
         if (chunk->vertices[i] == vertices) {
             return;
@@ -338,7 +341,7 @@ static void add_vertices(struct eng_wide_chunk_state *chunk, uint32_t vertices)
     if (chunk->vertex_chunks < ENG_WIDE_CHUNK_VERTICES) {
         chunk->vertices[chunk->vertex_chunks] = vertices;
     }
-    chunk->vertex_chunks += chunk->vertex_chunks <= ENG_WIDE_CHUNK_VERTICES;
+    chunk->vertex_chunks++;
 }
 
 /* Find the chunks of vertices of each chunk of edges and faces. */
