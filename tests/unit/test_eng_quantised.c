@@ -544,8 +544,8 @@ static struct eng_step_result rise(enum pccd_method method)
     return result;
 }
 
-/* If it failed, a large triangle would make the cells of the whole scene large, and in them
- * each feature of what is fine would meet hundreds of others. */
+/* If it failed, a large triangle would make the cells of the whole scene large, and in
+ * them each feature of what is fine would meet hundreds of others. */
 static void quantised__is_left_where_only_little_is_large(void **state)
 {
     (void)state;
