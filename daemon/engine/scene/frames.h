@@ -13,6 +13,11 @@
  * distance along the axis is the true one at all times. Two features of different groups
  * are apart along the axis at both ends in the same order, and so in between: they never
  * meet, whatever their boxes say. So an empty gap between two groups may be shortened.
+ *
+ * What does not help: two fine objects far from each other, both beside one that reaches
+ * from the one to the other. All three are one group, and floats are finest at the finest
+ * of them. Two sheets of 3481 squares, 1 m wide and 10^7 m apart along x, above one road,
+ * have 19 times the candidates that they have without it; 10^5 m apart they have as many.
  */
 #ifndef ENG_FRAMES_H
 #define ENG_FRAMES_H
