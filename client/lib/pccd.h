@@ -87,7 +87,7 @@ struct pccd_options {
     const char *name;      /* of this client, for the daemon's log; NULL: the program's */
     int timeout_ms;        /* of every call that waits, 1 .. 3600000; 0 = 30000 */
     bool no_autostart;     /* never start a daemon */
-    bool private_daemon;   /* start one of our own on a socket of our own, gone with us;
+    bool private_daemon;   /* start a daemon for this client alone, which ends with it;
                               $PCCD_URL counts only if it is direct:, which is private */
     uint32_t slot_count;   /* of the upload ring, 1 .. 16; 0 = 4; from the third on they
                               get memory when they are first used */
@@ -98,12 +98,12 @@ struct pccd_options {
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
                               0 = 10000; negative: not at all, its loss is an error */
     bool no_keep;          /* keep no copies for another daemon: saves their memory */
-    int daemons_max;       /* a request over which so many daemons have ended fails;
-                              0 = 4; negative: the next one gets it, whatever it does */
+    int daemons_max;       /* a request during which so many daemons have ended fails;
+                              0 = 4; negative: it goes to the next one, however many */
     /* For languages that hand out arrays in the library's memory and cannot take them
-     * back: called with memory of frames and answers in the place of munmap, by any
-     * function that has a client, pccd_close included. It has to see to munmap(memory,
-     * bytes) when nobody looks there any more. NULL: the library does it at once. */
+     * back: any function that has a client, pccd_close included, calls this instead of
+     * munmap for the memory of frames and answers. It must call munmap(memory, bytes)
+     * when no array lies there any more. NULL: the library calls munmap at once. */
     void (*unmap)(void *context, void *memory, size_t bytes);
     void *unmap_context;
 };
@@ -120,15 +120,14 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
 void pccd_close(struct pccd_client *client);
 
 /* The socket, for an event loop of your own. Call pccd_poll until it returns E_AGAIN,
- * then wait until the socket is readable; any other call may have taken answers in,
- * too. With direct: it is a descriptor that the first call makes, or -1 when none can
- * be had. */
+ * then wait until the socket is readable; other calls may have received answers, too.
+ * With direct: it is a descriptor that the first call makes, or -1 when none can be had. */
 int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,
  * hashes and errors. It needs libpccd-direct.so.0 beside libpccd, or where the loader
- * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); others do not load
- * it. These things differ from a daemon:
+ * finds it, or where $PCCD_DIRECT says (else pccd_connect: E_SYSTEM); other URLs do not
+ * load it. These things differ from a daemon:
  * - A step is computed inside pccd_frame_commit (pccd_submit_still, pccd_step_x1), by the
  *   calling thread and its OpenMP team; its answer waits for pccd_poll or pccd_wait as
  *   ever. So deadline_ns begins with the commit, and pccd_cancel comes too late. A frame
@@ -141,8 +140,8 @@ int pccd_fd(const struct pccd_client *client);
  *   process's: GOMP_SPINCOUNT=2000 lets them sleep between steps, as in the daemon.
  * - The calls of several clients of the process are served one after the other; each has
  *   a session of its own, and all of them are freed with the last one.
- * - A warm step allocates nothing. Quotas are the machine's memory. There is nothing to
- *   reconnect to, and nothing is kept for it.
+ * - A step like the one before it allocates nothing. The only quota is the machine's
+ *   memory. There is nothing to reconnect to, so no copies are kept for that.
  * - A forked copy of the process cannot compute: E_DISCONNECTED, and E_STATE for another
  *   pccd_connect. */
 
@@ -158,7 +157,7 @@ int pccd_fd(const struct pccd_client *client);
  *    bytes. A step's deadline_ns begins again then.
  * What to know:
  * - After reconnect_ms without success every call fails with E_DISCONNECTED. A request
- *   during which daemons_max daemons have ended fails so too, by itself.
+ *   during which daemons_max daemons have ended fails likewise; others go on.
  * - Further pages of an answer that the lost daemon gave do not come back (pccd_fetch:
  *   E_STATE), nor do recordings of the daemon's threads.
  * - A call may take longer than its timeout while another daemon is told.
@@ -171,10 +170,10 @@ int pccd_fd(const struct pccd_client *client);
  *   `reconnects` has changed. */
 struct pccd_link_info {
     uint64_t reconnects; /* connections made after one was lost */
-    uint64_t resumed;    /* of these, to the same session; the others were told anew */
+    uint64_t resumed;    /* of these, to the same session; others to a new daemon */
     uint64_t resent;     /* requests that were sent again */
-    uint64_t gap_ns;     /* the last time: from the loss to the end of all that */
-    uint64_t restore_ns; /* of it, telling a new daemon anew */
+    uint64_t gap_ns;     /* the last time: from the loss until all was as before */
+    uint64_t restore_ns; /* of it: registering everything with a new daemon */
 };
 int pccd_link(const struct pccd_client *client, struct pccd_link_info *info);
 
@@ -211,8 +210,8 @@ int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
 int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info);
 
 /* The lists, histograms, settings and steps below need a daemon that offers them
- * (E_VERSION otherwise). A list is read entry by entry while others work: it is no
- * snapshot. `each` may not call the library with this client.
+ * (E_VERSION otherwise). A list is no snapshot: it is read entry by entry, while other
+ * clients go on. `each` may not call the library with this client.
  *
  * Sessions of this client's user, the newest first, or of everybody when that user is
  * root or the daemon's own. */
@@ -266,14 +265,14 @@ struct pccd_mesh_info {
     uint32_t triangle_count;
     uint32_t edge_count;
     uint32_t duplicate_count;  /* triangles with all corners of an earlier one */
-    uint32_t degenerate_count; /* of zero area: they are tested as segments, points */
+    uint32_t degenerate_count; /* of zero area: tested as segments or points */
     uint32_t isolated_count;   /* vertices in no triangle; they are not tested */
     uint32_t generation;       /* 1, and one more with each pccd_mesh_replace */
     uint64_t build_ns;
 };
 
 /* Register a mesh: `x` float or double [vertex_count][3], |x| <= 1e18; `triangles`
- * [triangle_count][3]. Copied; the arrays may go afterwards. `info` may be NULL.
+ * [triangle_count][3]. The arrays are copied. `info` may be NULL.
  * Errors: E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL. */
 int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
@@ -299,14 +298,15 @@ int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);
  * defaults; the answers never depend on any of it. */
 struct pccd_scene_settings {
     enum pccd_quality quality;      /* 0 = median */
-    uint32_t rebuild_triangles_max; /* a subtree of up to so many is built anew at once;
+    uint32_t rebuild_triangles_max; /* a subtree of up to so many is rebuilt at once;
                                        larger ones in the background; 0 = 1024 */
-    double rebuild_ratio;  /* a subtree is built anew when the volume of its box is less
-                             than so much of its two halves', which overlap then;
-                             up to 1; 0 = 0.9; negative: never */
-    const char *name;      /* of one to share (below), 1 .. 255 bytes; NULL: none */
-    enum pccd_share share; /* of a named one: make it, or take part */
-    uint32_t rights;       /* of one that is made: as a file's, of 0666; 0 = 0600 */
+    double rebuild_ratio; /* a subtree is rebuilt when the volume of its box is less than
+                             this times that of its two halves together, which overlap
+                             then; up to 1; 0 = 0.9; negative: never */
+    const char *name; /* of a shared scene (below), 1 .. 255 bytes; NULL: not shared */
+    enum pccd_share share; /* with a name: make the scene, or take part in it */
+    uint32_t rights;       /* of a scene that is made: like a file's, bits of 0666;
+                             0 = 0600 */
 };
 
 /* An empty scene; `settings` NULL: the defaults. Errors: E_INVAL, E_LIMIT, E_BUSY; of
@@ -357,7 +357,7 @@ struct pccd_scene_news {
 /* What an object may meet. Two objects of a scene are tested against each other if
  * a.group & b.mask and b.group & a.mask are not 0, and the pair is not ignored; an object
  * is tested against itself if its self_collision is on. At first group is 1, mask all
- * bits, self_collision on. It stays with the object when its mesh is replaced. */
+ * bits, self_collision on. An object keeps its settings when its mesh is replaced. */
 struct pccd_object_settings {
     size_t struct_bytes; /* sizeof(struct pccd_object_settings); 0 reads as that */
     uint32_t what;       /* which of these to set: bits of enum pccd_object_what */
@@ -370,7 +370,7 @@ struct pccd_object_settings {
  * E_HANDLE, E_INVAL; E_VERSION: a daemon that does not know of filters. */
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
                     const struct pccd_object_settings *settings);
-/* All of them as they are; struct_bytes is not looked at, and stays. */
+/* Get all of them; struct_bytes is neither read nor changed. */
 int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
                     struct pccd_object_settings *settings);
 /* Make two objects ignore each other, or (ignored = false) meet again. Asking twice is
@@ -411,9 +411,9 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
  * degrees in one step is up to 29 cm off, and passes what is there without a contact; 18
  * steps keep it within 1 mm. */
 struct pccd_step_settings {
-    size_t struct_bytes;     /* sizeof(struct pccd_step_settings), so that it may grow: a
-                                later library reads what it does not reach as 0; 0 reads
-                                as that of 0.1 */
+    size_t struct_bytes;     /* sizeof(struct pccd_step_settings). Members that a later
+                                library has and this size does not cover are 0 to it;
+                                0 stands for the size in 0.1 */
     enum pccd_mode mode;     /* 0 = all */
     enum pccd_method method; /* 0 = the daemon's default */
     uint32_t threads;        /* at most; 0 = the daemon decides. The answer never depends
@@ -422,11 +422,11 @@ struct pccd_step_settings {
                                 daemon decides */
     double tolerance;        /* bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6 */
     uint64_t deadline_ns;    /* after it the answer is incomplete; 0 = none */
-    bool hold;               /* in a shared scene: move with the next step of another
-                             client. One frame of a client and scene waits at a time
-                             (E_BUSY). Answered by that step, without records, which
-                             pccd_scene_read has; or at its deadline, or cancelled: then
-                             it goes along nevertheless */
+    bool hold;               /* in a shared scene: wait, and move with the next step of
+                             another client. One frame of a client waits in a scene at a
+                             time (E_BUSY). That step answers it, without records
+                             (pccd_scene_read gives them). At its deadline, or when it
+                             is cancelled, it is answered and still goes along */
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
@@ -452,7 +452,7 @@ struct pccd_answer {
     const struct pccd_pair *pairs;       /* [count]; NULL in other modes or without any */
     uint64_t count;                      /* records of this page */
     uint64_t first;                      /* index of the page's first record */
-    uint64_t cursor;                 /* next page begins here; = total on the last page */
+    uint64_t cursor;                 /* the next page begins here; total: there is none */
     uint64_t total;                  /* records of the whole answer */
     uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
     uint64_t possible, initial;
@@ -515,8 +515,9 @@ int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format fo
 int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
                     uint32_t first, uint32_t count, void **x0, void **x1);
 /* Transforms for both ends, rows of [R | t], applied to registered positions in double:
- * ((r0 x + r1 y) + r2 z) + t, each operation rounded by itself. In between vertices go
- * straight. `count` may be less than all: other segments may move the others. */
+ * ((r0 x + r1 y) + r2 z) + t, each operation rounded by itself. Between the two ends
+ * each vertex moves on a straight line. `count` may be less than the object has: other
+ * segments may move the rest. */
 int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
                      uint32_t count, const double m0[12], const double m1[12]);
 /* Publish and submit. `settings` may be NULL. The slot belongs to the daemon afterwards,
@@ -538,7 +539,8 @@ struct pccd_motion {
 };
 
 /* Begin, copy and commit in one, for any number of objects. The arrays may change as soon
- * as it returns. Errors: those of the three; E_INVAL: a motion in no way, or in two. */
+ * as it returns. Errors: those of the three; E_INVAL: a motion that says no way to move,
+ * or two. */
 int pccd_submit(struct pccd_client *client, uint32_t scene,
                 const struct pccd_motion *motions, uint32_t motion_count,
                 const struct pccd_step_settings *settings, uint64_t *step);
@@ -568,7 +570,8 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
 /* Give the records back. Pages may be released in any order. Safe on an answer without
  * records and after a failure. */
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer);
-/* Stop a submitted step: unless it is done, its answer is incomplete: CANCELLED. */
+/* Stop a submitted step. Unless it is done already, its answer has `incomplete` =
+ * PCCD_INCOMPLETE_CANCELLED. */
 int pccd_cancel(struct pccd_client *client, uint64_t step);
 /* Give up the answer to `step`: the step is stopped if that is still possible, and its
  * answer is dropped. Does not wait; a step that is not pending is left alone. */
@@ -607,11 +610,12 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  * E_STATE where the recording is in several segments. */
 struct pccd_record_settings {
     uint64_t max_bytes; /* of all files; 0: no bound */
-    uint32_t segments;  /* 0, 1: one file, which ends when it is full. 2 .. 64: so many,
-                           each whole by itself, the oldest of which goes: PATH is being
-                           written, PATH.1, PATH.2, ... are older (and overwritten). They
-                           keep the bound but for a step and the answers in flight */
-    uint32_t contacts;  /* 1: the records of answers, too: the pages that came */
+    uint32_t segments;  /* 0, 1: one file, and recording ends when it is full. 2 .. 64: a
+                           ring of so many files, each of which can be replayed alone.
+                           PATH is being written, PATH.1, PATH.2, ... are older, and
+                           the oldest is overwritten. Together they exceed max_bytes by
+                           at most a step and the answers in flight */
+    uint32_t contacts;  /* 1: record the contacts, too: the pages that were received */
     int32_t level;      /* of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed */
     uint32_t reserved;  /* 0 */
 };
@@ -620,7 +624,7 @@ struct pccd_record_info {
     uint64_t raw_bytes; /* the same before compression */
     uint64_t frames;    /* steps */
     uint64_t answers;
-    uint64_t ns;       /* that recording steps and answers has taken from the caller */
+    uint64_t ns;       /* that the caller has spent on recording steps and answers */
     uint32_t segments; /* begun */
     int32_t status;    /* 0, or why nothing is recorded any more: E_LIMIT (full),
                           E_SYSTEM, E_NOMEM, or as above for a shared scene. No
@@ -632,7 +636,7 @@ struct pccd_record_info {
  * registered. */
 int pccd_record_start(struct pccd_client *client, const char *path,
                       const struct pccd_record_settings *settings);
-/* How it goes; E_STATE: there is none. */
+/* The state of the recording; E_STATE: there is none. */
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info);
 /* End it, as pccd_close does. Returns info->status; `info` may be NULL. */
 int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
@@ -645,8 +649,8 @@ int pccd_want(struct pccd_client *client, uint32_t handle);
 struct pccd_trace_info {
     uint32_t threads;    /* of the team, whose events are kept */
     uint32_t events_max; /* kept of each, and of the loop */
-    uint64_t events;     /* after the end: that can be read */
-    uint64_t lost;       /* older ones that newer ones have overwritten */
+    uint64_t events;     /* after pccd_trace_stop: how many can be read */
+    uint64_t lost;       /* how many were overwritten by newer ones */
 };
 
 /* Record what the daemon does, for all its clients: allowed to its own user and root
