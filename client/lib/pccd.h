@@ -121,7 +121,8 @@ void pccd_close(struct pccd_client *client);
 
 /* The socket, for an event loop of your own. Call pccd_poll until it returns E_AGAIN,
  * then wait until the socket is readable; other calls may have received answers, too.
- * With direct: it is a descriptor that the first call makes, or -1 when none can be had. */
+ * With direct: it is a descriptor that the first call makes, or -1 when there is
+ * none. */
 int pccd_fd(const struct pccd_client *client);
 
 /* The url "direct:" computes in this process, without a daemon: the same calls, answers,
