@@ -22,6 +22,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "messages.h"
+#include "object_attributes.h"
 #include "raw.h"
 
 static struct test_daemon daemon_;
@@ -265,13 +266,15 @@ static void filter__refuses_what_cannot_be(void **state)
         struct pccd_object_settings settings;
         uint64_t of_a_newer_release;
     } newer = {.of_a_newer_release = 1};
-    struct pccd_object_settings settings = {.what = 8};
+    struct pccd_object_settings settings = {.what = COMMON_OBJECT_KNOWN + 1};
+    char bit[16];
     const uint32_t scene = crossing.scene;
     const uint32_t object = crossing.object;
 
     (void)state;
     assert_int_equal(pccd_object_set(client, scene, object, &settings), PCCD_E_INVAL);
-    assert_non_null(strstr(pccd_error_text(client), "0x8"));
+    (void)snprintf(bit, sizeof bit, "0x%x", COMMON_OBJECT_KNOWN + 1);
+    assert_non_null(strstr(pccd_error_text(client), bit));
     assert_int_equal(pccd_object_set(client, scene, object, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_object_get(client, scene, object, NULL), PCCD_E_INVAL);
     assert_int_equal(pccd_object_set(NULL, scene, object, &settings), PCCD_E_INVAL);

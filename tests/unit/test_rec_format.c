@@ -18,6 +18,7 @@
 
 #include "filter.h"
 #include "former_tuning.h"
+#include "object_attributes.h"
 #include "reader.h"
 
 #define CHUNKS_MAX 16
@@ -361,7 +362,8 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 4, 2), 0);
     assert_int_not_equal(judge_with(RECORD_PAIRS, &pairs, sizeof pairs, 24, 2), 0);
     assert_int_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 7), 0);
-    assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 8, 8), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_FILTER, &filter, sizeof filter, 8, COMMON_OBJECT_KNOWN + 1), 0);
     assert_int_not_equal(judge_with(RECORD_FILTER, &filter, sizeof filter, 12, 2), 0);
     assert_int_not_equal(judge_with(RECORD_FILTER, &filter, 24, 8, 7), 0);
     assert_int_equal(judge_with(RECORD_MESH, &mesh, sizeof mesh, 0, 1), 0);
