@@ -110,9 +110,6 @@ static bool reserve(struct eng_kept *kept, const struct eng_scene *scene)
 static bool feature_stands(const struct eng_scene *scene, const struct eng_object *object,
                            uint32_t points, uint32_t feature)
 {
-    if (!object || object->movement == ENG_MOVES_ALL) {
-        return false;
-    }
     if (object->movement == ENG_STANDS) {
         return true;
     }
@@ -127,14 +124,44 @@ static bool feature_stands(const struct eng_scene *scene, const struct eng_objec
     }
 }
 
-static bool name_stands(const struct eng_kept *kept, const struct eng_scene *scene,
-                        const struct eng_name *name)
+/* The objects of a record: mostly those of the one before it. NULL: not looked for yet,
+ * or gone. */
+struct owners {
+    uint32_t id[2];
+    const struct eng_object *object[2];
+    bool may_stand; /* neither is gone, nor moves as a whole */
+};
+
+static void find_owners(const struct eng_kept *kept, const struct eng_scene *scene,
+                        struct owners *owners)
 {
-    const uint32_t *word = name->word;
-    const struct eng_object *a = object_of(kept, scene, word[1]);
-    const struct eng_object *b = word[3] == word[1] ? a : object_of(kept, scene, word[3]);
-    return feature_stands(scene, a, common_kinds[word[0]].points[0], word[2]) &&
-           feature_stands(scene, b, common_kinds[word[0]].points[1], word[4]);
+    owners->may_stand = true;
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct eng_object *object = object_of(kept, scene, owners->id[side]);
+        owners->object[side] = object;
+        owners->may_stand &= object && object->movement != ENG_MOVES_ALL;
+    }
+}
+
+static bool record_stands(const struct eng_kept *kept, const struct eng_scene *scene,
+                          const unsigned char *record, uint32_t bytes,
+                          struct owners *owners)
+{
+    uint32_t a = eng_name_word(record, bytes, 1);
+    uint32_t b = eng_name_word(record, bytes, 3);
+    if (!owners->object[0] || a != owners->id[0] || b != owners->id[1]) {
+        owners->id[0] = a;
+        owners->id[1] = b;
+        find_owners(kept, scene, owners);
+    }
+    if (!owners->may_stand) {
+        return false;
+    }
+    const uint32_t *points = common_kinds[eng_name_word(record, bytes, 0)].points;
+    return feature_stands(scene, owners->object[0], points[0],
+                          eng_name_word(record, bytes, 2)) &&
+           feature_stands(scene, owners->object[1], points[1],
+                          eng_name_word(record, bytes, 4));
 }
 
 bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
@@ -163,9 +190,10 @@ bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
 
 bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene)
 {
-    struct eng_name name;
-    memcpy(&name, &kept->proof, sizeof name);
-    return kept->verdict == PCCD_VERDICT_YES && name_stands(kept, scene, &name);
+    struct owners owners = {.may_stand = false};
+    return kept->verdict == PCCD_VERDICT_YES &&
+           record_stands(kept, scene, (const void *)&kept->proof, sizeof kept->proof,
+                         &owners);
 }
 
 /* ---- the part of the last answer --------------------------------------------------- */
@@ -193,11 +221,11 @@ static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
                      const struct eng_records *records, struct eng_counts *counts,
                      double *bound)
 {
+    struct owners owners = {.may_stand = false};
     uint64_t standing = 0;
     for (uint64_t i = 0; i < records->count; i++) {
         const unsigned char *record = records->data + i * records->record_bytes;
-        struct eng_name name = eng_name_of(record, records->record_bytes);
-        bool stands = name_stands(kept, scene, &name);
+        bool stands = record_stands(kept, scene, record, records->record_bytes, &owners);
         kept->stands[i] = stands;
         if (stands) {
             standing++;
