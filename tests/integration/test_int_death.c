@@ -217,9 +217,10 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     struct pccd_client *client;
     struct pccd_answer kept = PCCD_ANSWER_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_frame slots[4];
     struct pccd_frame frame;
     struct test_grid grid;
-    uint64_t steps[4];
+    uint64_t steps[3];
     uint64_t took_us;
     pid_t killer;
 
@@ -230,12 +231,15 @@ static void death__of_the_daemon_is_an_error_at_once(void **state)
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, 30, &grid), 0);
     for (int i = 0; i < 4; i++) { /* every slot has memory then */
-        assert_int_equal(test_grid_submit(&grid, NULL, &steps[i]), 0);
+        assert_int_equal(
+            pccd_frame_begin(client, grid.scene, 1, sizeof(float[3]) * 900, &slots[i]),
+            0);
     }
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(test_grid_await(&grid, steps[i]), 0);
+    for (int i = 0; i < 4; i++) {
+        pccd_frame_abort(&slots[i]);
     }
-    assert_int_equal(pccd_wait(client, steps[3], -1, &kept), 0);
+    assert_int_equal(test_grid_submit(&grid, NULL, &steps[0]), 0);
+    assert_int_equal(pccd_wait(client, steps[0], -1, &kept), 0);
     assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 64, &frame), 0);
     assert_int_equal(kill(daemon.pid, SIGSTOP), 0); /* nothing is answered from here on */
     for (int i = 0; i < 3; i++) {
