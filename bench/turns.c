@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "clock.h"
 #include "hash_text.h"
 #include "pccd.h"
 
@@ -33,13 +33,6 @@ static void must(int status, const char *what)
         fprintf(stderr, "turns: %s: %s\n", what, pccd_error_text(client));
         exit(2);
     }
-}
-
-static uint64_t now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
 static void make_bodies(void)
@@ -102,7 +95,7 @@ static void turn(const char *what, uint32_t count)
 {
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     for (uint32_t i = 0; i < count; i++) {
-        uint64_t begin_ns = now_ns();
+        uint64_t begin_ns = common_now_ns();
         if (strcmp(what, "bodies") == 0) {
             move_bodies(i % 2, (i + 1) % 2, &answer);
         } else {
@@ -111,7 +104,7 @@ static void turn(const char *what, uint32_t count)
                  "step");
         }
         pccd_answer_release(client, &answer);
-        printf("%llu ", (unsigned long long)(now_ns() - begin_ns));
+        printf("%llu ", (unsigned long long)(common_now_ns() - begin_ns));
     }
     putchar('\n');
     fflush(stdout);
