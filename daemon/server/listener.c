@@ -352,7 +352,8 @@ static void tell(int fd, const char *byte)
 {
     if (fd >= 0) {
         if (write(fd, byte, 1) != 1) {
-            srv_log(SRV_LOG_WARN, 0, "nobody waits on --ready-fd %d", fd);
+            srv_log(SRV_LOG_WARN, 0, "cannot write to --ready-fd %d: its reader is gone",
+                    fd);
         }
         close(fd);
     }

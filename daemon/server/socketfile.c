@@ -139,7 +139,7 @@ static void begin(struct srv_socketfile *file, const char *path, bool is_watched
     }
     file->notify_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
     if (file->notify_fd < 0) {
-        srv_log(SRV_LOG_WARN, 0, "nobody will tell when %s is removed: %s", path,
+        srv_log(SRV_LOG_WARN, 0, "%s may be removed unnoticed, without inotify: %s", path,
                 strerror(errno));
     }
 }

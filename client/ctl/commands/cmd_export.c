@@ -72,9 +72,11 @@ const struct argp ctl_argp_export = {
     .options = option_list,
     .parser = parse,
     .args_doc = "FILE",
-    .doc = "Write a step of a recording, with its contacts, for other programs.\vWithout "
-           "--steps the last answered one is taken, with it the last of the range. The "
-           "contacts are the recording's, or those of a daemon that repeats the step.",
+    .doc =
+        "Write a step of a recording, with its contacts, for other programs.\vWithout "
+        "--steps it is the last step that was answered, with --steps the last of the "
+        "range. The contacts are those of the recording, or of a daemon that repeats the "
+        "step.",
     .children = children};
 
 static int write_still(const struct export *export, const struct still *still,

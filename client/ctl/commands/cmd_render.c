@@ -199,10 +199,11 @@ const struct argp ctl_argp_render = {
     .options = option_list,
     .parser = parse,
     .args_doc = "FILE",
-    .doc = "Draw a step of a recording: its objects, and its contacts coloured by their "
-           "time of impact.\vWithout --steps the last answered one is taken, with it the "
-           "last of the range. The contacts are the recording's, or those of a daemon "
-           "that repeats the step.",
+    .doc =
+        "Draw a step of a recording: its objects, and its contacts coloured by their "
+        "time of impact.\vWithout --steps it is the last step that was answered, with "
+        "--steps the last of the range. The contacts are those of the recording, or of a "
+        "daemon that repeats the step.",
     .children = children};
 
 /* ---- drawing ----------------------------------------------------------------------- */
