@@ -45,6 +45,7 @@
 #include <stdint.h>
 
 #include "pccd_daemon.h"
+#include "pccd_near.h"
 #include "pccd_trace.h"
 #include "pccd_types.h"
 
@@ -464,6 +465,14 @@ struct pccd_answer {
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;
     struct pccd_step_counters counters;
+    bool is_near; /* the answer of pccd_submit_near (pccd_near.h): `what` and those below
+                   * are set, and of those above not mode, contacts, pairs, possible,
+                   * initial, toi_first, number */
+    enum pccd_near_what what;
+    const struct pccd_near *near; /* [count]; NULL for VERTICES or without any */
+    const double *vertex_bounds;  /* [count], VERTICES; else NULL */
+    double distance_min, distance_max;
+    uint64_t crossings;
     uint64_t reserved[2]; /* the library's */
 };
 

@@ -113,6 +113,61 @@ enum pccd_kind {
     PCCD_KIND_COUNT /* of them, without gaps */
 };
 
+/* Kinds that only answers about what is near have, at one moment; as PCCD_KIND_LIST. */
+#define PCCD_NEAR_KIND_LIST(X)                                                           \
+    X(VE, 2, ve, 1, 2, "a vertex of object a, an edge of object b")                      \
+    X(VV, 3, vv, 1, 1, "two vertices; (object, vertex) a < b")                           \
+    X(EF, 4, ef, 2, 3, "an edge of object a that passes through a face of object b")
+
+enum pccd_near_kind {
+#define PCCD_NEAR_KIND_ENUM(NAME, value, name, points_a, points_b, text)                 \
+    PCCD_##NAME = (value),
+    PCCD_NEAR_KIND_LIST(PCCD_NEAR_KIND_ENUM)
+#undef PCCD_NEAR_KIND_ENUM
+};
+
+/* What is asked about the scene at one moment. */
+enum pccd_near_what {
+    PCCD_NEAR_PAIRS = 0,     /* each VF and EE pair within the distance */
+    PCCD_NEAR_FEATURES = 1,  /* the same, merged to the features between which it is */
+    PCCD_NEAR_VERTICES = 2,  /* for each vertex the least distance of its pairs */
+    PCCD_NEAR_NEAREST = 3,   /* for each two objects the pair of least distance */
+    PCCD_NEAR_CROSSINGS = 4, /* each edge that passes through a face */
+    PCCD_NEAR_DEPTH = 5,     /* how deep the vertices of closed meshes are in others */
+    PCCD_NEAR_COUNT = 6
+};
+
+/* Flags of what is near. */
+enum pccd_near_flag {
+    PCCD_NEAR_GAP = 4u /* NEAREST with a gap: another pair may be nearer by that much */
+};
+
+/* What the distance of a record is between: PCCD_VF, PCCD_EE, PCCD_VE or PCCD_VV. */
+#define PCCD_NEAR_TYPE(flags) ((flags) >> 8 & 0xffu)
+
+/* Two features at one moment. Records are sorted by (kind, object_a, feature_a, object_b,
+ * feature_b); 64 bytes, as those of contacts.
+ *
+ * d_lo, d_hi  the exact distance, rounded down and up to 33 significant bits: the same
+ *             where it has no more. EF: 0.
+ * param       where: VF weights of the face's second and third vertex; EE positions along
+ *             edge a and edge b, 0 at the lower vertex index; VE the second: position
+ *             along the edge; VV zeros; EF the position along the edge, then 0.
+ * direction   unit, from feature b to feature a; zeros at distance 0, and of EF. */
+struct pccd_near {
+    uint32_t kind;      /* enum pccd_kind or enum pccd_near_kind */
+    uint32_t flags;     /* enum pccd_near_flag; bits 8 .. 15: PCCD_NEAR_TYPE */
+    uint32_t object_a;  /* handle given by scene.add */
+    uint32_t feature_a; /* vertex or edge index in that object's mesh */
+    uint32_t object_b;
+    uint32_t feature_b; /* vertex, edge or face index */
+    double d_lo;
+    double d_hi;
+    float param[2];
+    float direction[3];
+    uint32_t count; /* FEATURES: records of PAIRS that have it; else 1 */
+};
+
 /* Flags of a contact. */
 enum pccd_contact_flag {
     PCCD_PROVED = 1u,  /* it exists, first in [toi, toi_hi]; every record has it by now */

@@ -1,0 +1,69 @@
+/* daemon/engine/near.h - how near the features of a scene are at one moment: distances,
+ * closest features, crossings, depth.
+ *
+ * Room:     engine. May include: pccd_types.h, scene.h, step_settings.h, the C library.
+ * Does:     answer from the trees of a method, at one end of the step that the scene has
+ *           moved on by; boxes are made only where the last step left none. What is
+ *           staged is moved first.
+ * Does not: touch the last step's answer, or what the next step keeps of it.
+ * Threads:  [compute].
+ */
+#ifndef ENG_NEAR_H
+#define ENG_NEAR_H
+
+#include "pccd_types.h"
+#include "scene.h"
+#include "step_result.h"
+#include "step_settings.h"
+
+struct eng_near_settings {
+    /* Threads, method, deadline, cancel, contact_max, tuning, affinity, trace, kernels,
+     * team_always; of them all else is not looked at. */
+    struct eng_step_settings step;
+    enum pccd_near_what what;
+    double distance;     /* 0 .. 1e18; NEAREST: also INFINITY */
+    double gap;          /* NEAREST: 0 .. 1e18 */
+    uint32_t end;        /* 0 or 1 */
+    uint32_t objects[2]; /* ids; 0: any. pccd_near.h says when they are looked at */
+};
+
+struct eng_near_result {
+    enum pccd_near_what what;
+    enum pccd_method method;
+    enum pccd_incomplete incomplete;
+    enum pccd_verdict verdict;
+    const void *records;   /* struct pccd_near[] or, VERTICES, double[]; valid until the */
+    uint32_t record_bytes; /* scene's next eng_near, removal or free */
+    uint64_t count;
+    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
+    double distance_min;             /* least d_lo; 2e18 without any record */
+    double distance_max;             /* greatest d_hi; 0 likewise */
+    uint64_t crossings;              /* DEPTH, CROSSINGS */
+    uint64_t hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
+                       * with a gap */
+    /* Status PCCD_E_INVAL of DEPTH: the object whose mesh is not closed, an edge of it,
+     * by vertices, and how often its faces run through it from the first to the second
+     * and back. */
+    uint32_t open_object;
+    uint32_t open_edge[2];
+    uint32_t open_runs[2];
+    uint32_t threads;
+    const struct eng_thread_record *thread_records; /* [threads]; valid as records */
+    struct pccd_step_counters counters;
+    struct pccd_step_times times;
+};
+
+/* What VERTICES has of a vertex, as it is hashed. */
+struct eng_vertex_bound {
+    uint32_t object;
+    uint32_t vertex;
+    double bound;
+};
+
+/* PCCD_OK with *result, also when incomplete; PCCD_E_INVAL: settings out of range, or
+ * (result->open_object != 0) DEPTH of a mesh that is not closed; PCCD_E_HANDLE: no object
+ * of that id; PCCD_E_NOMEM. */
+int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
+             struct eng_near_result *result);
+
+#endif
