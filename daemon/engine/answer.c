@@ -74,14 +74,15 @@ static void decide(const struct eng_team *team, struct eng_step_result *result)
     eng_hash_verdict(verdict, result->hash);
 }
 
-int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team)
+int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team,
+                     struct eng_records *out)
 {
     assert(team->count >= 1 && team->workers[0]);
     struct eng_found *lists[ENG_THREADS_MAX];
     for (uint32_t i = 0; i < team->count; i++) {
         lists[i] = &team->workers[i]->found;
     }
-    int status = eng_merge_begin(&memory->merge, lists, team->count, &memory->sorted);
+    int status = eng_merge_begin(&memory->merge, lists, team->count, out);
     eng_merge_set_cancel(&memory->merge, team->workers[0]->settings->cancel);
     return status;
 }
@@ -143,19 +144,18 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
     }
 }
 
-/* What the workers found, in order, in merge->out, and counted. */
-static int collect(struct eng_step_memory *memory, const struct eng_team *team,
-                   struct eng_step_result *result, struct eng_counts *counts)
+int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *team,
+                       enum pccd_incomplete *incomplete, struct eng_counts *counts)
 {
     struct eng_merge *merge = &memory->merge;
     bool overflowed = false;
-    if (result->mode == PCCD_MODE_FIRST && team->count == 1) {
+    if (team->workers[0]->settings->mode == PCCD_MODE_FIRST && team->count == 1) {
         struct eng_worker *worker = team->workers[0];
         keep_earliest(&worker->found, eng_stop_time_bound(worker->stop));
     }
     if (team->count == 1) {
         keep_in_time(team->workers[0], 1);
-        result->incomplete = (enum pccd_incomplete)atomic_load_explicit(
+        *incomplete = (enum pccd_incomplete)atomic_load_explicit(
             &team->workers[0]->stop->reason, memory_order_relaxed);
     }
     int status = eng_merge_end(merge, counts);
@@ -167,17 +167,17 @@ static int collect(struct eng_step_memory *memory, const struct eng_team *team,
     }
     overflowed |= merge->kept < merge->total;
     if (eng_merge_is_given_up(merge)) {
-        result->incomplete = PCCD_INCOMPLETE_CANCELLED;
+        *incomplete = PCCD_INCOMPLETE_CANCELLED;
     }
-    if (overflowed && result->incomplete == PCCD_COMPLETE) {
-        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
+    if (overflowed && *incomplete == PCCD_COMPLETE) {
+        *incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
     return PCCD_OK;
 }
 
 static void add_counts(struct eng_counts *to, const struct eng_counts *from)
 {
-    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
         to->kind[kind] += from->kind[kind];
     }
     to->possible += from->possible;
@@ -223,7 +223,7 @@ static bool merge_is_beside(const struct eng_step_memory *memory)
 static int put_together(struct eng_step_memory *memory, const struct eng_team *team,
                         struct eng_step_result *result, struct eng_counts *counts)
 {
-    int status = collect(memory, team, result, counts);
+    int status = eng_answer_collect(memory, team, &result->incomplete, counts);
     if (status == PCCD_OK && merge_is_beside(memory)) {
         status = add_kept(memory, team, result, counts);
     }

@@ -13,8 +13,9 @@
 #include "step_memory.h"
 #include "team.h"
 
-/* PCCD_E_NOMEM. */
-int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team);
+/* It will be in `out`. PCCD_E_NOMEM. */
+int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team,
+                     struct eng_records *out);
 
 /* The team prunes (team.h): take what stands out of the last answer. Then, in mode any,
  * the step may be decided: it is stopped. [compute] */
@@ -30,6 +31,12 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
  * sort the answer is empty and incomplete. */
 void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
                     struct eng_step_result *result);
+
+/* What the workers found in order in the list that begin was given, and counted. Says why
+ * that is not all of it: settings->contact_max, memory (PCCD_E_NOMEM, and the list is
+ * empty), or as the stop does. */
+int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *team,
+                       enum pccd_incomplete *incomplete, struct eng_counts *counts);
 
 /* The hash of an answer without records and without a verdict. [any] */
 void eng_answer_nothing(struct eng_step_result *result);

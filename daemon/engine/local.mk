@@ -9,6 +9,7 @@ ENGINE_CPPFLAGS = \
     -I$(top_srcdir)/daemon/engine/result \
     -I$(top_srcdir)/daemon/engine/team \
     -I$(top_srcdir)/daemon/engine/scene \
+    -I$(top_srcdir)/daemon/engine/near \
     -I$(top_srcdir)/daemon/engine/paper \
     -I$(top_srcdir)/daemon/engine/wide
 
@@ -25,6 +26,7 @@ libengine_la_SOURCES = \
     daemon/engine/base/median.h \
     daemon/engine/base/memory.c \
     daemon/engine/base/memory.h \
+    daemon/engine/base/near_query.h \
     daemon/engine/base/query.h \
     daemon/engine/base/radix.c \
     daemon/engine/base/radix.h \
@@ -45,6 +47,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/direction.h \
     daemon/engine/elementary/distance.c \
     daemon/engine/elementary/distance.h \
+    daemon/engine/elementary/distance_batch.c \
+    daemon/engine/elementary/distance_batch.h \
     daemon/engine/elementary/distance_quick.c \
     daemon/engine/elementary/distance_quick.h \
     daemon/engine/elementary/distance_rule.c \
@@ -221,6 +225,14 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_test.h \
     daemon/engine/answer.c \
     daemon/engine/answer.h \
+    daemon/engine/detect.c \
+    daemon/engine/detect.h \
+    daemon/engine/near.c \
+    daemon/engine/near.h \
+    daemon/engine/near/closest_features.c \
+    daemon/engine/near/closest_features.h \
+    daemon/engine/near/near_work.c \
+    daemon/engine/near/near_work.h \
     daemon/engine/brief.c \
     daemon/engine/brief.h \
     daemon/engine/effort.c \

@@ -12,6 +12,7 @@
 
 #include "memory.h"
 #include "methods.h"
+#include "near_work.h"
 
 /* A worker takes 0.8 MB, and beside other processes a scene that one thread suffices for
  * is now and then taken for a larger one: if workers were kept for ever, every scene
@@ -43,6 +44,7 @@ static void keep_workers(struct eng_step_memory *memory, uint32_t count)
                 eng_methods[i]->work_free(worker);
             }
         }
+        eng_near_work_free(worker);
         eng_worker_deinit(worker);
         eng_free(worker);
     }
@@ -61,6 +63,9 @@ static void destroy(struct eng_scene *scene)
     eng_records_deinit(&memory->sorted);
     eng_records_deinit(&memory->found);
     eng_kept_deinit(&memory->kept);
+    eng_records_deinit(&memory->near.records);
+    eng_free((void *)memory->near.bounds);
+    eng_free(memory->near.order);
     eng_free(memory);
     scene->slots[ENG_SLOT_STEP] = NULL;
 }
@@ -115,7 +120,7 @@ static uint64_t bytes_of(const struct eng_worker *worker)
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
-    return bytes;
+    return bytes + eng_near_work_bytes(worker);
 }
 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
@@ -123,7 +128,10 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
     uint64_t sum = sizeof *memory + memory->sorted.capacity_bytes +
                    memory->found.capacity_bytes + eng_kept_bytes(&memory->kept) +
-                   eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge);
+                   eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
+                   memory->near.records.capacity_bytes +
+                   memory->near.bound_capacity * sizeof *memory->near.bounds +
+                   memory->near.order_capacity * sizeof *memory->near.order;
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         sum += bytes_of(memory->workers[i]);
     }

@@ -14,6 +14,16 @@
 #include "worker.h"
 #include "world.h"
 
+/* What an answer about what is near leaves for the next one. */
+struct eng_near_memory {
+    struct eng_effort effort[PCCD_METHOD_COUNT][PCCD_NEAR_COUNT];
+    struct eng_records records; /* its records, or bounds by vertex */
+    _Atomic uint64_t *bounds;   /* [bound_capacity] by the scene's vertices */
+    uint32_t bound_capacity;
+    uint64_t *order; /* [order_capacity] objects: id << 32 | index */
+    uint32_t order_capacity;
+};
+
 struct eng_step_memory {
     struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
     uint32_t worker_count;
@@ -27,6 +37,7 @@ struct eng_step_memory {
     struct eng_records found;  /* what a step adds to those of it that it keeps */
     struct eng_kept kept;
     struct eng_counts kept_counts; /* of what a step keeps */
+    struct eng_near_memory near;   /* of eng_near */
 };
 
 /* That of a scene. */

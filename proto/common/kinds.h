@@ -15,17 +15,20 @@
 
 #include "pccd_types.h"
 
-static_assert(PCCD_KIND_COUNT <= PCCD_KINDS_MAX, "there is a count for each kind");
+/* Kinds of contact, then those that only answers about what is near have. */
+#define COMMON_KIND_COUNT ((unsigned)PCCD_EF + 1)
+
+static_assert(COMMON_KIND_COUNT <= PCCD_KINDS_MAX, "there is a count for each kind");
 
 struct common_kind {
     const char *name;   /* "vf" */
     uint32_t points[2]; /* of the feature of a, and of that of b */
 };
 
-static const struct common_kind common_kinds[PCCD_KIND_COUNT] = {
+static const struct common_kind common_kinds[COMMON_KIND_COUNT] = {
 #define COMMON_KIND(NAME, value, name, points_a, points_b, text)                         \
     [PCCD_##NAME] = {#name, {points_a, points_b}},
-    PCCD_KIND_LIST(COMMON_KIND)
+    PCCD_KIND_LIST(COMMON_KIND) PCCD_NEAR_KIND_LIST(COMMON_KIND)
 #undef COMMON_KIND
 };
 

@@ -150,6 +150,18 @@ static inline bool eng_box_overlap(const struct eng_box *a, const struct eng_box
     return (apart[0] | apart[1] | apart[2]) == 0;
 }
 
+/* Are a and b within `growth` of each other along each axis, at an end of the step? false
+ * is certain: a gap is off by 2^-24 of itself, and is compared with 2^-21 more. */
+static inline bool eng_box_is_near(const struct eng_box *a, const struct eng_box *b,
+                                   uint32_t end, float growth)
+{
+    const int low = end == 0 ? 0 : 2;
+    eng_f4 up = eng_bounds(a, low) - eng_bounds(b, low + 1);
+    eng_f4 down = eng_bounds(b, low) - eng_bounds(a, low + 1);
+    eng_i4 apart = eng_max4(up, down) > growth * (1 + 0x1p-21f);
+    return (apart[0] | apart[1] | apart[2]) == 0;
+}
+
 /* Can a and b meet before or at `t_end`, 0 <= t_end <= 1? false is certain.
  *
  * The gap along an axis is linear: g(t) = (1 - t) g0 + t g1. With g0 > 0 it stays

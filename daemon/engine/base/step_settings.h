@@ -16,6 +16,7 @@
 
 struct eng_kernels;
 struct eng_affinity;
+struct eng_near_query;
 struct eng_trace;
 
 #define ENG_THREADS_MAX 256u /* of one step */
@@ -74,6 +75,8 @@ struct eng_step_settings {
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
     bool brief;       /* end soon or not at all (brief.h) */
+    const struct eng_near_query *near; /* looked for in the place of contacts, by eng_near
+                                        * alone; NULL: this is a step */
 };
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
@@ -81,7 +84,7 @@ struct eng_step_settings {
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                 \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
-            NULL, NULL, NULL, false, false                                               \
+            NULL, NULL, NULL, false, false, NULL                                         \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

@@ -19,7 +19,8 @@ enum eng_join_boxes {
     ENG_JOIN_MOVING, /* can each axis bring them together before or at t_end? */
     ENG_JOIN_NEAR,   /* does what they cover up to t_end, which is near, overlap? Weaker,
                       * and half the work. */
-    ENG_JOIN_SWEPT   /* do they overlap? Both ends are the same. */
+    ENG_JOIN_SWEPT,  /* do they overlap? Both ends are the same. */
+    ENG_JOIN_AT      /* are they within a distance along each axis, at one end? */
 };
 
 /* Two lists of blocks whose boxes are tested against each other; one list where a and b
@@ -41,6 +42,9 @@ struct eng_join {
     enum eng_join_boxes boxes;
     uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */
+    uint32_t end;           /* ENG_JOIN_AT: 0 or 1, .. */
+    float growth;           /* .. and the distance: 0 .. 2^80, .. */
+    int32_t cells[3];       /* .. in whole numbers, rounded up, 0 .. INT16_MAX */
     bool in_time;           /* of moving boxes, those that no time brings together on all
                              * axes are left out, too */
     uint64_t tests;         /* counts: one box against a block */

@@ -91,7 +91,12 @@ ENG_INLINE void make_a_ready(const struct eng_join *job, struct eng_join_round *
          used &= used - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(used);
         union eng_join_ready *ready = &round->ready_a[i];
-        if (rule == RULE_NEAR) {
+        if (rule == RULE_NEAR && job->boxes == ENG_JOIN_AT) {
+            rows_at_end(&job->a[first + i], job->end, job->growth, &ready->near);
+        } else if (is_near && job->boxes == ENG_JOIN_AT) {
+            quantised_rows_grown(&job->a_quantised[first + i], job->end, job->cells,
+                                 &ready->quantised);
+        } else if (rule == RULE_NEAR) {
             near_rows(&job->a[first + i], job->t_end, true, &ready->near);
         } else {
             quantised_rows_until(&job->a_quantised[first + i], weights, is_near, false,
@@ -110,7 +115,15 @@ ENG_INLINE void make_b_ready(const struct eng_join *job, struct eng_join_round *
         uint32_t i = (uint32_t)__builtin_ctz(used);
         union eng_join_ready *ready = &round->ready_b[i];
         union eng_join_around *around = &round->ready_around[i];
-        if (rule == RULE_NEAR) {
+        if (rule == RULE_NEAR && job->boxes == ENG_JOIN_AT) {
+            rows_at_end(&job->b[first + i], job->end, 0, &ready->near);
+            box_at_end(&job->b_boxes[first + i], job->end, &around->box);
+        } else if (is_near && job->boxes == ENG_JOIN_AT) {
+            quantised_rows_turned_at(&job->b_quantised[first + i], job->end,
+                                     &ready->quantised);
+            quantised_box_at(&job->b_quantised_boxes[first + i], job->end,
+                             &around->quantised);
+        } else if (rule == RULE_NEAR) {
             near_rows(&job->b[first + i], job->t_end, false, &ready->near);
             near_box(&job->b_boxes[first + i], job->t_end, &around->box);
         } else if (rule == RULE_QUANTISED_STEP) {
@@ -478,6 +491,9 @@ ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
                          uint32_t pairs, bool self, struct wants wants)
 {
     if (!wants.twins && job->a_quantised) {
+        if (job->boxes == ENG_JOIN_AT) {
+            return FIND(RULE_QUANTISED_NEAR);
+        }
         if (job->boxes == ENG_JOIN_NEAR) {
             return quantised_growth(job->farthest, job->t_end) > 0
                        ? FIND(RULE_QUANTISED_BEGIN)
@@ -485,9 +501,8 @@ ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
         }
         return job->t_end < 1 ? FIND(RULE_QUANTISED_UNTIL) : FIND(RULE_QUANTISED_STEP);
     }
-    return job->boxes == ENG_JOIN_NEAR ? FIND(RULE_NEAR)
-           : job->t_end < 1            ? FIND(RULE_UNTIL)
-                                       : FIND(RULE_STEP);
+    bool stands = job->boxes == ENG_JOIN_NEAR || job->boxes == ENG_JOIN_AT;
+    return stands ? FIND(RULE_NEAR) : job->t_end < 1 ? FIND(RULE_UNTIL) : FIND(RULE_STEP);
 }
 
 ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
@@ -531,3 +546,4 @@ uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *rou
         return join(job, round, (points_a) == (points_b), wants, out_a, out_b, room);    \
     }
 PCCD_KIND_LIST(JOIN_FEATURES)
+JOIN_FEATURES(EF, 4, ef, 2, 3, "")

@@ -1,7 +1,8 @@
 /* daemon/engine/kernel/kernel.h - the inner loops of the engine, one version for every
  * instruction set.
  *
- * Room:     engine. May include: box_frame.h, isa.h, join.h, query.h, sieve.h.
+ * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, query.h,
+ *           sieve.h.
  * Does:     name the functions that each instruction set has (isa.h chooses the set).
  * Does not: know meshes, scenes or threads.
  * Threads:  [any].
@@ -22,6 +23,7 @@
 #include "box_frame.h"
 #include "isa.h"
 #include "join.h"
+#include "kinds.h"
 #include "query.h"
 #include "sieve.h"
 
@@ -95,11 +97,11 @@ struct eng_kernels {
      * share a vertex. */
     uint32_t (*join_nodes)(struct eng_join *job, struct eng_join_round *round,
                            uint32_t *out_a, uint32_t *out_b, uint32_t room);
-    /* The same of the features of a kind. */
-    uint32_t (*join_features[PCCD_KIND_COUNT])(struct eng_join *job,
-                                               struct eng_join_round *round,
-                                               uint32_t *out_a, uint32_t *out_b,
-                                               uint32_t room);
+    /* The same of the features of a kind: of contacts, or EF. */
+    uint32_t (*join_features[COMMON_KIND_COUNT])(struct eng_join *job,
+                                                 struct eng_join_round *round,
+                                                 uint32_t *out_a, uint32_t *out_b,
+                                                 uint32_t room);
 
     /* Elementary tests of `count` pairs of one kind; quads as in batch.h. `apart` knows
      * every kind; sift, filter and bracket know those with has_kernels in eng_solvers: VF

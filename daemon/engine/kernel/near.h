@@ -1,5 +1,5 @@
 /* daemon/engine/kernel/near.h - encloses a moving box, from t = 0 to a time t_end, in one
- * box that stands still.
+ * box that stands still; or takes it as it is at one end of the step, grown by a distance.
  *
  * Room:     engine. May include: four.h, join.h, lanes.h.
  * Does:     write that box. Two of them are compared with half the work of two moving
@@ -55,6 +55,31 @@ ENG_INLINE void near_rows(const struct eng_wide_block *block, float t_end, bool 
             eng_f_store(near->row[i / 3][i % 3] + at, wider ? larger_by_rounding(x) : x);
         }
     }
+}
+
+/* At one end of the step. Where x + growth is rounded, `larger_by_rounding` makes up for
+ * it: so boxes are apart, in sums of two, only if they are farther apart than that. */
+ENG_INLINE void rows_at_end(const struct eng_wide_block *block, uint32_t end,
+                            float growth, struct eng_near_block *near)
+{
+    const eng_f more = eng_f_all(growth);
+#pragma GCC unroll 6
+    for (uint32_t i = 0; i < 6; i++) {
+        enum eng_side side = i < 3 ? ENG_LOW0 : ENG_HIGH0;
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_f x = eng_f_load(block->row[side + end][i % 3] + at);
+            eng_f_store(near->row[i / 3][i % 3] + at,
+                        growth > 0 ? larger_by_rounding(x + more) : x);
+        }
+    }
+}
+
+/* The same of one box, which does not grow. */
+ENG_INLINE void box_at_end(const struct eng_extents *box, uint32_t end,
+                           struct eng_extents *near)
+{
+    memcpy(near->side[ENG_LOW0], box->side[ENG_LOW0 + end], sizeof near->side[0]);
+    memcpy(near->side[ENG_HIGH0], box->side[ENG_HIGH0 + end], sizeof near->side[0]);
 }
 
 /* The same of one box, made no larger. */

@@ -89,6 +89,47 @@ ENG_INLINE void quantised_rows_until(const struct eng_quantised_block *block,
     }
 }
 
+/* ---- at one end of the step, for what is within a distance ------------------------- */
+
+/* The rows there, larger by some cells along each axis. No box stays none. A sum that is
+ * cut to INT16_MAX keeps its sign beside the least that there is. */
+ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block, uint32_t end,
+                                     const int32_t cells[3],
+                                     struct eng_quantised_block *grown)
+{
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        int16_t q[2 * ENG_WIDE];
+        memcpy(q, block->row[end][axis], sizeof q);
+        for (uint32_t i = 0; i < 2 * ENG_WIDE; i++) {
+            int32_t more = q[i] == INT16_MIN ? INT16_MIN : q[i] + cells[axis];
+            q[i] = (int16_t)(more < INT16_MAX ? more : INT16_MAX);
+        }
+        memcpy(grown->row[0][axis], q, sizeof q);
+    }
+}
+
+/* The rows there with their halves turned, and the box around them as it is. */
+ENG_INLINE void quantised_rows_turned_at(const struct eng_quantised_block *block,
+                                         uint32_t end,
+                                         struct eng_quantised_block *turned)
+{
+#pragma GCC unroll 3
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_fi q = eng_fi_turn_halves(eng_fi_load(block->row[end][axis] + at));
+            memcpy(turned->row[0][axis] + at, &q, sizeof q);
+        }
+    }
+}
+
+ENG_INLINE void quantised_box_at(const struct eng_quantised_box *box, uint32_t end,
+                                 struct eng_quantised_box *at_end)
+{
+    memcpy(at_end->half[0], box->half[end], sizeof at_end->half[0]);
+}
+
+/* ---- boxes up to a time ------------------------------------------------------------ */
+
 /* The same of one box: numbers as in a vector of lanes, eight at a time. */
 ENG_INLINE void quantised_box_until(const struct eng_quantised_box *box,
                                     struct quantised_weights weights, bool around,

@@ -26,6 +26,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
 #define JOIN_FEATURES(NAME, value, name, ...)                                            \
     .join_features[PCCD_##NAME] = ENG_KERNEL(join_##name),
     PCCD_KIND_LIST(JOIN_FEATURES)
+    JOIN_FEATURES(EF, 4, ef, )
 #undef JOIN_FEATURES
         .apart = ENG_KERNEL(apart),
     .sift = ENG_KERNEL(sift),

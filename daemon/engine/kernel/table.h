@@ -50,6 +50,7 @@ uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *rou
                                      struct eng_join_round * round, uint32_t * out_a,    \
                                      uint32_t * out_b, uint32_t room);
 PCCD_KIND_LIST(ENG_JOIN_FEATURES)
+ENG_JOIN_FEATURES(EF, 4, ef, )
 #undef ENG_JOIN_FEATURES
 void ENG_KERNEL(bracket)(enum pccd_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,

@@ -215,9 +215,28 @@ static bool has_current_boxes(const struct eng_trees *trees,
            trees->frames == scene->framing.number && eng_moves_little(scene);
 }
 
+static bool has_boxes(const struct eng_scene *scene)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    return !trees->top_is_stale && trees->boxes_of != 0 &&
+           trees->boxes_of == scene->moving.number &&
+           trees->frames == scene->framing.number;
+}
+
+static void begin_work(struct eng_team *team)
+{
+    for (uint32_t i = 0; i < team->count; i++) {
+        eng_paper_work_begin(team->workers[i]);
+    }
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_paper *paper = eng_paper_of(team->scene);
+    if (team->has_boxes) {
+        begin_work(team);
+        return;
+    }
     bool keeps = has_current_boxes(&paper->trees, team->scene, settings);
     paper->trees.frames = team->scene->framing.number;
     if (eng_background_swap(&paper->background, team->scene)) {
@@ -229,13 +248,14 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
         keeps = false; /* what was swapped in has no boxes */
     }
     eng_still_begin(team->scene, keeps, team->prunes);
-    for (uint32_t i = 0; i < team->count; i++) {
-        eng_paper_work_begin(team->workers[i]);
-    }
+    begin_work(team);
 }
 
 static void ready(struct eng_worker *worker)
 {
+    if (worker->settings->near) {
+        return;
+    }
     eng_rebuild_top(worker);
     eng_background_examine(&eng_paper_of(worker->scene)->background, worker);
 }
@@ -275,6 +295,7 @@ static bool refit_by_team(struct eng_team *team, struct eng_worker *worker)
 const struct eng_method_calls eng_method_paper = {.can_prune = true,
                                                   .is_stale = is_stale,
                                                   .prepare = prepare,
+                                                  .has_boxes = has_boxes,
                                                   .validate = eng_tree_validate,
                                                   .start = start,
                                                   .refit = refit,

@@ -79,7 +79,7 @@ void eng_paper_work_begin(struct eng_worker *worker)
     assert(eng_paper_work_of(worker)); /* reserved */
     struct eng_paper_work *work = eng_paper_work_of(worker);
     work->pairs.count = 0;
-    for (int kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (unsigned kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->chunks[kind].count = 0;
     }
 }

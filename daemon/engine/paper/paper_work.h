@@ -41,7 +41,8 @@ static_assert(ENG_UNITS_MAX > ENG_LEVELS_MAX + 1, "task units of the method pape
 
 struct eng_paper_work {
     struct eng_pair_queue pairs;
-    struct eng_chunk chunks[PCCD_KIND_COUNT];
+    struct eng_chunk chunks[COMMON_KIND_COUNT];
+    uint32_t group_first; /* the first candidate of those that are tested together */
     struct eng_batch batch;
     struct eng_split_item *split_items; /* [split_capacity] to reconstruct a region */
     uint32_t split_capacity;

@@ -12,6 +12,7 @@
 
 #include <assert.h>
 
+#include "near_query.h"
 #include "paper_features.h"
 #include "paper_work.h"
 #include "rebuild.h"
@@ -24,6 +25,10 @@ static inline bool overlap(const struct eng_worker *worker, const void *a, const
 {
     const struct eng_box *box_a = eng_box_of_const(a);
     const struct eng_box *box_b = eng_box_of_const(b);
+    const struct eng_near_query *near = worker->settings->near;
+    if (near) {
+        return eng_box_is_near(box_a, box_b, near->end, near->growth);
+    }
     if (!eng_box_overlap(box_a, box_b)) {
         return false;
     }
@@ -164,12 +169,21 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
 #define HAVE_COMMON(NAME, value, name, points_a, points_b, text)                         \
     static_assert((points_a) + (points_b) > 3, "else they may meet within a triangle");
 PCCD_KIND_LIST(HAVE_COMMON)
+HAVE_COMMON(EF, 4, ef, 2, 3, "")
 #undef HAVE_COMMON
 
 static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                       const struct eng_node *m)
 {
+    const struct eng_near_query *near = worker->settings->near;
     worker->tally.leaf_pairs++;
+    if (near && near->kinds >> PCCD_EF & 1) {
+        features_against(worker, (enum pccd_kind)PCCD_EF, n, m);
+        features_against(worker, (enum pccd_kind)PCCD_EF, m, n);
+    }
+    if (near && !(near->kinds & 1u << PCCD_VF)) {
+        return;
+    }
 #define AGAINST(NAME, value, name, points_a, points_b, text)                             \
     features_against(worker, PCCD_##NAME, n, m);                                         \
     if ((points_a) != (points_b)) {                                                      \
@@ -315,7 +329,7 @@ void eng_taskunit_perform(struct eng_worker *worker, uint32_t node, bool push_ch
 
 void eng_taskunit_flush(struct eng_worker *worker)
 {
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         eng_test_chunk(worker, kind);
     }
 }

@@ -11,6 +11,7 @@
 
 #include "finding.h"
 #include "kernel.h"
+#include "near_work.h"
 #include "paper_features.h"
 
 static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
@@ -128,6 +129,64 @@ static void test_group(struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
+/* ---- what is near ------------------------------------------------------------------ */
+
+/* The name of candidate `at` of the chunk. */
+static void name_at(const struct eng_worker *worker, enum pccd_kind kind, uint32_t at,
+                    struct eng_near_name *name)
+{
+    const struct eng_trees *trees = eng_trees_of(worker->scene);
+    const struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
+    const uint32_t *points = common_kinds[kind].points;
+    name->pair = name_of(worker->scene, kind, chunk->a[at], chunk->b[at]);
+    name->object[0] = eng_feature_object(trees, points[0], chunk->a[at]);
+    name->object[1] = eng_feature_object(trees, points[1], chunk->b[at]);
+}
+
+/* Of the group that is being tested. */
+static void name_near(const struct eng_worker *worker, enum pccd_kind kind, uint32_t i,
+                      struct eng_near_name *name)
+{
+    name_at(worker, kind, eng_paper_work_of(worker)->group_first + i, name);
+}
+
+/* Ranks of the points, for distances that are equal. */
+static void rank_group(const struct eng_scene *scene, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first, struct group *group)
+{
+    const struct eng_trees *trees = eng_trees_of(scene);
+    const uint32_t *points = common_kinds[kind].points;
+    for (uint32_t i = 0; i < group->count; i++) {
+        uint32_t v[4];
+        eng_feature_vertices(trees, points[0], chunk->a[first + i], v);
+        eng_feature_vertices(trees, points[1], chunk->b[first + i], v + points[0]);
+        for (uint32_t k = 0; k < 4; k++) {
+            const struct eng_object *object = &scene->objects[trees->vertices[v[k]].object];
+            group->points[4 * i + k].word1 =
+                (uint64_t)object->id << 32 | (v[k] - object->vertices.first);
+        }
+    }
+}
+
+static void test_near(struct eng_worker *worker, enum pccd_kind kind,
+                      const struct eng_chunk *chunk, uint32_t first)
+{
+    struct group group;
+    if (kind == (enum pccd_kind)PCCD_EF) {
+        struct eng_near_name name;
+        for (uint32_t i = first; i < first + GROUP && i < chunk->count; i++) {
+            name_at(worker, kind, i, &name);
+            eng_near_cross(worker, &name);
+        }
+        return;
+    }
+    load_group(worker->scene, kind, chunk, first, &group);
+    rank_group(worker->scene, kind, chunk, first, &group);
+    eng_paper_work_of(worker)->group_first = first;
+    eng_near_test(worker, kind, group.points, (const uint32_t(*)[4])group.quads,
+                  group.count, name_near);
+}
+
 void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
 {
     uint64_t begin_ns = common_now_ns();
@@ -135,7 +194,9 @@ void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)
     uint32_t count = chunk->count;
     eng_test_count(worker, kind, count);
     for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i += GROUP) {
-        if (worker->settings->mode == PCCD_MODE_PAIRS) {
+        if (worker->settings->near) {
+            test_near(worker, kind, chunk, i);
+        } else if (worker->settings->mode == PCCD_MODE_PAIRS) {
             keep_group(worker, kind, chunk, i);
         } else {
             test_group(worker, kind, chunk, i);

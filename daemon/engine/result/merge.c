@@ -359,7 +359,7 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
     merge->out->count = merge->kept;
     for (uint32_t t = 0; t < merge->threads; t++) {
         const struct eng_counts *part = &merge->shares[t].counts;
-        for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
             counts->kind[kind] += part->kind[kind];
         }
         counts->possible += part->possible;

@@ -19,7 +19,7 @@
 
 /* What a thread adds up over the records of an answer that it puts into place. */
 struct eng_counts {
-    uint64_t kind[PCCD_KIND_COUNT]; /* records of each */
+    uint64_t kind[PCCD_KINDS_MAX]; /* records of each */
     uint64_t possible;
     uint64_t initial;
     double toi_first;  /* 2: none */

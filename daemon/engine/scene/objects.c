@@ -40,6 +40,7 @@ int eng_world_new(const struct eng_scene_settings *settings,
     s->owners = owners;
     eng_ranges_init(&s->vertex_ranges, PROTO_COUNT_MAX);
     s->framing.scale = 1;
+    s->moving.number = 1;
     eng_masks_init(&s->masks);
     int status = PCCD_OK;
     for (int i = 0; i < ENG_SLOTS && status == PCCD_OK; i++) {

@@ -40,7 +40,7 @@ void eng_test_keep(struct eng_worker *worker, const struct pccd_pair *name,
 
 void eng_test_count(struct eng_worker *worker, enum pccd_kind kind, uint32_t candidates)
 {
-    assert(kind < PCCD_KIND_COUNT);
+    assert(kind < PCCD_KINDS_MAX);
     worker->tally.candidates[kind] += candidates;
 }
 

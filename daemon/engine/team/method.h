@@ -18,7 +18,11 @@ struct eng_method_calls {
     /* Whatever can fail for want of memory: put trees together, reserve for team->count
      * threads, whose workers exist. Nothing moves. [compute] */
     int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
-    /* The positions have moved on; no thread is at work yet. [compute] */
+    /* Are the boxes at hand, all of them, those of the motion by which the scene has come
+     * to where it is? [compute] */
+    bool (*has_boxes)(const struct eng_scene *scene);
+    /* The positions have moved on; no thread is at work yet. If team->has_boxes: they
+     * have not, and boxes stay. [compute] */
     void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
     /* All boxes, by one thread. A step that is stopped may leave some as they were: then
      * no task is done, and the next step makes them all. [compute] */

@@ -22,6 +22,7 @@
 #include "units.h"
 
 struct eng_kernels;
+struct eng_near_work;
 struct eng_scene;
 
 /* Where the threads of a region wait for each other (wait.h). */
@@ -47,7 +48,7 @@ struct eng_stop {
 /* What a worker counts besides its record: as in struct pccd_step_counters. */
 struct eng_tally {
     uint64_t leaf_pairs;
-    uint64_t candidates[PCCD_KIND_COUNT];
+    uint64_t candidates[PCCD_KINDS_MAX];
     uint64_t survivors;
     uint64_t rebuilt_triangles;
     uint64_t still_features;
@@ -77,6 +78,7 @@ struct eng_worker {
     struct eng_found found;      /* records */
     struct eng_exact exact;
     void *work[PCCD_METHOD_COUNT]; /* by method, which casts it; NULL: none yet */
+    struct eng_near_work *near_work; /* of whoever asks what is near; likewise */
     struct eng_thread_record record;
     struct eng_tally tally;
     uint64_t low_end_ns;    /* the paper's scheduler: when it knew that all were done with

@@ -9,6 +9,7 @@
 #include "wide_join.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "wide_owner.h"
@@ -31,16 +32,17 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     join->kernels = wide->kernels;
     join->owners = NULL;
     join->moving = NULL;
+    join->kinds = (1u << PCCD_KIND_COUNT) - 1;
     join->still = 0;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
     memset(join->below, 0, sizeof join->below);
     memset(join->jobs, 0, sizeof join->jobs);
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];
         const struct eng_wide_tree *b = &wide->trees[eng_wide_tree_of(kind, 1)];
-        bool is_quantised = boxes == ENG_JOIN_MOVING && eng_wide_has_quantised(wide);
+        bool is_quantised = boxes != ENG_JOIN_SWEPT && eng_wide_has_quantised(wide);
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
@@ -66,11 +68,35 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     }
 }
 
+/* A distance in whole cells, up to more than all cells that there are. */
+static int32_t cells_of(float distance, float scale)
+{
+    float cells = ceilf(distance * scale);
+    return cells < (float)INT16_MAX ? (int32_t)cells : INT16_MAX;
+}
+
+void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
+                      const struct eng_near_query *near)
+{
+    assert(near->end <= 1 && near->growth >= 0);
+    join->kinds = near->kinds;
+    for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
+        for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+            struct eng_join *job = &join->jobs[kind][level];
+            job->end = near->end;
+            job->growth = near->growth;
+            for (int k = 0; k < 3; k++) {
+                job->cells[k] = cells_of(near->growth, wide->quantising.scale[k]);
+            }
+        }
+    }
+}
+
 void eng_wide_join_until(struct eng_wide_join *join, float t_end)
 {
     assert(t_end >= 0 && t_end <= 1);
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
-        for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
             job->t_end = t_end;
             if (t_end <= NEAR_MOST) {
@@ -223,8 +249,10 @@ void eng_wide_join_nodes(struct eng_wide_join *join, enum pccd_kind kind, uint32
 
 void eng_wide_join_flush(struct eng_wide_join *join)
 {
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        flush(join, kind);
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        if (join->kinds >> kind & 1) {
+            flush(join, kind);
+        }
     }
 }
 
@@ -240,7 +268,7 @@ uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_k
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
 {
     uint64_t tests = 0;
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
             tests += join->jobs[kind][level].tests;
         }

@@ -1,7 +1,7 @@
 /* daemon/engine/wide/wide_join.h - finds the pairs of features that may meet below two
  * nodes.
  *
- * Room:     engine. May include: batch.h, wide.h.
+ * Room:     engine. May include: batch.h, near_query.h, wide.h.
  * Does:     descend two trees together, depth first, and collect the pairs of features
  *           whose moving boxes overlap, in chunks that the caller empties.
  * Does not: know what becomes of a pair (wide_test.h), or who does what (wide_task.h).
@@ -11,6 +11,7 @@
 #define ENG_WIDE_JOIN_H
 
 #include "batch.h"
+#include "near_query.h"
 #include "wide.h"
 
 struct eng_wide_owners; /* wide_owner.h */
@@ -34,6 +35,7 @@ struct eng_wide_join {
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
     const struct eng_wide
         *moving; /* pairs of which neither moves are left out; or NULL */
+    uint32_t kinds; /* bit k: pairs of kind k are looked for; those of contacts */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
      * and sets the count to 0. */
@@ -43,12 +45,12 @@ struct eng_wide_join {
     bool stopped;                    /* the join ends early */
     uint32_t looked;                 /* joins since the last look */
     uint64_t pairs;                  /* pairs of nodes refined */
-    uint64_t below[PCCD_KIND_COUNT]; /* pairs of nodes that they led to */
+    uint64_t below[COMMON_KIND_COUNT]; /* pairs of nodes that they led to */
     uint64_t still;                  /* pairs that were left out as neither moves */
-    struct eng_join jobs[PCCD_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
+    struct eng_join jobs[COMMON_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_join_round round;
-    struct eng_wide_chunk chunks[PCCD_KIND_COUNT];
+    struct eng_wide_chunk chunks[COMMON_KIND_COUNT];
 };
 
 /* Get ready for the trees as they are; owner, flush and look are set by the caller, and
@@ -56,6 +58,11 @@ struct eng_wide_join {
  * the refit made them so, else ENG_JOIN_MOVING. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);
+
+/* Begun with ENG_JOIN_AT: of the kinds that are asked for, leave out what is certainly
+ * farther apart than the distance, along an axis, at that end of the step. */
+void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
+                      const struct eng_near_query *near);
 
 /* From now on leave out what certainly does not meet before or at `t_end`, 0 .. 1, which
  * is never more than the last time. Once it is near, boxes around the way until then are

@@ -133,13 +133,21 @@ static void deal_kind(struct eng_team *team, struct eng_worker *worker,
     eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, 0, 0);
 }
 
+static bool is_wanted(const struct eng_worker *worker, enum pccd_kind kind)
+{
+    return eng_wide_work_of(worker)->join.kinds >> kind & 1;
+}
+
 static void deal(struct eng_team *team, struct eng_worker *worker)
 {
     uint32_t top = top_level(worker);
     if (has_no_boxes(worker)) {
         return;
     }
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        if (!is_wanted(worker, kind)) {
+            continue;
+        }
         if (top <= GRAIN_LEVEL) {
             eng_deque_push(&worker->deque, task_of(kind, top, 0, 0));
         } else {
@@ -167,8 +175,10 @@ static void assign(struct eng_team *team, struct eng_worker *worker)
     if (has_no_boxes(worker)) {
         return;
     }
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        push_unit(worker, task_of(kind, top, 0, 0));
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        if (is_wanted(worker, kind)) {
+            push_unit(worker, task_of(kind, top, 0, 0));
+        }
     }
     while (eng_units_count(units) > 0 && eng_units_count(units) < team->count &&
            level_of(eng_units_look(units, 0)) > GRAIN_LEVEL) {
@@ -207,7 +217,10 @@ static void no_high_level(struct eng_team *team, struct eng_worker *worker)
 
 static void perform_all(struct eng_worker *worker)
 {
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        if (!is_wanted(worker, kind)) {
+            continue;
+        }
         uint64_t begin_ns = eng_worker_slice(worker);
         eng_wide_join_nodes(&eng_wide_work_of(worker)->join, kind, top_level(worker), 0,
                             0);
@@ -278,16 +291,32 @@ static void follow_rigid(const struct eng_scene *scene, enum pccd_mode mode)
     }
 }
 
+static bool has_boxes(const struct eng_scene *scene)
+{
+    const struct eng_wide *wide = eng_wide_of(scene);
+    return !wide->is_stale && !wide->boxes_are_old && wide->boxes_of != 0 &&
+           wide->boxes_of == scene->moving.number &&
+           wide->frames == scene->framing.number;
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
-    follow_rigid(team->scene, settings->mode);
     wide->kernels = team->workers[0]->kernels;
+    if (team->has_boxes) {
+        return;
+    }
+    if (!settings->near) {
+        follow_rigid(team->scene, settings->mode);
+    }
     /* What is counted as a candidate in mode pairs is a pair of the boxes themselves. */
     bool keeps = has_current_boxes(wide, team->scene, settings);
     keeps &= eng_wide_quantised_choose(wide, team->scene,
                                        settings->mode != PCCD_MODE_PAIRS, keeps);
     keeps &= eng_wide_grid_choose(wide, team->scene);
+    if (!keeps) {
+        wide->boxes_of = 0; /* until they are made, if nothing stops that */
+    }
     eng_wide_still_begin(wide, team->scene, keeps, team->prunes);
     wide->frames = team->scene->framing.number;
     wide->frame_scale = team->scene->framing.scale;
@@ -401,6 +430,7 @@ static void end(struct eng_team *team, struct eng_step_result *result, uint64_t 
 const struct eng_method_calls eng_method_wide = {.can_prune = true,
                                                  .is_stale = is_stale,
                                                  .prepare = prepare,
+                                                 .has_boxes = has_boxes,
                                                  .start = start,
                                                  .refit = refit,
                                                  .refit_by_team = eng_wide_refit_by_team,

@@ -10,6 +10,7 @@
 
 #include "finding.h"
 #include "memory.h"
+#include "near_work.h"
 #include "solvers.h"
 #include "wide_grid.h"
 #include "wide_state.h"
@@ -204,6 +205,53 @@ static void test(struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
+/* ---- what is near ------------------------------------------------------------------ */
+
+static void name_near(const struct eng_worker *worker, enum pccd_kind kind, uint32_t i,
+                      struct eng_near_name *name)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    const struct eng_wide_work *work = eng_wide_work_of(worker);
+    const struct eng_wide_chunk *chunk = &work->join.chunks[kind];
+    const uint32_t *quad = work->quads[i];
+    uint32_t points_a = common_kinds[kind].points[0];
+    name->pair = name_of(wide, kind, chunk->a[i], chunk->b[i]);
+    name->object[0] = (uint32_t)(wide->points[quad[0]].word0 >> 32);
+    name->object[1] = (uint32_t)(wide->points[quad[points_a]].word0 >> 32);
+}
+
+/* Edges that pass through faces, one by one. */
+static void cross(struct eng_worker *worker, const struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    const enum pccd_kind kind = (enum pccd_kind)PCCD_EF;
+    for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i++) {
+        uint32_t a = wide->trees[PCCD_TREE_EDGES].corner[0][chunk->a[i]];
+        uint32_t b = wide->trees[PCCD_TREE_FACES].corner[0][chunk->b[i]];
+        struct eng_near_name name = {
+            .pair = name_of(wide, kind, chunk->a[i], chunk->b[i]),
+            .object = {(uint32_t)(wide->points[a].word0 >> 32),
+                       (uint32_t)(wide->points[b].word0 >> 32)}};
+        eng_near_cross(worker, &name);
+    }
+}
+
+static void test_near(struct eng_worker *worker, enum pccd_kind kind,
+                      const struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    if (kind == (enum pccd_kind)PCCD_EF) {
+        cross(worker, chunk);
+        return;
+    }
+    make_quads(wide, kind, chunk, work->quads);
+    eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
+                  chunk->count, name_near);
+}
+
+/* ---- chunks ------------------------------------------------------------------------ */
+
 /* Stop? Else go on with the bound on time as it is by now. */
 static void look(void *owner)
 {
@@ -250,7 +298,9 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     if (worker->settings->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
     }
-    if (worker->settings->mode == PCCD_MODE_PAIRS) {
+    if (worker->settings->near) {
+        test_near(worker, kind, chunk);
+    } else if (worker->settings->mode == PCCD_MODE_PAIRS) {
         keep_candidates(worker, kind, chunk);
     } else if (!eng_stop_is_set(worker->stop)) {
         test(worker, kind, chunk);
@@ -270,11 +320,16 @@ void eng_wide_work_begin(struct eng_worker *worker)
     work->join.look = look;
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
-    eng_wide_join_begin(&work->join, eng_wide_of(worker->scene), ENG_JOIN_MOVING);
+    eng_wide_join_begin(&work->join, eng_wide_of(worker->scene),
+                        worker->settings->near ? ENG_JOIN_AT : ENG_JOIN_MOVING);
+    if (worker->settings->near) {
+        eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->settings->near);
+    }
     work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
     work->join.moving = worker->prunes ? eng_wide_of(worker->scene) : NULL;
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        bool in_time = worker->settings->mode != PCCD_MODE_PAIRS;
+        bool in_time =
+            worker->settings->mode != PCCD_MODE_PAIRS && !worker->settings->near;
         work->join.jobs[kind][0].in_time = in_time;
         for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
             work->join.jobs[kind][level].in_time =

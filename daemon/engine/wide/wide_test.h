@@ -28,9 +28,9 @@ struct eng_wide_filters {
 struct eng_wide_work {
     struct eng_share shares[ENG_WIDE_TREES]; /* chunks of the refit */
     struct eng_wide_join join;
-    struct eng_wide_times times[PCCD_KIND_COUNT];
-    struct eng_wide_filters filters[PCCD_KIND_COUNT];
-    struct eng_sieve sieves[PCCD_KIND_COUNT];
+    struct eng_wide_times times[COMMON_KIND_COUNT];
+    struct eng_wide_filters filters[COMMON_KIND_COUNT];
+    struct eng_sieve sieves[COMMON_KIND_COUNT];
     uint32_t quads[ENG_CHUNK_MAX][4]; /* vertex slots of a chunk's pairs */
     struct eng_batch batch;
 };

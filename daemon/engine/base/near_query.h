@@ -1,0 +1,41 @@
+/* daemon/engine/base/near_query.h - what threads look for that find out what is near, in
+ * the place of contacts.
+ *
+ * Room:     engine. May include: pccd_types.h, the C library.
+ * Does:     define the struct that the settings of a team point to (step_settings.h).
+ * Threads:  [any]; but for the bounds, nothing changes while the team is at work.
+ */
+#ifndef ENG_NEAR_QUERY_H
+#define ENG_NEAR_QUERY_H
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+struct eng_near_query {
+    enum pccd_near_what what;
+    uint32_t kinds; /* bit k: pairs of enum pccd_kind or pccd_near_kind k are tested */
+    uint32_t end;   /* of the step: 0 or 1 */
+    double distance;
+    float growth; /* the distance as boxes know it, in their frame, rounded up */
+    /* VERTICES: by the scene's vertices, the least distance so far: bits of a double,
+     * whose order is that of the numbers. */
+    _Atomic uint64_t *bounds;
+};
+
+/* Boxes are not within 2^80 of nowhere (boxes.h), and hold coordinates below that. */
+#define ENG_GROWTH_MOST 0x1p80f
+
+/* `distance` in a frame of this scale, a power of two. */
+static inline float eng_near_growth(double distance, double scale)
+{
+    double scaled = distance * scale; /* exact, or infinite */
+    float growth = scaled < (double)ENG_GROWTH_MOST ? (float)scaled : ENG_GROWTH_MOST;
+    return (double)growth < scaled && growth < ENG_GROWTH_MOST
+               ? nextafterf(growth, ENG_GROWTH_MOST)
+               : growth;
+}
+
+#endif

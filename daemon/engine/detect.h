@@ -1,0 +1,36 @@
+/* daemon/engine/detect.h - has a team of threads search the trees of a method: for the
+ * contacts of a step, or for what is near.
+ *
+ * Room:     engine. May include: method.h, step_memory.h.
+ * Does:     choose how many threads there are, get them ready, make the boxes where they
+ *           are not there, share out the search, merge what is found, time it all.
+ * Does not: know what is looked for, or what becomes of the answer.
+ * Threads:  [compute]; run opens one parallel region.
+ */
+#ifndef ENG_DETECT_H
+#define ENG_DETECT_H
+
+#include "method.h"
+#include "step_memory.h"
+
+/* Everything that can fail for want of memory, before anything moves: the answer will be
+ * in `out`. `effort` says whether a team pays. PCCD_E_NOMEM. */
+int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
+                       struct eng_effort *effort, struct eng_records *out,
+                       struct eng_stop *stop, struct eng_team *team);
+
+/* Refit, unless team->has_boxes, and search; by more than one thread, merge. Returns when
+ * the search ended. */
+uint64_t eng_detect_run(struct eng_team *team, struct pccd_step_times *times);
+
+/* When the answer is there: divide the time into traversal and tests, add up what the
+ * workers counted, copy their records[count]. Returns the time of all of them, without
+ * waiting. */
+uint64_t eng_detect_count(struct eng_team *team, struct eng_thread_record *records,
+                          struct pccd_step_times *times,
+                          struct pccd_step_counters *counters);
+
+/* Triangles of the scene, 2^32 - 1 if there are more. */
+uint32_t eng_detect_size(const struct eng_scene *scene);
+
+#endif

@@ -1,0 +1,50 @@
+/* daemon/engine/elementary/distance_batch.h - the exact distances of many candidate pairs
+ * at once.
+ *
+ * Room:     engine. May include: batch.h, distance.h, kernel.h.
+ * Does:     decide a chunk of pairs of one kind at one end of the step. What it says of a
+ *           pair equals what distance.h says, bit for bit, whatever the instruction set.
+ * Threads:  one thread for one scratch.
+ */
+#ifndef ENG_DISTANCE_BATCH_H
+#define ENG_DISTANCE_BATCH_H
+
+#include "batch.h"
+#include "distance.h"
+#include "kernel.h"
+
+/* How much is wanted of a pair that is near enough. */
+enum eng_distance_wanted {
+    ENG_DISTANCE_WITHIN, /* that it is: nothing is written to `found` */
+    ENG_DISTANCE_LENGTH, /* lo and hi */
+    ENG_DISTANCE_WHOLE   /* all of it */
+};
+
+struct eng_distance_question {
+    enum pccd_kind kind; /* PCCD_VF or PCCD_EE */
+    uint32_t end;        /* of the step: 0: the points' x0, 1: their x1 */
+    double distance;     /* 0 .. 1e18; exactly that is near enough */
+    enum eng_distance_wanted wanted;
+};
+
+struct eng_distance_batch {
+    /* Set by the owner, or NULL: never. Called every few hundred pairs, and after each
+     * that took integers; true: the rest of the chunk is left out. */
+    bool (*should_stop)(void *owner);
+    void *owner;
+    uint64_t exact;                /* counts: pairs that took integers */
+    uint32_t index[ENG_CHUNK_MAX]; /* of the pairs that are near enough, in their order */
+    struct eng_distance found[ENG_CHUNK_MAX]; /* likewise */
+};
+
+/* Decide `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, as in
+ * batch.h; word1 of the points, no two of a pair alike, is their rank where distances are
+ * equal. Returns how many are within the distance. */
+uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
+                                 const struct eng_distance_question *question,
+                                 const struct eng_point *points,
+                                 const uint32_t (*quads)[4], uint32_t count,
+                                 struct eng_distances *distances,
+                                 struct eng_distance_batch *batch);
+
+#endif

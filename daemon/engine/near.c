@@ -1,0 +1,362 @@
+/* daemon/engine/near.c - what is near in a scene at one moment.
+ *
+ * Room:     engine.
+ * Does:     move what is staged, have a team search, put the answer together.
+ * Threads:  near.h.
+ */
+#include "near.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "answer.h"
+#include "array.h"
+#include "clock.h"
+#include "detect.h"
+#include "frames.h"
+#include "memory.h"
+#include "near_work.h"
+#include "rigid.h"
+#include "stage.h"
+#include "tuning.h"
+
+#define NOTHING_NEAR 2e18
+
+/* ---- the question ------------------------------------------------------------------ */
+
+static bool is_length(double length)
+{
+    return length >= 0 && length <= 1e18;
+}
+
+static bool settings_are_valid(const struct eng_near_settings *settings)
+{
+    const struct eng_step_settings *step = &settings->step;
+    bool is_nearest = settings->what == PCCD_NEAR_NEAREST;
+    return settings->what < PCCD_NEAR_COUNT && settings->end <= 1 &&
+           (is_length(settings->distance) ||
+            (is_nearest && settings->distance == INFINITY)) &&
+           is_length(settings->gap) && step->method < PCCD_METHOD_COUNT &&
+           step->threads >= 1 && step->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+           step->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
+           step->tuning.refit < ENG_REFIT_COUNT;
+}
+
+static uint32_t kinds_for(enum pccd_near_what what)
+{
+    uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE;
+    return what == PCCD_NEAR_CROSSINGS ? pairs | 1u << PCCD_EF : pairs;
+}
+
+static struct eng_near_query query_of(const struct eng_near_settings *settings)
+{
+    bool crosses = settings->what == PCCD_NEAR_CROSSINGS;
+    return (struct eng_near_query){.what = settings->what,
+                                   .kinds = kinds_for(settings->what),
+                                   .end = settings->end,
+                                   .distance = crosses ? 0 : settings->distance};
+}
+
+/* ---- bounds by vertex -------------------------------------------------------------- */
+
+static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene *scene)
+{
+    uint32_t vertices = scene->vertex_ranges.end;
+    if (vertices > memory->bound_capacity) {
+        _Atomic uint64_t *bounds = eng_alloc(vertices, sizeof *bounds);
+        if (!bounds) {
+            return PCCD_E_NOMEM;
+        }
+        eng_free((void *)memory->bounds);
+        memory->bounds = bounds;
+        memory->bound_capacity = vertices;
+    }
+    if (scene->object_count > memory->order_capacity) {
+        uint64_t *order = eng_alloc(scene->object_count, sizeof *order);
+        if (!order) {
+            return PCCD_E_NOMEM;
+        }
+        eng_free(memory->order);
+        memory->order = order;
+        memory->order_capacity = scene->object_count;
+    }
+    memory->records.record_bytes = sizeof(double);
+    return eng_records_reserve(&memory->records, vertices);
+}
+
+static void begin_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
+                         double distance)
+{
+    uint64_t bits;
+    memcpy(&bits, &distance, sizeof bits);
+    for (uint32_t i = 0; i < scene->vertex_ranges.end; i++) {
+        atomic_init(&memory->bounds[i], bits);
+    }
+}
+
+static int compare_ids(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Objects by increasing id, of one id alone if that is not 0. */
+static uint32_t order_objects(struct eng_near_memory *memory,
+                              const struct eng_scene *scene, uint32_t only)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh && (only == 0 || scene->objects[i].id == only)) {
+            memory->order[count++] = (uint64_t)scene->objects[i].id << 32 | i;
+        }
+    }
+    qsort(memory->order, count, sizeof *memory->order, compare_ids);
+    return count;
+}
+
+static void write_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
+                         const struct eng_near_settings *settings,
+                         struct eng_near_result *result)
+{
+    double *to = (double *)(void *)memory->records.data;
+    eng_hash_sum sum = 0;
+    uint32_t objects = order_objects(memory, scene, settings->objects[0]);
+    for (uint32_t i = 0; i < objects; i++) {
+        const struct eng_object *object = &scene->objects[(uint32_t)memory->order[i]];
+        for (uint32_t v = 0; v < object->vertices.count; v++) {
+            uint64_t bits = atomic_load_explicit(
+                &memory->bounds[object->vertices.first + v], memory_order_relaxed);
+            struct eng_vertex_bound bound = {.object = object->id, .vertex = v};
+            memcpy(&bound.bound, &bits, sizeof bits);
+            *to++ = bound.bound;
+            sum += eng_hash_records(&bound, 1, sizeof bound);
+            result->count++;
+        }
+    }
+    memory->records.count = result->count;
+    eng_hash_end(sum, result->count, result->hash);
+}
+
+/* ---- the answer -------------------------------------------------------------------- */
+
+/* Records of one name, which are neighbours and the same, become one that counts them. */
+static void merge_features(struct eng_records *records)
+{
+    struct pccd_near *near = (struct pccd_near *)(void *)records->data;
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < records->count; i++) {
+        struct pccd_near *last = kept > 0 ? &near[kept - 1] : NULL;
+        if (last && last->kind == near[i].kind && last->object_a == near[i].object_a &&
+            last->feature_a == near[i].feature_a && last->object_b == near[i].object_b &&
+            last->feature_b == near[i].feature_b) {
+            last->count++;
+        } else {
+            near[kept++] = near[i];
+        }
+    }
+    records->count = kept;
+}
+
+static void count_records(const struct eng_records *records,
+                          struct eng_near_result *result)
+{
+    const struct pccd_near *near = (const struct pccd_near *)(const void *)records->data;
+    memset(result->counts, 0, sizeof result->counts);
+    result->distance_min = NOTHING_NEAR;
+    result->distance_max = 0;
+    for (uint64_t i = 0; i < records->count; i++) {
+        result->counts[near[i].kind]++;
+        result->distance_min = fmin(result->distance_min, near[i].d_lo);
+        result->distance_max = fmax(result->distance_max, near[i].d_hi);
+    }
+}
+
+static enum pccd_verdict verdict_of(const struct eng_team *team,
+                                    const struct eng_near_result *result)
+{
+    uint64_t touches = result->count;
+    for (uint32_t i = 0; i < team->count; i++) {
+        touches += eng_near_work_of(team->workers[i])->touches;
+    }
+    bool is_known = result->incomplete == PCCD_COMPLETE ||
+                    result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
+    return !is_known ? PCCD_VERDICT_NONE
+           : touches > 0 ? PCCD_VERDICT_YES
+                         : PCCD_VERDICT_NO;
+}
+
+static void answer_records(struct eng_near_memory *memory, const struct eng_counts *counts,
+                           const struct eng_team *team, struct eng_near_result *result)
+{
+    struct eng_records *records = &memory->records;
+    eng_hash_sum sum = counts->hash;
+    if (result->what == PCCD_NEAR_FEATURES) {
+        merge_features(records);
+        sum = eng_hash_records(records->data, records->count, sizeof(struct pccd_near));
+    }
+    result->count = records->count;
+    count_records(records, result);
+    eng_hash_end(sum, result->count, result->hash);
+    if (result->what == PCCD_NEAR_CROSSINGS) {
+        result->crossings = result->counts[PCCD_EF];
+        result->verdict = verdict_of(team, result);
+    }
+}
+
+static void answer_bounds(struct eng_near_memory *memory, const struct eng_team *team,
+                          const struct eng_near_settings *settings,
+                          struct eng_near_result *result)
+{
+    if (result->incomplete != PCCD_COMPLETE) {
+        memory->records.count = 0;
+        eng_hash_end(0, 0, result->hash);
+        return;
+    }
+    for (uint32_t i = 0; i < team->count; i++) {
+        const struct eng_near_work *work = eng_near_work_of(team->workers[i]);
+        result->distance_min = fmin(result->distance_min, work->least);
+        result->distance_max = fmax(result->distance_max, work->greatest);
+    }
+    write_bounds(memory, team->scene, settings, result);
+}
+
+/* Bring together what the workers found. */
+static void answer(struct eng_team *team, const struct eng_near_settings *settings,
+                   struct eng_near_result *result)
+{
+    struct eng_step_memory *memory = eng_step_memory_of(team->scene);
+    struct eng_counts counts = {.toi_first = 2};
+    if (eng_answer_collect(memory, team, &result->incomplete, &counts) != PCCD_OK) {
+        result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT; /* and nothing is in it */
+        counts = (struct eng_counts){.toi_first = 2};
+    }
+    if (result->what == PCCD_NEAR_VERTICES) {
+        answer_bounds(&memory->near, team, settings, result);
+    } else {
+        answer_records(&memory->near, &counts, team, result);
+    }
+    result->records = memory->near.records.data;
+    eng_pool_reset(&memory->pool, team->count);
+}
+
+/* ---- the search -------------------------------------------------------------------- */
+
+/* Positions that are staged become the scene's; then the boxes, or that they are there. */
+static int arrive(struct eng_team *team, struct eng_near_query *query)
+{
+    struct eng_scene *scene = team->scene;
+    if (scene->staging) {
+        int status = eng_stage_commit(scene);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        scene->step++;
+    }
+    team->has_boxes = team->method->has_boxes(scene);
+    if (!team->has_boxes) {
+        eng_frames_follow(scene);
+    }
+    eng_rigid_choose(scene, false);
+    query->growth = eng_near_growth(query->distance, scene->framing.scale);
+    return PCCD_OK;
+}
+
+static int reserve(struct eng_team *team, const struct eng_near_query *query)
+{
+    struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
+        status = eng_near_work_reserve(team->workers[i]);
+    }
+    if (status == PCCD_OK && query->what == PCCD_NEAR_VERTICES) {
+        status = reserve_bounds(memory, team->scene);
+    }
+    return status;
+}
+
+/* Find all pairs that are near enough, or cross. */
+static int search(struct eng_scene *scene, const struct eng_near_settings *settings,
+                  uint64_t begin_ns, struct eng_near_result *result)
+{
+    struct eng_near_query query = query_of(settings);
+    struct eng_step_settings step = settings->step;
+    enum pccd_method method = eng_method_of(&step);
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    struct eng_effort *effort = &memory->near.effort[method][settings->what];
+    struct eng_stop stop;
+    struct eng_team team;
+    step.mode = PCCD_MODE_ALL;
+    step.tolerance = 1;
+    step.brief = false;
+    step.near = &query;
+    eng_stop_init(&stop, &step);
+    uint64_t staged_ns = scene->staging ? scene->stage_ns : 0;
+    memory->near.records.record_bytes = sizeof(struct pccd_near);
+    int status = eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop,
+                                    &team);
+    status = status == PCCD_OK ? reserve(&team, &query) : status;
+    if (status != PCCD_OK) {
+        eng_stage_abort(scene);
+        return status;
+    }
+    status = arrive(&team, &query);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (query.what == PCCD_NEAR_VERTICES) {
+        begin_bounds(&memory->near, scene, settings->distance);
+        query.bounds = memory->near.bounds;
+    }
+    for (uint32_t i = 0; i < team.count; i++) {
+        eng_near_work_begin(team.workers[i]);
+    }
+    result->times.ingest = staged_ns;
+    team.method->start(&team, &step);
+    uint64_t detect_ns = eng_detect_run(&team, &result->times);
+    result->incomplete =
+        (enum pccd_incomplete)atomic_load_explicit(&stop.reason, memory_order_relaxed);
+    answer(&team, settings, result);
+    uint64_t end_ns = common_now_ns();
+    result->times.merge = end_ns - detect_ns;
+    uint64_t work_ns =
+        eng_detect_count(&team, memory->records, &result->times, &result->counters);
+    for (uint32_t i = 0; i < team.count; i++) {
+        result->counters.exact += eng_near_work_of(team.workers[i])->batch.exact;
+    }
+    if (result->incomplete == PCCD_COMPLETE) {
+        eng_effort_learn(effort, step.mode, work_ns);
+        eng_effort_time(effort, step.mode, team.count > 1, end_ns - begin_ns);
+    }
+    result->threads = team.count;
+    result->thread_records = memory->records;
+    result->times.step = end_ns - begin_ns + staged_ns;
+    return PCCD_OK;
+}
+
+int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
+             struct eng_near_result *result)
+{
+    assert(scene && settings && result);
+    uint64_t begin_ns = common_now_ns();
+    uint64_t allocs = atomic_load(&eng_payer()->allocs);
+    uint64_t builds = scene->builds;
+    if (!settings_are_valid(settings)) {
+        eng_stage_abort(scene);
+        return PCCD_E_INVAL;
+    }
+    struct eng_near_result r = {.what = settings->what,
+                                .method = eng_method_of(&settings->step),
+                                .verdict = PCCD_VERDICT_NONE,
+                                .record_bytes = settings->what == PCCD_NEAR_VERTICES
+                                                    ? (uint32_t)sizeof(double)
+                                                    : (uint32_t)sizeof(struct pccd_near),
+                                .distance_min = NOTHING_NEAR};
+    int status = search(scene, settings, begin_ns, &r);
+    r.counters.builds = scene->builds - builds;
+    r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
+    *result = r;
+    return status;
+}

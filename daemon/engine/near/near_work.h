@@ -1,0 +1,58 @@
+/* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
+ *
+ * Room:     engine. May include: distance_batch.h, near_query.h, worker.h, world.h.
+ * Does:     hold the scratch of distances and what the thread has found so far, besides
+ *           its records; make records of pairs that are near, as they were asked for.
+ * Does not: know how pairs are found: both methods hand them over.
+ * Threads:  [team]; it belongs to one thread.
+ */
+#ifndef ENG_NEAR_WORK_H
+#define ENG_NEAR_WORK_H
+
+#include "distance_batch.h"
+#include "near_query.h"
+#include "worker.h"
+#include "world.h"
+
+struct eng_near_work {
+    struct eng_distances distances;
+    struct eng_distance_batch batch;
+    double least;     /* d_lo of what was found; 2e18: nothing was */
+    double greatest;  /* d_hi likewise; 0 */
+    uint64_t touches; /* pairs within the distance that have no records */
+};
+
+/* That of a worker, as long as it has one. */
+static inline struct eng_near_work *eng_near_work_of(const struct eng_worker *worker)
+{
+    return worker->near_work;
+}
+
+/* Memory for a worker, once. PCCD_E_NOMEM. [compute] */
+int eng_near_work_reserve(struct eng_worker *worker);
+void eng_near_work_free(struct eng_worker *worker);
+uint64_t eng_near_work_bytes(const struct eng_worker *worker);
+
+/* Get ready for a query. [compute] */
+void eng_near_work_begin(struct eng_worker *worker);
+
+/* A candidate as records name it, and the indices of its objects in the scene. */
+struct eng_near_name {
+    struct pccd_pair pair;
+    uint32_t object[2];
+};
+
+/* The name of candidate `i` of those at hand. */
+typedef void (*eng_near_name_fn)(const struct eng_worker *worker, enum pccd_kind kind,
+                                 uint32_t i, struct eng_near_name *name);
+
+/* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
+ * keep what is near. */
+void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
+                   const struct eng_point *points, const uint32_t (*quads)[4],
+                   uint32_t count, eng_near_name_fn name);
+
+/* The same of one candidate of EF: the ends of the edge, the corners of the face. */
+void eng_near_cross(struct eng_worker *worker, const struct eng_near_name *name);
+
+#endif
