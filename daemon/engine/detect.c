@@ -76,7 +76,6 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     return eng_answer_begin(memory, team, out);
 }
 
-
 /* What goes on beside the traversal, by one thread. A brief step has no time for more
  * than itself. */
 static void beside(struct eng_team *team, struct eng_worker *worker)

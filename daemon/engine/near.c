@@ -183,13 +183,14 @@ static enum pccd_verdict verdict_of(const struct eng_team *team,
     }
     bool is_known = result->incomplete == PCCD_COMPLETE ||
                     result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
-    return !is_known ? PCCD_VERDICT_NONE
+    return !is_known     ? PCCD_VERDICT_NONE
            : touches > 0 ? PCCD_VERDICT_YES
                          : PCCD_VERDICT_NO;
 }
 
-static void answer_records(struct eng_near_memory *memory, const struct eng_counts *counts,
-                           const struct eng_team *team, struct eng_near_result *result)
+static void answer_records(struct eng_near_memory *memory,
+                           const struct eng_counts *counts, const struct eng_team *team,
+                           struct eng_near_result *result)
 {
     struct eng_records *records = &memory->records;
     eng_hash_sum sum = counts->hash;
@@ -295,8 +296,8 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     eng_stop_init(&stop, &step);
     uint64_t staged_ns = scene->staging ? scene->stage_ns : 0;
     memory->near.records.record_bytes = sizeof(struct pccd_near);
-    int status = eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop,
-                                    &team);
+    int status =
+        eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop, &team);
     status = status == PCCD_OK ? reserve(&team, &query) : status;
     if (status != PCCD_OK) {
         eng_stage_abort(scene);

@@ -32,14 +32,15 @@ struct eng_near_result {
     enum pccd_method method;
     enum pccd_incomplete incomplete;
     enum pccd_verdict verdict;
-    const void *records;   /* struct pccd_near[] or, VERTICES, double[]; valid until the */
+    const void *records; /* struct pccd_near[] or, VERTICES, double[]; valid until the */
     uint32_t record_bytes; /* scene's next eng_near, removal or free */
     uint64_t count;
     uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
     double distance_min;             /* least d_lo; 2e18 without any record */
     double distance_max;             /* greatest d_hi; 0 likewise */
     uint64_t crossings;              /* DEPTH, CROSSINGS */
-    uint64_t hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
+    uint64_t
+        hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
                        * with a gap */
     /* Status PCCD_E_INVAL of DEPTH: the object whose mesh is not closed, an edge of it,
      * by vertices, and how often its faces run through it from the first to the second

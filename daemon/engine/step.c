@@ -20,8 +20,9 @@
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
-    return !settings->near && settings->mode < PCCD_MODE_COUNT && settings->method < PCCD_METHOD_COUNT &&
-           settings->threads >= 1 && settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+    return !settings->near && settings->mode < PCCD_MODE_COUNT &&
+           settings->method < PCCD_METHOD_COUNT && settings->threads >= 1 &&
+           settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            settings->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
            settings->tuning.refit < ENG_REFIT_COUNT &&
            settings->tuning.still < ENG_STILL_COUNT && settings->tolerance >= 1e-12 &&
@@ -113,9 +114,9 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     if (settings_are_valid(settings) && (!settings->brief || eng_brief_fits(settings))) {
         eng_stop_init(&stop, settings);
         struct eng_step_memory *memory = eng_step_memory_of(scene);
-        status = eng_detect_prepare(scene, settings,
-                                    &memory->effort[eng_method_of(settings)],
-                                    &memory->sorted, &stop, &team);
+        status =
+            eng_detect_prepare(scene, settings, &memory->effort[eng_method_of(settings)],
+                               &memory->sorted, &stop, &team);
     }
     if (status != PCCD_OK) {
         eng_stage_abort(scene);

@@ -4,7 +4,8 @@ property_names = \
     tests/property/test_eng_against_oracle \
     tests/property/test_eng_plays \
     tests/property/test_eng_standing \
-    tests/property/test_eng_rigid
+    tests/property/test_eng_rigid \
+    tests/property/test_eng_near
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
@@ -38,3 +39,8 @@ tests_property_test_eng_rigid_SOURCES = tests/property/test_eng_rigid.c $(proper
 tests_property_test_eng_rigid_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_rigid_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_rigid_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_near_SOURCES = tests/property/test_eng_near.c
+tests_property_test_eng_near_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_near_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_near_LDADD = $(PROPERTY_LDADD)

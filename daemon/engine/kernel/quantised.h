@@ -93,8 +93,8 @@ ENG_INLINE void quantised_rows_until(const struct eng_quantised_block *block,
 
 /* The rows there, larger by some cells along each axis. No box stays none. A sum that is
  * cut to INT16_MAX keeps its sign beside the least that there is. */
-ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block, uint32_t end,
-                                     const int32_t cells[3],
+ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block,
+                                     uint32_t end, const int32_t cells[3],
                                      struct eng_quantised_block *grown)
 {
     for (uint32_t axis = 0; axis < 3; axis++) {
@@ -110,8 +110,7 @@ ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block, ui
 
 /* The rows there with their halves turned, and the box around them as it is. */
 ENG_INLINE void quantised_rows_turned_at(const struct eng_quantised_block *block,
-                                         uint32_t end,
-                                         struct eng_quantised_block *turned)
+                                         uint32_t end, struct eng_quantised_block *turned)
 {
 #pragma GCC unroll 3
     for (uint32_t axis = 0; axis < 3; axis++) {

@@ -55,8 +55,7 @@ static uint32_t edge_between(const struct eng_mesh *mesh, uint32_t v, uint32_t w
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         const uint32_t *edge = mesh->edges[middle];
-        bool is_below =
-            edge[1] != high_end ? edge[1] < high_end : edge[0] < low_end;
+        bool is_below = edge[1] != high_end ? edge[1] < high_end : edge[0] < low_end;
         low = is_below ? middle + 1 : low;
         high = is_below ? high : middle;
     }
@@ -106,8 +105,7 @@ static void name_vertices(const struct eng_near_name *name, const struct point p
                           struct pccd_pair *closest, struct eng_distance *at)
 {
     uint32_t id[2] = {id_of(name, points[0].side), id_of(name, points[1].side)};
-    bool is_turned =
-        id[0] != id[1] ? id[0] > id[1] : points[0].local > points[1].local;
+    bool is_turned = id[0] != id[1] ? id[0] > id[1] : points[0].local > points[1].local;
     uint32_t first = is_turned;
     uint32_t second = !is_turned;
     *closest = (struct pccd_pair){PCCD_VV, id[first], points[first].local, id[second],

@@ -16,7 +16,8 @@
 /* Records are those of contacts, with other meanings: all that puts them in order, merges
  * and hashes them serves both. */
 static_assert(sizeof(struct pccd_near) == sizeof(struct pccd_contact) &&
-                  offsetof(struct pccd_near, d_lo) == offsetof(struct pccd_contact, toi) &&
+                  offsetof(struct pccd_near, d_lo) ==
+                      offsetof(struct pccd_contact, toi) &&
                   offsetof(struct pccd_near, count) ==
                       offsetof(struct pccd_contact, reserved),
               "records");

@@ -161,7 +161,8 @@ static void rank_group(const struct eng_scene *scene, enum pccd_kind kind,
         eng_feature_vertices(trees, points[0], chunk->a[first + i], v);
         eng_feature_vertices(trees, points[1], chunk->b[first + i], v + points[0]);
         for (uint32_t k = 0; k < 4; k++) {
-            const struct eng_object *object = &scene->objects[trees->vertices[v[k]].object];
+            const struct eng_object *object =
+                &scene->objects[trees->vertices[v[k]].object];
             group->points[4 * i + k].word1 =
                 (uint64_t)object->id << 32 | (v[k] - object->vertices.first);
         }

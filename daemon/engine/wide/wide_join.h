@@ -34,7 +34,7 @@ struct eng_wide_join {
     const struct eng_kernels *kernels;
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
     const struct eng_wide
-        *moving; /* pairs of which neither moves are left out; or NULL */
+        *moving;    /* pairs of which neither moves are left out; or NULL */
     uint32_t kinds; /* bit k: pairs of kind k are looked for; those of contacts */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
@@ -42,11 +42,11 @@ struct eng_wide_join {
     void (*flush)(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk);
     /* Called now and then: may set stopped, or t_end by eng_wide_join_until. */
     void (*look)(void *owner);
-    bool stopped;                    /* the join ends early */
-    uint32_t looked;                 /* joins since the last look */
-    uint64_t pairs;                  /* pairs of nodes refined */
+    bool stopped;                      /* the join ends early */
+    uint32_t looked;                   /* joins since the last look */
+    uint64_t pairs;                    /* pairs of nodes refined */
     uint64_t below[COMMON_KIND_COUNT]; /* pairs of nodes that they led to */
-    uint64_t still;                  /* pairs that were left out as neither moves */
+    uint64_t still;                    /* pairs that were left out as neither moves */
     struct eng_join jobs[COMMON_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_join_round round;

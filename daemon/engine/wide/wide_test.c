@@ -228,10 +228,10 @@ static void cross(struct eng_worker *worker, const struct eng_wide_chunk *chunk)
     for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i++) {
         uint32_t a = wide->trees[PCCD_TREE_EDGES].corner[0][chunk->a[i]];
         uint32_t b = wide->trees[PCCD_TREE_FACES].corner[0][chunk->b[i]];
-        struct eng_near_name name = {
-            .pair = name_of(wide, kind, chunk->a[i], chunk->b[i]),
-            .object = {(uint32_t)(wide->points[a].word0 >> 32),
-                       (uint32_t)(wide->points[b].word0 >> 32)}};
+        struct eng_near_name name = {.pair =
+                                         name_of(wide, kind, chunk->a[i], chunk->b[i]),
+                                     .object = {(uint32_t)(wide->points[a].word0 >> 32),
+                                                (uint32_t)(wide->points[b].word0 >> 32)}};
         eng_near_cross(worker, &name);
     }
 }
