@@ -256,9 +256,12 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
         }
         scene->step++;
     }
-    team->has_boxes = team->method->has_boxes(scene);
+    team->has_boxes = team->method->has_boxes(scene) && eng_frames_keep_distances(scene);
     if (!team->has_boxes) {
         eng_frames_follow(scene);
+    }
+    if (!eng_frames_keep_distances(scene)) {
+        eng_frames_choose_keeping(scene, 1 - scene->now, scene->now);
     }
     eng_rigid_choose(scene, false);
     query->growth = eng_near_growth(query->distance, scene->framing.scale);

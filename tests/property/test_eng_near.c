@@ -47,6 +47,7 @@ struct object {
     double next[VERTICES][3];
     uint32_t triangles[TRIANGLES][3];
     uint32_t (*edges)[2];
+    double away[3]; /* from where the others are */
     bool self;
 };
 
@@ -60,6 +61,7 @@ struct sequence {
     bool ignores; /* the first two objects ignore each other */
     double size;
     double offset[3];
+    bool is_sparse; /* objects are far from each other */
     struct eng_near_settings settings;
 };
 
@@ -86,11 +88,22 @@ static void must(const struct sequence *s, bool holds, const char *what)
 /* ---- scenes ------------------------------------------------------------------------ */
 
 /* Coarse coordinates make features parallel, coplanar and equally far away. */
-static void place_vertex(struct sequence *s, bool is_coarse, double x[3])
+static void place_vertex(struct sequence *s, const struct object *object, bool is_coarse,
+                         double x[3])
 {
     for (int k = 0; k < 3; k++) {
         double at = is_coarse ? draw(s, 5) / 4.0 : prng_between(&s->prng, 0, 1);
-        x[k] = s->size * at + s->offset[k];
+        x[k] = s->size * at + s->offset[k] + object->away[k];
+    }
+}
+
+/* Beside others, or farther from them than floats can tell apart beside its size. */
+static void go_away(struct sequence *s, struct object *object)
+{
+    for (int k = 0; k < 3 && s->is_sparse; k++) {
+        double far_away = floor(exp2((double)draw(s, 31))) * (draw(s, 2) ? 1 : -1);
+        double beside = 1 + draw(s, 3);
+        object->away[k] = draw(s, 3) == 0 ? far_away : draw(s, 2) ? beside : 0;
     }
 }
 
@@ -99,8 +112,9 @@ static void make_object(struct sequence *s, struct object *object, bool is_coars
     memset(object, 0, sizeof *object);
     object->vertex_count = 3 + draw(s, VERTICES - 2);
     object->triangle_count = 1 + draw(s, TRIANGLES);
+    go_away(s, object);
     for (uint32_t i = 0; i < object->vertex_count; i++) {
-        place_vertex(s, is_coarse, object->x[0][i]);
+        place_vertex(s, object, is_coarse, object->x[0][i]);
     }
     memcpy(object->x[1], object->x[0], sizeof object->x[0]);
     for (uint32_t i = 0; i < object->triangle_count; i++) {
@@ -150,6 +164,7 @@ static void begin(struct sequence *s, uint64_t seed)
     }
     assert_int_equal(eng_scene_new(NULL, &s->scene), PCCD_OK);
     assert_int_equal(eng_scene_new(NULL, &s->other), PCCD_OK);
+    s->is_sparse = s->size == 1 && draw(s, 2);
     bool is_coarse = draw(s, 2);
     uint32_t count = 1 + draw(s, OBJECTS_MAX);
     for (uint32_t i = 0; i < count; i++) {
@@ -178,10 +193,13 @@ static void draw_motion(struct sequence *s)
     for (uint32_t i = 0; i < s->object_count; i++) {
         struct object *object = &s->objects[i];
         bool moves = draw(s, 3) > 0;
+        if (moves && draw(s, 4) == 0) {
+            go_away(s, object);
+        }
         memcpy(object->next, object->x[1], sizeof object->next);
         for (uint32_t v = 0; moves && v < object->vertex_count; v++) {
             if (draw(s, 3) > 0) {
-                place_vertex(s, is_coarse, object->next[v]);
+                place_vertex(s, object, is_coarse, object->next[v]);
             }
         }
     }
@@ -541,6 +559,23 @@ static void check_records(const struct sequence *s, const struct eng_near_result
     sums.records += due.count;
 }
 
+/* How far two vertices are apart along an axis, or by their places: often a distance that
+ * is met exactly. */
+static double distance_between(struct sequence *s)
+{
+    double x[2][3];
+    for (int i = 0; i < 2; i++) {
+        const struct object *object = &s->objects[draw(s, s->object_count)];
+        memcpy(x[i], object->x[s->settings.end][draw(s, object->vertex_count)],
+               sizeof x[i]);
+    }
+    uint32_t k = draw(s, 4);
+    double d =
+        k < 3 ? fabs(x[0][k] - x[1][k])
+              : hypot(hypot(x[0][0] - x[1][0], x[0][1] - x[1][1]), x[0][2] - x[1][2]);
+    return fmin(d, 1e18);
+}
+
 static void ask(struct sequence *s, bool moves)
 {
     static const enum pccd_near_what questions[] = {
@@ -560,6 +595,9 @@ static void ask(struct sequence *s, bool moves)
         draw_motion(s);
         stage(s, s->scene, 0);
         arrive(s);
+    }
+    if (draw(s, 3) == 0) {
+        s->settings.distance = distance_between(s);
     }
     must(s, eng_near(s->scene, &s->settings, &result) == PCCD_OK, "it is answered");
     must(s, result.incomplete == PCCD_COMPLETE, "it is complete");
@@ -648,10 +686,78 @@ static void near__is_what_the_oracle_finds(void **state)
     }
 }
 
+/* A strip of triangles along x. */
+static uint32_t add_strip(struct eng_scene *scene, uint32_t id, double from, double to)
+{
+    double x[12][3];
+    uint32_t triangles[10][3];
+    uint32_t idx;
+    for (uint32_t i = 0; i < 12; i++) {
+        x[i][0] = from + (to - from) * (i / 2) / 5;
+        x[i][1] = i % 2;
+        x[i][2] = 0;
+    }
+    for (uint32_t i = 0; i < 10; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            triangles[i][k] = i + k;
+        }
+    }
+    struct eng_mesh *mesh =
+        kit_mesh((const double(*)[3])x, 12, (const uint32_t(*)[3])triangles, 10);
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
+    eng_mesh_release(mesh);
+    return idx;
+}
+
+static void stretch(struct eng_scene *scene, uint32_t idx, double from, double to)
+{
+    double x[12][3];
+    for (uint32_t i = 0; i < 12; i++) {
+        x[i][0] = from + (to - from) * (i / 2) / 5;
+        x[i][1] = i % 2;
+        x[i][2] = 0;
+    }
+    assert_int_equal(eng_stage_x1(scene, idx, PCCD_FORMAT_F64, 0, 12, x), PCCD_OK);
+}
+
+/* If it failed: where a scene is so sparse that gaps between its objects are shortened,
+ * an object that shrinks would seem to leave its neighbour behind. */
+static void near__finds_what_lies_beside_what_shrinks(void **state)
+{
+    const struct eng_step_settings defaults = ENG_STEP_SETTINGS_DEFAULT;
+    (void)state;
+    for (uint32_t m = 0; m < WAY_METHODS; m++) {
+        struct eng_scene *scene;
+        struct eng_step_settings step = defaults;
+        struct eng_step_result stepped;
+        struct eng_near_result result;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        uint32_t shrinks = add_strip(scene, 1, 0, 10);
+        uint32_t follows = add_strip(scene, 2, 11, 11.5);
+        add_strip(scene, 3, 1e9, 1e9 + 10);
+        step.method = way_methods[m];
+        eng_stage_begin(scene);
+        stretch(scene, shrinks, 0, 1);
+        stretch(scene, follows, 2, 2.5);
+        assert_int_equal(eng_step(scene, &step, &stepped), PCCD_OK);
+        struct eng_near_settings settings = {
+            .step = step, .what = PCCD_NEAR_PAIRS, .end = 1, .distance = 1};
+        assert_int_equal(eng_near(scene, &settings, &result), PCCD_OK);
+        uint32_t between = 0;
+        for (uint64_t i = 0; i < result.count; i++) {
+            const struct pccd_near *record = (const struct pccd_near *)result.records + i;
+            between += record->object_a != record->object_b;
+        }
+        assert_true(between > 0);
+        eng_scene_free(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(near__is_what_the_oracle_finds),
+        cmocka_unit_test(near__finds_what_lies_beside_what_shrinks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

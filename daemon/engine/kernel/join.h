@@ -44,7 +44,7 @@ struct eng_join {
     float t_end;            /* 0 .. 1; swept boxes: not looked at */
     uint32_t end;           /* ENG_JOIN_AT: 0 or 1, .. */
     float growth;           /* .. and the distance: 0 .. 2^80, .. */
-    int32_t cells[3];       /* .. in whole numbers, rounded up, 0 .. INT16_MAX */
+    int32_t cells[3];       /* .. in whole numbers, rounded up: 0 .. 2^17 */
     bool in_time;           /* of moving boxes, those that no time brings together on all
                              * axes are left out, too */
     uint64_t tests;         /* counts: one box against a block */

@@ -225,6 +225,42 @@ static void place_groups(struct eng_scene *scene, uint32_t count, int axis)
     }
 }
 
+/* Origins may differ by less than a gap between groups by this part of the numbers at
+ * hand: more than what rounding adds to either. */
+#define SPARE_PART 0x1p-40
+
+/* By how much the origin of the next group may lie above that of this one, at an end: as
+ * far as the gap is longer than `left`, and never more. */
+static double shift_across(double gap, double left, double origin)
+{
+    double shift = gap * (1 - SPARE_PART) - left - SPARE_PART * fabs(origin);
+    return fmax(shift, 0);
+}
+
+/* The same, but origins never fall from one group to the next, and the gap that is left
+ * of one that is shortened is more than none. */
+static void place_groups_in_order(struct eng_scene *scene, uint32_t count, int axis)
+{
+    const struct eng_frame_item *items = scene->framing.items;
+    struct layout layout = layout_of(items, count);
+    double origin[2] = {0, 0};
+    for (uint32_t i = 0; i < count;) {
+        struct group group = group_from(items, i, count, layout.is_sparse);
+        for (int end = 0; end < 2 && i == 0; end++) {
+            origin[end] = group.low[end];
+        }
+        for (; i < group.end; i++) {
+            struct eng_frame *frame = &scene->objects[items[i].object].frame;
+            frame->origin[axis] = origin[0];
+            frame->origin[4 + axis] = origin[1];
+        }
+        for (int end = 0; end < 2 && i < count; end++) {
+            origin[end] += shift_across(items[i].next_low[end] - group.high[end],
+                                        layout.gap, origin[end]);
+        }
+    }
+}
+
 /* ---- the scene --------------------------------------------------------------------- */
 
 /* Floats are finest near 0: have the finest object there. Groups keep one origin each. */
@@ -261,6 +297,7 @@ static void make_plain(struct eng_scene *scene)
     }
     scene->framing.number = 0;
     scene->framing.scale = 1;
+    scene->framing.keeps_order = true;
 }
 
 bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high[3])
@@ -283,7 +320,7 @@ bool eng_frames_extent(const struct eng_scene *scene, double low[3], double high
     return low[0] <= high[0];
 }
 
-void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
+static void choose(struct eng_scene *scene, unsigned from, unsigned to, bool keeps_order)
 {
     assert(from <= 1 && to <= 1);
     scene->framing.of = 0;
@@ -297,14 +334,30 @@ void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
         return;
     }
     for (int axis = 0; axis < 3; axis++) {
-        place_groups(scene, list_items(scene, from, to, axis), axis);
+        uint32_t count = list_items(scene, from, to, axis);
+        if (keeps_order) {
+            place_groups_in_order(scene, count, axis);
+        } else {
+            place_groups(scene, count, axis);
+        }
     }
+    scene->framing.keeps_order = keeps_order;
     shift_to(scene, detail.finest, to);
     set_scale(scene, 1);
     eng_frames_extent(scene, low, high);
     struct eng_bounds around = {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
     set_scale(scene, scale_for(farthest_of(&around)));
     scene->framing.number = ++scene->framing.chosen;
+}
+
+void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to)
+{
+    choose(scene, from, to, false);
+}
+
+void eng_frames_choose_keeping(struct eng_scene *scene, unsigned from, unsigned to)
+{
+    choose(scene, from, to, true);
 }
 
 /* Have all objects one frame? Then it may stay wherever they go: only what is near the
@@ -329,6 +382,11 @@ static bool is_uniform(const struct eng_scene *scene)
         one = frame;
     }
     return one != NULL;
+}
+
+bool eng_frames_keep_distances(const struct eng_scene *scene)
+{
+    return scene->framing.number == 0 || scene->framing.keeps_order || is_uniform(scene);
 }
 
 /* How far an object is from the origin of its frame, at either end. */

@@ -29,6 +29,14 @@
  * it is for most scenes. O(objects); where it is not, O(n log n) of them. */
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to);
 
+/* Do features never lie farther apart in the frames than they are, along any axis, at
+ * either end? For steps they may: two of different groups cannot meet anyway. For whoever
+ * asks what is near, they must not. */
+bool eng_frames_keep_distances(const struct eng_scene *scene);
+
+/* Choose frames that do. Gaps are shortened at each end by itself. */
+void eng_frames_choose_keeping(struct eng_scene *scene, unsigned from, unsigned to);
+
 /* The same for the step that the scene has just moved on by; where little moves and they
  * still do, the frames of the step before stay. */
 void eng_frames_follow(struct eng_scene *scene);

@@ -68,11 +68,14 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     }
 }
 
-/* A distance in whole cells, up to more than all cells that there are. */
+/* More cells than there are: from the least number to the greatest. */
+#define CELLS_MOST (1 << 17)
+
+/* A distance in whole cells. */
 static int32_t cells_of(float distance, float scale)
 {
     float cells = ceilf(distance * scale);
-    return cells < (float)INT16_MAX ? (int32_t)cells : INT16_MAX;
+    return cells < CELLS_MOST ? (int32_t)cells : CELLS_MOST;
 }
 
 void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
