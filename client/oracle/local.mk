@@ -7,6 +7,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle.h \
     client/oracle/oracle_distance.c \
     client/oracle/oracle_distance.h \
+    client/oracle/oracle_inside.c \
+    client/oracle/oracle_inside.h \
     client/oracle/oracle_scene.c \
     client/oracle/oracle_scene.h \
     client/oracle/oracle_poly.c \

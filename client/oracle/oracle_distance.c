@@ -424,29 +424,51 @@ void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
     problem_clear(&problem);
 }
 
-bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d)
+/* *square: of the distance. */
+static void set_square(mpq_t square, enum oracle_kind kind, const double p[4][3])
 {
     static const uint8_t rank[4] = {0, 1, 2, 3};
     struct problem problem;
-    mpq_t left;
-    mpq_t right;
-    mpq_inits(left, right, NULL);
+    mpq_t den;
+    mpq_init(den);
     problem_init(&problem, kind, p, 4);
     add_ways(&problem);
     const struct way *way = shortest(&problem, rank);
-    mpq_set_z(left, way->gg);
-    mpq_set_z(right, way->den);
-    mpq_div(left, left, right);
-    mpq_div(left, left, right);
+    mpq_set_z(square, way->gg);
+    mpq_set_z(den, way->den);
+    mpq_div(square, square, den);
+    mpq_div(square, square, den);
     if (problem.low >= 0) {
-        mpq_mul_2exp(left, left, (mp_bitcnt_t)(2 * problem.low));
+        mpq_mul_2exp(square, square, (mp_bitcnt_t)(2 * problem.low));
     } else {
-        mpq_div_2exp(left, left, (mp_bitcnt_t)(-2 * problem.low));
+        mpq_div_2exp(square, square, (mp_bitcnt_t)(-2 * problem.low));
     }
+    problem_clear(&problem);
+    mpq_clear(den);
+}
+
+int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
+                            enum oracle_kind kind_b, const double b[4][3])
+{
+    mpq_t left;
+    mpq_t right;
+    mpq_inits(left, right, NULL);
+    set_square(left, kind_a, a);
+    set_square(right, kind_b, b);
+    int sign = mpq_cmp(left, right);
+    mpq_clears(left, right, NULL);
+    return sign;
+}
+
+bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d)
+{
+    mpq_t left;
+    mpq_t right;
+    mpq_inits(left, right, NULL);
+    set_square(left, kind, p);
     mpq_set_d(right, d);
     mpq_mul(right, right, right);
     bool is_within = mpq_cmp(left, right) <= 0;
-    problem_clear(&problem);
     mpq_clears(left, right, NULL);
     return is_within;
 }
