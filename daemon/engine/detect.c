@@ -50,6 +50,7 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     team->scene = scene;
     team->prunes = false;
     team->has_boxes = false;
+    team->search = NULL;
     team->method = eng_methods[eng_method_of(settings)];
     if (team->method->is_stale(scene)) {
         eng_effort_forget(effort);
@@ -92,6 +93,22 @@ static void beside(struct eng_team *team, struct eng_worker *worker)
     worker->record.low_ns += common_now_ns() - begin_ns;
 }
 
+/* All tasks by one thread, or what takes their place. */
+static void perform_alone(struct eng_team *team, struct eng_worker *worker)
+{
+    if (team->search) {
+        team->search(team, worker);
+        return;
+    }
+    team->method->ready(worker);
+    team->method->enter(worker);
+    if (!eng_worker_should_stop(worker)) {
+        team->method->perform_all(worker);
+    }
+    team->method->leave(worker);
+    beside(team, worker);
+}
+
 /* Refit and detection by one thread; returns when they ended. */
 static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
 {
@@ -107,13 +124,7 @@ static uint64_t run_alone(struct eng_team *team, struct pccd_step_times *times)
                      0);
     times->refit = refit_ns - begin_ns;
     worker->record.refit_ns = times->refit;
-    method->ready(worker);
-    method->enter(worker);
-    if (!eng_worker_should_stop(worker)) {
-        method->perform_all(worker);
-    }
-    method->leave(worker);
-    beside(team, worker);
+    perform_alone(team, worker);
     uint64_t end_ns = common_now_ns();
     times->low = end_ns - refit_ns;
     worker->record.low_ns = times->low;
@@ -126,11 +137,14 @@ static void begin_tasks(struct eng_team *team, struct eng_worker *worker, bool b
 {
     team->count = (uint32_t)omp_get_num_threads();
     team->refit_end_ns = common_now_ns();
-    team->method->ready(worker);
-    if (by_paper) {
-        eng_schedule_paper_begin(team, worker);
-    } else {
-        eng_schedule_steal_begin(team, worker);
+    if (!team->search) {
+        team->method->enter(worker);
+        team->method->ready(worker);
+        if (by_paper) {
+            eng_schedule_paper_begin(team, worker);
+        } else {
+            eng_schedule_steal_begin(team, worker);
+        }
     }
     worker->record.low_ns += common_now_ns() - team->refit_end_ns;
     eng_refit_release(team);
@@ -149,6 +163,28 @@ static uint64_t low_end_of(const struct eng_team *team, uint64_t end_ns)
     return low_end_ns;
 }
 
+/* A thread's part of the search; `has_begun`: it has begun the tasks. */
+static void perform(struct eng_team *team, struct eng_worker *worker, bool has_begun,
+                    bool by_paper)
+{
+    if (team->search) {
+        team->search(team, worker);
+        return;
+    }
+    if (!has_begun) {
+        team->method->enter(worker);
+    }
+    if (worker->thread == team->count - 1) {
+        beside(team, worker);
+    }
+    if (by_paper) {
+        eng_schedule_paper(team, worker);
+    } else {
+        eng_schedule_steal(team, worker);
+    }
+    team->method->leave(worker);
+}
+
 /* The boxes are there, or all make them: true for one thread, which sees every box. */
 static bool make_boxes(struct eng_team *team, struct eng_worker *worker)
 {
@@ -161,7 +197,6 @@ static bool make_boxes(struct eng_team *team, struct eng_worker *worker)
 static uint64_t run_together(struct eng_team *team, struct pccd_step_times *times)
 {
     assert(team->count > 1 && team->count <= ENG_THREADS_MAX);
-    const struct eng_method_calls *method = team->method;
     uint64_t begin_ns = common_now_ns();
     bool by_paper = team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
     struct eng_payer *payer = eng_payer();
@@ -173,23 +208,11 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
                                  (uint32_t)omp_get_num_threads());
         bool is_last = make_boxes(team, worker);
         if (is_last) {
-            method->enter(worker);
             begin_tasks(team, worker, by_paper);
         }
         eng_refit_await(team, worker);
         eng_wait_return(worker, team->count);
-        if (!is_last) {
-            method->enter(worker);
-        }
-        if (worker->thread == team->count - 1) {
-            beside(team, worker);
-        }
-        if (by_paper) {
-            eng_schedule_paper(team, worker);
-        } else {
-            eng_schedule_steal(team, worker);
-        }
-        method->leave(worker);
+        perform(team, worker, is_last, by_paper);
         eng_answer_by_team(eng_step_memory_of(team->scene), team, worker);
         eng_wait_for_all(worker); /* the runtime's barrier would lend nobody anything */
     }

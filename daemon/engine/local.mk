@@ -49,6 +49,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/distance.h \
     daemon/engine/elementary/distance_batch.c \
     daemon/engine/elementary/distance_batch.h \
+    daemon/engine/elementary/distance_order.c \
+    daemon/engine/elementary/distance_order.h \
     daemon/engine/elementary/distance_quick.c \
     daemon/engine/elementary/distance_quick.h \
     daemon/engine/elementary/distance_rule.c \
@@ -83,6 +85,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/solvers.c \
     daemon/engine/elementary/solvers.h \
     daemon/engine/elementary/vec.h \
+    daemon/engine/elementary/winding.c \
+    daemon/engine/elementary/winding.h \
     daemon/engine/result/bucket.c \
     daemon/engine/result/bucket.h \
     daemon/engine/result/found.c \
@@ -101,6 +105,7 @@ libengine_la_SOURCES = \
     daemon/engine/result/split.h \
     daemon/engine/team/deque.c \
     daemon/engine/team/deque.h \
+    daemon/engine/team/faces.h \
     daemon/engine/team/finding.c \
     daemon/engine/team/finding.h \
     daemon/engine/team/method.h \
@@ -125,6 +130,8 @@ libengine_la_SOURCES = \
     daemon/engine/team/worker.h \
     daemon/engine/scene/blur.c \
     daemon/engine/scene/blur.h \
+    daemon/engine/scene/closed.c \
+    daemon/engine/scene/closed.h \
     daemon/engine/scene/feature.c \
     daemon/engine/scene/feature.h \
     daemon/engine/scene/frames.c \
@@ -166,6 +173,8 @@ libengine_la_SOURCES = \
     daemon/engine/paper/object.c \
     daemon/engine/paper/paper.c \
     daemon/engine/paper/paper.h \
+    daemon/engine/paper/paper_faces.c \
+    daemon/engine/paper/paper_faces.h \
     daemon/engine/paper/paper_features.h \
     daemon/engine/paper/paper_method.c \
     daemon/engine/paper/paper_method.h \
@@ -196,6 +205,8 @@ libengine_la_SOURCES = \
     daemon/engine/paper/validate.c \
     daemon/engine/wide/wide.c \
     daemon/engine/wide/wide.h \
+    daemon/engine/wide/wide_faces.c \
+    daemon/engine/wide/wide_faces.h \
     daemon/engine/wide/wide_grid.c \
     daemon/engine/wide/wide_grid.h \
     daemon/engine/wide/wide_join.c \
@@ -231,6 +242,14 @@ libengine_la_SOURCES = \
     daemon/engine/near.h \
     daemon/engine/near/closest_features.c \
     daemon/engine/near/closest_features.h \
+    daemon/engine/near/near_best.c \
+    daemon/engine/near/near_best.h \
+    daemon/engine/near/near_objects.c \
+    daemon/engine/near/near_objects.h \
+    daemon/engine/near/near_search.c \
+    daemon/engine/near/near_search.h \
+    daemon/engine/near/near_warm.c \
+    daemon/engine/near/near_warm.h \
     daemon/engine/near/near_work.c \
     daemon/engine/near/near_work.h \
     daemon/engine/brief.c \

@@ -17,6 +17,7 @@
 #include "detect.h"
 #include "frames.h"
 #include "memory.h"
+#include "near_objects.h"
 #include "near_work.h"
 #include "rigid.h"
 #include "stage.h"
@@ -42,6 +43,12 @@ static bool settings_are_valid(const struct eng_near_settings *settings)
            step->threads >= 1 && step->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            step->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
            step->tuning.refit < ENG_REFIT_COUNT;
+}
+
+/* Is it about objects two by two? Else about all pairs of features that are near. */
+static bool is_by_objects(enum pccd_near_what what)
+{
+    return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
 }
 
 static uint32_t kinds_for(enum pccd_near_what what)
@@ -201,6 +208,17 @@ static void answer_records(struct eng_near_memory *memory,
     result->count = records->count;
     count_records(records, result);
     eng_hash_end(sum, result->count, result->hash);
+    if (result->what == PCCD_NEAR_DEPTH) {
+        result->crossings = eng_near_objects_crossings(&memory->objects);
+    }
+    if (result->what == PCCD_NEAR_NEAREST) {
+        if (memory->objects.ask.gap > 0) {
+            result->hash[0] = result->hash[1] = 0;
+        }
+        if (result->incomplete == PCCD_COMPLETE) {
+            eng_near_objects_learn(&memory->objects, records->data, records->count);
+        }
+    }
     if (result->what == PCCD_NEAR_CROSSINGS) {
         result->crossings = result->counts[PCCD_EF];
         result->verdict = verdict_of(team, result);
@@ -268,10 +286,35 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
     return PCCD_OK;
 }
 
-static int reserve(struct eng_team *team, const struct eng_near_query *query)
+static int reserve_objects(struct eng_team *team,
+                           const struct eng_near_settings *settings,
+                           struct eng_near_result *result)
+{
+    struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
+    struct eng_near_ask ask = {.what = settings->what,
+                               .distance = settings->distance,
+                               .gap = settings->gap,
+                               .end = settings->end,
+                               .objects = {settings->objects[0], settings->objects[1]}};
+    struct eng_near_open open;
+    int status =
+        eng_near_objects_prepare(&memory->objects, team->scene, &ask, team->count, &open);
+    if (status == PCCD_E_INVAL && open.object != 0) {
+        result->open_object = open.object;
+        memcpy(result->open_edge, open.edge.vertex, sizeof result->open_edge);
+        memcpy(result->open_runs, open.edge.runs, sizeof result->open_runs);
+    }
+    return status;
+}
+
+static int reserve(struct eng_team *team, const struct eng_near_settings *settings,
+                   const struct eng_near_query *query, struct eng_near_result *result)
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
+    if (is_by_objects(query->what)) {
+        return reserve_objects(team, settings, result);
+    }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_near_work_reserve(team->workers[i]);
     }
@@ -281,7 +324,25 @@ static int reserve(struct eng_team *team, const struct eng_near_query *query)
     return status;
 }
 
-/* Find all pairs that are near enough, or cross. */
+static void search_objects(struct eng_team *team, struct eng_worker *worker)
+{
+    eng_near_objects_perform(&eng_step_memory_of(team->scene)->near.objects, team->method,
+                             worker);
+}
+
+static void begin_search(struct eng_team *team, const struct eng_near_query *query)
+{
+    if (is_by_objects(query->what)) {
+        eng_near_objects_begin(&eng_step_memory_of(team->scene)->near.objects);
+        team->search = search_objects;
+        return;
+    }
+    for (uint32_t i = 0; i < team->count; i++) {
+        eng_near_work_begin(team->workers[i]);
+    }
+}
+
+/* Find what is asked for. */
 static int search(struct eng_scene *scene, const struct eng_near_settings *settings,
                   uint64_t begin_ns, struct eng_near_result *result)
 {
@@ -301,7 +362,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     memory->near.records.record_bytes = sizeof(struct pccd_near);
     int status =
         eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop, &team);
-    status = status == PCCD_OK ? reserve(&team, &query) : status;
+    status = status == PCCD_OK ? reserve(&team, settings, &query, result) : status;
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
         return status;
@@ -314,9 +375,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
         begin_bounds(&memory->near, scene, settings->distance);
         query.bounds = memory->near.bounds;
     }
-    for (uint32_t i = 0; i < team.count; i++) {
-        eng_near_work_begin(team.workers[i]);
-    }
+    begin_search(&team, &query);
     result->times.ingest = staged_ns;
     team.method->start(&team, &step);
     uint64_t detect_ns = eng_detect_run(&team, &result->times);
@@ -327,7 +386,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     result->times.merge = end_ns - detect_ns;
     uint64_t work_ns =
         eng_detect_count(&team, memory->records, &result->times, &result->counters);
-    for (uint32_t i = 0; i < team.count; i++) {
+    for (uint32_t i = 0; i < team.count && !is_by_objects(query.what); i++) {
         result->counters.exact += eng_near_work_of(team.workers[i])->batch.exact;
     }
     if (result->incomplete == PCCD_COMPLETE) {

@@ -66,6 +66,7 @@ static void destroy(struct eng_scene *scene)
     eng_records_deinit(&memory->near.records);
     eng_free((void *)memory->near.bounds);
     eng_free(memory->near.order);
+    eng_near_objects_deinit(&memory->near.objects);
     eng_free(memory);
     scene->slots[ENG_SLOT_STEP] = NULL;
 }
@@ -111,6 +112,7 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
 static void changed(struct eng_scene *scene)
 {
     eng_step_memory_of(scene)->kept.objects_changed = true;
+    eng_near_warm_forget(&eng_step_memory_of(scene)->near.objects.warm);
 }
 
 static uint64_t bytes_of(const struct eng_worker *worker)
@@ -131,7 +133,8 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
                    eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
                    memory->near.records.capacity_bytes +
                    memory->near.bound_capacity * sizeof *memory->near.bounds +
-                   memory->near.order_capacity * sizeof *memory->near.order;
+                   memory->near.order_capacity * sizeof *memory->near.order +
+                   eng_near_objects_bytes(&memory->near.objects);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         sum += bytes_of(memory->workers[i]);
     }

@@ -1,7 +1,8 @@
 /* daemon/engine/step_memory.h - the memory that a step leaves for the next one, so that a
  * warm step allocates nothing.
  *
- * Room:     engine. May include: effort.h, kept.h, merge.h, worker.h, world.h.
+ * Room:     engine. May include: effort.h, kept.h, merge.h, near_objects.h, worker.h,
+ *           world.h.
  * Does:     keep threads' workers, queues, records and sort scratch of a scene.
  * Threads:  [compute].
  */
@@ -11,6 +12,7 @@
 #include "effort.h"
 #include "kept.h"
 #include "merge.h"
+#include "near_objects.h"
 #include "worker.h"
 #include "world.h"
 
@@ -22,6 +24,7 @@ struct eng_near_memory {
     uint32_t bound_capacity;
     uint64_t *order; /* [order_capacity] objects: id << 32 | index */
     uint32_t order_capacity;
+    struct eng_near_objects objects; /* NEAREST, DEPTH */
 };
 
 struct eng_step_memory {

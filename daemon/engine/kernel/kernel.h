@@ -89,6 +89,13 @@ struct eng_kernels {
                              struct eng_quantised_box *quantised_around,
                              uint32_t *farthest);
 
+    /* Of sixteen boxes at one end, rows low[axis] and high[axis] of a block, which are
+     * within `limit` of one box, box[0] below and box[1] above: a bit for each whose
+     * square[..] is less. That is the square of the distance, up to 2^-21 of itself more.
+     * No box is at INFINITY. */
+    uint32_t (*box_gaps)(const float (*low)[ENG_WIDE], const float (*high)[ENG_WIDE],
+                         const float box[2][4], float limit, float square[ENG_WIDE]);
+
     /* The pairs that the boxes of blocks of job->a and of job->b make, which may meet in
      * the step: of the round's pairs of blocks, as many as there is room for in
      * out_a[room] and out_b[room]; returns how many. Again, with room for ENG_WIDE or

@@ -19,6 +19,7 @@ kernel_sources = \
     daemon/engine/kernel/join_blocks.c \
     daemon/engine/kernel/join.h \
     daemon/engine/kernel/four.h \
+    daemon/engine/kernel/gaps.c \
     daemon/engine/kernel/kernel.h \
     daemon/engine/kernel/lane_types.h \
     daemon/engine/kernel/lanes.h \

@@ -22,11 +22,11 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .box_fold = ENG_KERNEL(box_fold),
     .box_unite = ENG_KERNEL(box_unite),
     .quantised_blocks = ENG_KERNEL(quantised_blocks),
+    .box_gaps = ENG_KERNEL(box_gaps),
     .join_nodes = ENG_KERNEL(join_nodes),
 #define JOIN_FEATURES(NAME, value, name, ...)                                            \
     .join_features[PCCD_##NAME] = ENG_KERNEL(join_##name),
-    PCCD_KIND_LIST(JOIN_FEATURES)
-    JOIN_FEATURES(EF, 4, ef, )
+    PCCD_KIND_LIST(JOIN_FEATURES) JOIN_FEATURES(EF, 4, ef, )
 #undef JOIN_FEATURES
         .apart = ENG_KERNEL(apart),
     .sift = ENG_KERNEL(sift),

@@ -43,6 +43,9 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
                                   struct eng_quantised_box *quantised_around,
                                   uint32_t *farthest);
 
+uint32_t ENG_KERNEL(box_gaps)(const float (*low)[ENG_WIDE], const float (*high)[ENG_WIDE],
+                              const float box[2][4], float limit, float square[ENG_WIDE]);
+
 uint32_t ENG_KERNEL(join_nodes)(struct eng_join *job, struct eng_join_round *round,
                                 uint32_t *out_a, uint32_t *out_b, uint32_t room);
 #define ENG_JOIN_FEATURES(NAME, value, name, ...)                                        \

@@ -19,6 +19,7 @@
 #include "highlevel.h"
 #include "moving.h"
 #include "paper.h"
+#include "paper_faces.h"
 #include "paper_work.h"
 #include "rebuild.h"
 #include "refit.h"
@@ -312,6 +313,9 @@ const struct eng_method_calls eng_method_paper = {.can_prune = true,
                                                   .perform_unit = perform_assigned,
                                                   .unit_size = unit_size,
                                                   .finish_units = eng_highlevel_perform,
+                                                  .faces_of = eng_paper_faces_of,
+                                                  .faces_open = eng_paper_faces_open,
+                                                  .faces_index = eng_paper_faces_index,
                                                   .work_free = eng_paper_work_free,
                                                   .work_bytes = eng_paper_work_bytes,
                                                   .flush = eng_taskunit_flush};

@@ -61,6 +61,7 @@ struct eng_mesh {
     struct eng_bounds bounds;
     double fineness;
     struct eng_spacing spacing; /* which is found out after commit, if at all */
+    atomic_uint closed;         /* likewise (closed.h); 0: it is not known */
 };
 
 /* The bounds of the mesh's triangles, with its vertices at x. Vertices that are in none

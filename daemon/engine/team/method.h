@@ -1,6 +1,6 @@
 /* daemon/engine/team/method.h - what a method must provide so that a step can use it.
  *
- * Room:     engine. May include: team.h.
+ * Room:     engine. May include: faces.h, team.h.
  * Does:     define the table of functions that differ between the methods: trees, boxes,
  *           tasks. A task is a 64-bit word whose meaning belongs to the method, so that
  *           one scheduler serves both.
@@ -9,6 +9,7 @@
 #ifndef ENG_METHOD_H
 #define ENG_METHOD_H
 
+#include "faces.h"
 #include "team.h"
 
 struct eng_method_calls {
@@ -64,6 +65,15 @@ struct eng_method_calls {
     uint32_t (*unit_size)(const struct eng_worker *worker, uint64_t unit);
     /* When all of them are done: what all threads do together. [team] */
     void (*finish_units)(struct eng_team *team, struct eng_worker *worker);
+
+    /* After a refit, and until what the scene has moves on: the faces of an object at an
+     * end of the step, and what is below a node of them (faces.h). [any] */
+    void (*faces_of)(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
+                     struct eng_faces *faces);
+    void (*faces_open)(const struct eng_faces *faces, uint32_t node,
+                       struct eng_faces_below *below);
+    /* The index in its mesh of one that is a face. */
+    uint32_t (*faces_index)(const struct eng_faces *faces, uint32_t node);
 
     /* What the method keeps of a worker, in its slot of worker->work. [compute] */
     void (*work_free)(struct eng_worker *worker);

@@ -33,7 +33,9 @@ struct eng_team {
     /* Records of pairs of which neither feature moves (moving.h) are taken from the last
      * answer: no worker finds such a pair. */
     bool prunes;
-    bool has_boxes;        /* of this very step: there is nothing to refit */
+    bool has_boxes; /* of this very step: there is nothing to refit */
+    /* What a thread does when the boxes are there; NULL: the method's tasks. [team] */
+    void (*search)(struct eng_team *team, struct eng_worker *worker);
     uint64_t refit_end_ns; /* written by the thread that ended the refit */
     struct eng_refit_progress refit;
     _Alignas(128) atomic_uint active; /* stealing: workers that have tasks */

@@ -320,6 +320,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
             fill(wide, scene, wide->items[i].id, kind, first);
+            eng_wide_order_of(object)->first[kind] = first;
             wide->feature_count += count;
             end = first + count;
         }

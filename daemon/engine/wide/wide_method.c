@@ -16,6 +16,7 @@
 
 #include "frames.h"
 #include "moving.h"
+#include "wide_faces.h"
 #include "wide_grid.h"
 #include "wide_quantised.h"
 #include "wide_state.h"
@@ -446,6 +447,9 @@ const struct eng_method_calls eng_method_wide = {.can_prune = true,
                                                  .perform_unit = perform_unit,
                                                  .unit_size = unit_size,
                                                  .finish_units = no_high_level,
+                                                 .faces_of = eng_wide_faces_of,
+                                                 .faces_open = eng_wide_faces_open,
+                                                 .faces_index = eng_wide_faces_index,
                                                  .work_free = eng_wide_work_free,
                                                  .work_bytes = eng_wide_work_bytes,
                                                  .flush = flush};

@@ -33,6 +33,7 @@
 struct eng_wide_order {
     uint32_t count[ENG_WIDE_TREES];       /* slots: features, and those behind pieces */
     uint32_t *feature[ENG_WIDE_TREES];    /* [count] */
+    uint32_t first[ENG_WIDE_TREES]; /* slot in the trees, once they are put together */
     uint32_t piece_count;                 /* 1: pieces are not told apart */
     uint32_t *piece_of;                   /* [vertex_count] of 1: NULL */
     uint32_t *piece_size[ENG_WIDE_TREES]; /* [piece_count] features */

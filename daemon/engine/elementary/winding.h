@@ -1,0 +1,29 @@
+/* daemon/engine/elementary/winding.h - how often a closed surface winds around a point,
+ * face by face.
+ *
+ * Room:     engine. May include: number.h.
+ * Does:     say what one face adds to the winding number of a point: the faces that a ray
+ *           from the point along +x passes through, each with the side it is passed from.
+ *           Exactly, by doubles where they are sure, else by pairs of doubles, else by
+ *           integers.
+ * Does not: know meshes, or find the faces that the ray may meet.
+ * Threads:  one thread for one struct eng_numbers. Allocates nothing.
+ * Source:   Edelsbrunner, Mücke: Simulation of Simplicity, 1990; elementary/BOUNDS.md,
+ *           "Inside".
+ *
+ * The ray does not begin at p but at p + (0, e, e^2), for an e > 0 that is less than any
+ * number. So it meets no vertex and no edge, whatever their coordinates, and there are no
+ * special cases. Where p is not on the surface this changes no winding number.
+ */
+#ifndef ENG_WINDING_H
+#define ENG_WINDING_H
+
+#include "number.h"
+
+/* A face that the ray misses adds 0, one that it passes 1 or -1. ENG_UNSURE: p is on the
+ * face; of a face in a plane with the ray, p on it may also be answered by 0. Magnitudes
+ * at most 1e18. */
+enum eng_sign eng_winding(struct eng_numbers *numbers, const double p[3],
+                          const double face[3][3]);
+
+#endif

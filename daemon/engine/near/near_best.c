@@ -1,0 +1,271 @@
+/* daemon/engine/near/near_best.c - the nearest pair so far.
+ *
+ * Room:     engine.
+ * Does:     see near_best.h. Doubles with bounds decide most; pairs that have their
+ *           distance between the same points are equally near; the rest are compared
+ *           exactly.
+ * Threads:  one thread for one struct eng_near_best.
+ */
+#include "near_best.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "distance_quick.h"
+
+struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vertex,
+                                 uint32_t v, uint32_t of_face, uint32_t f)
+{
+    const struct eng_object *face_object = &scene->objects[of_face];
+    const uint32_t *corner = face_object->mesh->triangles[f].v;
+    uint32_t first = face_object->vertices.first;
+    return (struct eng_near_pair){.kind = PCCD_VF,
+                                  .object = {of_vertex, of_face},
+                                  .feature = {v, f},
+                                  .point = {scene->objects[of_vertex].vertices.first + v,
+                                            first + corner[0], first + corner[1],
+                                            first + corner[2]}};
+}
+
+static uint64_t edge_of(const uint32_t edge[2], uint32_t first, uint32_t point[2])
+{
+    uint32_t low = edge[0] < edge[1] ? edge[0] : edge[1];
+    uint32_t high = edge[0] < edge[1] ? edge[1] : edge[0];
+    point[0] = first + low;
+    point[1] = first + high;
+    return (uint64_t)high << 32 | low;
+}
+
+struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
+                                 const uint32_t edge_a[2], uint32_t b,
+                                 const uint32_t edge_b[2])
+{
+    const struct eng_object *objects = scene->objects;
+    bool in_order = objects[a].id < objects[b].id;
+    uint32_t first = in_order ? a : b;
+    uint32_t second = in_order ? b : a;
+    struct eng_near_pair pair = {.kind = PCCD_EE, .object = {first, second}};
+    pair.feature[0] =
+        edge_of(in_order ? edge_a : edge_b, objects[first].vertices.first, pair.point);
+    pair.feature[1] = edge_of(in_order ? edge_b : edge_a, objects[second].vertices.first,
+                              pair.point + 2);
+    return pair;
+}
+
+void eng_near_best_begin(struct eng_near_best *best, double distance, double gap)
+{
+    assert(distance >= 0 && gap >= 0);
+    best->distance = distance;
+    best->gap = gap;
+    best->is_made = false;
+}
+
+double eng_near_best_reach(const struct eng_near_best *best)
+{
+    return best->is_made ? best->hi - best->gap : best->distance;
+}
+
+/* Is `a` before `b` in canonical order? */
+static bool is_before(const struct eng_scene *scene, const struct eng_near_pair *a,
+                      const struct eng_near_pair *b)
+{
+    if (a->kind != b->kind) {
+        return a->kind < b->kind;
+    }
+    for (int i = 0; i < 2; i++) {
+        uint32_t object_a = scene->objects[a->object[i]].id;
+        uint32_t object_b = scene->objects[b->object[i]].id;
+        if (object_a != object_b) {
+            return object_a < object_b;
+        }
+        if (a->feature[i] != b->feature[i]) {
+            return a->feature[i] < b->feature[i];
+        }
+    }
+    return false;
+}
+
+static void load(const struct eng_near_best *best, const struct eng_near_pair *pair,
+                 struct eng_features *features)
+{
+    features->kind = pair->kind;
+    for (int i = 0; i < 4; i++) {
+        memcpy(features->x[i], best->x[pair->point[i]], sizeof features->x[i]);
+    }
+}
+
+/* The order of the points by (object, vertex). */
+static void rank_points(const struct eng_near_best *best,
+                        const struct eng_near_pair *pair, uint8_t rank[4])
+{
+    uint32_t split = pair->kind == PCCD_VF ? 1 : 2;
+    bool a_is_first = best->scene->objects[pair->object[0]].id <
+                      best->scene->objects[pair->object[1]].id;
+    for (uint32_t i = 0; i < 4; i++) {
+        rank[i] = 0;
+        for (uint32_t j = 0; j < 4; j++) {
+            bool same_object = (i < split) == (j < split);
+            bool is_less = same_object ? pair->point[j] < pair->point[i] ||
+                                             (pair->point[j] == pair->point[i] && j < i)
+                                       : (j < split) == a_is_first;
+            rank[i] = (uint8_t)(rank[i] + is_less);
+        }
+    }
+}
+
+/* What is known of a pair by doubles. */
+struct glance {
+    double lo;
+    double hi;
+    bool has_parts;
+    uint32_t part_count;
+    uint32_t parts[4]; /* indices of positions, rising */
+};
+
+static void set_parts(const struct eng_near_pair *pair, uint32_t points,
+                      struct glance *glance)
+{
+    glance->has_parts = true;
+    glance->part_count = 0;
+    for (int i = 0; i < 4; i++) {
+        if ((points >> i & 1u) == 0) {
+            continue;
+        }
+        uint32_t at = glance->part_count++;
+        for (; at > 0 && glance->parts[at - 1] > pair->point[i]; at--) {
+            glance->parts[at] = glance->parts[at - 1];
+        }
+        glance->parts[at] = pair->point[i];
+    }
+}
+
+static void look_quickly(const struct eng_near_pair *pair,
+                         const struct eng_features *features, struct glance *glance)
+{
+    struct eng_place place;
+    *glance = (struct glance){.lo = 0, .hi = INFINITY};
+    if (eng_quick_place(features->kind, features->x, &place)) {
+        glance->lo = place.length - 2 * place.length_error;
+        glance->hi = place.length + 2 * place.length_error;
+        set_parts(pair, place.points, glance);
+    }
+}
+
+/* Are both distances between the same points? Then they are equal. */
+static bool has_same_parts(const struct eng_near_best *best, const struct glance *glance)
+{
+    return best->has_parts && glance->has_parts &&
+           best->part_count == glance->part_count &&
+           memcmp(best->parts, glance->parts,
+                  glance->part_count * sizeof glance->parts[0]) == 0;
+}
+
+static void take(struct eng_near_best *best, const struct eng_near_pair *pair,
+                 const struct eng_features *features, const struct glance *glance)
+{
+    best->is_made = true;
+    best->pair = *pair;
+    best->lo = glance->lo;
+    best->hi = glance->hi;
+    best->has_parts = glance->has_parts;
+    best->part_count = glance->part_count;
+    memcpy(best->parts, glance->parts, sizeof best->parts);
+    if (!isfinite(glance->hi)) {
+        uint8_t rank[4];
+        struct eng_distance distance;
+        rank_points(best, pair, rank);
+        eng_distance_find(best->distances, pair->kind, features->x, rank, &distance);
+        best->lo = distance.lo;
+        best->hi = distance.hi;
+    }
+}
+
+void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair)
+{
+    struct eng_features features;
+    struct glance glance;
+    best->looked++;
+    load(best, pair, &features);
+    look_quickly(pair, &features, &glance);
+    if (glance.lo > eng_near_best_reach(best)) {
+        return;
+    }
+    if (!best->is_made) {
+        if (glance.hi <= best->distance ||
+            eng_distance_within(best->distances, pair->kind, features.x,
+                                best->distance)) {
+            take(best, pair, &features, &glance);
+        }
+        return;
+    }
+    if (glance.hi < best->lo) {
+        take(best, pair, &features, &glance);
+        return;
+    }
+    bool comes_first = is_before(best->scene, pair, &best->pair);
+    if (!comes_first && (best->hi == 0 || has_same_parts(best, &glance))) {
+        return;
+    }
+    enum eng_sign sign = ENG_ZERO;
+    if (!has_same_parts(best, &glance)) {
+        struct eng_features of_best;
+        load(best, &best->pair, &of_best);
+        sign = eng_distance_order(best->order, best->distances, &features, &of_best);
+    }
+    if (sign == ENG_MINUS || (sign == ENG_ZERO && comes_first)) {
+        take(best, pair, &features, &glance);
+    }
+}
+
+/* The number of an edge, which the mesh has, by its vertices: they are in the order of
+ * (higher, lower). */
+static uint32_t edge_number(const struct eng_mesh *mesh, uint64_t edge)
+{
+    uint32_t from = 0;
+    uint32_t end = mesh->info.edge_count;
+    while (end - from > 1) {
+        uint32_t middle = from + (end - from) / 2;
+        const uint32_t *at = mesh->edges[middle];
+        if (((uint64_t)at[1] << 32 | at[0]) <= edge) {
+            from = middle;
+        } else {
+            end = middle;
+        }
+    }
+    return from;
+}
+
+void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,
+                       struct pccd_near *record)
+{
+    const struct eng_object *objects = best->scene->objects;
+    struct eng_features features;
+    struct eng_distance distance;
+    uint8_t rank[4];
+    bool is_vf = pair->kind == PCCD_VF;
+    load(best, pair, &features);
+    rank_points(best, pair, rank);
+    eng_distance_find(best->distances, pair->kind, features.x, rank, &distance);
+    memset(record, 0, sizeof *record);
+    record->kind = (uint32_t)pair->kind;
+    record->flags =
+        (uint32_t)distance.type << 8 | (best->gap > 0 ? (uint32_t)PCCD_NEAR_GAP : 0);
+    record->object_a = objects[pair->object[0]].id;
+    record->object_b = objects[pair->object[1]].id;
+    record->feature_a =
+        is_vf ? (uint32_t)pair->feature[0]
+              : edge_number(objects[pair->object[0]].mesh, pair->feature[0]);
+    record->feature_b =
+        is_vf ? (uint32_t)pair->feature[1]
+              : edge_number(objects[pair->object[1]].mesh, pair->feature[1]);
+    record->d_lo = distance.lo;
+    record->d_hi = distance.hi;
+    for (int i = 0; i < 2; i++) {
+        record->param[i] = (float)distance.param[i];
+    }
+    for (int k = 0; k < 3; k++) {
+        record->direction[k] = (float)distance.direction[k];
+    }
+    record->count = 1;
+}

@@ -1,0 +1,64 @@
+/* daemon/engine/near/near_best.h - the nearest of the pairs of features that were
+ * looked at so far.
+ *
+ * Room:     engine. May include: distance_order.h, world.h.
+ * Does:     take a pair that is nearer, exactly, or as near and before in canonical
+ *           order; say how far away a pair may be and still matter; describe the pair.
+ * Does not: know where pairs come from (near_search.h).
+ * Threads:  one thread for one struct eng_near_best.
+ * Source:   elementary/BOUNDS.md, "Which distance is less".
+ */
+#ifndef ENG_NEAR_BEST_H
+#define ENG_NEAR_BEST_H
+
+#include "distance_order.h"
+#include "world.h"
+
+/* A vertex and a face, or two edges, of two different objects, named as in a record but
+ * that an edge is the higher of its vertices << 32 | the lower: edges are numbered in
+ * that order. */
+struct eng_near_pair {
+    enum pccd_kind kind;
+    uint32_t object[2]; /* index, of a and b */
+    uint64_t feature[2];
+    uint32_t point[4]; /* index in the scene's positions, in the order of distance.h */
+};
+
+/* Vertex `v` and face `f` of two objects. */
+struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vertex,
+                                 uint32_t v, uint32_t of_face, uint32_t f);
+/* Edges of two objects, each by its vertices. */
+struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
+                                 const uint32_t edge_a[2], uint32_t b,
+                                 const uint32_t edge_b[2]);
+
+struct eng_near_best {
+    const struct eng_scene *scene;
+    const double (*x)[3]; /* the scene's positions at the moment */
+    struct eng_distances *distances;
+    struct eng_distance_order *order;
+    double distance; /* what is farther does not count; INFINITY: all does */
+    double gap;      /* what is nearer by at most that need not be found */
+    bool is_made;
+    struct eng_near_pair pair;
+    double lo; /* its distance is between these */
+    double hi;
+    bool has_parts; /* it is known what its distance is between: these indices */
+    uint32_t part_count;
+    uint32_t parts[4];
+    uint64_t looked; /* pairs since looked was 0 */
+};
+
+/* Nothing was looked at. distance >= 0, gap >= 0. */
+void eng_near_best_begin(struct eng_near_best *best, double distance, double gap);
+
+/* A pair that is farther away than that need not be looked at; negative: none need. */
+double eng_near_best_reach(const struct eng_near_best *best);
+
+void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair);
+
+/* The record of a pair. */
+void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,
+                       struct pccd_near *record);
+
+#endif

@@ -1,0 +1,81 @@
+/* daemon/engine/near/near_objects.h - what is asked of objects two by two: which of their
+ * features are nearest, and how deep one is in the other.
+ *
+ * Room:     engine. May include: closed.h, near_search.h, near_warm.h.
+ * Does:     list the objects that are asked for; share them out among the threads, which
+ *           write their records to worker->found.
+ * Does not: bring the records of all threads together (near.c).
+ * Threads:  functions say.
+ */
+#ifndef ENG_NEAR_OBJECTS_H
+#define ENG_NEAR_OBJECTS_H
+
+#include "closed.h"
+#include "near_search.h"
+#include "near_warm.h"
+
+/* The question, as in struct eng_near_settings. */
+struct eng_near_ask {
+    enum pccd_near_what what; /* NEAREST or DEPTH */
+    double distance;
+    double gap;
+    uint32_t end;
+    uint32_t objects[2]; /* ids; 0: any */
+};
+
+/* A mesh that is not closed: of the object of that id. */
+struct eng_near_open {
+    uint32_t object;
+    struct eng_open_edge edge;
+};
+
+/* An object, or some faces of it, for any thread. */
+struct eng_near_share {
+    double low; /* NEAREST: the least x of its bounds */
+    uint32_t object;
+    uint32_t first; /* DEPTH: faces, for the vertices that they own; count 0: .. */
+    uint32_t count; /* .. for crossings with objects behind it */
+};
+
+struct eng_near_objects {
+    const struct eng_scene *scene;
+    struct eng_near_ask ask;
+    uint32_t chosen[2]; /* indices, or ENG_NO_OBJECT */
+    struct eng_near_warm warm;
+    struct eng_near_share *shares; /* [share_capacity]; NEAREST: by x */
+    uint32_t share_count;
+    uint32_t share_capacity;
+    atomic_uint next;               /* of the shares */
+    atomic_uint_fast64_t crossings; /* DEPTH: so far */
+    struct eng_near_search *searches[ENG_THREADS_MAX];
+    uint32_t search_count;
+};
+
+void eng_near_objects_deinit(struct eng_near_objects *objects);
+uint64_t eng_near_objects_bytes(const struct eng_near_objects *objects);
+
+/* Get ready, for that many threads; where the scene stands does not matter yet.
+ * PCCD_E_HANDLE: no object of an id; PCCD_E_NOMEM; PCCD_E_INVAL: an object beside itself;
+ * or DEPTH of a mesh that is not closed: of all that are asked for and may meet another
+ * *open is that of the least id, else open->object is 0. [compute] */
+int eng_near_objects_prepare(struct eng_near_objects *objects,
+                             const struct eng_scene *scene,
+                             const struct eng_near_ask *ask, uint32_t threads,
+                             struct eng_near_open *open);
+
+/* The positions have moved on. [compute] */
+void eng_near_objects_begin(struct eng_near_objects *objects);
+
+/* A thread's part, after the refit; boxes are those of `method`. [team] */
+void eng_near_objects_perform(struct eng_near_objects *objects,
+                              const struct eng_method_calls *method,
+                              struct eng_worker *worker);
+
+/* What passes through what, of DEPTH; after the search. [compute] */
+uint64_t eng_near_objects_crossings(const struct eng_near_objects *objects);
+
+/* The records of a complete answer: where the next one begins. [compute] */
+void eng_near_objects_learn(struct eng_near_objects *objects, const void *records,
+                            uint64_t count);
+
+#endif

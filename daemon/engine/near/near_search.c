@@ -1,0 +1,446 @@
+/* daemon/engine/near/near_search.c - finds what is nearest in the trees of a method.
+ *
+ * Room:     engine.
+ * Does:     see near_search.h. What waits lies in a stack, of what was opened last the
+ *           nearest on top.
+ * Threads:  one thread for one struct eng_near_search.
+ */
+#include "near_search.h"
+
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "aabb.h"
+#include "kernel.h"
+#include "memory.h"
+#include "winding.h"
+
+/* Of a square of a distance of boxes, and of what it is compared with: more than what
+ * their rounding takes and adds (BOUNDS.md). */
+#define SQUARE_SLACK 0x1p-19
+#define SQUARE_TINY  0x1p-120f
+
+/* No box is as far from the origin of its frame. */
+#define FAR       0x1p60f
+#define SHIFT_MAX 0x1p100
+
+/* Openings and looks between two looks at the clock: 20 us, as a rule; no look takes
+ * more than half a millisecond. */
+#define STEPS_PER_LOOK 64u
+
+int eng_near_search_new(struct eng_near_search **out)
+{
+    struct eng_near_search *search = eng_alloc(1, sizeof *search);
+    if (!search) {
+        return PCCD_E_NOMEM;
+    }
+    memset(search, 0, offsetof(struct eng_near_search, items));
+    if (eng_distances_init(&search->distances) != PCCD_OK) {
+        eng_free(search);
+        return PCCD_E_NOMEM;
+    }
+    if (eng_distance_order_init(&search->order) != PCCD_OK) {
+        eng_distances_deinit(&search->distances);
+        eng_free(search);
+        return PCCD_E_NOMEM;
+    }
+    *out = search;
+    return PCCD_OK;
+}
+
+void eng_near_search_free(struct eng_near_search *search)
+{
+    if (search) {
+        eng_distance_order_deinit(&search->order);
+        eng_distances_deinit(&search->distances);
+        eng_free(search);
+    }
+}
+
+void eng_near_search_at(struct eng_near_search *search,
+                        const struct eng_method_calls *method, struct eng_worker *worker,
+                        uint32_t end)
+{
+    const struct eng_scene *scene = worker->scene;
+    assert(end <= 1);
+    search->method = method;
+    search->worker = worker;
+    search->scene = scene;
+    search->end = end;
+    search->box_tests = 0;
+    search->is_stopped = false;
+    search->steps = 0;
+    search->best.scene = scene;
+    search->best.x = (const double(*)[3])scene->x[end == 1 ? scene->now : 1 - scene->now];
+    search->best.distances = &search->distances;
+    search->best.order = &search->order;
+    search->best.looked = 0;
+}
+
+static bool is_stopped(struct eng_near_search *search)
+{
+    if (++search->steps >= STEPS_PER_LOOK) {
+        search->steps = 0;
+        search->is_stopped |= eng_worker_should_stop(search->worker);
+    }
+    return search->is_stopped;
+}
+
+/* What best found may leave more out. */
+static void set_limit(struct eng_near_search *search)
+{
+    double reach = eng_near_best_reach(&search->best);
+    if (reach == search->reach) {
+        return;
+    }
+    double framed = reach * search->scale;
+    double limit = framed * framed * (1 + SQUARE_SLACK) + SQUARE_TINY;
+    search->reach = reach;
+    search->limit = reach < 0 ? 0 : limit < (double)FLT_MAX ? (float)limit : INFINITY;
+}
+
+/* ---- frames ------------------------------------------------------------------------ */
+
+static double origin_of(const struct eng_scene *scene, uint32_t object, uint32_t end,
+                        int axis)
+{
+    return scene->framing.number == 0
+               ? 0
+               : scene->objects[object].frame.origin[4 * end + (uint32_t)axis];
+}
+
+/* Boxes of objects of different groups are nearer, as they are measured, than the objects
+ * are, or hardly farther: they are put where they belong. */
+static void set_frames(struct eng_near_search *search, uint32_t a, uint32_t b)
+{
+    const struct eng_scene *scene = search->scene;
+    search->scale = scene->framing.number == 0 ? 1 : scene->framing.scale;
+    search->has_shift = false;
+    for (int k = 0; k < 3; k++) {
+        double shift =
+            (origin_of(scene, a, search->end, k) - origin_of(scene, b, search->end, k)) *
+            search->scale;
+        search->shift[k] = fmin(fmax(shift, -SHIFT_MAX), SHIFT_MAX);
+        search->has_shift |= shift != 0;
+    }
+}
+
+/* An outward distance moved by `shift`, rounded outward; no farther away than boxes may
+ * be, where that makes the box larger. */
+static float moved(float outward, double shift)
+{
+    double sum = (double)outward + shift;
+    double error = 0x1p-50 * (fabs((double)outward) + fabs(shift));
+    float out = nextafterf((float)fmin(sum + error, 0x1p100), INFINITY);
+    return out < -FAR ? -FAR : out;
+}
+
+/* The box of a child, of the first object. */
+static void box_of(const struct eng_near_search *search,
+                   const struct eng_faces_below *below, uint32_t child, float box[2][4])
+{
+    for (int k = 0; k < 3; k++) {
+        box[0][k] = below->low[k][child];
+        box[1][k] = below->high[k][child];
+        if (search->has_shift && box[0][k] > ENG_NOWHERE) {
+            box[0][k] = moved(box[0][k], -search->shift[k]);
+            box[1][k] = moved(box[1][k], search->shift[k]);
+        }
+    }
+}
+
+/* ---- two objects ------------------------------------------------------------------- */
+
+static void look(struct eng_near_search *search, const struct eng_near_pair *pair)
+{
+    eng_near_best_look(&search->best, pair);
+}
+
+static const struct eng_face *face_of(const struct eng_near_search *search, int side,
+                                      uint32_t face)
+{
+    return &search->scene->objects[search->faces[side].object].mesh->triangles[face];
+}
+
+/* The features that two faces own against each other, as in a step. */
+static void look_at_faces(struct eng_near_search *search, const uint32_t node[2])
+{
+    uint32_t faces[2];
+    for (int side = 0; side < 2; side++) {
+        faces[side] = search->method->faces_index(&search->faces[side], node[side]);
+    }
+    for (int side = 0; side < 2; side++) {
+        const struct eng_face *face = face_of(search, side, faces[side]);
+        for (uint32_t k = 0; k < 3; k++) {
+            if ((face->owns & ENG_OWNS_VERTEX(k)) != 0) {
+                struct eng_near_pair pair =
+                    eng_near_vf(search->scene, search->faces[side].object, face->v[k],
+                                search->faces[1 - side].object, faces[1 - side]);
+                look(search, &pair);
+            }
+        }
+    }
+    const struct eng_face *a = face_of(search, 0, faces[0]);
+    const struct eng_face *b = face_of(search, 1, faces[1]);
+    for (uint32_t i = 0; i < 3; i++) {
+        if ((a->owns & ENG_OWNS_EDGE(i)) == 0) {
+            continue;
+        }
+        uint32_t edge_a[2] = {a->v[i], a->v[(i + 1) % 3]};
+        for (uint32_t j = 0; j < 3; j++) {
+            if ((b->owns & ENG_OWNS_EDGE(j)) != 0) {
+                uint32_t edge_b[2] = {b->v[j], b->v[(j + 1) % 3]};
+                struct eng_near_pair pair =
+                    eng_near_ee(search->scene, search->faces[0].object, edge_a,
+                                search->faces[1].object, edge_b);
+                look(search, &pair);
+            }
+        }
+    }
+    set_limit(search);
+}
+
+/* Behind what lies in the stack from `begin` on, the nearest last. */
+static void push(struct eng_near_search *search, uint32_t begin,
+                 const struct eng_near_item *item)
+{
+    assert(search->item_count < ENG_NEAR_ITEMS);
+    uint32_t at = search->item_count++;
+    for (; at > begin && search->items[at - 1].square < item->square; at--) {
+        search->items[at] = search->items[at - 1];
+    }
+    search->items[at] = *item;
+}
+
+static const struct eng_faces_below *open_side(struct eng_near_search *search, int side,
+                                               uint32_t node)
+{
+    search->method->faces_open(&search->faces[side], node, &search->below[side]);
+    return &search->below[side];
+}
+
+static void open_both(struct eng_near_search *search, const uint32_t node[2])
+{
+    uint32_t begin = search->item_count;
+    float square[ENG_WIDE];
+    const struct eng_faces_below *a = open_side(search, 0, node[0]);
+    const struct eng_faces_below *b = open_side(search, 1, node[1]);
+    for (uint32_t left = a->children; left != 0; left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(left);
+        float box[2][4];
+        box_of(search, a, i, box);
+        uint32_t bits = search->worker->kernels->box_gaps(
+            b->low, b->high, (const float(*)[4])box, search->limit, square);
+        search->box_tests += ENG_WIDE;
+        for (bits &= b->children; bits != 0; bits &= bits - 1) {
+            uint32_t j = (uint32_t)__builtin_ctz(bits);
+            push(search, begin,
+                 &(struct eng_near_item){
+                     square[j],
+                     {a->child[i], b->child[j]},
+                     (uint8_t)((a->faces >> i & 1u) | (b->faces >> j & 1u) << 1)});
+        }
+    }
+}
+
+static void begin(struct eng_near_search *search, uint32_t a, uint32_t b, double distance,
+                  double gap)
+{
+    assert(a != b);
+    set_frames(search, a, b);
+    eng_near_best_begin(&search->best, distance, gap);
+    search->reach = NAN; /* so that a limit is set */
+    set_limit(search);
+    search->item_count = 0;
+}
+
+bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
+                             double distance, double gap,
+                             const struct eng_near_pair *first)
+{
+    begin(search, a, b, distance, gap);
+    if (first) {
+        eng_near_best_look(&search->best, first);
+        set_limit(search);
+    }
+    search->method->faces_of(search->scene, a, search->end, &search->faces[0]);
+    search->method->faces_of(search->scene, b, search->end, &search->faces[1]);
+    search->items[search->item_count++] =
+        (struct eng_near_item){.node = {search->faces[0].root, search->faces[1].root}};
+    while (search->item_count > 0 && !is_stopped(search)) {
+        struct eng_near_item item = search->items[--search->item_count];
+        if (item.square >= search->limit) {
+            continue;
+        }
+        if (item.faces == 3) {
+            look_at_faces(search, item.node);
+        } else {
+            open_both(search, item.node);
+        }
+    }
+    return !search->is_stopped;
+}
+
+/* Of the edges that a face of one side owns, those that pass through a face of the
+ * other. */
+static uint64_t count_crossings(struct eng_near_search *search, int side, uint32_t edges,
+                                uint32_t face)
+{
+    const struct eng_scene *scene = search->scene;
+    const struct eng_face *own = face_of(search, side, edges);
+    const struct eng_face *other = face_of(search, 1 - side, face);
+    uint32_t first[2] = {scene->objects[search->faces[side].object].vertices.first,
+                         scene->objects[search->faces[1 - side].object].vertices.first};
+    uint64_t count = 0;
+    double x[5][3];
+    for (int i = 0; i < 3; i++) {
+        memcpy(x[2 + i], search->best.x[first[1] + other->v[i]], sizeof x[0]);
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        if ((own->owns & ENG_OWNS_EDGE(k)) != 0) {
+            memcpy(x[0], search->best.x[first[0] + own->v[k]], sizeof x[0]);
+            memcpy(x[1], search->best.x[first[0] + own->v[(k + 1) % 3]], sizeof x[0]);
+            count += eng_distance_crosses(&search->distances, (const double(*)[3])x);
+        }
+    }
+    return count;
+}
+
+bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint32_t b,
+                               uint64_t *crossings)
+{
+    *crossings = 0;
+    begin(search, a, b, 0, 0);
+    search->method->faces_of(search->scene, a, search->end, &search->faces[0]);
+    search->method->faces_of(search->scene, b, search->end, &search->faces[1]);
+    search->items[search->item_count++] =
+        (struct eng_near_item){.node = {search->faces[0].root, search->faces[1].root}};
+    while (search->item_count > 0 && !is_stopped(search)) {
+        struct eng_near_item item = search->items[--search->item_count];
+        if (item.faces != 3) {
+            open_both(search, item.node);
+            continue;
+        }
+        uint32_t faces[2];
+        for (int side = 0; side < 2; side++) {
+            faces[side] =
+                search->method->faces_index(&search->faces[side], item.node[side]);
+        }
+        *crossings += count_crossings(search, 0, faces[0], faces[1]) +
+                      count_crossings(search, 1, faces[1], faces[0]);
+    }
+    return !search->is_stopped;
+}
+
+/* ---- a point and an object --------------------------------------------------------- */
+
+/* The box of a point of the first object, as those of the second are measured. */
+static void box_point(const struct eng_near_search *search, const double x[3],
+                      float box[2][4])
+{
+    const struct eng_scene *scene = search->scene;
+    const struct eng_frame *frame = scene->framing.number == 0
+                                        ? NULL
+                                        : &scene->objects[search->faces[1].object].frame;
+    for (int k = 0; k < 3; k++) {
+        float low;
+        float high;
+        eng_bounds_of(&low, &high, x[k], frame, (int)(4 * search->end) + k);
+        box[0][k] = -low;
+        box[1][k] = high;
+    }
+}
+
+/* What is below a node of the second object and within the limit of a box. */
+static void open_one(struct eng_near_search *search, float box[2][4], float limit,
+                     uint32_t node)
+{
+    uint32_t begin = search->item_count;
+    float square[ENG_WIDE];
+    const struct eng_faces_below *below = open_side(search, 1, node);
+    uint32_t bits = search->worker->kernels->box_gaps(
+        below->low, below->high, (const float(*)[4])box, limit, square);
+    search->box_tests += ENG_WIDE;
+    for (bits &= below->children; bits != 0; bits &= bits - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(bits);
+        push(search, begin,
+             &(struct eng_near_item){
+                 square[i], {0, below->child[i]}, (uint8_t)(below->faces >> i & 1u)});
+    }
+}
+
+static void begin_point(struct eng_near_search *search, uint32_t of_vertex, uint32_t v,
+                        uint32_t of_faces, float box[2][4])
+{
+    const struct eng_object *object = &search->scene->objects[of_vertex];
+    begin(search, of_vertex, of_faces, INFINITY, 0);
+    search->method->faces_of(search->scene, of_faces, search->end, &search->faces[1]);
+    search->items[search->item_count++] =
+        (struct eng_near_item){.node = {0, search->faces[1].root}};
+    box_point(search, search->best.x[object->vertices.first + v], box);
+}
+
+static void look_at_face(struct eng_near_search *search, uint32_t of_vertex, uint32_t v,
+                         uint32_t of_faces, uint32_t face)
+{
+    struct eng_near_pair pair = eng_near_vf(search->scene, of_vertex, v, of_faces, face);
+    eng_near_best_look(&search->best, &pair);
+    set_limit(search);
+}
+
+bool eng_near_search_vertex(struct eng_near_search *search, uint32_t of_vertex,
+                            uint32_t v, uint32_t of_faces, uint32_t first)
+{
+    float box[2][4];
+    begin_point(search, of_vertex, v, of_faces, box);
+    if (first != ENG_NO_FACE) {
+        look_at_face(search, of_vertex, v, of_faces, first);
+    }
+    while (search->item_count > 0 && !is_stopped(search)) {
+        struct eng_near_item item = search->items[--search->item_count];
+        if (item.square >= search->limit) {
+            continue;
+        }
+        if (item.faces == 0) {
+            open_one(search, box, search->limit, item.node[1]);
+        } else {
+            look_at_face(search, of_vertex, v, of_faces,
+                         search->method->faces_index(&search->faces[1], item.node[1]));
+        }
+    }
+    return !search->is_stopped;
+}
+
+bool eng_near_search_winding(struct eng_near_search *search, uint32_t of_vertex,
+                             uint32_t v, uint32_t of_faces, int64_t *winding, bool *is_on)
+{
+    const struct eng_object *object = &search->scene->objects[of_faces];
+    const double(*x)[3] = search->best.x;
+    const double *p = x[search->scene->objects[of_vertex].vertices.first + v];
+    float box[2][4];
+    *winding = 0;
+    *is_on = false;
+    begin_point(search, of_vertex, v, of_faces, box);
+    box[1][0] = FAR; /* the ray's */
+    while (search->item_count > 0 && !*is_on && !is_stopped(search)) {
+        struct eng_near_item item = search->items[--search->item_count];
+        if (item.faces == 0) {
+            open_one(search, box, SQUARE_TINY, item.node[1]);
+            continue;
+        }
+        double face[3][3];
+        uint32_t index = search->method->faces_index(&search->faces[1], item.node[1]);
+        for (int i = 0; i < 3; i++) {
+            memcpy(face[i],
+                   x[object->vertices.first + object->mesh->triangles[index].v[i]],
+                   sizeof face[i]);
+        }
+        enum eng_sign sign =
+            eng_winding(&search->distances.numbers, p, (const double(*)[3])face);
+        *is_on = sign == ENG_UNSURE;
+        *winding += *is_on ? 0 : (int64_t)sign;
+    }
+    return !search->is_stopped;
+}

@@ -1,0 +1,44 @@
+/* daemon/engine/team/faces.h - the faces of one object in the tree of a method, as a
+ * search for what is near sees them: sixteen boxes at a time.
+ *
+ * Room:     engine. May include: boxes.h.
+ * Does:     define what a method's functions faces_of and faces_open (method.h) fill in.
+ *           The tree may hold other objects, too; their faces are left out.
+ * Does not: make boxes: they are those of the last refit.
+ * Threads:  [any] while nothing is refitted; types only.
+ */
+#ifndef ENG_FACES_H
+#define ENG_FACES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "boxes.h"
+
+struct eng_scene;
+
+/* Of the method's own: nodes are numbers. */
+struct eng_faces {
+    const struct eng_scene *scene;
+    uint32_t object; /* index */
+    uint32_t end;    /* of the step: 0 or 1 */
+    uint32_t root;
+    uint32_t first; /* what belongs to the object, as the method likes it */
+    uint32_t count;
+};
+
+/* What is below a node. Below a face, which `paper` may have at any level, is itself. */
+struct eng_faces_below {
+    const float (*low)[ENG_WIDE]; /* [axis][child], outward distances (boxes.h) */
+    const float (*high)[ENG_WIDE];
+    uint32_t children; /* a bit for each that there is: at INFINITY is none, either */
+    uint32_t faces;    /* a bit for each of them that is a face */
+    uint32_t child[ENG_WIDE];
+    _Alignas(64) float own[2][3][ENG_WIDE]; /* where a method writes low and high */
+};
+
+/* Below a node there are at most so many levels of opened nodes, itself included: of
+ * `wide` 8, of `paper` a quarter of the binary ones. */
+#define ENG_FACES_LEVELS_MAX 20u
+
+#endif

@@ -1,0 +1,108 @@
+/* daemon/engine/wide/wide_faces.c - the faces of one object in the wide trees.
+ *
+ * Room:     engine.
+ * Does:     see wide_faces.h. A node is a block: its level in the highest bits, its
+ *           number in the lower ones. A face is a slot.
+ * Threads:  wide_faces.h.
+ */
+#include "wide_faces.h"
+
+#include "wide_quantised.h"
+
+#define BLOCK_BITS 28u /* blocks are fewer than 2^28 */
+
+static uint32_t node_of(uint32_t level, uint32_t block)
+{
+    assert(level < ENG_WIDE_LEVELS_MAX && block < 1u << BLOCK_BITS);
+    return level << BLOCK_BITS | block;
+}
+
+void eng_wide_faces_of(const struct eng_scene *scene, uint32_t object_idx, uint32_t end,
+                       struct eng_faces *faces)
+{
+    const struct eng_wide *wide = eng_wide_of(scene);
+    const struct eng_wide_order *order = eng_wide_order_of(&scene->objects[object_idx]);
+    assert(end <= 1 && order->count[PCCD_TREE_FACES] > 0);
+    *faces = (struct eng_faces){.scene = scene,
+                                .object = object_idx,
+                                .end = end,
+                                .root = node_of(wide->level_count - 1, 0),
+                                .first = order->first[PCCD_TREE_FACES],
+                                .count = order->count[PCCD_TREE_FACES]};
+}
+
+/* Boxes of the faces in a block of slots, which are not kept in floats in a step that
+ * compares whole numbers: around their corners. */
+static void box_faces(const struct eng_wide *wide, uint32_t block, uint32_t end,
+                      struct eng_faces_below *below)
+{
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_FACES];
+    for (uint32_t i = 0; i < ENG_WIDE; i++) {
+        uint32_t slot = block * ENG_WIDE + i;
+        for (uint32_t side = 0; side < 2; side++) {
+            const float *a =
+                wide->point_boxes[tree->corner[0][slot]].side[2 * side + end];
+            const float *b =
+                wide->point_boxes[tree->corner[1][slot]].side[2 * side + end];
+            const float *c =
+                wide->point_boxes[tree->corner[2][slot]].side[2 * side + end];
+            for (int k = 0; k < 3; k++) {
+                float most = a[k] > b[k] ? a[k] : b[k];
+                below->own[side][k][i] = most > c[k] ? most : c[k];
+            }
+        }
+    }
+    below->low = (const float(*)[ENG_WIDE])below->own[0];
+    below->high = (const float(*)[ENG_WIDE])below->own[1];
+}
+
+static void rows_of(const struct eng_wide_block *block, uint32_t end,
+                    struct eng_faces_below *below)
+{
+    below->low = block->row[ENG_LOW0 + end];
+    below->high = block->row[ENG_HIGH0 + end];
+}
+
+/* A bit for each of 16 i .. 16 i + 15 that is in first .. last. */
+static uint32_t within(uint32_t i, uint32_t first, uint32_t last)
+{
+    uint32_t begin = i * ENG_WIDE;
+    uint32_t low = first > begin ? first - begin : 0;
+    uint32_t high = last < begin ? 0 : last - begin + 1;
+    high = high < ENG_WIDE ? high : ENG_WIDE;
+    return low < high ? (1u << high) - (1u << low) : 0;
+}
+
+void eng_wide_faces_open(const struct eng_faces *faces, uint32_t node,
+                         struct eng_faces_below *below)
+{
+    static_assert(ENG_LOW1 == ENG_LOW0 + 1 && ENG_HIGH1 == ENG_HIGH0 + 1, "ends");
+    const struct eng_wide *wide = eng_wide_of(faces->scene);
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_FACES];
+    uint32_t level = node >> BLOCK_BITS;
+    uint32_t block = node & ((1u << BLOCK_BITS) - 1);
+    uint32_t last = faces->first + faces->count - 1;
+    uint32_t shift = level * ENG_WIDE_BITS;
+    below->children = within(block, faces->first >> shift, last >> shift);
+    below->faces = level == 0 ? below->children : 0;
+    if (level > 0) {
+        for (uint32_t i = 0; i < ENG_WIDE; i++) {
+            below->child[i] = (level - 1) << BLOCK_BITS | (block * ENG_WIDE + i);
+        }
+        rows_of(eng_wide_blocks(tree, level) + block, faces->end, below);
+        return;
+    }
+    for (uint32_t i = 0; i < ENG_WIDE; i++) {
+        below->child[i] = block * ENG_WIDE + i;
+    }
+    if (eng_wide_has_quantised(wide)) {
+        box_faces(wide, block, faces->end, below);
+    } else {
+        rows_of(eng_wide_blocks(tree, 0) + block, faces->end, below);
+    }
+}
+
+uint32_t eng_wide_faces_index(const struct eng_faces *faces, uint32_t node)
+{
+    return (uint32_t)eng_wide_of(faces->scene)->trees[PCCD_TREE_FACES].keys[node];
+}
