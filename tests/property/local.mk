@@ -2,6 +2,7 @@
 
 property_names = \
     tests/property/test_eng_against_oracle \
+    tests/property/test_eng_near_objects \
     tests/property/test_eng_plays \
     tests/property/test_eng_standing \
     tests/property/test_eng_rigid \
@@ -23,6 +24,11 @@ tests_property_test_eng_against_oracle_SOURCES = \
 tests_property_test_eng_against_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_against_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_against_oracle_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_near_objects_SOURCES = tests/property/test_eng_near_objects.c
+tests_property_test_eng_near_objects_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_near_objects_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_near_objects_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_plays_SOURCES = tests/property/test_eng_plays.c $(property_judge)
 tests_property_test_eng_plays_CPPFLAGS = $(PROPERTY_CPPFLAGS)

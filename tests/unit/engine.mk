@@ -25,7 +25,9 @@ libengkit_la_SOURCES = \
     tests/unit/eng_stir.c \
     tests/unit/eng_stir.h \
     tests/unit/eng_way.c \
-    tests/unit/eng_way.h
+    tests/unit/eng_way.h \
+    tests/unit/near_kit.c \
+    tests/unit/near_kit.h
 libengkit_la_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 
 ENG_TESTS = \
@@ -78,6 +80,8 @@ ENG_TESTS = \
     tests/unit/test_eng_masks \
     tests/unit/test_eng_pairset \
     tests/unit/test_eng_blur \
+    tests/unit/test_eng_near_depth \
+    tests/unit/test_eng_near_nearest \
     tests/unit/test_eng_spacing
 check_PROGRAMS += $(ENG_TESTS)
 TESTS += $(ENG_TESTS)
@@ -93,6 +97,14 @@ tests_unit_test_eng_blur_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_spacing_SOURCES = tests/unit/test_eng_spacing.c
 tests_unit_test_eng_spacing_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_spacing_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_near_depth_SOURCES = tests/unit/test_eng_near_depth.c
+tests_unit_test_eng_near_depth_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_near_depth_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_near_nearest_SOURCES = tests/unit/test_eng_near_nearest.c
+tests_unit_test_eng_near_nearest_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_near_nearest_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_pairset_SOURCES = tests/unit/test_eng_pairset.c
 tests_unit_test_eng_pairset_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -1,0 +1,229 @@
+/* tests/unit/test_eng_near_depth.c - vertices inside closed meshes are found, with their
+ * distance to the surface.
+ *
+ * Room:     engine (near.h).
+ * Does:     ask about scenes whose answer is known by construction.
+ * Threads:  one, and teams of up to three.
+ * Source:   near.h, pccd_near.h.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "near_kit.h"
+
+struct box {
+    double low[3];
+    double high[3];
+    bool inward;
+};
+
+/* Boxes as one mesh. */
+static struct eng_mesh *boxes(const struct box *box, uint32_t count)
+{
+    double x[64][3];
+    uint32_t corners[64][3];
+    assert_true(count <= 5);
+    for (uint32_t i = 0; i < count; i++) {
+        struct eng_mesh *mesh = near_kit_box(box[i].low, box[i].high, box[i].inward);
+        memcpy(x + 8 * i, eng_mesh_vertices(mesh), 8 * sizeof x[0]);
+        eng_mesh_get_corners(mesh, corners + 12 * i);
+        for (uint32_t k = 0; k < 36; k++) {
+            corners[12 * i + k / 3][k % 3] += 8 * i;
+        }
+        eng_mesh_release(mesh);
+    }
+    return kit_mesh((const double(*)[3])x, 8 * count, (const uint32_t(*)[3])corners,
+                    12 * count);
+}
+
+static struct eng_mesh *cube(double low, double high)
+{
+    return boxes(&(struct box){{low, low, low}, {high, high, high}, false}, 1);
+}
+
+/* A closed mesh of four faces around a vertex at `tip`, far from everything else in its
+ * other vertices. */
+static struct eng_mesh *spike(double x, double y, double z)
+{
+    double corner[4][3] = {{x, y, z}, {90, 1, 2}, {90, 7, -3}, {90, -4, 9}};
+    static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    return kit_mesh((const double(*)[3])corner, 4, faces, 4);
+}
+
+static struct eng_near_result ask(struct near_kit *kit, struct eng_mesh *a,
+                                  struct eng_mesh *b)
+{
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    near_kit_begin(kit);
+    near_kit_add(kit, a);
+    near_kit_add(kit, b);
+    return near_kit_ask(kit, &settings);
+}
+
+/* A box with one corner in another: that corner alone, and how deep it is. A corner that
+ * is counted from both sides, or none, would be wrong. */
+static void depth__is_of_the_vertices_inside(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result = ask(&kit, cube(0, 2), cube(1.5, 4));
+    assert_int_equal(result.count, 2); /* 0's corner (2, 2, 2) is in the other, too */
+    const struct pccd_near *record = near_kit_record(&result, 0);
+    assert_int_equal(record->kind, PCCD_VF);
+    assert_int_equal(record->object_a, 1);
+    assert_int_equal(record->feature_a, 7);
+    assert_int_equal(record->object_b, 2);
+    assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
+    assert_int_equal(near_kit_record(&result, 1)->object_a, 2);
+    assert_int_equal(near_kit_record(&result, 1)->feature_a, 0);
+    assert_true(result.distance_max == 0.5);
+    near_kit_end(&kit);
+}
+
+/* The whole of one in another: all its vertices, the face of the least number among
+ * equally near ones. */
+static void depth__is_of_a_mesh_inside_another(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result = ask(&kit, cube(0, 8), cube(3, 4));
+    assert_int_equal(result.count, 8);
+    for (uint64_t i = 0; i < 8; i++) {
+        const struct pccd_near *record = near_kit_record(&result, i);
+        assert_int_equal(record->object_a, 2);
+        assert_int_equal(record->feature_a, i);
+        assert_true(record->d_lo == (i == 7 ? 4 : 3));
+    }
+    /* Of (3, 3, 3) the faces of x = 0, y = 0 and z = 0 are as far away: face 0 or 1 is
+     * the first, and both have the foot. */
+    assert_int_equal(near_kit_record(&result, 0)->feature_b, 0);
+    near_kit_end(&kit);
+}
+
+/* What is on the surface is not inside: on a face, on an edge, on a vertex. */
+static void depth__leaves_out_what_is_on_the_surface(void **state)
+{
+    (void)state;
+    static const double places[][3] = {{4, 1, 1}, {4, 4, 1}, {4, 4, 4}, {4, 2, 2},
+                                       {2, 4, 1}, {0, 1, 2}, {1, 0, 2}, {1, 2, 0}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        struct near_kit kit;
+        struct eng_near_result result =
+            ask(&kit, cube(0, 4), spike(places[i][0], places[i][1], places[i][2]));
+        assert_int_equal(result.count, 0);
+        near_kit_end(&kit);
+    }
+}
+
+/* In an octahedron the ray along +x from the middle meets a vertex, others meet edges;
+ * from outside it touches them. A count that has such a crossing twice, or not at all,
+ * would call an inside an outside. */
+static void depth__decides_rays_through_edges_and_vertices(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result;
+    static const double x[6][3] = {{4, 0, 0},  {-4, 0, 0}, {0, 4, 0},
+                                   {0, -4, 0}, {0, 0, 4},  {0, 0, -4}};
+    static const uint32_t faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                         {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    static const double inside[][3] = {{0, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                       {0, 0, -1}, {-1, 1, 0}, {0, -1, 1}};
+    static const double outside[][3] = {{-5, 0, 0}, {-4, 1, 0}, {-4, 0, -1}, {-3, 2, 0},
+                                        {-1, 4, 0}, {-2, 0, 4}, {-3, -4, 0}};
+    for (size_t i = 0; i < sizeof inside / sizeof inside[0]; i++) {
+        result = ask(&kit, kit_mesh(x, 6, faces, 8),
+                     spike(inside[i][0], inside[i][1], inside[i][2]));
+        assert_int_equal(result.count, 1);
+        near_kit_end(&kit);
+    }
+    for (size_t i = 0; i < sizeof outside / sizeof outside[0]; i++) {
+        result = ask(&kit, kit_mesh(x, 6, faces, 8),
+                     spike(outside[i][0], outside[i][1], outside[i][2]));
+        for (uint64_t k = 0; k < result.count; k++) { /* no vertex of the spike */
+            assert_int_equal(near_kit_record(&result, k)->object_a, 1);
+        }
+        near_kit_end(&kit);
+    }
+}
+
+/* Shells within shells: winding number 2 is inside; 1 - 1 is outside; one that is turned
+ * inside out is as closed as another. */
+static void depth__goes_by_the_winding_number(void **state)
+{
+    (void)state;
+    struct box shells[2] = {{{0, 0, 0}, {8, 8, 8}, false}, {{2, 2, 2}, {6, 6, 6}, false}};
+    for (int i = 0; i < 4; i++) {
+        struct near_kit kit;
+        shells[0].inward = i % 2 == 1;
+        shells[1].inward = i / 2 == 1;
+        struct eng_near_result result = ask(&kit, boxes(shells, 2), spike(4, 4, 3.5));
+        bool cancels = shells[0].inward != shells[1].inward;
+        assert_int_equal(result.count, cancels ? 0 : 1);
+        assert_true(cancels || result.distance_max == 1.5);
+        near_kit_end(&kit);
+    }
+}
+
+/* Crossed bars: no vertex of either is in the other, and yet the 4 long edges of the thin
+ * one pass through 2 sides of the other each. If crossings were not counted, the bars
+ * would be taken for apart. */
+static void depth__counts_what_passes_through(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result =
+        ask(&kit, boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
+            boxes(&(struct box){{-0.5, -9, -0.5}, {0.5, 9, 0.5}, false}, 1));
+    assert_int_equal(result.count, 0);
+    assert_true(result.distance_max == 0);
+    assert_true(result.crossings >= 8);
+    near_kit_end(&kit);
+    result = ask(&kit, boxes(&(struct box){{-8, -1, -1}, {8, 1, 1}, false}, 1),
+                 boxes(&(struct box){{-0.5, -9, 3}, {0.5, 9, 4}, false}, 1));
+    assert_int_equal(result.crossings, 0);
+    near_kit_end(&kit);
+}
+
+/* A mesh with a hole has no inside: the error names the first edge that shows it. */
+static void depth__names_what_is_open(void **state)
+{
+    (void)state;
+    static const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    /* Without its fourth face; the third is turned round. */
+    static const uint32_t faces[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
+    struct near_kit kit;
+    struct eng_near_result result;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, cube(0, 1));
+    near_kit_add(&kit, kit_mesh(x, 4, faces, 3));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    for (int i = 0; i < 2; i++) { /* the second time it is known */
+        assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
+        assert_int_equal(result.open_object, 2);
+        assert_int_equal(result.open_edge[0], 0);
+        assert_int_equal(result.open_edge[1], 1);
+        assert_int_equal(result.open_runs[0], 2);
+        assert_int_equal(result.open_runs[1], 0);
+    }
+    /* It matters only where it is asked for. */
+    near_kit_add(&kit, cube(0.25, 0.5));
+    settings.objects[0] = 1;
+    settings.objects[1] = 3;
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 8);
+    near_kit_end(&kit);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(depth__is_of_the_vertices_inside),
+        cmocka_unit_test(depth__is_of_a_mesh_inside_another),
+        cmocka_unit_test(depth__leaves_out_what_is_on_the_surface),
+        cmocka_unit_test(depth__decides_rays_through_edges_and_vertices),
+        cmocka_unit_test(depth__goes_by_the_winding_number),
+        cmocka_unit_test(depth__counts_what_passes_through),
+        cmocka_unit_test(depth__names_what_is_open),
+    };
+    return cmocka_run_group_tests_name("eng_near_depth", tests, NULL, NULL);
+}

@@ -1,0 +1,319 @@
+/* tests/unit/test_eng_near_nearest.c - of each two objects the nearest pair of features
+ * is found, and no other.
+ *
+ * Room:     engine (near.h).
+ * Does:     ask about scenes whose answer is known by construction.
+ * Threads:  one, and teams of up to three.
+ * Source:   near.h, pccd_near.h.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "near_kit.h"
+
+static const double unit_low[3] = {0, 0, 0};
+static const double unit_high[3] = {1, 1, 1};
+
+static struct eng_mesh *box_at(double x, double y, double z)
+{
+    double low[3] = {x, y, z};
+    double high[3] = {x + 1, y + 1, z + 1};
+    return near_kit_box(low, high, false);
+}
+
+/* A single triangle. */
+static struct eng_mesh *triangle(const double x[3][3])
+{
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    return kit_mesh(x, 3, corners, 1);
+}
+
+/* A vertex above the inside of a face: a search that cuts off too early, or that looks at
+ * one direction of vertex and face only, would answer something else. */
+static void nearest__is_a_vertex_above_a_face(void **state)
+{
+    (void)state;
+    static const double floor[3][3] = {{-4, -4, 0}, {4, -4, 0}, {0, 4, 0}};
+    static const double spike[3][3] = {{0, 0, 0.5}, {1, 0, 3}, {0, 1, 3}};
+    for (int turned = 0; turned < 2; turned++) {
+        struct near_kit kit;
+        near_kit_begin(&kit);
+        near_kit_add(&kit, triangle(turned ? spike : floor));
+        near_kit_add(&kit, triangle(turned ? floor : spike));
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, 1);
+        const struct pccd_near *record = near_kit_record(&result, 0);
+        assert_int_equal(record->kind, PCCD_VF);
+        assert_int_equal(record->object_a, turned ? 1 : 2);
+        assert_int_equal(record->feature_a, 0);
+        assert_int_equal(record->object_b, turned ? 2 : 1);
+        assert_int_equal(record->feature_b, 0);
+        assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
+        assert_true(record->direction[2] == 1);
+        assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VF);
+        assert_int_equal(record->count, 1);
+        near_kit_end(&kit);
+    }
+}
+
+/* Two edges across each other: with vertices and faces alone the distance would be too
+ * large. */
+static void nearest__is_two_edges(void **state)
+{
+    (void)state;
+    static const double lower[3][3] = {{-1, 0, 0}, {1, 0, 0}, {0, 0, -2}};
+    static const double upper[3][3] = {{0, -1, 0.25}, {0, 1, 0.25}, {0, 0, 2}};
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, triangle(lower));
+    near_kit_add(&kit, triangle(upper));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    const struct pccd_near *record = near_kit_record(&result, 0);
+    assert_int_equal(record->kind, PCCD_EE);
+    assert_int_equal(record->feature_a, 0); /* of vertices 0 and 1 */
+    assert_int_equal(record->feature_b, 0);
+    assert_true(record->d_lo == 0.25 && record->param[0] == 0.5f);
+    near_kit_end(&kit);
+}
+
+/* Two boxes side by side: every pair of their facing sides has the distance 0.5. Without
+ * the tie rule the answer would be whichever was found first. */
+static void nearest__of_equals_is_the_first_in_order(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
+    near_kit_add(&kit, box_at(1.5, 0, 0));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    const struct pccd_near *record = near_kit_record(&result, 0);
+    /* The first vertex of object 1 with x = 1, and the first face of object 2 that has
+     * its neighbour: faces 0 and 1 are the side z = 0 with vertices 0 2 3 1. */
+    assert_int_equal(record->kind, PCCD_VF);
+    assert_int_equal(record->object_a, 1);
+    assert_int_equal(record->feature_a, 1);
+    assert_int_equal(record->object_b, 2);
+    assert_int_equal(record->feature_b, 0);
+    assert_true(record->d_lo == 0.5 && record->d_hi == 0.5);
+    assert_int_equal(PCCD_NEAR_TYPE(record->flags), PCCD_VV);
+    near_kit_end(&kit);
+}
+
+/* Distances that differ in the last bit of a coordinate, far below what rounded lengths
+ * tell apart: compared as doubles, the earlier of the two would win. */
+static void nearest__is_told_from_one_that_is_hardly_farther(void **state)
+{
+    (void)state;
+    static const double floor[3][3] = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}};
+    double spikes[6][3] = {{0.1, 0.2, 0.7}, {0.3, 0, 3},  {0, 0.3, 3},
+                           {-0.4, 0.1, 0},  {-0.3, 0, 3}, {0, -0.3, 3}};
+    static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    spikes[3][2] = nextafter(0.7, 0);
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, triangle(floor));
+    near_kit_add(&kit, kit_mesh((const double(*)[3])spikes, 6, corners, 2));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
+    near_kit_end(&kit);
+}
+
+/* Boxes that touch, and one inside another: distance 0 has no direction, and what is
+ * inside is as far away as its surface. */
+static void nearest__touches_or_is_inside(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
+    near_kit_add(&kit, box_at(1, 0.25, 0.25));
+    static const double low[3] = {-2, -2, -2};
+    static const double high[3] = {4, 4, 4};
+    near_kit_add(&kit, near_kit_box(low, high, false));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 3);
+    for (uint64_t i = 0; i < 3; i++) {
+        const struct pccd_near *record = near_kit_record(&result, i);
+        bool touches = record->object_a + record->object_b == 3;
+        assert_true(touches == (record->d_hi == 0));
+        assert_true(touches == (record->direction[0] == 0 && record->direction[1] == 0 &&
+                                record->direction[2] == 0));
+        assert_true(touches || record->d_lo == 2);
+    }
+    near_kit_end(&kit);
+}
+
+/* `distance` is within it when it is exactly that far, and leaves out what is farther: a
+ * search that ended early otherwise would lose the record of the next test. */
+static void nearest__has_no_record_beyond_the_distance(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
+    near_kit_add(&kit, box_at(1.5, 0, 0));
+    near_kit_add(&kit, box_at(0, 3, 0));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    settings.distance = 0.5;
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 1);
+    settings.distance = nextafter(0.5, 0);
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    settings.distance = 2;
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 2);
+    near_kit_end(&kit);
+}
+
+/* Masks and ignored pairs leave pairs of objects out; objects that are named are asked
+ * for alone. */
+static void nearest__is_of_objects_that_may_meet_or_are_named(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result;
+    near_kit_begin(&kit);
+    for (int i = 0; i < 4; i++) {
+        near_kit_add(&kit, box_at(2 * i, 0, 0));
+    }
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 6);
+    assert_int_equal(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true), PCCD_OK);
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 5);
+    settings.objects[1] = 1;
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 2);
+    settings.objects[0] = 2;
+    result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    settings.objects[0] = 9;
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_HANDLE);
+    settings.objects[0] = 1;
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
+    near_kit_end(&kit);
+}
+
+/* With a gap the reported distance is true and at most that much too large, the flag says
+ * so, and there is no hash. */
+static void nearest__with_a_gap_is_near_enough(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_sheet(12, 0));
+    near_kit_add(&kit, kit_sheet(9, 0.5));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    settings.gap = 0.25;
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    assert_true(near_kit_record(&result, 0)->flags & PCCD_NEAR_GAP);
+    assert_true(near_kit_record(&result, 0)->d_lo >= 0.5 &&
+                near_kit_record(&result, 0)->d_hi <= 0.75);
+    assert_true(result.hash[0] == 0 && result.hash[1] == 0);
+    near_kit_end(&kit);
+}
+
+/* Where the last search ended is where the next one begins, and nothing more: after the
+ * objects have moved far, after one has another mesh, and for another end of the step. */
+static void nearest__does_not_depend_on_the_last_answer(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_sheet(6, 0));
+    near_kit_add(&kit, kit_sheet(5, 1));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    const struct eng_mesh *mesh = eng_scene_mesh(kit.scene, kit.idx[1]);
+    uint32_t count = eng_scene_vertex_count(kit.scene, kit.idx[1]);
+    double x[64][3];
+    memcpy(x, eng_mesh_vertices(mesh), count * sizeof x[0]);
+    for (uint32_t i = 0; i < count; i++) {
+        x[i][0] += 5;
+        x[i][2] = 0;
+    }
+    eng_stage_begin(kit.scene);
+    assert_int_equal(eng_stage_x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, count, x),
+                     PCCD_OK);
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+    assert_true(near_kit_record(&result, 0)->d_lo == 4);
+    settings.end = 0;
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    near_kit_end(&kit);
+}
+
+/* A mesh in the place of another has other features under the same numbers: vertex 0,
+ * which was one of the nearest pair, is now in no triangle, and does not count. */
+static void nearest__forgets_what_was_replaced(void **state)
+{
+    (void)state;
+    static const double x[4][3] = {{0.1, 0.1, 0.9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const uint32_t corners[1][3] = {{1, 2, 3}};
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_sheet(6, 0));
+    near_kit_add(&kit, kit_sheet(5, 1));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(near_kit_record(&result, 0)->object_a, 1);
+    assert_int_equal(near_kit_record(&result, 0)->feature_a, 0);
+    struct eng_mesh *mesh = kit_mesh(x, 4, corners, 1);
+    assert_int_equal(eng_scene_replace(kit.scene, kit.idx[0], mesh), PCCD_OK);
+    eng_mesh_release(mesh);
+    result = near_kit_ask(&kit, &settings);
+    assert_int_equal(near_kit_record(&result, 0)->feature_a, 1);
+    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    near_kit_end(&kit);
+}
+
+/* Far from the origin, far from each other, and tiny: boxes are measured in frames there,
+ * in which objects are nearer to each other than they are. */
+static void nearest__is_found_wherever_objects_are(void **state)
+{
+    (void)state;
+    static const double places[][2] = {
+        {1e9, 1}, {0, 0x1p-300}, {1e15, 0x1p10}, {5, 0x1p-20}};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
+        double at = places[i][0];
+        double size = places[i][1];
+        struct near_kit kit;
+        near_kit_begin(&kit);
+        for (int j = 0; j < 3; j++) { /* the third far away from the others */
+            double begin = at + size * (j == 2 ? 0x1p20 : 2 * j);
+            double low[3] = {begin, begin, at};
+            double high[3] = {begin + size, begin + size, at + size};
+            near_kit_add(&kit, near_kit_box(low, high, false));
+        }
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, 3);
+        double true_one = size * sqrt(2);
+        assert_true(fabs(result.distance_min - true_one) < 1e-6 * true_one);
+        near_kit_end(&kit);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nearest__is_a_vertex_above_a_face),
+        cmocka_unit_test(nearest__is_two_edges),
+        cmocka_unit_test(nearest__of_equals_is_the_first_in_order),
+        cmocka_unit_test(nearest__is_told_from_one_that_is_hardly_farther),
+        cmocka_unit_test(nearest__touches_or_is_inside),
+        cmocka_unit_test(nearest__has_no_record_beyond_the_distance),
+        cmocka_unit_test(nearest__is_of_objects_that_may_meet_or_are_named),
+        cmocka_unit_test(nearest__with_a_gap_is_near_enough),
+        cmocka_unit_test(nearest__does_not_depend_on_the_last_answer),
+        cmocka_unit_test(nearest__forgets_what_was_replaced),
+        cmocka_unit_test(nearest__is_found_wherever_objects_are),
+    };
+    return cmocka_run_group_tests_name("eng_near_nearest", tests, NULL, NULL);
+}
