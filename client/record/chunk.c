@@ -67,6 +67,10 @@ uint32_t record_kind_feature(uint16_t kind)
     case RECORD_GUEST:
     case RECORD_MOVE:
         return RECORD_FEATURE_SHARED;
+    case RECORD_NEAR:
+    case RECORD_NEAR_ANSWER:
+    case RECORD_NEAR_RECORDS:
+        return RECORD_FEATURE_NEAR;
     default:
         return 0;
     }

@@ -40,6 +40,9 @@
  * | GUEST | vertices (double), triangles: added, or given another shape if it is there |
  * | MOVE | as FRAME; it has no number, and no answer |
  * | TUNING | nothing. Who does not know it takes the daemon's default: the same answer |
+ * | NEAR | as FRAME, if anything moves; else nothing |
+ * | NEAR_ANSWER | nothing |
+ * | NEAR_RECORDS | records of an answer to NEAR, if these were to be recorded |
  */
 #ifndef RECORD_FORMAT_H
 #define RECORD_FORMAT_H
@@ -74,7 +77,10 @@
     X(PAIRS, 16, "pairs of objects that ignore each other, or not any more")             \
     X(GUEST, 17, "an object of a shared scene, with a shape of its own")                 \
     X(MOVE, 18, "another client has moved a shared scene on")                            \
-    X(TUNING, 19, "how threads are to share the work of the next FRAME or MOVE")
+    X(TUNING, 19, "how threads are to share the work of the next FRAME, MOVE or NEAR")   \
+    X(NEAR, 20, "it was asked what is near, after a movement or without")                \
+    X(NEAR_ANSWER, 21, "that was answered")                                              \
+    X(NEAR_RECORDS, 22, "records of that answer")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -88,7 +94,8 @@ enum record_feature {
     RECORD_FEATURE_FILTERS = 1, /* FILTER and PAIRS */
     RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */
     RECORD_FEATURE_HASH_2 = 4,  /* hashes of answers are of version 2; without: of 1 */
-    RECORD_FEATURES = 7         /* all of them */
+    RECORD_FEATURE_NEAR = 8,    /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
+    RECORD_FEATURES = 15        /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

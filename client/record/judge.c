@@ -27,6 +27,9 @@ static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
+static_assert(sizeof(struct record_near) == 64, "near");
+static_assert(sizeof(struct record_near_answer) == 328, "near answer");
+static_assert(sizeof(struct record_near_records) == 32, "near records");
 static_assert(sizeof(struct record_filter) == 16 + 8 * COMMON_WORDS, "filter");
 static_assert(RECORD_FILTER_BYTES == 32, "filter of before");
 static_assert(sizeof(struct record_pairs) == 16, "pairs");
@@ -124,20 +127,15 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
     return offset % 8 == 0 && offset <= all && bytes <= all - offset;
 }
 
-/* Of a FRAME, or of a MOVE, which has no number. */
-static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
-                       char text[RECORD_TEXT_BYTES])
+/* The payload of a slot, `all` bytes, with a table of `count` segments. `step` is of whom
+ * it moves. */
+static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
+                          uint64_t step, char text[RECORD_TEXT_BYTES])
 {
-    const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
-    struct record_frame frame;
-    uint64_t all = bytes - sizeof frame;
-
-    memcpy(&frame, payload, sizeof frame);
-    if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT ||
-        frame.segment_count > all / sizeof(struct record_segment)) {
-        return bad(text, "a frame without a number, or with less than its segments");
+    if (count > all / sizeof(struct record_segment)) {
+        return bad(text, "a movement with less than its segments");
     }
-    for (uint32_t i = 0; i < frame.segment_count; i++) {
+    for (uint32_t i = 0; i < count; i++) {
         struct record_segment segment;
         uint64_t each;
 
@@ -150,9 +148,52 @@ static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
             (segment.kind != RECORD_X1 && !is_inside(segment.offset0, each, all))) {
             (void)snprintf(text, RECORD_TEXT_BYTES,
                            "segment %" PRIu32 " of frame %" PRIu64 " is malformed", i,
-                           frame.step);
+                           step);
             return PCCD_E_FORMAT;
         }
+    }
+    return PCCD_OK;
+}
+
+/* Of a FRAME, or of a MOVE, which has no number. */
+static int judge_frame(const void *payload, uint64_t bytes, bool is_numbered,
+                       char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_frame);
+    struct record_frame frame;
+
+    memcpy(&frame, payload, sizeof frame);
+    if ((frame.step != 0) != is_numbered || frame.mode >= PCCD_MODE_COUNT) {
+        return bad(text, "a frame without a number, or of unknown mode");
+    }
+    return judge_segments(slot, bytes - sizeof frame, frame.segment_count, frame.step,
+                          text);
+}
+
+static int judge_near(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *slot = (const uint8_t *)payload + sizeof(struct record_near);
+    struct record_near near;
+
+    memcpy(&near, payload, sizeof near);
+    if (near.step == 0 || near.what >= PCCD_NEAR_COUNT || near.end > 1) {
+        return bad(text, "a question about what is near without a number, or unknown");
+    }
+    return judge_segments(slot, bytes - sizeof near, near.segment_count, near.step, text);
+}
+
+static int judge_near_records(const void *payload, uint64_t bytes,
+                              char text[RECORD_TEXT_BYTES])
+{
+    struct record_near_records records;
+    uint64_t rest = bytes - sizeof records;
+
+    memcpy(&records, payload, sizeof records);
+    if ((records.record_bytes != sizeof(struct pccd_near) &&
+         records.record_bytes != sizeof(double)) ||
+        records.count != rest / records.record_bytes ||
+        records.count * records.record_bytes != rest) {
+        return bad(text, "records of what is near of another length");
     }
     return PCCD_OK;
 }
@@ -232,6 +273,12 @@ static uint64_t least_bytes(uint16_t kind)
         return sizeof(struct record_answer);
     case RECORD_RECORDS:
         return sizeof(struct record_records);
+    case RECORD_NEAR:
+        return sizeof(struct record_near);
+    case RECORD_NEAR_ANSWER:
+        return sizeof(struct record_near_answer);
+    case RECORD_NEAR_RECORDS:
+        return sizeof(struct record_near_records);
     case RECORD_CANCEL:
         return sizeof(struct record_cancel);
     case RECORD_SCENE_GONE:
@@ -267,6 +314,10 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_guest(payload, bytes, text);
     case RECORD_RECORDS:
         return judge_records(payload, bytes, text);
+    case RECORD_NEAR:
+        return judge_near(payload, bytes, text);
+    case RECORD_NEAR_RECORDS:
+        return judge_near_records(payload, bytes, text);
     case RECORD_FILTER:
         return judge_filter(payload, text);
     case RECORD_PAIRS:

@@ -124,6 +124,48 @@ struct record_records {
     uint32_t reserved;
 };
 
+/* Numbered with the steps; a CANCEL names either. */
+struct record_near {
+    uint64_t step;
+    uint32_t scene;
+    uint32_t segment_count; /* 0: nothing moves */
+    uint32_t what;          /* enum pccd_near_what */
+    uint32_t end;           /* 0, 1: of the movement, or of the scene's last one */
+    uint32_t method;
+    uint32_t threads;
+    uint32_t objects[2]; /* handles; 0: any */
+    double distance;
+    double gap;
+    uint64_t deadline_ns;
+};
+
+struct record_near_answer {
+    uint64_t step;
+    int32_t status; /* enum pccd_status; else than 0: the rest is 0 */
+    uint32_t what;
+    uint32_t method;
+    uint32_t incomplete;
+    uint32_t verdict;
+    uint32_t threads;
+    uint64_t total;
+    uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
+    double distance_min;
+    double distance_max;
+    uint64_t crossings;
+    uint64_t hash[2]; /* version 2; zeros: with a gap there is none */
+    uint64_t times[RECORD_TIMES];
+    uint64_t counters[RECORD_COUNTERS];
+};
+
+/* Of NEAR_RECORDS: 64 bytes: struct pccd_near, 8: double, a bound of each vertex. */
+struct record_near_records {
+    uint64_t step;
+    uint64_t first;
+    uint64_t count;
+    uint32_t record_bytes;
+    uint32_t reserved;
+};
+
 struct record_gone {
     uint32_t scene; /* SCENE_GONE, OBJECT_GONE */
     uint32_t mesh;  /* MESH_GONE */

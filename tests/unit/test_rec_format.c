@@ -293,9 +293,9 @@ static void heads__say_what_a_reader_must_know(void **state)
     assert_non_null(
         strstr(text, "it needs feature 31, which this program does not know"));
     assert_non_null(strstr(text, "pccd 7.8.9, which wrote it, does"));
-    assert_int_equal(open_with(2, 1u << 3 | 1u << 30 | 1, text, sizeof text),
+    assert_int_equal(open_with(2, 1u << 4 | 1u << 30 | 1, text, sizeof text),
                      PCCD_E_FORMAT);
-    assert_non_null(strstr(text, "it needs feature 3, 30, which"));
+    assert_non_null(strstr(text, "it needs feature 4, 30, which"));
     chunk_count = 0; /* nobody tells who wrote it */
     file_bytes = RECORD_HEAD_BYTES;
     assert_int_equal(open_with(2, 1u << 31, text, sizeof text), PCCD_E_FORMAT);
@@ -386,6 +386,75 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
                          0);
 }
 
+/* If this failed, a reader would follow what it has not judged of a question about what
+ * is near, or of its answer. */
+static void payloads__of_what_is_near_are_judged(void **state)
+{
+    struct {
+        struct record_near head;
+        struct record_segment segment;
+        double x[4][3];
+    } near = {{.step = 1, .segment_count = 1, .what = PCCD_NEAR_DEPTH, .end = 1},
+              {1, RECORD_X1, PCCD_FORMAT_F64, 0, 4, 0, sizeof(struct record_segment)},
+              {{0}}};
+    struct {
+        struct record_near_records head;
+        struct pccd_near records[2];
+    } records = {{.step = 1, .count = 2, .record_bytes = sizeof(struct pccd_near)},
+                 {{0}}};
+    const struct record_near_answer answer = {.step = 1};
+    const size_t count = offsetof(struct record_near_records, count);
+    const size_t each = offsetof(struct record_near_records, record_bytes);
+    const size_t what = offsetof(struct record_near, what);
+    const size_t end = offsetof(struct record_near, end);
+    const size_t segments = offsetof(struct record_near, segment_count);
+
+    (void)state;
+    assert_int_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 0), 0);
+    assert_int_equal(judge_with(RECORD_NEAR, &near.head, sizeof near.head, segments, 0),
+                     0);
+    assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, 0, 0), 0);
+    assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, what, 6), 0);
+    assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, end, 2), 0);
+    assert_int_not_equal(judge_with(RECORD_NEAR, &near, sizeof near, segments, 5), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_NEAR, &near, sizeof near, sizeof near.head + 12, 5), 0);
+    assert_int_equal(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, 0, 1), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, count, 1), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 0), 0);
+    assert_int_not_equal(
+        judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 128), 0);
+    records.head.count = 16; /* bounds of vertices */
+    assert_int_equal(judge_with(RECORD_NEAR_RECORDS, &records, sizeof records, each, 8),
+                     0);
+    assert_int_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer, 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_NEAR_ANSWER, &answer, sizeof answer - 8, 0, 1),
+                         0);
+}
+
+/* If this failed, a program of before would misread what is near instead of refusing the
+ * file by the number of the feature. */
+static void files__with_what_is_near_name_that_feature(void **state)
+{
+    const struct record_near near = {.step = 1};
+    struct record_writer writer = {.fd = -1};
+    uint32_t head[4];
+
+    (void)state;
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(record_writer_open(&writer, path), 0);
+    chunk_count = 0;
+    add(&writer, RECORD_NEAR, &near, sizeof near, NULL, 0);
+    head_of(head);
+    assert_int_equal(head[2], 2);
+    assert_int_equal(head[3], RECORD_FEATURE_NEAR);
+    record_writer_deinit(&writer);
+    write_file(1); /* as the others expect it */
+    load_file();
+}
+
 /* If this failed, a reader would look for the end of a text beyond it. */
 static void tunings__have_an_end(void **state)
 {
@@ -459,6 +528,8 @@ int main(void)
         cmocka_unit_test(files__are_never_written_over),
         cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
         cmocka_unit_test(filters__of_before_have_two_words),
+        cmocka_unit_test(payloads__of_what_is_near_are_judged),
+        cmocka_unit_test(files__with_what_is_near_name_that_feature),
         cmocka_unit_test(tunings__have_an_end),
         cmocka_unit_test(tunings__of_before_are_numbers),
     };
