@@ -20,6 +20,8 @@
  * | PAIRS | struct proto_journal_pairs, u32[2] each: handles of two objects |
  * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
  * |      | table (shm.h), all of it x0x1 and double, and positions |
+ * | NEAR | struct proto_journal_near, then the same; of this session alone: what others |
+ * |      | ask is not noted, and what they move at that is a STEP |
  */
 #ifndef PROTO_JOURNAL_H
 #define PROTO_JOURNAL_H
@@ -34,7 +36,8 @@ enum proto_journal_kind {
     PROTO_JOURNAL_GONE = 2,   /* was removed, or its session has left */
     PROTO_JOURNAL_FILTER = 3, /* has these attributes from now on */
     PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
-    PROTO_JOURNAL_STEP = 5    /* the scene was moved on */
+    PROTO_JOURNAL_STEP = 5,   /* the scene was moved on */
+    PROTO_JOURNAL_NEAR = 6    /* this session has asked what is near */
 };
 
 struct proto_journal_entry {
@@ -56,7 +59,7 @@ struct proto_journal_pairs {
 struct proto_journal_step {
     uint64_t step;   /* of the session that keeps the journal: that it has submitted, or
                         that went along; 0: none of either, or objects were placed */
-    uint64_t number; /* of the scene; 0: objects were placed */
+    uint64_t number; /* of the scene; 0: objects were placed, or moved by scene.near */
     double tolerance;
     uint32_t mode;
     uint32_t method;
@@ -65,9 +68,26 @@ struct proto_journal_step {
     char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
 };
 
+/* As it was asked. */
+struct proto_journal_near {
+    uint64_t step;
+    double distance;
+    double gap;
+    uint32_t what;
+    uint32_t end;
+    uint32_t object_a;
+    uint32_t object_b;
+    uint32_t method;
+    uint32_t threads;
+    uint32_t segments;
+    uint32_t reserved;
+    char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
+};
+
 static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
 static_assert(sizeof(struct proto_journal_object) == 8, "object");
 static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
 static_assert(sizeof(struct proto_journal_step) == 104, "step");
+static_assert(sizeof(struct proto_journal_near) == 120, "near");
 
 #endif

@@ -18,6 +18,7 @@
 #include "levels.h"   /* the boxes of a hierarchy, to be looked at */
 #include "memory.h"   /* who pays for memory, and how much there may be */
 #include "mesh.h"     /* topology and registered positions */
+#include "near.h"     /* how near things are at one moment */
 #include "scene.h"    /* objects, and the positions of the next step */
 #include "step.h"     /* a step, its settings and its answer */
 #include "trace.h"    /* what threads did, when */

@@ -55,12 +55,14 @@ libservice_la_SOURCES = \
     daemon/service/requests/handlers_journal.c \
     daemon/service/requests/handlers_list.c \
     daemon/service/requests/handlers_mesh.c \
+    daemon/service/requests/handlers_near.c \
     daemon/service/requests/handlers_scene.c \
     daemon/service/requests/handlers_watch.c \
     daemon/service/requests/holding.c daemon/service/requests/holding.h \
     daemon/service/requests/teardown.c daemon/service/requests/teardown.h \
     daemon/service/requests/plan.c daemon/service/requests/plan.h \
     daemon/service/requests/request.c daemon/service/requests/request.h \
+    daemon/service/requests/stepping.c daemon/service/requests/stepping.h \
     daemon/service/setup.c daemon/service/setup.h
 # In the room every header has a name of its own, and is included by that alone.
 service_cppflags = $(AM_CPPFLAGS) \

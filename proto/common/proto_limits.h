@@ -22,12 +22,13 @@
 
 /* Bits of hello's `features`. */
 #define PROTO_FEATURE_RESUME  1u
-#define PROTO_FEATURE_FILTERS 2u  /* object.set, scene.ignore */
-#define PROTO_FEATURE_OBSERVE 4u  /* list, stats.histogram, config, watch */
-#define PROTO_FEATURE_SHARED  8u  /* scenes that sessions share */
-#define PROTO_FEATURE_JOURNAL 16u /* scene.journal */
-#define PROTO_FEATURE_HELD    32u /* scene.held is told */
-#define PROTO_FEATURE_HASH_2  64u /* hashes of answers are of version 2; without: 1 */
+#define PROTO_FEATURE_FILTERS 2u   /* object.set, scene.ignore */
+#define PROTO_FEATURE_OBSERVE 4u   /* list, stats.histogram, config, watch */
+#define PROTO_FEATURE_SHARED  8u   /* scenes that sessions share */
+#define PROTO_FEATURE_JOURNAL 16u  /* scene.journal */
+#define PROTO_FEATURE_HELD    32u  /* scene.held is told */
+#define PROTO_FEATURE_HASH_2  64u  /* hashes of answers are of version 2; without: 1 */
+#define PROTO_FEATURE_NEAR    128u /* scene.near, near.fetch; place in any scene */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

@@ -31,6 +31,14 @@
       "VF records of the whole answer; mode pairs: pairs; any: 0")                       \
     X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")
 
+/* The same of an answer about what is near. */
+#define COMMON_NEAR_KINDS(X, F)                                                          \
+    X(F, vf, REQ, counts[PCCD_VF], "VF records of the whole answer")                     \
+    X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")                               \
+    X(F, ve, REQ, counts[PCCD_VE], "VE records; only what = 1 has them")                 \
+    X(F, vv, REQ, counts[PCCD_VV], "VV records, likewise")                               \
+    X(F, ef, REQ, counts[PCCD_EF], "EF records; only what = 4 has them")
+
 #define COMMON_STEP_COUNTERS(X, F)                                                       \
     X(F, task_units, REQ, counters.task_units, "self-CD task units processed")           \
     X(F, box_tests, REQ, counters.box_tests, "pairs of nodes tested")                    \

@@ -65,6 +65,16 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->rigid_objects += answer->rigid_objects;
 }
 
+void srv_metrics_add_near(struct srv_metrics *metrics,
+                          const struct proto_SCENE_NEAR_result *answer)
+{
+    struct proto_STATS_result *counters = &metrics->counters;
+    counters->nears++;
+    counters->nears_incomplete += answer->incomplete != PCCD_COMPLETE;
+    counters->near_records += answer->total;
+    counters->ns_near += answer->ns_step;
+}
+
 void srv_metrics_add_error(struct srv_metrics *metrics, int status)
 {
     metrics->counters.errors++;

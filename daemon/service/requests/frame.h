@@ -1,4 +1,4 @@
-/* frame.h - builds the answer to a step.
+/* frame.h - builds the answer to a step, or to a question about what is near.
  *
  * Room:     service. May include: the protocol's headers.
  * Does:     declare the answer of a step that did not run, and the pages of records of
@@ -20,9 +20,35 @@ void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
                        enum pccd_incomplete why,
                        struct proto_FRAME_SUBMIT_result *answer);
 
-/* Copy the records of the scene's answer from `first` on into the result region, as many
- * as fit, and say in *answer which those are. Returns 0 or a status with the request's
- * error set. [compute] */
+/* The records of an answer that its scene keeps. */
+struct srv_records {
+    const void *data; /* NULL: there are none */
+    uint32_t record_bytes;
+    uint64_t total;
+    uint32_t incomplete; /* enum pccd_incomplete */
+};
+
+/* Those of them that have been written to the result region; `incomplete` counts that
+ * further ones are left. */
+struct srv_records_page {
+    uint64_t first;
+    uint64_t count;
+    uint64_t cursor;
+    uint64_t offset;
+    uint64_t release;
+    uint32_t incomplete;
+};
+
+/* Copy records from `first` on into the result region, as many as fit. Returns 0 or a
+ * status with the request's error set. [compute] */
+int srv_records_write(struct srv_request *request, const struct srv_records *records,
+                      uint64_t first, struct srv_records_page *page);
+#define SRV_RECORDS_PAGE(answer, page)                                                   \
+    ((answer)->first = (page)->first, (answer)->count = (page)->count,                   \
+     (answer)->cursor = (page)->cursor, (answer)->offset = (page)->offset,               \
+     (answer)->release = (page)->release, (answer)->incomplete = (page)->incomplete)
+
+/* The same of the scene's last answer to a step. [compute] */
 int srv_frame_page(struct srv_request *request, uint64_t first,
                    struct proto_FRAME_SUBMIT_result *answer);
 

@@ -37,34 +37,50 @@ static uint64_t copy_records(struct srv_request *request, uint8_t *to,
     return done;
 }
 
-int srv_frame_page(struct srv_request *request, uint64_t first,
-                   struct proto_FRAME_SUBMIT_result *answer)
+int srv_records_write(struct srv_request *request, const struct srv_records *records,
+                      uint64_t first, struct srv_records_page *page)
 {
-    struct srv_scene *scene = request->plan.scene;
-    PCCD_ASSERT(scene->has_answer && first <= scene->answer.total);
-    *answer = scene->answer;
-    struct srv_page page;
+    struct srv_page place;
     void *data = NULL;
-    int status = srv_ring_reserve(request->plan.ring, answer->record_bytes,
-                                  answer->total - first, &page, &data, &request->error);
+    PCCD_ASSERT(first <= records->total);
+    int status = srv_ring_reserve(request->plan.ring, records->record_bytes,
+                                  records->total - first, &place, &data, &request->error);
     if (status != 0) {
         return status;
     }
-    const uint8_t *from = scene->records; /* NULL: there are none */
+    const uint8_t *from = records->data;
     if (first > 0) {
-        from += first * answer->record_bytes;
+        from += first * records->record_bytes;
     }
-    uint64_t count = copy_records(request, data, from, page.count, answer->record_bytes);
-    answer->first = first;
-    answer->count = count;
-    answer->cursor = first + count;
-    answer->offset = page.position;
-    answer->release = page.release;
-    if (answer->incomplete == PCCD_COMPLETE && answer->cursor < answer->total) {
-        answer->incomplete =
-            count < page.count ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_RESULT_FULL;
+    uint64_t count =
+        copy_records(request, data, from, place.count, records->record_bytes);
+    *page = (struct srv_records_page){.first = first,
+                                      .count = count,
+                                      .cursor = first + count,
+                                      .offset = place.position,
+                                      .release = place.release,
+                                      .incomplete = records->incomplete};
+    if (page->incomplete == PCCD_COMPLETE && page->cursor < records->total) {
+        page->incomplete =
+            count < place.count ? PCCD_INCOMPLETE_CANCELLED : PCCD_INCOMPLETE_RESULT_FULL;
     }
     return 0;
+}
+
+int srv_frame_page(struct srv_request *request, uint64_t first,
+                   struct proto_FRAME_SUBMIT_result *answer)
+{
+    const struct srv_scene *scene = request->plan.scene;
+    const struct srv_records records = {scene->records, scene->answer.record_bytes,
+                                        scene->answer.total, scene->answer.incomplete};
+    struct srv_records_page page;
+    PCCD_ASSERT(scene->has_answer);
+    int status = srv_records_write(request, &records, first, &page);
+    if (status == 0) {
+        *answer = scene->answer;
+        SRV_RECORDS_PAGE(answer, &page);
+    }
+    return status;
 }
 
 static int work_fetch(struct srv_request *request)

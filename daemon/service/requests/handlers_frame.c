@@ -4,10 +4,6 @@
  * Does:     check a step's settings on [loop]; stage and compute on [compute].
  * Threads:  [loop], but for functions named work_ and their helpers.
  */
-#include <stdlib.h>
-#include <string.h>
-
-#include "admission.h"
 #include "call.h"
 #include "engine.h"
 #include "frame.h"
@@ -20,30 +16,16 @@
 #include "session.h"
 #include "shared.h"
 #include "srv_journal.h"
-#include "staging.h"
 #include "step_numbers.h"
+#include "stepping.h"
 #include "tracing.h"
 #include "watcher.h"
 
-#define NS_PER_MS         1000000u
 #define TOLERANCE_DEFAULT 1e-6
 #define TOLERANCE_MIN     1e-12
 #define TOLERANCE_MAX     1.0
 
-/* Copied on [loop] out of the slot of a step that is answered before its turn: some
- * 100 us. One that needs more is answered in its turn. */
-#define EARLY_BYTES_MAX (1u << 20)
-
 /* ---- computed ---------------------------------------------------------------------- */
-
-/* Arrival plus the client's budget; 0: none. */
-static uint64_t deadline_of(uint64_t budget_ns, uint64_t arrival_ns)
-{
-    if (budget_ns == 0) {
-        return 0;
-    }
-    return budget_ns > UINT64_MAX - arrival_ns ? UINT64_MAX : arrival_ns + budget_ns;
-}
 
 /* What the engine says of the step, in the wire's terms, but for the page. [compute] */
 static void describe(const struct eng_step_result *step,
@@ -72,53 +54,13 @@ static void describe(const struct eng_step_result *step,
 #undef PUT
 }
 
-/* The choices of a step, checked before. [any] */
-static void choose(const struct proto_FRAME_SUBMIT_request *submit,
-                   struct eng_step_settings *settings)
-{
-    char why[ENG_TUNING_WHY_BYTES];
-    settings->mode = (enum pccd_mode)submit->mode;
-    settings->method = (enum pccd_method)submit->method;
-    int status = eng_tuning_read(submit->tuning, &settings->tuning, why);
-    PCCD_ASSERT(status == PCCD_OK);
-}
-
-/* [compute] */
-static struct srv_workspace *workspace_of(const struct srv_request *request)
-{
-    return srv_workspace_of_thread(request->session->service->workspaces);
-}
-
-/* The sooner one of the client's deadline and what the daemon lets a step compute; 0:
- * none. [compute] */
-static uint64_t end_of(const struct srv_request *request)
-{
-    uint64_t own_ns =
-        deadline_of(request->params.FRAME_SUBMIT.deadline_ns, request->arrival_ns);
-    uint64_t max_ms = request->session->service->options->step_max_ms;
-    bool has_begun = request->begin_ns != 0;
-    uint64_t max_ns =
-        max_ms == 0 || !has_begun ? 0 : request->begin_ns + max_ms * NS_PER_MS;
-    return own_ns == 0 || (max_ns != 0 && max_ns < own_ns) ? max_ns : own_ns;
-}
-
 /* The engine's settings for a request that was checked. [compute] */
 static struct eng_step_settings settings_of(struct srv_request *request)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
-    const struct srv_options *options = request->session->service->options;
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    choose(submit, &settings);
-    settings.threads = submit->threads == 0 || submit->threads > options->threads_max
-                           ? options->threads_max
-                           : submit->threads;
+    struct eng_step_settings settings = srv_stepping_settings(request);
+    settings.mode = (enum pccd_mode)submit->mode;
     settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
-    settings.deadline_ns = end_of(request);
-    settings.cancel = &request->job.cancel;
-    settings.contact_max = options->contacts_max;
-    settings.brief = srv_request_state(request) == SRV_REQUEST_BRIEF;
-    settings.affinity =
-        request->session->service->is_pinned ? &workspace_of(request)->affinity : NULL;
     return settings;
 }
 
@@ -126,16 +68,6 @@ static struct eng_step_settings settings_of(struct srv_request *request)
 static bool has_moved(const struct srv_request *request)
 {
     return srv_request_state(request) == SRV_REQUEST_MOVED;
-}
-
-/* Positions of a step may be copied by the threads that will compute it. [compute] */
-static void begin_staging(struct srv_request *request, struct eng_scene *engine)
-{
-    struct eng_step_settings settings = settings_of(request);
-    eng_stage_begin(engine);
-    if (!settings.brief) {
-        eng_stage_share(engine, settings.threads, settings.affinity);
-    }
 }
 
 /* Run the staged step and keep its result in the scene. [compute] */
@@ -162,7 +94,8 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     describe(&step, &scene->answer);
     eng_tuning_used(&settings, &step, scene->answer.tuning);
     scene->answer.step = request->params.FRAME_SUBMIT.step;
-    if (!request->params.FRAME_SUBMIT.place) {
+    scene->is_placed = request->params.FRAME_SUBMIT.place;
+    if (!scene->is_placed) {
         scene->answer.number = ++scene->number;
     }
     scene->stepper = request->session->id;
@@ -174,42 +107,23 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
     return 0;
 }
 
-/* A client whose result_head makes no sense hears so before anything has moved.
- * [compute] */
-static int check_head(struct srv_request *request)
-{
-    struct srv_page page;
-    void *data = NULL;
-    return srv_ring_reserve(request->plan.ring, 1, 0, &page, &data, &request->error);
-}
-
 /* Stage what others hold for this step, and what the step itself moves, out of its slot
  * or of the copy of it. [compute] */
 static int stage(struct srv_request *request, struct eng_scene *engine)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
     struct srv_scene *scene = request->plan.scene;
-    struct proto_segment *table = workspace_of(request)->segments;
-    int status = 0;
+    bool places = request->params.FRAME_SUBMIT.place;
     srv_shared_hide(scene);
-    if (!submit->place) {
+    if (!places) {
         srv_held_check(scene, &request->taken);
     }
-    begin_staging(request, engine);
-    if (!submit->place) {
-        status = srv_held_stage(scene, &request->error);
+    srv_stepping_open(request, engine);
+    int status = places ? 0 : srv_held_stage(scene, &request->error);
+    if (status != 0) {
+        srv_request_return_slot(request);
+        return status;
     }
-    if (status == 0 && submit->segments > 0) {
-        status =
-            srv_request_state(request) == SRV_REQUEST_EARLY
-                ? srv_stage_copy(request->copy, request->copy_bytes, submit,
-                                 request->plan.member, scene, table,
-                                 &request->upload_bytes, &request->error)
-                : srv_stage_slot(request->plan.ring, submit, request->plan.member, scene,
-                                 table, &request->upload_bytes, &request->error);
-    }
-    srv_request_return_slot(request);
-    return status;
+    return srv_stepping_stage(request);
 }
 
 /* One that goes on was staged before. [compute] */
@@ -234,13 +148,6 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
     return 0;
 }
 
-/* What a step is answered that the session submits to the scene next. [compute] */
-static struct proto_error *owed(const struct srv_request *request)
-{
-    return request->plan.member != NULL ? &request->plan.member->owed
-                                        : &request->plan.scene->owed;
-}
-
 /* A step that was answered before its turn: it only moves what it moves. What goes wrong
  * is what the session's next step of the scene is answered. [compute] */
 static int move_early(struct srv_request *request)
@@ -254,24 +161,11 @@ static int move_early(struct srv_request *request)
         status = stage_and_step(request, engine);
     }
     if (status != 0) {
-        *owed(request) = request->error;
+        *srv_stepping_owed(request) = request->error;
         return status;
     }
     request->result.FRAME_SUBMIT = scene->answer;
     return 0;
-}
-
-/* What an earlier step could not be told any more. [compute] */
-static int take_owed(struct srv_request *request)
-{
-    struct proto_error *error = owed(request);
-    int code = error->code;
-    if (code == 0) {
-        return 0;
-    }
-    request->error = *error;
-    error->code = 0;
-    return code;
 }
 
 /* [compute] */
@@ -286,10 +180,7 @@ static int work_submit(struct srv_request *request)
     if (srv_request_state(request) == SRV_REQUEST_EARLY) {
         return move_early(request);
     }
-    int status = has_moved(request) ? 0 : take_owed(request);
-    if (status == 0 && !has_moved(request)) {
-        status = check_head(request);
-    }
+    int status = has_moved(request) ? 0 : srv_stepping_begin(request);
     if (status != 0) {
         return status;
     }
@@ -316,7 +207,11 @@ void srv_frame_nothing(const struct proto_FRAME_SUBMIT_request *submit,
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result nothing;
-    choose(submit, &settings);
+    char text[ENG_TUNING_WHY_BYTES];
+    int status = eng_tuning_read(submit->tuning, &settings.tuning, text);
+    PCCD_ASSERT(status == PCCD_OK); /* it was checked */
+    settings.mode = (enum pccd_mode)submit->mode;
+    settings.method = (enum pccd_method)submit->method;
     eng_step_nothing(&settings, &nothing);
     describe(&nothing, answer);
     answer->incomplete = why;
@@ -342,33 +237,10 @@ static bool can_be_brief(struct srv_request *request)
 /* It is to end, and others are still before it: the answer is known. [loop] */
 static void answer_submit_early(struct srv_request *request, enum pccd_incomplete why)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
-    struct srv_session *session = request->session;
-    struct srv_ring *ring = request->plan.ring;
-    struct proto_error error = {0};
-    uint64_t bytes = 0;
-    uint64_t copy_bytes = 0;
-    uint8_t *copy = NULL;
-    if (submit->segments > 0) {
-        bytes = ring->slot_stride < EARLY_BYTES_MAX ? ring->slot_stride : EARLY_BYTES_MAX;
-        if (srv_quota_charge(session->owner.user, SRV_QUOTA_SHM_BYTES, bytes, &error) !=
-            0) {
-            return;
-        }
-        /* If it cannot be: whoever stages it in its turn says why. */
-        (void)srv_stage_keep(ring, submit, bytes, &copy, &copy_bytes, &error);
-    }
     struct proto_FRAME_SUBMIT_result answer;
-    srv_frame_nothing(submit, why, &answer);
+    srv_frame_nothing(&request->params.FRAME_SUBMIT, why, &answer);
     answer.ns_queue = common_now_ns() - request->arrival_ns;
-    /* Storing it changes nothing. */
-    answer.release =
-        atomic_load_explicit(&ring->shared->result_head.value, memory_order_relaxed);
-    bool can = copy != NULL || submit->segments == 0;
-    if (!(can && srv_request_answer_early(request, &answer, copy, bytes)) && bytes > 0) {
-        free(copy);
-        srv_quota_refund(session->owner.user, SRV_QUOTA_SHM_BYTES, bytes);
-    }
+    srv_stepping_answer_early(request, &answer, &answer.release);
 }
 
 /* Count the step where list.session and list.scene look. [loop] */
@@ -454,36 +326,12 @@ static void finish_submit(struct srv_request *request)
     }
 }
 
-/* The choices of a step. */
-static int check_choices(struct srv_call *call)
-{
-    struct eng_tuning tuning = {0};
-    char why[ENG_TUNING_WHY_BYTES];
-    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
-    const struct {
-        const char *name;
-        uint32_t value;
-        uint32_t count;
-    } choices[] = {
-        {"mode", submit->mode, PCCD_MODE_COUNT},
-        {"method", submit->method, PCCD_METHOD_COUNT},
-    };
-    for (size_t i = 0; i < sizeof choices / sizeof choices[0]; i++) {
-        if (choices[i].value >= choices[i].count) {
-            return proto_error_set(&call->error, PCCD_E_INVAL, "unknown %s %u",
-                                   choices[i].name, choices[i].value);
-        }
-    }
-    return eng_tuning_read(submit->tuning, &tuning, why) == PCCD_OK
-               ? 0
-               : proto_error_set(&call->error, PCCD_E_INVAL, "tuning: %s", why);
-}
-
-/* The settings of a step, as far as they do not need the scene. */
+/* What only a step has, as far as it does not need the scene. */
 static int check_settings(struct srv_call *call)
 {
     const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
-    int status = check_choices(call);
+    const struct srv_choice mode = {"mode", submit->mode, PCCD_MODE_COUNT};
+    int status = srv_stepping_choose(call, &mode, 1);
     if (status != 0) {
         return status;
     }
@@ -493,11 +341,6 @@ static int check_settings(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "tolerance is %g, not 0 or %g to %g", submit->tolerance,
                                TOLERANCE_MIN, TOLERANCE_MAX);
-    }
-    if (submit->segments > PROTO_SEGMENTS_MAX) {
-        return proto_error_set(&call->error, PCCD_E_LIMIT,
-                               "%u segments, a step has at most %u", submit->segments,
-                               PROTO_SEGMENTS_MAX);
     }
     return 0;
 }
@@ -511,13 +354,11 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
                                submit->scene);
     }
+    const struct srv_asked asked = srv_asked_of(call->method, &call->params);
     struct srv_ring *ring = NULL;
-    int status = srv_admit_ring(call, &ring);
+    int status = srv_stepping_check(call, &asked, &ring);
     if (status == 0) {
         status = check_settings(call);
-    }
-    if (status == 0 && submit->segments > 0) {
-        status = srv_admit_slot(call, ring, submit->slot, submit->seq);
     }
     if (status == 0) {
         status = srv_shared_refuse_reader(session, scene, &call->error);
@@ -525,24 +366,16 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    if (submit->place && scene->shared == NULL) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "place is of shared scenes");
-    }
-    if (session->submit_count >= ring->inflight_max) {
-        return proto_error_set(&call->error, PCCD_E_BUSY,
-                               "%u steps are in flight, no more than %u may be",
-                               session->submit_count, ring->inflight_max);
-    }
-    struct srv_plan plan = {.work = work_submit,
-                            .finish = finish_submit,
-                            .ring = ring,
-                            .scene = scene,
-                            .member = srv_shared_member(scene, session),
-                            .takes_slot = submit->segments > 0,
-                            .answer_early = answer_submit_early,
-                            .can_be_brief = submit->hold ? NULL : can_be_brief,
-                            .replies = !submit->hold && scene->shared == NULL,
-                            .deadline_ns =
-                                deadline_of(submit->deadline_ns, call->arrival_ns)};
+    struct srv_plan plan = {
+        .work = work_submit,
+        .finish = finish_submit,
+        .ring = ring,
+        .scene = scene,
+        .member = srv_shared_member(scene, session),
+        .takes_slot = submit->segments > 0,
+        .answer_early = answer_submit_early,
+        .can_be_brief = submit->hold ? NULL : can_be_brief,
+        .replies = !submit->hold && scene->shared == NULL,
+        .deadline_ns = srv_stepping_deadline(submit->deadline_ns, call->arrival_ns)};
     return submit->hold ? srv_holding_start(call, &plan) : srv_request_start(call, &plan);
 }

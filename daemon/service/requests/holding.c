@@ -167,9 +167,9 @@ static int work_hold(struct srv_request *request)
                               .member = request->plan.member,
                               .submit = *submit,
                               .charge = request->plan.held_bytes};
-    int status =
-        srv_stage_keep(request->plan.ring, submit, request->plan.ring->slot_stride,
-                       &held->copy, &held->bytes, &request->error);
+    int status = srv_stage_keep(request->plan.ring, SRV_CARGO_OF(submit),
+                                request->plan.ring->slot_stride, &held->copy,
+                                &held->bytes, &request->error);
     srv_request_return_slot(request);
     if (status == 0) {
         status = srv_held_add(held, request->plan.scene, &request->error);

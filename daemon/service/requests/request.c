@@ -26,6 +26,13 @@
 
 #define SPARES_MAX 4u /* of a session */
 
+/* It counts among those in flight, ends soon when its end has come, and moves what it
+ * moves though it is cancelled. */
+static bool is_step(int method)
+{
+    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR;
+}
+
 #define FROM(state) (1u << SRV_REQUEST_##state)
 
 void srv_request_move(struct srv_request *request, enum srv_request_state to)
@@ -213,7 +220,7 @@ static void enlist(struct srv_session *session, struct srv_request *request)
     }
     session->requests = request;
     session->request_count++;
-    session->submit_count += request->method == PROTO_METHOD_FRAME_SUBMIT;
+    session->submit_count += is_step(request->method);
     session->service->request_count++;
 }
 
@@ -230,8 +237,7 @@ static void unlist(struct srv_session *session, struct srv_request *request)
     }
     session->request_count--;
     session->overdue_count -= is_early(request);
-    session->submit_count -=
-        request->method == PROTO_METHOD_FRAME_SUBMIT && !is_early(request);
+    session->submit_count -= is_step(request->method) && !is_early(request);
     session->service->request_count--;
 }
 
@@ -423,7 +429,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
     }
     srv_job_init(&request->job, plan->makes_pages ? run_pages : run, done);
-    request->job.heeds_end = call->method == PROTO_METHOD_FRAME_SUBMIT;
+    request->job.heeds_end = is_step(call->method);
     claim(request, plan);
     request->session = session;
     request->connection = session->connection;
@@ -479,8 +485,7 @@ static void mark_answered(struct srv_job *job, void *context)
     srv_request_return_slot(request);
 }
 
-bool srv_request_answer_early(struct srv_request *request,
-                              const struct proto_FRAME_SUBMIT_result *result,
+bool srv_request_answer_early(struct srv_request *request, const void *result,
                               uint8_t *copy, uint64_t copy_bytes)
 {
     srv_assert_loop();
@@ -548,7 +553,7 @@ void srv_request_cancel(struct srv_request *request)
         return;
     }
     try_early(request, PCCD_INCOMPLETE_CANCELLED);
-    if (request->method != PROTO_METHOD_FRAME_SUBMIT && dequeue(request)) {
+    if (!is_step(request->method) && dequeue(request)) {
         take_back(request);
     }
 }

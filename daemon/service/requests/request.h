@@ -106,12 +106,11 @@ void srv_request_conclude(struct srv_request *request);
 /* The deadline of a request has come. [loop] */
 void srv_request_overdue(struct srv_deadline *deadline);
 
-/* Answer with `result` a request that still waits for its turn, when it will do what is
- * left without an answer: out of `copy`, of malloc, charged as SRV_QUOTA_SHM_BYTES and
- * taken over, in the place of its slot, which is returned. False: it has begun, and
- * nothing has changed. [loop] */
-bool srv_request_answer_early(struct srv_request *request,
-                              const struct proto_FRAME_SUBMIT_result *result,
+/* Answer with `result`, of its method, a request that still waits for its turn, when it
+ * will do what is left without an answer: out of `copy`, of malloc, charged as
+ * SRV_QUOTA_SHM_BYTES and taken over, in the place of its slot, which is returned. False:
+ * it has begun, and nothing has changed. [loop] */
+bool srv_request_answer_early(struct srv_request *request, const void *result,
                               uint8_t *copy, uint64_t copy_bytes);
 
 /* Queue a request for `call`. Returns SRV_LATER, or PCCD_E_BUSY or PCCD_E_NOMEM with

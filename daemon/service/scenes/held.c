@@ -38,8 +38,8 @@ static int stage(const struct srv_held *held, struct srv_scene *scene,
     struct srv_workspace *workspace =
         srv_workspace_of_thread(held->member->session->service->workspaces);
     uint64_t bytes = 0;
-    return srv_stage_copy(held->copy, held->bytes, &held->submit, held->member, scene,
-                          workspace->segments, &bytes, error);
+    return srv_stage_copy(held->copy, held->bytes, SRV_CARGO_OF(&held->submit),
+                          held->member, scene, workspace->segments, &bytes, error);
 }
 
 /* Whether the scene takes it as it is now; nothing moves. */

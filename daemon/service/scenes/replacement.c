@@ -77,7 +77,7 @@ static int try_scene(struct srv_replacement *replacement, struct srv_scene *scen
         if (placed->handle == 0 || placed->mesh_number != replacement->mesh_number) {
             continue;
         }
-        scene->has_answer = false; /* the engine forgets its records */
+        srv_scene_forget_answers(scene);
         int status = eng_scene_try_replace(scene->engine, placed->engine_idx, mesh);
         if (status != 0) {
             PCCD_ASSERT(status == PCCD_E_NOMEM || status == PCCD_E_LIMIT);

@@ -215,29 +215,29 @@ static bool is_elsewhere(const struct srv_scene *scene, const struct srv_placed 
                   placed->vertex_count * sizeof(double[3])) != 0;
 }
 
-/* The objects that are chosen, from where they were at the end `from` to where they
- * are. */
-static void note_step(struct srv_journal *journal, const struct srv_scene *scene,
-                      struct proto_journal_step head, choose_fn is_chosen, unsigned from)
+/* How many objects are chosen, and the bytes of a segment table and positions of both
+ * ends. */
+static uint32_t measure(const struct srv_scene *scene, choose_fn is_chosen,
+                        uint64_t *bytes)
 {
+    uint32_t count = 0;
     uint64_t x_bytes = 0;
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         if (is_chosen(scene, &scene->placed[i])) {
-            head.segments++;
+            count++;
             x_bytes += scene->placed[i].vertex_count * sizeof(double[3]);
         }
     }
-    if (head.segments == 0 && head.step == 0) {
-        return; /* nothing that a reader could not do without */
-    }
-    uint64_t offset = head.segments * sizeof(struct proto_segment);
-    uint8_t *to =
-        append(journal, PROTO_JOURNAL_STEP, 0, sizeof head + offset + 2 * x_bytes);
-    if (to == NULL) {
-        return;
-    }
-    memcpy(to, &head, sizeof head);
-    to += sizeof head;
+    *bytes = count * sizeof(struct proto_segment) + 2 * x_bytes;
+    return count;
+}
+
+/* The `count` objects that are chosen, from where they were at the end `from` to where
+ * they are, as they could have stood in a slot. */
+static void write_motion(uint8_t *to, const struct srv_scene *scene, choose_fn is_chosen,
+                         uint32_t count, unsigned from)
+{
+    uint64_t offset = count * sizeof(struct proto_segment);
     uint8_t *table = to;
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         const struct srv_placed *placed = &scene->placed[i];
@@ -258,6 +258,22 @@ static void note_step(struct srv_journal *journal, const struct srv_scene *scene
                eng_scene_positions(scene->engine, placed->engine_idx, 1), bytes);
         table += sizeof segment;
         offset += 2 * bytes;
+    }
+}
+
+/* A step of the objects that are chosen, which were at the end `from`. */
+static void note_step(struct srv_journal *journal, const struct srv_scene *scene,
+                      struct proto_journal_step head, choose_fn is_chosen, unsigned from)
+{
+    uint64_t bytes = 0;
+    head.segments = measure(scene, is_chosen, &bytes);
+    if (head.segments == 0 && head.step == 0) {
+        return; /* nothing that a reader could not do without */
+    }
+    uint8_t *to = append(journal, PROTO_JOURNAL_STEP, 0, sizeof head + bytes);
+    if (to != NULL) {
+        memcpy(to, &head, sizeof head);
+        write_motion(to + sizeof head, scene, is_chosen, head.segments, from);
     }
 }
 
@@ -288,6 +304,52 @@ void srv_journal_step(struct srv_scene *scene,
                     : journal->member == member ? submit->step
                                                 : number_of_held(taken, journal->member);
         note_step(journal, scene, head, was_moved, 0);
+    }
+}
+
+static bool none(const struct srv_scene *scene, const struct srv_placed *placed)
+{
+    (void)scene;
+    (void)placed;
+    return false;
+}
+
+static void note_near(struct srv_journal *journal, const struct srv_scene *scene,
+                      struct proto_journal_near head, choose_fn is_chosen)
+{
+    uint64_t bytes = 0;
+    head.segments = measure(scene, is_chosen, &bytes);
+    uint8_t *to = append(journal, PROTO_JOURNAL_NEAR, 0, sizeof head + bytes);
+    if (to != NULL) {
+        memcpy(to, &head, sizeof head);
+        write_motion(to + sizeof head, scene, is_chosen, head.segments, 0);
+    }
+}
+
+void srv_journal_near(struct srv_scene *scene,
+                      const struct proto_SCENE_NEAR_request *near,
+                      const struct srv_member *member)
+{
+    srv_assert_compute();
+    bool moves = near->segments > 0;
+    struct proto_journal_near head = {.step = near->step,
+                                      .distance = near->distance,
+                                      .gap = near->gap,
+                                      .what = near->what,
+                                      .end = near->end,
+                                      .object_a = near->object_a,
+                                      .object_b = near->object_b,
+                                      .method = near->method,
+                                      .threads = near->threads};
+    memcpy(head.tuning, near->tuning, strnlen(near->tuning, sizeof head.tuning));
+    for (struct srv_journal *journal = scene->diaries; journal != NULL;
+         journal = journal->next) {
+        if (journal->member == member) {
+            note_near(journal, scene, head, moves ? was_moved : none);
+        } else if (moves) {
+            const struct proto_journal_step moved = {.step = 0};
+            note_step(journal, scene, moved, was_moved, 0);
+        }
     }
 }
 

@@ -59,5 +59,9 @@ void srv_journal_pair(struct srv_scene *scene, uint32_t a, uint32_t b, bool igno
 void srv_journal_step(struct srv_scene *scene,
                       const struct proto_FRAME_SUBMIT_request *submit,
                       const struct srv_member *member, const struct srv_held *taken);
+/* A session has asked with that member what is near, and has moved what it moves. */
+void srv_journal_near(struct srv_scene *scene,
+                      const struct proto_SCENE_NEAR_request *near,
+                      const struct srv_member *member);
 
 #endif

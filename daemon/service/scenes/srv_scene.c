@@ -145,10 +145,17 @@ void srv_scene_count_ignored(struct srv_scene *scene)
                           memory_order_relaxed); /* nothing is read because of it */
 }
 
-void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
+void srv_scene_forget_answers(struct srv_scene *scene)
 {
     srv_assert_compute();
     scene->has_answer = false;
+    scene->has_near = false;
+}
+
+void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
+{
+    srv_assert_compute();
+    srv_scene_forget_answers(scene);
     scene->changes++;
     int status = eng_scene_remove(scene->engine, placed->engine_idx);
     PCCD_ASSERT(status == 0); /* the engine has every object that is placed */

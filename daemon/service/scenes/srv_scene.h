@@ -60,7 +60,16 @@ struct srv_scene {
     bool has_answer;             /* `records` and `answer` are of the last step */
     const void *records;
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
+    bool is_placed; /* its last step only brought objects back: where the one began that
+                     * had brought them there is not known */
+    bool has_near;  /* likewise, of the last scene.near */
+    uint64_t near_asker;
+    const void *near_records;
+    struct proto_SCENE_NEAR_result near;
 };
+
+/* The engine forgets the records of its answers. [compute] */
+void srv_scene_forget_answers(struct srv_scene *scene);
 
 /* NULL: no memory. [loop] */
 struct srv_scene *srv_scene_new(struct srv_session *session,

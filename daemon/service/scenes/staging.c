@@ -153,38 +153,36 @@ static int refuse_table(const struct staging *staging, uint32_t segments)
                            segments, (unsigned long long)staging->payload_bytes);
 }
 
-int srv_stage_slot(struct srv_ring *ring,
-                   const struct proto_FRAME_SUBMIT_request *request,
+int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
                    const struct srv_member *member, struct srv_scene *scene,
                    struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error)
 {
-    PCCD_ASSERT(request->segments >= 1 && request->segments <= PROTO_SEGMENTS_MAX);
+    PCCD_ASSERT(cargo->segments >= 1 && cargo->segments <= PROTO_SEGMENTS_MAX);
     struct staging staging = {
         .scene = scene,
         .member = member,
         .payload_bytes = ring->slot_stride,
-        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
         .error = error,
     };
     int status =
-        srv_ring_open_slot(ring, request->slot, request->seq, &staging.payload, error);
+        srv_ring_open_slot(ring, cargo->slot, cargo->seq, &staging.payload, error);
     if (status != 0) {
         return status;
     }
     if (staging.table_bytes > staging.payload_bytes) {
-        return refuse_table(&staging, request->segments);
+        return refuse_table(&staging, cargo->segments);
     }
-    status = stage(&staging, request->segments, table, bytes);
+    status = stage(&staging, cargo->segments, table, bytes);
     /* A slot that changed explains any other complaint. */
-    int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
+    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
     return torn != 0 ? torn : status;
 }
 
 int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
-                   const struct proto_FRAME_SUBMIT_request *request,
-                   const struct srv_member *member, struct srv_scene *scene,
-                   struct proto_segment *table, uint64_t *bytes,
+                   const struct srv_cargo *cargo, const struct srv_member *member,
+                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error)
 {
     srv_assert_compute();
@@ -193,11 +191,11 @@ int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
         .member = member,
         .payload = copy,
         .payload_bytes = copy_bytes,
-        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
         .error = error,
     };
     PCCD_ASSERT(staging.table_bytes <= copy_bytes);
-    return stage(&staging, request->segments, table, bytes);
+    return stage(&staging, cargo->segments, table, bytes);
 }
 
 /* Where the last segment of a copied table ends; 0: something is wrong with one, and the
@@ -220,23 +218,23 @@ static uint64_t extent_of(const struct staging *staging, uint32_t segments)
     return extent;
 }
 
-int srv_stage_keep(struct srv_ring *ring,
-                   const struct proto_FRAME_SUBMIT_request *request, uint64_t bytes_max,
-                   uint8_t **copy, uint64_t *bytes, struct proto_error *error)
+int srv_stage_keep(struct srv_ring *ring, const struct srv_cargo *cargo,
+                   uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
+                   struct proto_error *error)
 {
-    PCCD_ASSERT(request->slot < ring->slot_count && bytes_max <= ring->slot_stride);
+    PCCD_ASSERT(cargo->slot < ring->slot_count && bytes_max <= ring->slot_stride);
     struct staging staging = {
         .payload_bytes = bytes_max,
-        .table_bytes = (uint64_t)request->segments * sizeof(struct proto_segment),
+        .table_bytes = (uint64_t)cargo->segments * sizeof(struct proto_segment),
         .error = error,
     };
     const uint8_t *payload = NULL;
-    int status = srv_ring_open_slot(ring, request->slot, request->seq, &payload, error);
+    int status = srv_ring_open_slot(ring, cargo->slot, cargo->seq, &payload, error);
     if (status != 0) {
         return status;
     }
     if (staging.table_bytes > bytes_max) {
-        return refuse_table(&staging, request->segments);
+        return refuse_table(&staging, cargo->segments);
     }
     uint8_t *new = malloc(bytes_max);
     if (new == NULL) {
@@ -244,13 +242,13 @@ int srv_stage_keep(struct srv_ring *ring,
     }
     memcpy(new, payload, staging.table_bytes); /* the one read of the table */
     staging.payload = new;
-    *bytes = extent_of(&staging, request->segments);
+    *bytes = extent_of(&staging, cargo->segments);
     if (*bytes > 0) {
         memcpy(new + staging.table_bytes, payload + staging.table_bytes,
                *bytes - staging.table_bytes);
     }
     /* A slot that changed explains any other complaint. */
-    int torn = srv_ring_check_slot(ring, request->slot, request->seq, error);
+    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
     if (torn != 0 || *bytes == 0) {
         free(new);
         return torn != 0 ? torn : error->code;

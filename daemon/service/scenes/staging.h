@@ -16,26 +16,35 @@
 #include "shm.h"
 #include "srv_scene.h"
 
+/* Where a request says that what it moves is written. */
+struct srv_cargo {
+    uint32_t slot;
+    uint32_t segments; /* >= 1 */
+    uint64_t seq;
+};
+
+/* Of frame.submit, or of another message with these fields. */
+#define SRV_CARGO_OF(request)                                                            \
+    (&(const struct srv_cargo){(request)->slot, (request)->segments, (request)->seq})
+
 /* Stage the step in a slot: copy and check the segment table, then copy the positions of
  * each segment into `scene`, which has its staging open. On failure the caller aborts it.
  * Only objects that were added with `member` may be moved (PCCD_E_ACCESS), NULL: all.
  * `table` has room for PROTO_SEGMENTS_MAX. *bytes is what was copied. [compute] */
-int srv_stage_slot(struct srv_ring *ring,
-                   const struct proto_FRAME_SUBMIT_request *request,
+int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
                    const struct srv_member *member, struct srv_scene *scene,
                    struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
 /* The same out of a copy of a slot. [compute] */
 int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
-                   const struct proto_FRAME_SUBMIT_request *request,
-                   const struct srv_member *member, struct srv_scene *scene,
-                   struct proto_segment *table, uint64_t *bytes,
+                   const struct srv_cargo *cargo, const struct srv_member *member,
+                   struct srv_scene *scene, struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
 /* A copy, of malloc, of what the step uses of its slot, *bytes of at most `bytes_max`.
  * Returns 0, PCCD_E_SLOT_STALE, PCCD_E_SLOT_TORN, PCCD_E_SEGMENT (it uses more, or a
  * segment is not as it must be) or PCCD_E_NOMEM with *error set. [any] */
-int srv_stage_keep(struct srv_ring *ring,
-                   const struct proto_FRAME_SUBMIT_request *request, uint64_t bytes_max,
-                   uint8_t **copy, uint64_t *bytes, struct proto_error *error);
+int srv_stage_keep(struct srv_ring *ring, const struct srv_cargo *cargo,
+                   uint64_t bytes_max, uint8_t **copy, uint64_t *bytes,
+                   struct proto_error *error);
 
 #endif

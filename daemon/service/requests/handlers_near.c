@@ -1,0 +1,405 @@
+/* handlers_near.c - scene.near and near.fetch.
+ *
+ * Room:     service. See call.h, stepping.h, frame.h.
+ * Does:     check what is asked on [loop]; move what the request moves, and ask the
+ *           engine, on [compute].
+ * Does not: take held frames along, or count as a step of its scene: nobody is told.
+ * Threads:  [loop], but for functions named work_ and their helpers.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "admission.h"
+#include "call.h"
+#include "engine.h"
+#include "frame.h"
+#include "invariant.h"
+#include "now.h"
+#include "request.h"
+#include "service.h"
+#include "session.h"
+#include "shared.h"
+#include "srv_journal.h"
+#include "step_numbers.h"
+#include "stepping.h"
+#include "tracing.h"
+
+#define DISTANCE_MAX  1e18
+#define DISTANCE_NONE 2e18 /* distance_min of no records */
+
+static_assert(sizeof(struct proto_SCENE_NEAR_result) ==
+                  sizeof(struct proto_NEAR_FETCH_result),
+              "both answer alike");
+
+static uint32_t record_bytes_of(uint32_t what)
+{
+    return what == PCCD_NEAR_VERTICES ? (uint32_t)sizeof(double)
+                                      : (uint32_t)sizeof(struct pccd_near);
+}
+
+/* ---- computed ---------------------------------------------------------------------- */
+
+/* What the engine says, in the wire's terms, but for the page. [compute] */
+static void describe(const struct eng_near_result *near,
+                     struct proto_SCENE_NEAR_result *answer)
+{
+    *answer = (struct proto_SCENE_NEAR_result){
+        .what = near->what,
+        .incomplete = near->incomplete,
+        .verdict = near->verdict,
+        .total = near->count,
+        .record_bytes = record_bytes_of(near->what),
+        .distance_min = near->distance_min,
+        .distance_max = near->distance_max,
+        .crossings = near->crossings,
+        .hash_hi = near->hash[0],
+        .hash_lo = near->hash[1],
+        .threads = near->threads,
+        .method = near->method,
+    };
+#define PUT(unused, name, need, member, meaning) answer->name = near->member;
+    COMMON_NEAR_KINDS(PUT, )
+    COMMON_STEP_TIMES(PUT, )
+    COMMON_STEP_COUNTERS(PUT, )
+#undef PUT
+}
+
+/* What the engine has found fault with. [compute] */
+static int explain(struct srv_request *request, int status,
+                   const struct eng_near_result *near)
+{
+    if (status == PCCD_E_INVAL && near->open_object != 0) {
+        return proto_error_set(
+            &request->error, status,
+            "the mesh of object 0x%x is not closed: its faces run through the edge from "
+            "vertex %u to %u %u %s, and back %u",
+            near->open_object, near->open_edge[0], near->open_edge[1], near->open_runs[0],
+            near->open_runs[0] == 1 ? "time" : "times", near->open_runs[1]);
+    }
+    return proto_error_set(&request->error, status, "scene.near: %s",
+                           proto_status_text(status));
+}
+
+/* The objects that are named are in the scene by now, or are not. [compute] */
+static int check_objects(struct srv_request *request)
+{
+    const struct proto_SCENE_NEAR_request *asked = &request->params.SCENE_NEAR;
+    const uint32_t objects[2] = {asked->object_a, asked->object_b};
+    for (int side = 0; side < 2; side++) {
+        if (objects[side] != 0 &&
+            srv_scene_find(request->plan.scene, objects[side]) == NULL) {
+            return proto_error_set(&request->error, PCCD_E_HANDLE,
+                                   "object_%c 0x%x is not in the scene", "ab"[side],
+                                   objects[side]);
+        }
+    }
+    return 0;
+}
+
+/* Another daemon was told where everything is, but not where it came from. [compute] */
+static int check_end(struct srv_request *request)
+{
+    const struct proto_SCENE_NEAR_request *asked = &request->params.SCENE_NEAR;
+    if (asked->end == 0 && asked->segments == 0 && request->plan.scene->is_placed) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "where the last step of scene 0x%x began is not known: "
+                               "it was brought back to this daemon, and no step since",
+                               asked->scene);
+    }
+    return 0;
+}
+
+/* Ask the engine, and keep its answer in the scene. [compute] */
+static int compute_near(struct srv_request *request, struct eng_scene *engine)
+{
+    const struct proto_SCENE_NEAR_request *asked = &request->params.SCENE_NEAR;
+    struct srv_scene *scene = request->plan.scene;
+    struct eng_near_settings settings = {.step = srv_stepping_settings(request),
+                                         .what = (enum pccd_near_what)asked->what,
+                                         .distance = asked->distance,
+                                         .gap = asked->gap,
+                                         .end = asked->end,
+                                         .objects = {asked->object_a, asked->object_b}};
+    struct eng_near_result near = {.open_object = 0};
+    scene->has_near = false; /* it takes the memory of the last one's records */
+    atomic_store_explicit(&request->job.end_ns, settings.step.deadline_ns,
+                          memory_order_relaxed);
+    settings.step.trace = srv_tracing_lend();
+    int status = eng_near(engine, &settings, &near);
+    srv_tracing_return(settings.step.trace);
+    if (status != 0) {
+        return explain(request, status, &near);
+    }
+    const struct eng_step_result shared = {.threads = near.threads,
+                                           .method = near.method};
+    describe(&near, &scene->near);
+    eng_tuning_used(&settings.step, &shared, scene->near.tuning);
+    scene->near.step = asked->step;
+    scene->near_asker = request->session->id;
+    scene->near_records = near.records;
+    scene->has_near = true;
+    PCCD_ASSERT(near.count == 0 || near.record_bytes == scene->near.record_bytes);
+    return 0;
+}
+
+/* Move what it moves, then ask: both or neither. [compute] */
+static int move_and_ask(struct srv_request *request)
+{
+    struct srv_scene *scene = request->plan.scene;
+    bool moves = request->params.SCENE_NEAR.segments > 0;
+    struct eng_scene *engine = NULL;
+    int status = srv_scene_engine(scene, &engine);
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for the scene");
+    }
+    srv_shared_hide(scene);
+    status = check_objects(request);
+    status = status != 0 ? status : check_end(request);
+    if (status == 0 && moves) {
+        srv_stepping_open(request, engine);
+        status = srv_stepping_stage(request);
+    }
+    status = status != 0 ? status : compute_near(request, engine);
+    if (status != 0) {
+        eng_stage_abort(engine);
+        return status;
+    }
+    scene->is_placed = scene->is_placed && !moves;
+    srv_journal_near(scene, &request->params.SCENE_NEAR, request->plan.member);
+    return 0;
+}
+
+/* It was answered before its turn: what is left is to move. What goes wrong is what the
+ * session's next request on the scene is answered. [compute] */
+static int move_early(struct srv_request *request)
+{
+    if (request->params.SCENE_NEAR.segments == 0) {
+        return 0;
+    }
+    int status = move_and_ask(request);
+    if (status != 0) {
+        *srv_stepping_owed(request) = request->error;
+        return status;
+    }
+    request->result.SCENE_NEAR = request->plan.scene->near;
+    return 0;
+}
+
+/* The records from `first` on, as many as fit. [compute] */
+static int write_page(struct srv_request *request, uint64_t first,
+                      struct proto_SCENE_NEAR_result *answer)
+{
+    const struct srv_scene *scene = request->plan.scene;
+    const struct srv_records records = {scene->near_records, scene->near.record_bytes,
+                                        scene->near.total, scene->near.incomplete};
+    struct srv_records_page page;
+    PCCD_ASSERT(scene->has_near);
+    int status = srv_records_write(request, &records, first, &page);
+    if (status == 0) {
+        *answer = scene->near;
+        SRV_RECORDS_PAGE(answer, &page);
+    }
+    return status;
+}
+
+static int work_near(struct srv_request *request)
+{
+    struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
+    request->begin_ns = common_now_ns();
+    if (srv_request_state(request) == SRV_REQUEST_EARLY) {
+        return move_early(request);
+    }
+    int status = srv_stepping_begin(request);
+    if (status == 0) {
+        status = move_and_ask(request);
+    }
+    if (status != 0) {
+        return status;
+    }
+    uint64_t copy_ns = common_now_ns();
+    status = write_page(request, 0, answer);
+    uint64_t end_ns = common_now_ns();
+    answer->ns_queue = request->begin_ns - request->arrival_ns;
+    answer->ns_merge += end_ns - copy_ns;
+    answer->ns_step += end_ns - copy_ns;
+    return status;
+}
+
+/* ---- before its turn, and after ---------------------------------------------------- */
+
+/* The hash of no records is that of a step without any; with a gap there is none. */
+static void say_nothing(const struct proto_SCENE_NEAR_request *asked,
+                        enum pccd_incomplete why, struct proto_SCENE_NEAR_result *answer)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result nothing;
+    settings.method = (enum pccd_method)asked->method;
+    eng_step_nothing(&settings, &nothing);
+    const struct eng_near_result near = {
+        .what = (enum pccd_near_what)asked->what,
+        .method = nothing.method,
+        .incomplete = why,
+        .verdict = PCCD_VERDICT_NONE,
+        .distance_min = DISTANCE_NONE,
+        .hash = {asked->gap > 0.0 ? 0 : nothing.hash[0],
+                 asked->gap > 0.0 ? 0 : nothing.hash[1]},
+        .threads = nothing.threads,
+    };
+    describe(&near, answer);
+    answer->step = asked->step;
+}
+
+static void answer_near_early(struct srv_request *request, enum pccd_incomplete why)
+{
+    struct proto_SCENE_NEAR_result answer;
+    say_nothing(&request->params.SCENE_NEAR, why, &answer);
+    answer.ns_queue = common_now_ns() - request->arrival_ns;
+    srv_stepping_answer_early(request, &answer, &answer.release);
+}
+
+static void finish_near(struct srv_request *request)
+{
+    const struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
+    struct srv_session *session = request->session;
+    bool was_asked = request->status == 0 && answer->record_bytes != 0;
+    if (was_asked) { /* else it was answered before, and nothing was left to do */
+        srv_metrics_add_near(&session->service->metrics, answer);
+        session->told.upload_bytes += request->upload_bytes;
+        session->told.result_bytes += answer->count * answer->record_bytes;
+    }
+}
+
+/* ---- what is asked ----------------------------------------------------------------- */
+
+/* A length of the request, 0 .. 1e18, where it is looked at. Written so that NaN is
+ * refused. */
+static int check_length(struct srv_call *call, const char *name, double length,
+                        bool may_be_infinite)
+{
+    if (may_be_infinite && isinf(length) && length > 0.0) {
+        return 0;
+    }
+    if (!(length >= 0.0) || isinf(length)) {
+        return proto_error_set(&call->error, PCCD_E_INVAL, "%s is %g, not 0 to %g", name,
+                               length, DISTANCE_MAX);
+    }
+    if (length > DISTANCE_MAX) {
+        return proto_error_set(&call->error, PCCD_E_LIMIT, "%s is %g, at most %g may be",
+                               name, length, DISTANCE_MAX);
+    }
+    return 0;
+}
+
+static bool has_distance(uint32_t what)
+{
+    return what != PCCD_NEAR_CROSSINGS && what != PCCD_NEAR_DEPTH;
+}
+
+static int check_question(struct srv_call *call)
+{
+    const struct proto_SCENE_NEAR_request *asked = &call->params.SCENE_NEAR;
+    const struct srv_choice choices[] = {{"what", asked->what, PCCD_NEAR_COUNT},
+                                         {"end", asked->end, 2}};
+    bool is_nearest = asked->what == PCCD_NEAR_NEAREST;
+    int status = srv_stepping_choose(call, choices, 2);
+    if (status == 0 && has_distance(asked->what)) {
+        status = check_length(call, "distance", asked->distance, is_nearest);
+    }
+    if (status == 0 && is_nearest) {
+        status = check_length(call, "gap", asked->gap, false);
+    }
+    if (status == 0 && (is_nearest || asked->what == PCCD_NEAR_DEPTH) &&
+        asked->object_a != 0 && asked->object_a == asked->object_b) {
+        status = proto_error_set(&call->error, PCCD_E_INVAL,
+                                 "object_a and object_b are both 0x%x", asked->object_a);
+    }
+    return status;
+}
+
+int srv_on_SCENE_NEAR(struct srv_call *call)
+{
+    const struct proto_SCENE_NEAR_request *request = &call->params.SCENE_NEAR;
+    const struct srv_asked asked = srv_asked_of(call->method, &call->params);
+    struct srv_session *session = call->session;
+    struct srv_scene *scene = srv_handles_get(&session->scenes, request->scene);
+    struct srv_ring *ring = NULL;
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               request->scene);
+    }
+    int status = srv_stepping_check(call, &asked, &ring);
+    if (status == 0) {
+        status = check_question(call);
+    }
+    if (status == 0 && request->segments > 0) {
+        status = srv_shared_refuse_reader(session, scene, &call->error);
+    }
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {
+        .work = work_near,
+        .finish = finish_near,
+        .ring = ring,
+        .scene = scene,
+        .member = srv_shared_member(scene, session),
+        .takes_slot = request->segments > 0,
+        .answer_early = answer_near_early,
+        .replies = scene->shared == NULL,
+        .deadline_ns = srv_stepping_deadline(request->deadline_ns, call->arrival_ns)};
+    return srv_request_start(call, &plan);
+}
+
+/* ---- further pages ----------------------------------------------------------------- */
+
+static int work_near_fetch(struct srv_request *request)
+{
+    const struct proto_NEAR_FETCH_request *fetch = &request->params.NEAR_FETCH;
+    const struct srv_scene *scene = request->plan.scene;
+    uint64_t start_ns = common_now_ns();
+    if (!scene->has_near) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "scene 0x%x has no answer to scene.near: none since it "
+                               "changed",
+                               fetch->scene);
+    }
+    bool is_own = scene->near_asker == request->session->id;
+    if (!is_own || fetch->step != scene->near.step) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "the answer to scene.near %llu is gone, %s scene.near "
+                               "%llu has been answered since",
+                               (unsigned long long)fetch->step,
+                               is_own ? "this session's" : "another session's",
+                               (unsigned long long)scene->near.step);
+    }
+    if (fetch->cursor > scene->near.total) {
+        return proto_error_set(&request->error, PCCD_E_INVAL,
+                               "cursor %llu is beyond the answer's %llu records",
+                               (unsigned long long)fetch->cursor,
+                               (unsigned long long)scene->near.total);
+    }
+    struct proto_SCENE_NEAR_result answer;
+    int status = write_page(request, fetch->cursor, &answer);
+    if (status == 0) {
+        answer.ns_queue = start_ns - request->arrival_ns;
+        memcpy(&request->result.NEAR_FETCH, &answer, sizeof answer);
+    }
+    return status;
+}
+
+int srv_on_NEAR_FETCH(struct srv_call *call)
+{
+    uint32_t handle = call->params.NEAR_FETCH.scene;
+    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
+    struct srv_ring *ring = NULL;
+    if (scene == NULL) {
+        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
+                               handle);
+    }
+    int status = srv_admit_ring(call, &ring);
+    if (status != 0) {
+        return status;
+    }
+    struct srv_plan plan = {.work = work_near_fetch, .ring = ring, .scene = scene};
+    return srv_request_start(call, &plan);
+}
