@@ -1,7 +1,7 @@
 /* arrival.c - who is told of what has arrived from the daemon.
  *
- * Room:     client/lib. May include: arrival.h, keep.h, positions.h, recorder_events.h,
- *           shared.h, watch.h.
+ * Room:     client/lib. May include: arrival.h, keep.h, near_number.h, positions.h,
+ *           recorder_events.h, rpc.h, shared.h, watch.h.
  * Does:     the registry first: a recording that begins another segment writes what is
  *           registered by then.
  * Threads:  [owner].
@@ -9,8 +9,10 @@
 #include "arrival.h"
 
 #include "keep.h"
+#include "near_number.h"
 #include "positions.h"
 #include "recorder_events.h"
+#include "rpc.h"
 #include "shared.h"
 #include "watch.h"
 
@@ -18,9 +20,12 @@ void cli_arrival_answered(struct pccd_client *client, struct cli_call *call)
 {
     if (call->status == 0 && !call->recovery) {
         cli_keep_answer(client, call);
-        if (client->keeps && call->method == PROTO_METHOD_FRAME_SUBMIT &&
+        if (client->keeps && cli_call_is_step(call->method) &&
             call->slot != CLI_SLOT_NONE) {
             cli_positions_answered(client, call->slot, call->step);
+        }
+        if (call->method == PROTO_METHOD_SCENE_NEAR) {
+            cli_near_answered(client, &call->params.SCENE_NEAR);
         }
     }
     if (client->recorder != NULL) {

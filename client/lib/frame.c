@@ -1,11 +1,13 @@
 /* frame.c - the positions of a step, written into a slot.
  *
- * Room:     client/lib. May include: attach.h, connection.h, submit.h.
+ * Room:     client/lib. May include: frame.h, attach.h, connection.h, submit.h.
  * Does:     lay out a slot's payload: the segment table at its start, then the positions,
  *           each range at a multiple of 8 bytes; publish it.
  * Does not: read anything back from the slot, or check what the daemon checks.
  * Threads:  [owner].
  */
+#include "frame.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -277,30 +279,38 @@ int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
     return 0;
 }
 
-int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings *settings,
-                      uint64_t *step)
+int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *scene,
+                   uint32_t *slot)
 {
     struct pccd_client *client;
     struct cli_slot *own = NULL;
-    uint32_t slot;
     int status = find_slot(frame, &own);
 
     if (status != 0) {
         return status;
     }
     client = frame->client;
-    slot = frame->slot;
+    *scene = own->scene;
+    *slot = frame->slot;
     frame->slot = SLOT_GIVEN_BACK; /* a frame is committed once */
-    if (step == NULL) {
-        cli_slot_abort(&client->ring, slot);
-        return cli_fail(client, PCCD_E_INVAL, "step is NULL");
-    }
-    status = cli_step_check(client); /* other steps may have been submitted meanwhile */
+    /* Other steps may have been submitted meanwhile. */
+    status = step == NULL ? cli_fail(client, PCCD_E_INVAL, "step is NULL")
+                          : cli_step_check(client);
     if (status != 0) {
-        cli_slot_abort(&client->ring, slot);
-        return status;
+        cli_slot_abort(&client->ring, *slot);
     }
-    return cli_step_send(client, own->scene, slot, settings, step);
+    return status;
+}
+
+int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings *settings,
+                      uint64_t *step)
+{
+    uint32_t scene = 0;
+    uint32_t slot = 0;
+    int status = cli_frame_take(frame, step, &scene, &slot);
+
+    return status != 0 ? status
+                       : cli_step_send(frame->client, scene, slot, settings, step);
 }
 
 void pccd_frame_abort(struct pccd_frame *frame)
@@ -374,11 +384,32 @@ static int write_motion(struct pccd_client *client, uint32_t slot,
     return status;
 }
 
+int cli_frame_write(struct pccd_client *client, uint32_t scene,
+                    const struct pccd_motion *motions, uint32_t motion_count,
+                    uint32_t *slot)
+{
+    uint64_t bytes;
+    int status = measure(client, motions, motion_count, &bytes);
+
+    if (status == 0) {
+        status = begin(client, scene, motion_count, bytes, slot);
+    }
+    if (status != 0) {
+        return status;
+    }
+    for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
+        status = write_motion(client, *slot, &motions[i]);
+    }
+    if (status != 0) {
+        cli_slot_abort(&client->ring, *slot);
+    }
+    return status;
+}
+
 int pccd_submit(struct pccd_client *client, uint32_t scene,
                 const struct pccd_motion *motions, uint32_t motion_count,
                 const struct pccd_step_settings *settings, uint64_t *step)
 {
-    uint64_t bytes;
     uint32_t slot = 0;
     int status;
 
@@ -392,19 +423,6 @@ int pccd_submit(struct pccd_client *client, uint32_t scene,
     if (motion_count == 0) {
         return pccd_submit_still(client, scene, settings, step);
     }
-    status = measure(client, motions, motion_count, &bytes);
-    if (status == 0) {
-        status = begin(client, scene, motion_count, bytes, &slot);
-    }
-    if (status != 0) {
-        return status;
-    }
-    for (uint32_t i = 0; status == 0 && i < motion_count; i++) {
-        status = write_motion(client, slot, &motions[i]);
-    }
-    if (status != 0) {
-        cli_slot_abort(&client->ring, slot);
-        return status;
-    }
-    return cli_step_send(client, scene, slot, settings, step);
+    status = cli_frame_write(client, scene, motions, motion_count, &slot);
+    return status != 0 ? status : cli_step_send(client, scene, slot, settings, step);
 }

@@ -6,7 +6,7 @@
 
 lib_LTLIBRARIES += libpccd.la
 noinst_LTLIBRARIES += libclient.la
-include_HEADERS += client/lib/pccd.h
+include_HEADERS += client/lib/pccd.h client/lib/pccd_near.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
@@ -27,6 +27,7 @@ libclient_la_SOURCES = \
     client/lib/flight.c \
     client/lib/flight.h \
     client/lib/frame.c \
+    client/lib/frame.h \
     client/lib/keep.c \
     client/lib/keep.h \
     client/lib/launch.c \
@@ -36,6 +37,9 @@ libclient_la_SOURCES = \
     client/lib/list.c \
     client/lib/mesh.c \
     client/lib/mesh.h \
+    client/lib/near.c \
+    client/lib/near_number.c \
+    client/lib/near_number.h \
     client/lib/page.c \
     client/lib/page.h \
     client/lib/positions.c \

@@ -571,10 +571,10 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
  * (timeout_ms = 0), E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old
  * to tell. */
 int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
-/* Get the page of the answer to `step`, the last step of `scene`, that begins at
- * `cursor`. Release the page before first when the region is full. E_STATE: the answer
- * is gone, because another step has run, or an object was removed or got another shape
- * since. */
+/* Get the page of the answer to `step`, the last step of `scene` or its last question
+ * about what is near (pccd_near.h), that begins at `cursor`. Release the page before
+ * first when the region is full. E_STATE: the answer is gone, because another step has
+ * run, or an object was removed or got another shape since. */
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer);
 /* Give the records back. Pages may be released in any order. Safe on an answer without

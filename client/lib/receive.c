@@ -52,6 +52,26 @@ static int take_answer(struct pccd_client *client, struct cli_call *call,
                         answer->release, &call->page);
 }
 
+/* The same of a question about what is near. */
+static int take_near(struct pccd_client *client, struct cli_call *call,
+                     const struct proto_envelope *envelope, struct proto_error *error)
+{
+    struct proto_SCENE_NEAR_result *near = &call->near;
+    int status =
+        proto_decode_body(envelope, &proto_messages[call->method].result, near, error);
+    if (status != 0) {
+        return status;
+    }
+    if (near->count > 0 && near->record_bytes != (near->what == PCCD_NEAR_VERTICES
+                                                      ? sizeof(double)
+                                                      : sizeof(struct pccd_near))) {
+        return proto_error_set(error, PCCD_E_BADMSG, "records of %u bytes",
+                               near->record_bytes);
+    }
+    return cli_page_add(client, near->offset, near->count, near->record_bytes,
+                        near->release, &call->page);
+}
+
 /* Every result that brings a page. */
 union result {
 #define MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
@@ -91,10 +111,19 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
                    ? proto_decode_body(envelope, &info->result, call->result, error)
                    : 0;
     }
-    status = call->method == PROTO_METHOD_FRAME_SUBMIT ||
-                     call->method == PROTO_METHOD_FRAME_FETCH
-                 ? take_answer(client, call, envelope, error)
-                 : take_page(client, call, envelope, error);
+    switch (call->method) {
+    case PROTO_METHOD_FRAME_SUBMIT:
+    case PROTO_METHOD_FRAME_FETCH:
+        status = take_answer(client, call, envelope, error);
+        break;
+    case PROTO_METHOD_SCENE_NEAR:
+    case PROTO_METHOD_NEAR_FETCH:
+        status = take_near(client, call, envelope, error);
+        break;
+    default:
+        status = take_page(client, call, envelope, error);
+        break;
+    }
     if (status != 0 && error->text[0] == '\0') {
         (void)proto_error_set(error, status, "a page outside the result region");
     }

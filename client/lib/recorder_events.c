@@ -21,6 +21,7 @@
 #include "recorder.h"
 #include "recorder_shared.h"
 #include "recorder_snapshot.h"
+#include "step_numbers.h"
 
 /* ---- segments ---------------------------------------------------------------------- */
 
@@ -124,11 +125,11 @@ void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
         return;
     }
     begin_ns = common_now_ns();
-    recorder->info.frames++;
+    recorder->info.frames += call->method == PROTO_METHOD_FRAME_SUBMIT;
     if (recorder->segments_max > 1 &&
         recorder->writer.bytes >= recorder->segment_bytes_max) {
         turn(client); /* the new log begins with every step without an answer */
-    } else if (!cli_journal_has(client, call->params.FRAME_SUBMIT.scene)) {
+    } else {
         (void)cli_record_step(client, call);
     }
     count_time(client, begin_ns);
@@ -169,6 +170,19 @@ static void add_records(struct pccd_client *client, const struct cli_call *call)
     (void)cli_record_add(client, RECORD_RECORDS, parts, 2);
 }
 
+/* Of either answer, as the file has them. */
+#define RECORD_TIMES_OF(r)                                                               \
+    {                                                                                    \
+        (r)->ns_queue, (r)->ns_ingest, (r)->ns_refit, (r)->ns_traversal, (r)->ns_tests,  \
+            (r)->ns_merge, (r)->ns_step, (r)->ns_low, (r)->ns_high, (r)->ns_rebuild      \
+    }
+#define RECORD_COUNTERS_OF(r)                                                            \
+    {                                                                                    \
+        (r)->task_units, (r)->box_tests, (r)->leaf_pairs, (r)->candidates_vf,            \
+            (r)->candidates_ee, (r)->survivors, (r)->exact, (r)->builds, (r)->allocs,    \
+            (r)->rebuilds, (r)->rebuilt_triangles, (r)->swaps, (r)->swapped_triangles    \
+    }
+
 static void add_answer(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_FRAME_SUBMIT_result *r = &call->answer;
@@ -176,33 +190,76 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
                                    .status = call->status};
 
     if (call->status == 0) {
-        answer = (struct record_answer){
-            .step = r->step,
-            .mode = r->mode,
-            .method = r->method,
-            .incomplete = r->incomplete,
-            .verdict = r->verdict,
-            .threads = r->threads,
-            .total = r->total,
-            .vf = r->vf,
-            .ee = r->ee,
-            .possible = r->possible,
-            .initial = r->initial,
-            .toi_first = r->toi_first,
-            .hash = {r->hash_hi, r->hash_lo},
-            .times = {r->ns_queue, r->ns_ingest, r->ns_refit, r->ns_traversal,
-                      r->ns_tests, r->ns_merge, r->ns_step, r->ns_low, r->ns_high,
-                      r->ns_rebuild},
-            .counters = {r->task_units, r->box_tests, r->leaf_pairs, r->candidates_vf,
-                         r->candidates_ee, r->survivors, r->exact, r->builds, r->allocs,
-                         r->rebuilds, r->rebuilt_triangles, r->swaps,
-                         r->swapped_triangles}};
+        answer = (struct record_answer){.step = r->step,
+                                        .mode = r->mode,
+                                        .method = r->method,
+                                        .incomplete = r->incomplete,
+                                        .verdict = r->verdict,
+                                        .threads = r->threads,
+                                        .total = r->total,
+                                        .vf = r->vf,
+                                        .ee = r->ee,
+                                        .possible = r->possible,
+                                        .initial = r->initial,
+                                        .toi_first = r->toi_first,
+                                        .hash = {r->hash_hi, r->hash_lo},
+                                        .times = RECORD_TIMES_OF(r),
+                                        .counters = RECORD_COUNTERS_OF(r)};
     }
     cli_journal_answered(client, &call->params.FRAME_SUBMIT, r);
     client->recorder->info.answers++;
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
         add_records(client, call);
+    }
+}
+
+/* The page of an answer about what is near. */
+static void add_near_records(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_SCENE_NEAR_result *near = &call->near;
+    const struct record_near_records head = {.step = near->step,
+                                             .first = near->first,
+                                             .count = near->count,
+                                             .record_bytes = near->record_bytes};
+    struct record_part parts[2] = {{&head, sizeof head}};
+
+    if (!client->recorder->has_records || call->status != 0 || call->page == 0) {
+        return;
+    }
+    parts[1] = (struct record_part){cli_page_base(client, call->page) + near->offset,
+                                    near->count * near->record_bytes};
+    (void)cli_record_add(client, RECORD_NEAR_RECORDS, parts, 2);
+}
+
+static void add_near_answer(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_SCENE_NEAR_result *r = &call->near;
+    struct record_near_answer answer = {.step = call->params.SCENE_NEAR.step,
+                                        .status = call->status};
+
+    if (call->status == 0) {
+        answer = (struct record_near_answer){.step = r->step,
+                                             .what = r->what,
+                                             .method = r->method,
+                                             .incomplete = r->incomplete,
+                                             .verdict = r->verdict,
+                                             .threads = r->threads,
+                                             .total = r->total,
+                                             .distance_min = r->distance_min,
+                                             .distance_max = r->distance_max,
+                                             .crossings = r->crossings,
+                                             .hash = {r->hash_hi, r->hash_lo},
+                                             .times = RECORD_TIMES_OF(r),
+                                             .counters = RECORD_COUNTERS_OF(r)};
+#define PUT(unused, name, need, member, meaning) answer.member = r->name;
+        COMMON_NEAR_KINDS(PUT, )
+#undef PUT
+    }
+    cli_journal_note(client, call->params.SCENE_NEAR.scene);
+    if (cli_record_add(client, RECORD_NEAR_ANSWER,
+                       &(struct record_part){&answer, sizeof answer}, 1) == 0) {
+        add_near_records(client, call);
     }
 }
 
@@ -316,14 +373,27 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         return;
     }
     begin_ns = common_now_ns();
-    if (call->method == PROTO_METHOD_FRAME_SUBMIT) {
+    switch (call->method) {
+    case PROTO_METHOD_FRAME_SUBMIT:
         add_answer(client, call);
-    } else if (call->method == PROTO_METHOD_FRAME_FETCH) {
+        break;
+    case PROTO_METHOD_FRAME_FETCH:
         add_records(client, call);
-    } else if (call->method == PROTO_METHOD_SCENE_JOURNAL) {
+        break;
+    case PROTO_METHOD_SCENE_NEAR:
+        add_near_answer(client, call);
+        break;
+    case PROTO_METHOD_NEAR_FETCH:
+        add_near_records(client, call);
+        break;
+    case PROTO_METHOD_SCENE_JOURNAL:
         cli_journal_take(client, call);
-    } else if (call->status == 0 && !is_in_journal(client, call)) {
-        add_change(client, call);
+        break;
+    default:
+        if (call->status == 0 && !is_in_journal(client, call)) {
+            add_change(client, call);
+        }
+        break;
     }
     count_time(client, begin_ns);
 }

@@ -165,6 +165,37 @@ static int write_step(struct pccd_client *client, uint32_t scene, const uint8_t 
                                 parts, parts[1].bytes > 0 ? 2 : 1);
 }
 
+/* This client has asked what is near. */
+static int write_near(struct pccd_client *client, uint32_t scene, const uint8_t *at,
+                      uint64_t bytes)
+{
+    struct proto_journal_near from;
+    struct record_near near = {.scene = scene};
+    struct record_part parts[2] = {{&near, sizeof near}};
+    int status;
+
+    if (bytes < sizeof from) {
+        return PCCD_E_BADMSG;
+    }
+    memcpy(&from, at, sizeof from);
+    near.step = from.step;
+    near.segment_count = from.segments;
+    near.what = from.what;
+    near.end = from.end;
+    near.method = from.method;
+    near.threads = from.threads;
+    near.objects[0] = from.object_a;
+    near.objects[1] = from.object_b;
+    near.distance = from.distance;
+    near.gap = from.gap;
+    parts[1] = (struct record_part){at + sizeof from, bytes - sizeof from};
+    from.tuning[sizeof from.tuning - 1] = '\0';
+    status = cli_record_tuning(client, from.tuning);
+    return status != 0
+               ? status
+               : cli_record_add(client, RECORD_NEAR, parts, parts[1].bytes > 0 ? 2 : 1);
+}
+
 /* A whole entry of `bytes` bytes. */
 static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t *at)
 {
@@ -186,6 +217,8 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
         return write_pairs(client, scene, at, bytes);
     case PROTO_JOURNAL_STEP:
         return write_step(client, scene, at, bytes);
+    case PROTO_JOURNAL_NEAR:
+        return write_near(client, scene, at, bytes);
     default:
         return 0; /* of a newer daemon, which says nothing that must be known */
     }

@@ -1,6 +1,7 @@
 /* recorder_snapshot.c - how a segment of a recording begins.
  *
- * Room:     client/lib. May include: recorder_snapshot.h, recorder_shared.h, keep.h.
+ * Room:     client/lib. May include: recorder_snapshot.h, recorder_shared.h, keep.h,
+ *           rpc.h.
  * Does:     write what another daemon would have to be told, from what is kept for that.
  * Does not: follow events (recorder_events.c).
  * Threads:  [owner].
@@ -16,6 +17,7 @@
 #include "filter.h"
 #include "positions.h"
 #include "recorder_shared.h"
+#include "rpc.h"
 
 static int write_begin(struct pccd_client *client)
 {
@@ -202,7 +204,42 @@ static int write_scenes(struct pccd_client *client)
     return status;
 }
 
-int cli_record_step(struct pccd_client *client, const struct cli_call *call)
+/* What a call moves, behind `head`. */
+static int write_motion(struct pccd_client *client, const struct cli_call *call,
+                        enum record_kind kind, const char *tuning,
+                        struct record_part head, bool moves)
+{
+    struct record_part parts[2] = {head};
+    int status = cli_record_tuning(client, tuning);
+
+    if (call->slot != CLI_SLOT_NONE && moves) {
+        parts[1] = (struct record_part){cli_slot_payload(&client->ring, call->slot),
+                                        client->ring.slots[call->slot].used_bytes};
+    }
+    return status != 0 ? status
+                       : cli_record_add(client, kind, parts, parts[1].bytes > 0 ? 2 : 1);
+}
+
+static int write_near(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_SCENE_NEAR_request *request = &call->params.SCENE_NEAR;
+    const struct record_near near = {.step = request->step,
+                                     .scene = request->scene,
+                                     .segment_count = request->segments,
+                                     .what = request->what,
+                                     .end = request->end,
+                                     .method = request->method,
+                                     .threads = request->threads,
+                                     .objects = {request->object_a, request->object_b},
+                                     .distance = request->distance,
+                                     .gap = request->gap,
+                                     .deadline_ns = request->deadline_ns};
+
+    return write_motion(client, call, RECORD_NEAR, request->tuning,
+                        (struct record_part){&near, sizeof near}, request->segments > 0);
+}
+
+static int write_frame(struct pccd_client *client, const struct cli_call *call)
 {
     const struct proto_FRAME_SUBMIT_request *request = &call->params.FRAME_SUBMIT;
     struct record_frame frame = {.step = request->step,
@@ -213,18 +250,24 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call)
                                  .threads = request->threads,
                                  .tolerance = request->tolerance,
                                  .deadline_ns = request->deadline_ns};
-    struct record_part parts[2] = {{&frame, sizeof frame}};
-    size_t count = 1;
-    int status;
 
-    if (call->slot != CLI_SLOT_NONE && request->segments > 0) {
-        parts[count++] = (struct record_part){cli_slot_payload(&client->ring, call->slot),
-                                              client->ring.slots[call->slot].used_bytes};
-    }
-    assert(call->method == PROTO_METHOD_FRAME_SUBMIT && request->step != 0);
     client->recorder->segment_frames++;
-    status = cli_record_tuning(client, request->tuning);
-    return status != 0 ? status : cli_record_add(client, RECORD_FRAME, parts, count);
+    return write_motion(client, call, RECORD_FRAME, request->tuning,
+                        (struct record_part){&frame, sizeof frame},
+                        request->segments > 0);
+}
+
+int cli_record_step(struct pccd_client *client, const struct cli_call *call)
+{
+    bool is_near = call->method == PROTO_METHOD_SCENE_NEAR;
+    uint32_t scene =
+        is_near ? call->params.SCENE_NEAR.scene : call->params.FRAME_SUBMIT.scene;
+
+    assert(cli_call_is_step(call->method) && call->step != 0);
+    if (cli_journal_has(client, scene)) {
+        return 0; /* the journal says when it was its turn */
+    }
+    return is_near ? write_near(client, call) : write_frame(client, call);
 }
 
 /* Steps that are not in what is kept yet, in the order of their sending. */
@@ -240,7 +283,7 @@ static int write_unanswered(struct pccd_client *client)
             const struct cli_call *call = &client->calls[i];
 
             if ((call->state == CLI_CALL_SENT || call->state == CLI_CALL_LOST) &&
-                call->method == PROTO_METHOD_FRAME_SUBMIT && !call->recovery &&
+                cli_call_is_step(call->method) && !call->recovery &&
                 call->serial > after && (next == NULL || call->serial < next->serial)) {
                 next = call;
             }
@@ -249,9 +292,7 @@ static int write_unanswered(struct pccd_client *client)
             return status;
         }
         after = next->serial;
-        status = cli_journal_has(client, next->params.FRAME_SUBMIT.scene)
-                     ? 0
-                     : cli_record_step(client, next);
+        status = cli_record_step(client, next);
     }
 }
 

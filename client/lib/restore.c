@@ -151,11 +151,13 @@ struct batch {
 static int flush(struct batch *batch)
 {
     struct pccd_client *client = batch->flight->client;
+    /* A daemon that tells what is near knows by this that nobody stepped here. */
+    bool places = batch->is_shared || (client->link.features & PROTO_FEATURE_NEAR) != 0;
     struct proto_FRAME_SUBMIT_request request = {.scene = batch->scene,
                                                  .slot = batch->slot,
                                                  .segments = batch->segment_count,
                                                  .mode = PCCD_MODE_ANY,
-                                                 .place = batch->is_shared,
+                                                 .place = places,
                                                  .deadline_ns = AT_ONCE};
     int status;
 

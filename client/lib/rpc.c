@@ -263,6 +263,11 @@ int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns)
     return 0;
 }
 
+bool cli_call_is_step(int method)
+{
+    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR;
+}
+
 static uint32_t steps_inflight(const struct pccd_client *client)
 {
     uint32_t count = 0;
@@ -270,7 +275,7 @@ static uint32_t steps_inflight(const struct pccd_client *client)
     for (uint32_t i = 0; i < client->calls_end; i++) {
         const struct cli_call *call = &client->calls[i];
 
-        count += is_inflight(client, call) && call->method == PROTO_METHOD_FRAME_SUBMIT;
+        count += is_inflight(client, call) && cli_call_is_step(call->method);
     }
     return count;
 }
@@ -283,8 +288,7 @@ static bool is_full(const struct pccd_client *client, int method)
         client->ring.inflight_max > 0 ? client->ring.inflight_max : PROTO_INFLIGHT_MAX;
 
     return cli_call_inflight(client) >= PROTO_REPLIES_KEPT ||
-           (method == PROTO_METHOD_FRAME_SUBMIT &&
-            steps_inflight(client) >= inflight_max);
+           (cli_call_is_step(method) && steps_inflight(client) >= inflight_max);
 }
 
 int cli_call_send(struct pccd_client *client, int method, const void *request,

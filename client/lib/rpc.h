@@ -48,6 +48,10 @@ struct cli_call *cli_call_first_held(struct pccd_client *client);
 /* Send every held call once more, unchanged, in their order. */
 int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns);
 
+/* Whether a method is one of those that move a scene, of which a daemon takes only so
+ * many of a client at a time. */
+bool cli_call_is_step(int method);
+
 /* Requests whose replies have not come. */
 uint32_t cli_call_inflight(const struct pccd_client *client);
 

@@ -1,12 +1,13 @@
 /* scene.c - scenes and the objects in them.
  *
- * Room:     client/lib. May include: recorder_shared.h, rpc.h, shared.h.
+ * Room:     client/lib. May include: near_number.h, recorder_shared.h, rpc.h, shared.h.
  * Does:     one request each; nothing about scenes is kept on this side.
  * Threads:  [owner].
  */
 #include <string.h>
 
 #include "client.h"
+#include "near_number.h"
 #include "recorder_shared.h"
 #include "rpc.h"
 #include "shared.h"
@@ -122,6 +123,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
                            cli_deadline(client, -1));
     if (status == 0) { /* what was said of it has come before that */
         cli_shared_forget(client, scene);
+        cli_near_forget(client, scene);
     }
     return status;
 }

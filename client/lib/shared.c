@@ -192,5 +192,5 @@ int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
             return status;
         }
     }
-    return cli_step_fetch(client, &request, answer);
+    return cli_step_fetch(client, PROTO_METHOD_FRAME_FETCH, &request, answer);
 }

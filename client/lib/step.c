@@ -1,7 +1,7 @@
 /* step.c - steps in flight and their answers.
  *
- * Room:     client/lib. May include: step.h, connection.h, page.h, receive.h,
- *           recorder_events.h, recorder_shared.h, recover.h, rpc.h.
+ * Room:     client/lib. May include: step.h, connection.h, near_number.h, page.h,
+ *           receive.h, recorder_events.h, recorder_shared.h, recover.h, rpc.h.
  * Does:     poll, wait, fetch, cancel, release, and the calls that submit and wait at
  *           once. A step is a call of the table (call.h) whose `step` is not 0; it stays
  *           there until its answer is taken.
@@ -26,6 +26,7 @@
 #include <string.h>
 
 #include "connection.h"
+#include "near_number.h"
 #include "page.h"
 #include "receive.h"
 #include "recorder_events.h"
@@ -37,6 +38,7 @@
 #include "submit.h"
 
 #define ANSWER_TAG 0x7063636461677331ull /* marks an answer of this library */
+#define TOI_NONE   2.0                   /* toi_first of no contacts */
 
 /* ---- answers ----------------------------------------------------------------------- */
 
@@ -46,8 +48,13 @@ static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
 }
 
 static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
-                         struct pccd_answer *answer)
+                         const void *records, struct pccd_answer *answer)
 {
+    if (result->mode == PCCD_MODE_PAIRS) {
+        answer->pairs = records;
+    } else {
+        answer->contacts = records;
+    }
     answer->mode = (enum pccd_mode)result->mode;
     answer->method = (enum pccd_method)result->method;
     answer->incomplete = (enum pccd_incomplete)result->incomplete;
@@ -72,8 +79,41 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
 #undef GET
 }
 
-/* May it be filled in? E_INVAL: it is NULL, or of a length that no release has. */
-static int check_answer(struct pccd_client *client, const struct pccd_answer *answer)
+/* The same of an answer about what is near. */
+static void fill_near(const struct proto_SCENE_NEAR_result *near, const void *records,
+                      struct pccd_answer *answer)
+{
+    answer->is_near = true;
+    answer->what = (enum pccd_near_what)near->what;
+    answer->method = (enum pccd_method)near->method;
+    answer->incomplete = (enum pccd_incomplete)near->incomplete;
+    answer->verdict = (enum pccd_verdict)near->verdict;
+    if (near->what == PCCD_NEAR_VERTICES) {
+        answer->vertex_bounds = records;
+    } else {
+        answer->near = records;
+    }
+    answer->count = near->count;
+    answer->first = near->first;
+    answer->cursor = near->cursor;
+    answer->total = near->total;
+    answer->toi_first = TOI_NONE;
+    answer->distance_min = near->distance_min;
+    answer->distance_max = near->distance_max;
+    answer->crossings = near->crossings;
+    answer->hash[0] = near->hash_hi;
+    answer->hash[1] = near->hash_lo;
+    answer->threads = near->threads;
+    (void)snprintf(answer->tuning, sizeof answer->tuning, "%.*s",
+                   (int)sizeof answer->tuning - 1, near->tuning);
+#define GET(unused, name, need, member, meaning) answer->member = near->name;
+    COMMON_NEAR_KINDS(GET, )
+    COMMON_STEP_TIMES(GET, )
+    COMMON_STEP_COUNTERS(GET, )
+#undef GET
+}
+
+int cli_answer_check(struct pccd_client *client, const struct pccd_answer *answer)
 {
     return answer == NULL
                ? cli_fail(client, PCCD_E_INVAL, "answer is NULL")
@@ -84,20 +124,21 @@ static int check_answer(struct pccd_client *client, const struct pccd_answer *an
 static int take_answer(struct pccd_client *client, struct cli_call *call,
                        struct pccd_answer *to)
 {
-    const struct proto_FRAME_SUBMIT_result *result = &call->answer;
     struct pccd_answer answer = {.step = call->step, .status = call->status};
 
     assert(call->state == CLI_CALL_DONE && (call->page == 0 || call->status == 0));
     if (call->status == 0) {
+        bool is_near = call->method == PROTO_METHOD_SCENE_NEAR ||
+                       call->method == PROTO_METHOD_NEAR_FETCH;
+        uint64_t offset = is_near ? call->near.offset : call->answer.offset;
         const void *records =
-            call->page != 0 ? cli_page_base(client, call->page) + result->offset : NULL;
+            call->page != 0 ? cli_page_base(client, call->page) + offset : NULL;
 
-        answer.step = result->step;
-        fill_numbers(result, &answer);
-        if (result->mode == PCCD_MODE_PAIRS) {
-            answer.pairs = records;
+        answer.step = is_near ? call->near.step : call->answer.step;
+        if (is_near) {
+            fill_near(&call->near, records, &answer);
         } else {
-            answer.contacts = records;
+            fill_numbers(&call->answer, records, &answer);
         }
         answer.reserved[0] = call->page;
         answer.reserved[1] = answer_tag(client, call->page);
@@ -157,7 +198,7 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    status = check_answer(client, answer);
+    status = cli_answer_check(client, answer);
     if (status != 0) {
         return status;
     }
@@ -180,7 +221,7 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    status = check_answer(client, answer);
+    status = cli_answer_check(client, answer);
     if (status != 0) {
         return status;
     }
@@ -202,18 +243,17 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     return status != 0 ? status : take_answer(client, call, answer);
 }
 
-int cli_step_fetch(struct pccd_client *client,
-                   const struct proto_FRAME_FETCH_request *request,
+int cli_step_fetch(struct pccd_client *client, int method, const void *request,
                    struct pccd_answer *answer)
 {
     struct cli_call *call = NULL;
     uint64_t deadline_ns = cli_deadline(client, -1);
-    int status = check_answer(client, answer);
+    int status = cli_answer_check(client, answer);
 
     status = status != 0 ? status : cli_step_check(client);
     if (status == 0) {
-        status = cli_call_send(client, PROTO_METHOD_FRAME_FETCH, request, CLI_SLOT_NONE,
-                               deadline_ns, &call);
+        status =
+            cli_call_send(client, method, request, CLI_SLOT_NONE, deadline_ns, &call);
     }
     if (status != 0) {
         return status;
@@ -232,13 +272,17 @@ int cli_step_fetch(struct pccd_client *client,
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer)
 {
-    struct proto_FRAME_FETCH_request request = {
+    const struct proto_FRAME_FETCH_request frame = {
+        .scene = scene, .step = step, .cursor = cursor};
+    const struct proto_NEAR_FETCH_request near = {
         .scene = scene, .step = step, .cursor = cursor};
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    return cli_step_fetch(client, &request, answer);
+    return cli_near_is(client, scene, step)
+               ? cli_step_fetch(client, PROTO_METHOD_NEAR_FETCH, &near, answer)
+               : cli_step_fetch(client, PROTO_METHOD_FRAME_FETCH, &frame, answer);
 }
 
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
@@ -252,6 +296,8 @@ void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
     }
     answer->contacts = NULL;
     answer->pairs = NULL;
+    answer->near = NULL;
+    answer->vertex_bounds = NULL;
     answer->reserved[0] = answer->reserved[1] = 0;
 }
 
@@ -300,29 +346,30 @@ void pccd_abandon(struct pccd_client *client, uint64_t step)
 
 /* ---- submit and wait in one -------------------------------------------------------- */
 
-int pccd_step(struct pccd_client *client, uint32_t scene,
-              const struct pccd_motion *motions, uint32_t motion_count,
-              const struct pccd_step_settings *settings, struct pccd_answer *answer)
+int cli_step_finish(struct pccd_client *client, uint64_t step, struct pccd_answer *answer)
 {
     char text[CLI_TEXT_BYTES];
-    uint64_t step = 0;
-    int status;
+    int status = pccd_wait(client, step, -1, answer);
 
-    status = client != NULL ? check_answer(client, answer) : 0;
-    if (status != 0) {
-        return status;
-    }
-    status = pccd_submit(client, scene, motions, motion_count, settings, &step);
-    if (status != 0) {
-        return status;
-    }
-    status = pccd_wait(client, step, -1, answer);
     if (status == PCCD_E_TIMEOUT) {
         memcpy(text, client->error, sizeof text);
         pccd_abandon(client, step);
         status = cli_fail(client, status, "%s", text);
     }
     return status;
+}
+
+int pccd_step(struct pccd_client *client, uint32_t scene,
+              const struct pccd_motion *motions, uint32_t motion_count,
+              const struct pccd_step_settings *settings, struct pccd_answer *answer)
+{
+    uint64_t step = 0;
+    int status = client != NULL ? cli_answer_check(client, answer) : 0;
+
+    if (status == 0) {
+        status = pccd_submit(client, scene, motions, motion_count, settings, &step);
+    }
+    return status != 0 ? status : cli_step_finish(client, step, answer);
 }
 
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,

@@ -2,7 +2,8 @@
  *
  * Room:     client/lib. May include: submit.h, attach.h, page.h, recorder_events.h,
  *           rpc.h.
- * Does:     frame.submit; a step is a call of the table whose `step` is not 0.
+ * Does:     frame.submit; a step is a call of the table whose `step` is not 0, as is a
+ *           question about what is near (near.c).
  * Does not: write positions (frame.c) or take answers (step.c).
  * Threads:  [owner].
  */
@@ -59,13 +60,34 @@ static int read_settings(struct pccd_client *client,
     return status;
 }
 
+int cli_step_call(struct pccd_client *client, int method, const void *request,
+                  uint32_t slot, uint64_t *step)
+{
+    struct cli_call *call = NULL;
+    int status =
+        cli_call_send(client, method, request, slot, cli_deadline(client, -1), &call);
+
+    if (status != 0) {
+        if (slot != CLI_SLOT_NONE) {
+            cli_slot_abort(&client->ring, slot);
+        }
+        return status;
+    }
+    assert(call->step == 0 && client->next_step > 0);
+    call->step = client->next_step;
+    *step = client->next_step++;
+    if (client->recorder != NULL) {
+        cli_record_frame(client, call);
+    }
+    return 0;
+}
+
 int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
                   const struct pccd_step_settings *asked, uint64_t *step)
 {
     struct pccd_step_settings settings;
     struct proto_FRAME_SUBMIT_request request = {.scene = scene,
                                                  .step = client->next_step};
-    struct cli_call *call = NULL;
     int status = read_settings(client, asked, &settings);
 
     if (status == 0) {
@@ -84,23 +106,12 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
         request.segments = client->ring.slots[slot].segment_count;
         request.seq = cli_slot_publish(&client->ring, slot);
     }
-    if (status == 0) {
-        status = cli_call_send(client, PROTO_METHOD_FRAME_SUBMIT, &request, slot,
-                               cli_deadline(client, -1), &call);
+    if (status != 0 && slot != CLI_SLOT_NONE) {
+        cli_slot_abort(&client->ring, slot);
     }
-    if (status != 0) {
-        if (slot != CLI_SLOT_NONE) {
-            cli_slot_abort(&client->ring, slot);
-        }
-        return status;
-    }
-    assert(call->step == 0 && client->next_step > 0);
-    call->step = client->next_step;
-    *step = client->next_step++;
-    if (client->recorder != NULL) {
-        cli_record_frame(client, call);
-    }
-    return 0;
+    return status != 0
+               ? status
+               : cli_step_call(client, PROTO_METHOD_FRAME_SUBMIT, &request, slot, step);
 }
 
 int pccd_submit_still(struct pccd_client *client, uint32_t scene,

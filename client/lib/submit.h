@@ -19,4 +19,9 @@ int cli_step_check(struct pccd_client *client);
 int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
                   const struct pccd_step_settings *settings, uint64_t *step);
 
+/* The same of any request that is numbered among the steps, with client->next_step, and
+ * whose slot is published. */
+int cli_step_call(struct pccd_client *client, int method, const void *request,
+                  uint32_t slot, uint64_t *step);
+
 #endif
