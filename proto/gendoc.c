@@ -181,6 +181,13 @@ static void print_step_enums(void)
     VALUE(PCCD_METHOD_DEFAULT, "wide; paper where its scheduler is asked for");
     VALUE(PCCD_METHOD_PAPER, "binary tree of boxes over triangles");
     VALUE(PCCD_METHOD_WIDE, "trees of 16 children over vertices, edges and faces");
+    print_enum("pccd_near_what");
+    VALUE(PCCD_NEAR_PAIRS, "each VF and EE pair within the distance");
+    VALUE(PCCD_NEAR_FEATURES, "the same, merged to the features between which it is");
+    VALUE(PCCD_NEAR_VERTICES, "for each vertex the least distance of its pairs");
+    VALUE(PCCD_NEAR_NEAREST, "for each two objects the pair of least distance");
+    VALUE(PCCD_NEAR_CROSSINGS, "each edge that passes through a face");
+    VALUE(PCCD_NEAR_DEPTH, "how deep the vertices of closed meshes are in others");
 }
 
 /* Of the answer to a step, and of its records. */
@@ -200,10 +207,14 @@ static void print_answer_enums(void)
     print_enum("pccd_kind");
 #define KIND(NAME, value, name, points_a, points_b, text) VALUE(PCCD_##NAME, text);
     PCCD_KIND_LIST(KIND)
+    print_enum("pccd_near_kind");
+    PCCD_NEAR_KIND_LIST(KIND)
 #undef KIND
     print_enum("pccd_contact_flag");
     VALUE(PCCD_PROVED, "the contact exists, and begins in [toi, toi_hi]");
     VALUE(PCCD_INITIAL, "the features touch at t = 0; then toi = toi_hi = 0");
+    print_enum("pccd_near_flag");
+    VALUE(PCCD_NEAR_GAP, "another pair may be nearer, by the gap that was asked for");
     print_enum("pccd_format");
     VALUE(PCCD_FORMAT_F32, "float[3], 12 bytes a vertex");
     VALUE(PCCD_FORMAT_F64, "double[3], 24 bytes a vertex");

@@ -6,6 +6,8 @@
  * Threads:  [any].
  *
  * All words are little-endian.
+ *
+ * More than 200 lines: a struct a kind, to be read beside format.h.
  */
 #ifndef RECORD_PAYLOAD_H
 #define RECORD_PAYLOAD_H

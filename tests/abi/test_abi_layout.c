@@ -46,6 +46,18 @@ static void records__keep_their_layout(void **state)
     AT(pccd_contact, param, 40);
     AT(pccd_contact, normal, 48);
     AT(pccd_contact, reserved, 60);
+    SIZE(pccd_near, 64);
+    AT(pccd_near, kind, 0);
+    AT(pccd_near, flags, 4);
+    AT(pccd_near, object_a, 8);
+    AT(pccd_near, feature_a, 12);
+    AT(pccd_near, object_b, 16);
+    AT(pccd_near, feature_b, 20);
+    AT(pccd_near, d_lo, 24);
+    AT(pccd_near, d_hi, 32);
+    AT(pccd_near, param, 40);
+    AT(pccd_near, direction, 48);
+    AT(pccd_near, count, 60);
     SIZE(pccd_pair, 20);
     AT(pccd_pair, kind, 0);
     AT(pccd_pair, object_a, 4);
@@ -190,6 +202,18 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_settings, tolerance, 32);
     AT(pccd_step_settings, deadline_ns, 40);
     AT(pccd_step_settings, hold, 48);
+    SIZE(pccd_near_settings, 128);
+    AT(pccd_near_settings, struct_bytes, 0);
+    AT(pccd_near_settings, what, 8);
+    AT(pccd_near_settings, distance, 16);
+    AT(pccd_near_settings, gap, 24);
+    AT(pccd_near_settings, end, 32);
+    AT(pccd_near_settings, object_a, 36);
+    AT(pccd_near_settings, object_b, 40);
+    AT(pccd_near_settings, threads, 44);
+    AT(pccd_near_settings, deadline_ns, 48);
+    AT(pccd_near_settings, method, 56);
+    AT(pccd_near_settings, tuning, 60);
     SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
@@ -224,7 +248,7 @@ static void step__structs_keep_their_layout(void **state)
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 552);
+    SIZE(pccd_answer, 600);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -248,7 +272,14 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, tuning, 204);
     AT(pccd_answer, times, 272);
     AT(pccd_answer, counters, 352);
-    AT(pccd_answer, reserved, 536);
+    AT(pccd_answer, is_near, 536);
+    AT(pccd_answer, what, 540);
+    AT(pccd_answer, near, 544);
+    AT(pccd_answer, vertex_bounds, 552);
+    AT(pccd_answer, distance_min, 560);
+    AT(pccd_answer, distance_max, 568);
+    AT(pccd_answer, crossings, 576);
+    AT(pccd_answer, reserved, 584);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);
@@ -358,6 +389,17 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_FORMAT_F64, 1);
     VALUE(PCCD_VF, 0);
     VALUE(PCCD_EE, 1);
+    VALUE(PCCD_VE, 2);
+    VALUE(PCCD_VV, 3);
+    VALUE(PCCD_EF, 4);
+    VALUE(PCCD_NEAR_PAIRS, 0);
+    VALUE(PCCD_NEAR_FEATURES, 1);
+    VALUE(PCCD_NEAR_VERTICES, 2);
+    VALUE(PCCD_NEAR_NEAREST, 3);
+    VALUE(PCCD_NEAR_CROSSINGS, 4);
+    VALUE(PCCD_NEAR_DEPTH, 5);
+    VALUE(PCCD_NEAR_GAP, 4);
+    VALUE(PCCD_NEAR_TYPE(0xabcd02ff), 0x02);
     VALUE(PCCD_PROVED, 1);
     VALUE(PCCD_INITIAL, 2);
     VALUE(PCCD_COMPLETE, 0);
@@ -387,7 +429,7 @@ static void recordings__keep_their_numbers(void **state)
         "list.object",   "list.mesh",    "stats.histogram", "config.get",
         "config.set",    "watch.start",  "watch.stop",      "object.set",
         "scene.ignore",  "scene.boxes",  "scene.journal",   "list.pair",
-        "shm.take",
+        "shm.take",      "scene.near",   "near.fetch",
     };
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {

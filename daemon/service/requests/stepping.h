@@ -2,8 +2,8 @@
  * moment: frame.submit and scene.near.
  *
  * Room:     service. May include: call.h, request.h, staging.h, engine.h.
- * Does:     check their choices; say how long they may compute, by how many threads; stage
- *           what they move; answer them before their turn.
+ * Does:     check their choices; say how long they may compute, by how many threads;
+ *           stage what they move; answer them before their turn.
  * Does not: compute (handlers_frame.c, handlers_near.c).
  * Threads:  functions say.
  */
