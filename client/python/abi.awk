@@ -94,7 +94,7 @@ function print_enum(name, body, doc,    list, i, n, word, words, class, prefixes
     n = split(name, words, "_")
     for (i = 2; i <= n; i++) # pccd_object_what: ObjectWhat, PCCD_OBJECT_WHAT_, PCCD_OBJECT_, PCCD_
         class = class toupper(substr(words[i], 1, 1)) substr(words[i], 2)
-    kind = words[n] == "flag" || words[n] == "what" ? "IntFlag" : "IntEnum"
+    kind = words[n] == "flag" || name == "pccd_object_what" ? "IntFlag" : "IntEnum"
     print "\n\nclass " class "(enum." kind "):"
     print_doc(doc)
     n = split(body, list, ",")

@@ -113,7 +113,8 @@ class Abi(unittest.TestCase):
     # If this failed, records would come out as other columns.
     def test_records__have_the_layout_of_the_structs(self):
         for dtype, struct in ((pccd.CONTACT, abi.pccd_contact),
-                              (pccd.PAIR, abi.pccd_pair), (pccd.EDGE, abi.pccd_edge),
+                              (pccd.PAIR, abi.pccd_pair), (pccd.NEAR, abi.pccd_near),
+                              (pccd.EDGE, abi.pccd_edge),
                               (pccd.BOX, abi.pccd_box), (pccd.TRACE_EVENT,
                               abi.pccd_trace_event)):
             self.assertEqual(dtype.itemsize, ctypes.sizeof(struct))

@@ -85,6 +85,26 @@ class Sessions(Case):
             self.assertEqual(again["contacts"], answer["contacts"])
         self.assertEqual(self.client.step(scene, [down], mode=2)["verdict"], 2)
 
+    # If this failed, who follows the document would get wrong distances, or none.
+    def test_near__is_as_the_document_says(self):
+        scene, _, tent = self.tent()
+        answer = self.client.near(scene, distance=1.0)
+        (kind, flags, a, feature_a, b, feature_b, low, high, u, v, *direction, count), = \
+            answer["near"]
+        self.assertEqual((kind, flags, a, feature_a, b, feature_b, count),
+                         (0, 0, tent, 3, tent, 0, 1))
+        self.assertEqual((low, high, u, v, direction), (1, 1, 0.25, 0.25, [0, 0, 1]))
+        self.assertEqual((answer["vf"], answer["distance_min"]), (1, 1))
+        moved = self.client.near(scene, [{"object": tent, "x1": rows(dropped(0.5))}],
+                                 distance=0.5)
+        self.assertEqual(moved["near"][0][6:8], (0.5, 0.5))
+        self.assertEqual(self.client.near(scene, end=0, distance=1.0)["near"],
+                         answer["near"])
+        bounds = self.client.near(scene, what=2, distance=0.25)
+        self.assertEqual(bounds["near"], 6 * [(0.25,)])
+        self.refused("E_INVAL", "scene.near", scene=scene, what=6, end=1)
+        self.refused("E_BADMSG", "scene.near", scene=scene, what=0)
+
     # If this failed, the protocol would say something else than libpccd does.
     def test_answers__are_those_of_libpccd(self):
         client = self.client

@@ -26,6 +26,8 @@ SEGMENT = struct.Struct("<IHHIIQQ")  # "A step"
 X1, X0X1, RIGID = 0, 1, 2
 F32, F64 = 0, 1
 CONTACT = struct.Struct("<IIIIIIdd2f3fI")  # "Records"
+NEAR = struct.Struct("<IIIIIIdd2f3fI")  # "What is near"
+BOUND = struct.Struct("<d")
 EDGE = struct.Struct("<II")
 F_GET_SEALS = 1034
 SEALS, FUTURE_WRITE = 0x1 | 0x2 | 0x4, 0x10
@@ -184,9 +186,9 @@ class RawClient:
                           **self.write_slot(data))
         return {**self.call("mesh.commit", mesh=mesh), "mesh": mesh}
 
-    def submit(self, scene, motions, **settings):
-        """A step in which (object, first, ...) move to x1, from x0 to x1, or by m0 and
-        m1; its message's id. A motion: {"object": handle, "first": 0, "x1": rows,
+    def write_motions(self, motions):
+        """(object, first, ...) move to x1, from x0 to x1, or by m0 and m1; what a
+        request says of its slot. A motion: {"object": handle, "first": 0, "x1": rows,
         ...}."""
         table = len(motions) * SEGMENT.size
         head, body = b"", b""
@@ -202,7 +204,11 @@ class RawClient:
             head += SEGMENT.pack(motion["object"], kind, F64, motion.get("first", 0),
                                  motion.get("count") or len(motion["x1"]), *places)
         where = self.write_slot(head + body) if motions else {}
-        return self.send("frame.submit", scene=scene, segments=len(motions), **where,
+        return {"segments": len(motions), **where}
+
+    def submit(self, scene, motions, **settings):
+        """A step; its message's id."""
+        return self.send("frame.submit", scene=scene, **self.write_motions(motions),
                          **settings)
 
     def step(self, scene, motions, **settings):
@@ -230,6 +236,20 @@ class RawClient:
             page = self.call("frame.fetch", scene=scene, step=answer["step"],
                              cursor=page["cursor"])
             answer["contacts"] += self.records(page, CONTACT)
+        return answer
+
+    # -- "What is near" --
+
+    def near(self, scene, motions=(), what=0, end=1, **settings):
+        """What is near after the motions; the answer, with `near` of all its pages."""
+        layout = BOUND if what == 2 else NEAR
+        page = answer = self.call("scene.near", scene=scene, what=what, end=end,
+                                  **self.write_motions(motions), **settings)
+        answer["near"] = self.records(page, layout)
+        while page.get("incomplete") == 1 and page.get("cursor", 0) < answer["total"]:
+            page = self.call("near.fetch", scene=scene, step=answer["step"],
+                             cursor=page["cursor"])
+            answer["near"] += self.records(page, layout)
         return answer
 
     def edges(self, mesh, count):

@@ -34,13 +34,13 @@ wait for it.
 
 from . import abi
 from .abi import (ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
-                  Mode, ObjectWhat, Quality, Share, Status, TraceKind,
-                  Tree, Verdict)
+                  Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Quality, Share,
+                  Status, TraceKind, Tree, Verdict)
 from .answer import Answer
 from .client import Client, connect
 from .frame import Frame, Motions
 from .library import PccdError
-from .values import (BOX, CONTACT, EDGE, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
+from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
                      LinkInfo, MeshInfo, ObjectSettings, RecordInfo, SceneNews, Setting,
                      StepCounters, StepEvent, StepSettings, StepTimes, TraceInfo)
 
@@ -49,7 +49,8 @@ __version__ = abi.VERSION
 __all__ = [
     "Answer", "BOX", "Client", "connect", "CONTACT", "ContactFlag", "DaemonInfo", "EDGE",
     "Format", "Frame", "Histogram", "HistogramKind", "Incomplete", "Kind",
-    "LinkInfo", "MeshInfo", "Method", "Mode", "Motions", "ObjectSettings", "ObjectWhat",
+    "LinkInfo", "MeshInfo", "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind",
+    "NearWhat", "ObjectSettings", "ObjectWhat",
     "PAIR", "PccdError", "Quality", "RecordInfo", "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
     "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict",

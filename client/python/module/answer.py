@@ -1,4 +1,4 @@
-"""answer.py - what a step found.
+"""answer.py - what a step found, or what is near.
 
 Room:     client/python. May import: abi, library, values, numpy.
 Does:     struct pccd_answer itself, so that nothing is copied which nobody looks at, and
@@ -16,18 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import abi
-from .abi import Mode
+from .abi import Mode, NearWhat
 from .library import PccdError, quick
-from .values import CONTACT, PAIR, StepCounters, StepTimes, hash_text
+from .values import CONTACT, NEAR, PAIR, StepCounters, StepTimes, hash_text
 
 _contacts: Any = abi.pccd_answer.contacts
 _pairs: Any = abi.pccd_answer.pairs
+_near: Any = abi.pccd_answer.near
+_bounds: Any = abi.pccd_answer.vertex_bounds
 _hash: Any = abi.pccd_answer.hash
 _tuning: Any = abi.pccd_answer.tuning
 _times: Any = abi.pccd_answer.times
 _counters: Any = abi.pccd_answer.counters
 _release = quick["pccd_answer_release"]  # without types: quicker
 _release.restype = None
+
+
+def _address(answer: abi.pccd_answer) -> Any:
+    """Of the records, whatever they are; None or 0: there are none."""
+    return _contacts.__get__(answer) or _pairs.__get__(answer) or \
+        _near.__get__(answer) or _bounds.__get__(answer)
 
 
 class Answer(abi.pccd_answer):
@@ -47,6 +55,18 @@ class Answer(abi.pccd_answer):
     hash        of all records: "2:", its version, and 32 hexadecimal digits
     records     (count,) of CONTACT or PAIR: read-only, in the daemon's memory, and
                 meaningless after release(); contacts and pairs are the same by their kind
+
+    Of Client.near and submit_near (is_near is True) not mode, possible, initial,
+    toi_first and number, but
+
+    what        enum NearWhat: what was asked
+    records     (count,) of NEAR, or of float64 where VERTICES was asked; near and
+                vertex_bounds are the same
+    counts      by kind: answer.counts[NearKind.VE], and those of Kind
+    distance_min, distance_max    least d_lo and greatest d_hi of the records
+    crossings   of CROSSINGS, DEPTH: edges that pass through faces
+    verdict     of CROSSINGS: NO: nothing crosses or touches
+    hash        zeros behind "2:" for NEAREST with a gap: there is none
     """
 
     error: Optional[PccdError] = None
@@ -57,22 +77,41 @@ class Answer(abi.pccd_answer):
     def records(self) -> NDArray[Any]:
         """The records of this page; none after release()."""
         if self._records is None:
-            dtype = PAIR if self.mode == Mode.PAIRS else CONTACT
-            address = _contacts.__get__(self) or _pairs.__get__(self)
+            dtype = self._dtype()
+            address = _address(self)
             if address is None:
                 return np.empty(0, dtype)
             self._records = self._client._memory.array(address, dtype, self.count)
         return self._records
 
+    def _dtype(self) -> Any:
+        if self.is_near:
+            return np.dtype(np.float64) if self.what == NearWhat.VERTICES else NEAR
+        return PAIR if self.mode == Mode.PAIRS else CONTACT
+
+    def _records_of(self, dtype: Any) -> NDArray[Any]:
+        return self.records if self._dtype() is dtype else np.empty(0, dtype)
+
     @property
     def contacts(self) -> NDArray[Any]:
         """The records of any mode but PAIRS."""
-        return self.records if self.mode != Mode.PAIRS else np.empty(0, CONTACT)
+        return self._records_of(CONTACT)
 
     @property
     def pairs(self) -> NDArray[Any]:
         """The records of mode PAIRS."""
-        return self.records if self.mode == Mode.PAIRS else np.empty(0, PAIR)
+        return self._records_of(PAIR)
+
+    @property
+    def near(self) -> NDArray[Any]:
+        """The records of what is near."""
+        return self._records_of(NEAR)
+
+    @property
+    def vertex_bounds(self) -> NDArray[np.float64]:
+        """Of VERTICES: for each vertex of all objects, by increasing handle, or of
+        object_a, in the order of its mesh, its bound."""
+        return self._records_of(np.dtype(np.float64))
 
     @property
     def hash(self) -> str:
@@ -111,13 +150,15 @@ class Answer(abi.pccd_answer):
         if self.error is not None:
             return f"<Answer to step {self.step}: {self.error}>"
         what = "pairs" if self.mode == Mode.PAIRS else "contacts"
+        if self.is_near:
+            what = "bounds" if self.what == NearWhat.VERTICES else "near"
         page = "" if self.count == self.total else f", {self.count} here"
         first = f", the first at {self.toi_first:.6f}" if self.toi_first <= 1 else ""
         return f"<Answer to step {self.step}: {self.total} {what}{page}{first}>"
 
     def __del__(self) -> None:
         if not self.count or self._client is None or not self._client._handle or \
-                not (_contacts.__get__(self) or _pairs.__get__(self)):
+                not _address(self):
             return
         if self._records is not None and sys.getrefcount(self._records) > 2:
             warnings.warn("an answer is gone, but not released, and its records are in "

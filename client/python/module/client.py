@@ -20,14 +20,15 @@ from typing import Any, Deque, Iterator, Optional, Type
 from numpy.typing import ArrayLike
 
 from . import abi
-from .abi import Incomplete, Status
+from .abi import Incomplete, NearWhat, Status
 from .answer import Answer
 from .frame import DEFAULT, Frame, Motions
 from .library import failure, lib, quick
 from .memory import Memory
 from .observe import Observe
 from .scenes import SLICE_MS
-from .values import LinkInfo, StepSettings, format_of, pack_vertices, refusal, u32
+from .values import (LinkInfo, StepSettings, format_of, near_settings, pack_vertices,
+                     refusal, u32)
 
 # Of every step: without types, which makes a call quicker by half. Whatever is passed is
 # an int of 32 bits or an object of ctypes.
@@ -188,6 +189,41 @@ class Client(Observe):
                          settings._as_parameter_, self._step_reference)
         if status:
             raise self._failure(status)
+        return self._finish()
+
+    # -- what is near --
+
+    def submit_near(self, scene: int, what: int = NearWhat.PAIRS, distance: float = 0.0,
+                    end: int = 1, motions: Optional[Motions] = None,
+                    **settings: Any) -> int:
+        """Ask what is near, after `motions` if there are any; its number, among those of
+        steps. poll, wait, fetch, pages, cancel and abandon take it as a step's.
+
+        what        enum NearWhat: PAIRS (each VF and EE within the distance), FEATURES
+                    (merged to closest features), VERTICES (a bound each), NEAREST (for
+                    each two objects), CROSSINGS, DEPTH
+        distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf
+        end         1: where the last step ended, or the motions; 0: where it began
+        gap         of NEAREST: another pair may be nearer by that much; 0: none
+        object_a, object_b    of NEAREST and DEPTH, object_a also of VERTICES; 0: any
+        method, threads, tuning, deadline_ns    as of StepSettings
+        """
+        asked = near_settings(what, distance, end, **settings)
+        structs, count = (None, 0) if motions is None else \
+            (motions._structs, motions._count)
+        self._check(lib.pccd_submit_near(self._handle, u32("scene", scene), structs,
+                                         count, byref(asked), self._step_reference))
+        return self._step.value
+
+    def near(self, scene: int, what: int = NearWhat.PAIRS, distance: float = 0.0,
+             end: int = 1, motions: Optional[Motions] = None, **settings: Any) -> Answer:
+        """The same as submit_near, and wait for the answer. On E_TIMEOUT it is
+        abandoned.
+
+            with client.near(scene, distance=0.01) as answer:
+                print(answer.total, answer.near["d_lo"].min(initial=1))
+        """
+        self.submit_near(scene, what, distance, end, motions, **settings)
         return self._finish()
 
     def poll(self) -> Optional[Answer]:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from . import abi
 from .abi import Status
 from .library import lib, quick
-from .values import StepSettings, format_of, refusal, u32
+from .values import StepSettings, format_of, near_settings, refusal, u32
 
 DEFAULT = StepSettings()
 
@@ -78,15 +78,23 @@ class Frame:
     def commit(self, settings: StepSettings = DEFAULT) -> int:
         """Publish and submit; the number of the step. The arrays cannot be written any
         more, and the slot belongs to the daemon, also on failure."""
+        return self._send(lib.pccd_frame_commit, settings._as_parameter_)
+
+    def _send(self, call: Any, settings: Any) -> int:
         for view in self._views:
             view.flags.writeable = False
         self._views.clear()
         step = ctypes.c_uint64()
-        status = lib.pccd_frame_commit(byref(self._struct), settings._as_parameter_,
-                                       byref(step))
+        status = call(byref(self._struct), settings, byref(step))
         if status:
             raise self._client._failure(status)
         return step.value
+
+    def commit_near(self, **settings: Any) -> int:
+        """Publish, and ask what is near where it leads to: `what`, `distance` and so on
+        as of Client.submit_near; the number of the question. The arrays cannot be written
+        any more, and the slot belongs to the daemon, also on failure."""
+        return self._send(lib.pccd_frame_commit_near, byref(near_settings(**settings)))
 
     def abort(self) -> None:
         """Give the slot back unsent."""

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import abi
-from .abi import Format, Method, Mode, Status
+from .abi import Format, Method, Mode, NearWhat, Status
 from .library import PccdError
 
 CONTACT = np.dtype(abi.pccd_contact)
 PAIR = np.dtype(abi.pccd_pair)
+NEAR = np.dtype(abi.pccd_near)
 EDGE = np.dtype(abi.pccd_edge)
 BOX = np.dtype(abi.pccd_box)
 TRACE_EVENT = np.dtype(abi.pccd_trace_event)
@@ -125,6 +126,27 @@ class StepSettings:
 
     def __reduce__(self) -> Any:
         return StepSettings, dataclasses.astuple(self)
+
+
+def near_settings(what: int = NearWhat.PAIRS, distance: float = 0.0, end: int = 1,
+                  gap: float = 0.0, object_a: int = 0, object_b: int = 0,
+                  method: int = Method.DEFAULT, threads: int = 0, tuning: str = "",
+                  deadline_ns: int = 0) -> abi.pccd_near_settings:
+    """What is asked about what is near (Client.submit_near), for the library."""
+    made = with_size(abi.pccd_near_settings())
+    made.distance, made.gap = distance, gap
+    for name, given in (("what", what), ("end", end), ("object_a", object_a),
+                        ("object_b", object_b), ("method", method),
+                        ("threads", threads)):
+        setattr(made, name, u32(name, given))
+    text = tuning.encode()
+    if len(text) >= abi.pccd_near_settings.tuning.size:
+        raise refusal(Status.E_INVAL, f"tuning is {tuning!r}")
+    made.tuning = text
+    made.deadline_ns = int(deadline_ns)
+    if made.deadline_ns != deadline_ns:
+        raise refusal(Status.E_INVAL, f"deadline_ns is {deadline_ns!r}")
+    return made
 
 
 # ---- arguments -----------------------------------------------------------------------
