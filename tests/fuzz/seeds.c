@@ -5,6 +5,8 @@
  *           small as it can be and with every field; scripts that lead deep into a
  *           session; slots, meshes, files and queries of each kind.
  * Threads:  one.
+ *
+ * More than 600 lines: one input after the other.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -256,6 +258,38 @@ static void make_share_seeds(void)
     settle();
     ASK(BYE, 0);
     save("dispatch", "share.watch");
+}
+
+/* What is near: everything that can be asked, with and without a movement; in a scene
+ * that is shared, too, beside a held frame and a journal. */
+static void make_near_seeds(void)
+{
+    begin();
+    enter();
+    for (uint8_t what = 0; what < PCCD_NEAR_COUNT; what++) {
+        ASK(SCENE_NEAR, HANDLE, 0, 0, 0, what, 1, 1);
+    }
+    settle();
+    ASK(NEAR_FETCH, HANDLE, 0, 0);
+    write_step(1u << 20);
+    ASK(SCENE_NEAR, HANDLE, 0, PUBLISH_0, 1, PCCD_NEAR_PAIRS, 0, 2);
+    ASK(FRAME_FETCH, HANDLE, 0, 0);
+    ASK(FRAME_SUBMIT, HANDLE, 0, 0, 0);
+    ASK(NEAR_FETCH, HANDLE, 0, 1);
+    settle();
+    save("dispatch", "near");
+    share_and_hold(0);
+    switch_peers();
+    ASK(SCENE_JOURNAL, HANDLE, 0, WORD, 0);
+    write_step(1u << 20);
+    ASK(SCENE_NEAR, HANDLE, 0, PUBLISH_0, 1, PCCD_NEAR_NEAREST, 1, 4, 1, HANDLE, HANDLE_2,
+        0, 0, 1, 3);
+    ASK(SCENE_JOURNAL, HANDLE, 0, 0, 0);
+    switch_peers();
+    ASK(SCENE_NEAR, HANDLE, 0, 0, 0, PCCD_NEAR_VERTICES, 1, 4, 0, HANDLE_2);
+    ASK(NEAR_FETCH, HANDLE, 0, 0);
+    settle();
+    save("dispatch", "share.near");
 }
 
 static void make_watch_seed(void)
@@ -515,6 +549,12 @@ static void make_record_seeds(void)
     const struct record_object object = {5, 1, 9, 0};
     const struct record_gone gone = {5, 1, 9, 0};
     const struct record_answer answer = {.step = 1};
+    const struct record_near near = {
+        .step = 2, .scene = 5, .segment_count = 1, .end = 1, .distance = 0.5};
+    const struct record_near_answer told = {.step = 2, .total = 1, .counts = {1}};
+    const struct record_near_records records = {
+        .step = 2, .count = 1, .record_bytes = sizeof(struct pccd_near)};
+    const struct pccd_near record = {.object_a = 9, .object_b = 9, .count = 1};
     const struct {
         struct record_mesh head;
         float x[4][3];
@@ -546,6 +586,9 @@ static void make_record_seeds(void)
         (struct record_segment){9, RECORD_RIGID, PCCD_FORMAT_F64, 0, 4, 32, 128};
     put_chunk(RECORD_FRAME, &frame.head, sizeof frame.head, &frame.segment, 224);
     put_chunk(RECORD_ANSWER, &answer, sizeof answer, "", 0);
+    put_chunk(RECORD_NEAR, &near, sizeof near, &frame.segment, 224);
+    put_chunk(RECORD_NEAR_ANSWER, &told, sizeof told, "", 0);
+    put_chunk(RECORD_NEAR_RECORDS, &records, sizeof records, &record, sizeof record);
     put_chunk(RECORD_MESH, &mesh.head, 16, mesh.x, 60);
     put_chunk(RECORD_MESH_GONE, &gone, sizeof gone, "", 0);
     put_chunk(RECORD_OBJECT_GONE, &gone, sizeof gone, "", 0);
@@ -564,6 +607,7 @@ int main(int argc, char **argv)
     make_decoder_seeds();
     make_dispatch_seeds();
     make_share_seeds();
+    make_near_seeds();
     make_slot_seeds();
     make_mesh_seeds();
     make_query_seeds();
