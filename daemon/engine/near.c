@@ -263,7 +263,7 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
 
 /* ---- the search -------------------------------------------------------------------- */
 
-/* Positions that are staged become the scene's; then the boxes, or that they are there. */
+/* Positions that are staged become the scene's. Then: are there boxes of them? */
 static int arrive(struct eng_team *team, struct eng_near_query *query)
 {
     struct eng_scene *scene = team->scene;

@@ -19,7 +19,7 @@
 #include "begin.h"
 #include "lanes_pack.h"
 #include "meeting.h"
-#include "near.h"
+#include "reach.h"
 #include "overlap.h"
 #include "quantised.h"
 #include "still.h"

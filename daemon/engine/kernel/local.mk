@@ -32,7 +32,7 @@ kernel_sources = \
     daemon/engine/kernel/meeting.h \
     daemon/engine/kernel/make_quantised.c \
     daemon/engine/kernel/quantised.h \
-    daemon/engine/kernel/near.h \
+    daemon/engine/kernel/reach.h \
     daemon/engine/kernel/overlap.h \
     daemon/engine/kernel/pieces.h \
     daemon/engine/kernel/points.h \

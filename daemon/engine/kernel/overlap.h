@@ -9,7 +9,7 @@
  * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12
  * with compares, of which one is). No box has a zero with a sign (make_boxes.c), so the
  * sum of two bounds that touch is 0 without one. Boxes that stand still take half of
- * that: plain swept ones, and those up to a time that is near (near.h).
+ * that: plain swept ones, and those up to a time that is near (reach.h).
  *
  * Boxes in whole numbers (quantised.h) take half of either: features that move are
  * compared so where the scene allows it.

@@ -1,19 +1,21 @@
 /* daemon/engine/near/closest_features.h - from a pair that is near to the two features
  * between which its distance is.
  *
- * Room:     engine. May include: near_work.h's names, nearest.h, distance.h, world.h.
- * Does:     name them as records do: a vertex and a face, two edges, a vertex and an edge,
- *           or two vertices; and say of these what is said of the pair.
+ * Room:     engine. May include: distance.h, near_name.h, world.h.
+ * Does:     name them as records do: a vertex and a face, two edges, a vertex and an
+ *           edge, or two vertices; and say of these what is said of the pair.
  * Threads:  [team].
  *
  * Example: an edge that ends above a face is near the face. The distance is between the
- * edge's end and the face, so the vertex and the face are the closest features; each other
- * edge that ends there leads to the same two.
+ * edge's end and the face, so the vertex and the face are the closest features. Each
+ * other edge that ends there leads to the same two.
  */
 #ifndef ENG_CLOSEST_FEATURES_H
 #define ENG_CLOSEST_FEATURES_H
 
-#include "near_work.h"
+#include "distance.h"
+#include "near_name.h"
+#include "world.h"
 
 /* The vertices of a pair, of a, then of b, by their numbers in the scene; returns how
  * many: at most 5. */

@@ -1,6 +1,7 @@
 /* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
  *
- * Room:     engine. May include: distance_batch.h, near_query.h, worker.h, world.h.
+ * Room:     engine. May include: distance_batch.h, near_name.h, near_query.h, worker.h,
+ *           world.h.
  * Does:     hold the scratch of distances and what the thread has found so far, besides
  *           its records; make records of pairs that are near, as they were asked for.
  * Does not: know how pairs are found: both methods hand them over.
@@ -10,6 +11,7 @@
 #define ENG_NEAR_WORK_H
 
 #include "distance_batch.h"
+#include "near_name.h"
 #include "near_query.h"
 #include "worker.h"
 #include "world.h"
@@ -35,12 +37,6 @@ uint64_t eng_near_work_bytes(const struct eng_worker *worker);
 
 /* Get ready for a query. [compute] */
 void eng_near_work_begin(struct eng_worker *worker);
-
-/* A candidate as records name it, and the indices of its objects in the scene. */
-struct eng_near_name {
-    struct pccd_pair pair;
-    uint32_t object[2];
-};
 
 /* The name of candidate `i` of those at hand. */
 typedef void (*eng_near_name_fn)(const struct eng_worker *worker, enum pccd_kind kind,

@@ -103,7 +103,7 @@ struct eng_framing {
     uint64_t chosen;  /* the last number */
     uint64_t of;      /* moving.number of the step that they are for; 0: none */
     double scale;     /* of all frames; 1 if there are none */
-    bool keeps_order; /* chosen so that nothing lies farther apart than it is (frames.h) */
+    bool keeps_order; /* chosen so that nothing seems farther away than it is */
     unsigned ends[2]; /* of x[]: the ends of the step that they are for */
     struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
 };

@@ -1,5 +1,6 @@
-/* daemon/engine/kernel/near.h - encloses a moving box, from t = 0 to a time t_end, in one
- * box that stands still; or takes it as it is at one end of the step, grown by a distance.
+/* daemon/engine/kernel/reach.h - makes one box that stands still of a moving one: around
+ * its way from t = 0 to a time t_end, or as it is at one end of the step, grown by a
+ * distance.
  *
  * Room:     engine. May include: four.h, join.h, lanes.h.
  * Does:     write that box. Two of them are compared with half the work of two moving
@@ -16,8 +17,8 @@
  * |b| <= 4 |a| they cover the u |b|. Else b < 0, because a + b < 0, and the true sum is
  * less than 1.01 |a| - (1 - u) |b| < 0.
  */
-#ifndef ENG_NEAR_H
-#define ENG_NEAR_H
+#ifndef ENG_REACH_H
+#define ENG_REACH_H
 
 #include "four.h"
 #include "join.h"
