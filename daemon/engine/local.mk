@@ -27,6 +27,7 @@ libengine_la_SOURCES = \
     daemon/engine/base/memory.c \
     daemon/engine/base/memory.h \
     daemon/engine/base/near_query.h \
+    daemon/engine/base/nearest.h \
     daemon/engine/base/query.h \
     daemon/engine/base/radix.c \
     daemon/engine/base/radix.h \
@@ -64,7 +65,6 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \
     daemon/engine/elementary/motion.h \
-    daemon/engine/elementary/nearest.h \
     daemon/engine/elementary/number.c \
     daemon/engine/elementary/number.h \
     daemon/engine/elementary/plane.c \

@@ -1,7 +1,8 @@
 /* daemon/engine/elementary/distance_batch.c - distances of many pairs.
  *
  * Room:     engine.
- * Does:     see distance_batch.h.
+ * Does:     see distance_batch.h. The kernels decide what doubles can, most pairs; the
+ *           rest are asked one by one.
  * Threads:  one thread for one scratch.
  */
 #include "distance_batch.h"
@@ -9,14 +10,14 @@
 #include <assert.h>
 #include <string.h>
 
-/* Pairs between two looks at the clock: some 50 us. */
-#define PAIRS_PER_LOOK 256u
+/* Pairs one by one between two looks at the clock: some 50 us. */
+#define PAIRS_PER_LOOK 16u
 
-static void load(const struct eng_point *points, const uint32_t quad[4], uint32_t end,
-                 double x[4][3])
+static void load(const struct eng_point *points, const uint32_t *indices, int point_count,
+                 uint32_t end, double (*x)[3])
 {
-    for (int i = 0; i < 4; i++) {
-        const struct eng_point *point = &points[quad[i]];
+    for (int i = 0; i < point_count; i++) {
+        const struct eng_point *point = &points[indices[i]];
         memcpy(x[i], end == 0 ? point->x0 : point->x1, sizeof x[i]);
     }
 }
@@ -34,10 +35,33 @@ static void rank(const struct eng_point *points, const uint32_t quad[4], uint8_t
     }
 }
 
-static bool looks(const struct eng_distance_batch *batch, uint32_t pair, bool was_exact)
+/* After the pair that is number `asked` among those: is the rest to be left out? */
+static bool stops(struct eng_distance_batch *batch, uint32_t asked, uint64_t integers)
 {
-    return batch->should_stop && (was_exact || pair % PAIRS_PER_LOOK == 0) &&
+    batch->exact += integers;
+    return batch->should_stop && (integers > 0 || asked % PAIRS_PER_LOOK == 0) &&
            batch->should_stop(batch->owner);
+}
+
+/* One of the pairs that the kernels were not sure of. */
+static void ask(const struct eng_distance_question *question,
+                const struct eng_point *points, const uint32_t (*quads)[4], uint32_t pair,
+                bool is_near, struct eng_distances *distances,
+                struct eng_distance_batch *batch, uint32_t *found)
+{
+    double x[4][3];
+    load(points, quads[pair], 4, question->end, x);
+    if (!is_near && !eng_distance_within(distances, question->kind, (const double(*)[3])x,
+                                         question->distance)) {
+        return;
+    }
+    if (question->wanted != ENG_DISTANCE_WITHIN) {
+        uint8_t ranks[4];
+        rank(points, quads[pair], ranks);
+        eng_distance_find(distances, question->kind, (const double(*)[3])x, ranks,
+                          &batch->found[*found]);
+    }
+    batch->index[(*found)++] = pair;
 }
 
 uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
@@ -48,27 +72,48 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                  struct eng_distance_batch *batch)
 {
     assert(count <= ENG_CHUNK_MAX && question->end <= 1);
-    (void)kernels;
-    uint32_t found = 0;
-    for (uint32_t i = 0; i < count; i++) {
+    struct eng_measured out = {.wanted = question->wanted,
+                               .index = batch->index,
+                               .found = batch->found,
+                               .vague = batch->vague,
+                               .open = batch->open};
+    uint32_t left = kernels->beyond(question->kind, points, quads, count, question->end,
+                                    question->distance, batch->left);
+    kernels->measure(question->kind, points, quads, batch->left, left, question->end,
+                     question->distance, &out);
+    uint32_t found = out.near_count;
+    for (uint32_t i = 0; i < out.vague_count + out.open_count; i++) {
         uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
-        double x[4][3];
-        load(points, quads[i], question->end, x);
-        if (eng_distance_within(distances, question->kind, (const double(*)[3])x,
-                                question->distance)) {
-            if (question->wanted != ENG_DISTANCE_WITHIN) {
-                uint8_t ranks[4];
-                rank(points, quads[i], ranks);
-                eng_distance_find(distances, question->kind, (const double(*)[3])x, ranks,
-                                  &batch->found[found]);
-            }
-            batch->index[found++] = i;
-        }
-        bool was_exact = distances->decided[ENG_DISTANCE_BY_INTEGERS] != before;
-        batch->exact += was_exact;
-        if (looks(batch, i, was_exact)) {
+        bool is_near = i < out.vague_count;
+        ask(question, points, quads,
+            is_near ? batch->vague[i] : batch->open[i - out.vague_count], is_near,
+            distances, batch, &found);
+        if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
             break;
         }
     }
     return found;
+}
+
+uint32_t eng_distance_batch_cross(const struct eng_kernels *kernels, uint32_t end,
+                                  const struct eng_point *points,
+                                  const uint32_t (*fives)[5], uint32_t count,
+                                  struct eng_distances *distances,
+                                  struct eng_distance_batch *batch)
+{
+    assert(count <= ENG_CHUNK_MAX && end <= 1);
+    struct eng_crossed out = {.index = batch->index, .open = batch->open};
+    kernels->cross_faces(points, fives, count, end, &out);
+    for (uint32_t i = 0; i < out.open_count; i++) {
+        uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
+        double x[5][3];
+        load(points, fives[out.open[i]], 5, end, x);
+        if (eng_distance_crosses(distances, (const double(*)[3])x)) {
+            out.index[out.count++] = out.open[i];
+        }
+        if (stops(batch, i, distances->decided[ENG_DISTANCE_BY_INTEGERS] - before)) {
+            break;
+        }
+    }
+    return out.count;
 }

@@ -13,13 +13,6 @@
 #include "distance.h"
 #include "kernel.h"
 
-/* How much is wanted of a pair that is near enough. */
-enum eng_distance_wanted {
-    ENG_DISTANCE_WITHIN, /* that it is: nothing is written to `found` */
-    ENG_DISTANCE_LENGTH, /* lo and hi */
-    ENG_DISTANCE_WHOLE   /* all of it */
-};
-
 struct eng_distance_question {
     enum pccd_kind kind; /* PCCD_VF or PCCD_EE */
     uint32_t end;        /* of the step: 0: the points' x0, 1: their x1 */
@@ -28,13 +21,17 @@ struct eng_distance_question {
 };
 
 struct eng_distance_batch {
-    /* Set by the owner, or NULL: never. Called every few hundred pairs, and after each
-     * that took integers; true: the rest of the chunk is left out. */
+    /* Set by the owner, or NULL: never. Called after each pair that took integers, and
+     * now and then among others that the kernels were not sure of; true: the rest of the
+     * chunk is left out. */
     bool (*should_stop)(void *owner);
     void *owner;
     uint64_t exact;                /* counts: pairs that took integers */
-    uint32_t index[ENG_CHUNK_MAX]; /* of the pairs that are near enough, in their order */
-    struct eng_distance found[ENG_CHUNK_MAX]; /* likewise */
+    uint32_t index[ENG_CHUNK_MAX]; /* of the pairs that are near enough, in no order */
+    struct eng_distance found[ENG_CHUNK_MAX]; /* likewise, what was wanted */
+    uint32_t left[ENG_CHUNK_MAX];             /* scratch: pairs on their way through */
+    uint32_t vague[ENG_CHUNK_MAX];
+    uint32_t open[ENG_CHUNK_MAX];
 };
 
 /* Decide `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, as in
@@ -46,5 +43,14 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                  const uint32_t (*quads)[4], uint32_t count,
                                  struct eng_distances *distances,
                                  struct eng_distance_batch *batch);
+
+/* Which of `count` edges, at most ENG_CHUNK_MAX, pass through their faces at an end of
+ * the step: eng_distance_crosses. fives: indices into `points`, the ends of the edge,
+ * then the corners of the face. Returns how many: batch->index. */
+uint32_t eng_distance_batch_cross(const struct eng_kernels *kernels, uint32_t end,
+                                  const struct eng_point *points,
+                                  const uint32_t (*fives)[5], uint32_t count,
+                                  struct eng_distances *distances,
+                                  struct eng_distance_batch *batch);
 
 #endif

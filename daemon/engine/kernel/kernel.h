@@ -1,8 +1,8 @@
 /* daemon/engine/kernel/kernel.h - the inner loops of the engine, one version for every
  * instruction set.
  *
- * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, query.h,
- *           sieve.h.
+ * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, nearest.h,
+ *           query.h, sieve.h.
  * Does:     name the functions that each instruction set has (isa.h chooses the set).
  * Does not: know meshes, scenes or threads.
  * Threads:  [any].
@@ -24,6 +24,7 @@
 #include "isa.h"
 #include "join.h"
 #include "kinds.h"
+#include "nearest.h"
 #include "query.h"
 #include "sieve.h"
 
@@ -43,6 +44,27 @@ struct eng_bracketed {
     uint32_t *index;      /* of the pairs with a contact, in no order */
     struct eng_hit *hits; /* proved, not initial */
     uint32_t *unsure;     /* pairs that are not decided */
+};
+
+/* What `measure` says of a chunk; each array has room for all its pairs. Pairs that are
+ * not named are farther apart than d. */
+struct eng_measured {
+    enum eng_distance_wanted wanted;
+    uint32_t near_count;
+    uint32_t vague_count;
+    uint32_t open_count;
+    uint32_t *index;            /* of pairs within d, in their order */
+    struct eng_distance *found; /* of these, what is wanted */
+    uint32_t *vague;            /* within d, but some number is not known */
+    uint32_t *open;             /* nobody knows whether they are within d */
+};
+
+/* What `cross_faces` says of a chunk. Edges that are not named do not pass through. */
+struct eng_crossed {
+    uint32_t count;
+    uint32_t open_count;
+    uint32_t *index; /* of those that do, in no order */
+    uint32_t *open;  /* nobody knows of these */
 };
 
 struct eng_kernels {
@@ -135,6 +157,22 @@ struct eng_kernels {
     void (*bracket)(enum pccd_kind kind, const struct eng_point *points,
                     const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                     double tolerance, double t_end, struct eng_bracketed *out);
+
+    /* Distances of pairs at one end of the step, 0 or 1: VF and EE. */
+
+    /* Write the pairs 0 .. count-1 that are not certainly farther apart than d, by their
+     * boxes and by the planes across both, to kept[count]; returns how many. */
+    uint32_t (*beyond)(enum pccd_kind kind, const struct eng_point *points,
+                       const uint32_t (*quads)[4], uint32_t count, uint32_t end, double d,
+                       uint32_t *kept);
+    /* Compare pairs[count] with d, and append to `out`. What is said is what distance.h
+     * would say. */
+    void (*measure)(enum pccd_kind kind, const struct eng_point *points,
+                    const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+                    uint32_t end, double d, struct eng_measured *out);
+    /* Edges and faces, indices as the points of eng_distance_crosses: append to `out`. */
+    void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
+                        uint32_t count, uint32_t end, struct eng_crossed *out);
 };
 
 /* What `bracket` says of one pair, which is a chunk of its own. */

@@ -4,6 +4,7 @@
 # the processor, is compiled for the least one.
 
 kernel_sources = \
+    daemon/engine/kernel/across.h \
     daemon/engine/kernel/apart.c \
     daemon/engine/kernel/axes.h \
     daemon/engine/kernel/begin.h \
@@ -11,6 +12,7 @@ kernel_sources = \
     daemon/engine/kernel/make_boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
+    daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/cubic.h \
     daemon/engine/kernel/enclose.h \
     daemon/engine/kernel/filter.c \
@@ -29,13 +31,18 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
+    daemon/engine/kernel/measure.c \
     daemon/engine/kernel/meeting.h \
     daemon/engine/kernel/make_quantised.c \
     daemon/engine/kernel/quantised.h \
     daemon/engine/kernel/reach.h \
     daemon/engine/kernel/overlap.h \
     daemon/engine/kernel/pieces.h \
+    daemon/engine/kernel/place.h \
+    daemon/engine/kernel/place_edges.h \
+    daemon/engine/kernel/place_face.h \
     daemon/engine/kernel/points.h \
+    daemon/engine/kernel/rims.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/spot.h \

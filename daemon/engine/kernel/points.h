@@ -111,6 +111,19 @@ ENG_INLINE void eng_group_load(const struct eng_group *group, int corner,
     x[1] = eng_points_turn(at1);
 }
 
+/* Point `corner` of each pair at one end of the step, 0 or 1. */
+ENG_INLINE struct eng_v eng_group_load_end(const struct eng_group *group, int corner,
+                                           uint32_t end)
+{
+    const double *at[ENG_D_LANES];
+#pragma GCC unroll 8
+    for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
+        const struct eng_point *point = &group->points[group->quad[lane][corner]];
+        at[lane] = end == 0 ? point->x0 : point->x1;
+    }
+    return eng_points_turn(at);
+}
+
 /* Append those of pairs[0 .. n-1] whose bit is set to `kept`, which may be a part of
  * `pairs` at or before it; returns how many. */
 ENG_INLINE uint32_t eng_keep(uint32_t *kept, const uint32_t *pairs, uint32_t n,

@@ -32,4 +32,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .sift = ENG_KERNEL(sift),
     .filter = ENG_KERNEL(filter),
     .bracket = ENG_KERNEL(bracket),
+    .beyond = ENG_KERNEL(beyond),
+    .measure = ENG_KERNEL(measure),
+    .cross_faces = ENG_KERNEL(cross_faces),
 };

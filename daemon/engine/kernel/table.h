@@ -58,5 +58,14 @@ ENG_JOIN_FEATURES(EF, 4, ef, )
 void ENG_KERNEL(bracket)(enum pccd_kind kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
                          double tolerance, double t_end, struct eng_bracketed *out);
+uint32_t ENG_KERNEL(beyond)(enum pccd_kind kind, const struct eng_point *points,
+                            const uint32_t (*quads)[4], uint32_t count, uint32_t end,
+                            double d, uint32_t *kept);
+void ENG_KERNEL(measure)(enum pccd_kind kind, const struct eng_point *points,
+                         const uint32_t (*quads)[4], const uint32_t *pairs,
+                         uint32_t count, uint32_t end, double d,
+                         struct eng_measured *out);
+void ENG_KERNEL(cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
+                             uint32_t count, uint32_t end, struct eng_crossed *out);
 
 #endif

@@ -47,6 +47,25 @@ ENG_INLINE struct eng_v eng_v_abs(struct eng_v a)
     return (struct eng_v){eng_d_abs(a.x), eng_d_abs(a.y), eng_d_abs(a.z)};
 }
 
+/* a where the mask is set, else b. */
+ENG_INLINE struct eng_v eng_v_select(eng_dm m, struct eng_v a, struct eng_v b)
+{
+    return (struct eng_v){eng_d_select(m, a.x, b.x), eng_d_select(m, a.y, b.y),
+                          eng_d_select(m, a.z, b.z)};
+}
+
+/* s a */
+ENG_INLINE struct eng_v eng_v_times(eng_d s, struct eng_v a)
+{
+    return (struct eng_v){s * a.x, s * a.y, s * a.z};
+}
+
+/* Largest coordinate magnitude. */
+ENG_INLINE eng_d eng_v_size(struct eng_v a)
+{
+    return eng_d_max_abs(eng_d_max_abs(a.x, a.y), a.z);
+}
+
 /* Largest coordinate magnitude of two. */
 ENG_INLINE eng_d eng_v_reach(struct eng_v a, struct eng_v b)
 {

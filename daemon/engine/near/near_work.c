@@ -184,25 +184,19 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
-void eng_near_cross(struct eng_worker *worker, const struct eng_near_name *name)
+void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
+                    const uint32_t (*fives)[5], uint32_t count, eng_near_name_fn name)
 {
     static const struct eng_distance nothing = {.type = ENG_NEAREST_VF};
-    const struct eng_scene *scene = worker->scene;
-    uint32_t end = worker->settings->near->end;
-    const double(*from)[3] =
-        (const double(*)[3])scene->x[end == 1 ? scene->now : 1 - scene->now];
-    uint32_t vertex[5];
-    double x[5][3];
-    worker->record.tests++;
-    uint32_t count = eng_closest_points(scene, name, vertex);
-    assert(count == 5);
-    for (uint32_t i = 0; i < count; i++) {
-        memcpy(x[i], from[vertex[i]], sizeof x[i]);
+    struct eng_near_work *work = eng_near_work_of(worker);
+    worker->record.tests += count;
+    uint32_t found =
+        eng_distance_batch_cross(worker->kernels, worker->settings->near->end, points,
+                                 fives, count, &work->distances, &work->batch);
+    worker->tally.survivors += found;
+    for (uint32_t i = 0; i < found; i++) {
+        struct eng_near_name named;
+        name(worker, (enum pccd_kind)PCCD_EF, work->batch.index[i], &named);
+        keep_record(worker, &named.pair, &nothing);
     }
-    if (!eng_distance_crosses(&eng_near_work_of(worker)->distances,
-                              (const double(*)[3])x)) {
-        return;
-    }
-    worker->tally.survivors++;
-    keep_record(worker, &name->pair, &nothing);
 }

@@ -48,7 +48,8 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
                    uint32_t count, eng_near_name_fn name);
 
-/* The same of one candidate of EF: the ends of the edge, the corners of the face. */
-void eng_near_cross(struct eng_worker *worker, const struct eng_near_name *name);
+/* The same of candidates of EF: the ends of the edge, the corners of the face. */
+void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
+                    const uint32_t (*fives)[5], uint32_t count, eng_near_name_fn name);
 
 #endif

@@ -169,21 +169,41 @@ static void rank_group(const struct eng_scene *scene, enum pccd_kind kind,
     }
 }
 
+/* Edges that pass through faces: candidates first .. first + GROUP - 1. */
+static void cross_group(struct eng_worker *worker, const struct eng_chunk *chunk,
+                        uint32_t first)
+{
+    const struct eng_scene *scene = worker->scene;
+    const struct eng_trees *trees = eng_trees_of(scene);
+    struct eng_point points[5 * GROUP];
+    uint32_t fives[GROUP][5];
+    uint32_t count = chunk->count - first < GROUP ? chunk->count - first : GROUP;
+    memset(points, 0, sizeof points);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t v[5];
+        eng_feature_vertices(trees, 2, chunk->a[first + i], v);
+        eng_feature_vertices(trees, 3, chunk->b[first + i], v + 2);
+        for (uint32_t k = 0; k < 5; k++) {
+            struct eng_point *point = &points[5 * i + k];
+            memcpy(point->x0, scene->x[1 - scene->now][v[k]], sizeof point->x0);
+            memcpy(point->x1, scene->x[scene->now][v[k]], sizeof point->x1);
+            fives[i][k] = 5 * i + k;
+        }
+    }
+    eng_near_cross(worker, points, (const uint32_t(*)[5])fives, count, name_near);
+}
+
 static void test_near(struct eng_worker *worker, enum pccd_kind kind,
                       const struct eng_chunk *chunk, uint32_t first)
 {
     struct group group;
+    eng_paper_work_of(worker)->group_first = first;
     if (kind == (enum pccd_kind)PCCD_EF) {
-        struct eng_near_name name;
-        for (uint32_t i = first; i < first + GROUP && i < chunk->count; i++) {
-            name_at(worker, kind, i, &name);
-            eng_near_cross(worker, &name);
-        }
+        cross_group(worker, chunk, first);
         return;
     }
     load_group(worker->scene, kind, chunk, first, &group);
     rank_group(worker->scene, kind, chunk, first, &group);
-    eng_paper_work_of(worker)->group_first = first;
     eng_near_test(worker, kind, group.points, (const uint32_t(*)[4])group.quads,
                   group.count, name_near);
 }

@@ -220,20 +220,29 @@ static void name_near(const struct eng_worker *worker, enum pccd_kind kind, uint
     name->object[1] = (uint32_t)(wide->points[quad[points_a]].word0 >> 32);
 }
 
-/* Edges that pass through faces, one by one. */
+static void name_crossing(const struct eng_worker *worker, enum pccd_kind kind,
+                          uint32_t i, struct eng_near_name *name)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    const struct eng_wide_work *work = eng_wide_work_of(worker);
+    const struct eng_wide_chunk *chunk = &work->join.chunks[kind];
+    const uint32_t *five = work->fives[i];
+    name->pair = name_of(wide, kind, chunk->a[i], chunk->b[i]);
+    name->object[0] = (uint32_t)(wide->points[five[0]].word0 >> 32);
+    name->object[1] = (uint32_t)(wide->points[five[2]].word0 >> 32);
+}
+
+/* Edges that pass through faces. */
 static void cross(struct eng_worker *worker, const struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
-    const enum pccd_kind kind = (enum pccd_kind)PCCD_EF;
-    for (uint32_t i = 0; i < chunk->count && !eng_stop_is_set(worker->stop); i++) {
-        uint32_t a = wide->trees[PCCD_TREE_EDGES].corner[0][chunk->a[i]];
-        uint32_t b = wide->trees[PCCD_TREE_FACES].corner[0][chunk->b[i]];
-        struct eng_near_name name = {.pair =
-                                         name_of(wide, kind, chunk->a[i], chunk->b[i]),
-                                     .object = {(uint32_t)(wide->points[a].word0 >> 32),
-                                                (uint32_t)(wide->points[b].word0 >> 32)}};
-        eng_near_cross(worker, &name);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        put_points(wide, PCCD_TREE_EDGES, chunk->a[i], work->fives[i]);
+        put_points(wide, PCCD_TREE_FACES, chunk->b[i], work->fives[i] + 2);
     }
+    eng_near_cross(worker, wide->points, (const uint32_t(*)[5])work->fives, chunk->count,
+                   name_crossing);
 }
 
 static void test_near(struct eng_worker *worker, enum pccd_kind kind,

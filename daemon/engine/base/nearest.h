@@ -1,4 +1,4 @@
-/* daemon/engine/elementary/nearest.h - what is said of the distance of two features.
+/* daemon/engine/base/nearest.h - what is said of the distance of two features.
  *
  * Room:     engine. May include: the C library.
  * Does:     name what distance.h finds, and define each number of it.
@@ -35,6 +35,13 @@ struct eng_distance {
      * of its lower end. Parallel edges are VV or VE, never EE. */
     enum eng_nearest type;
     uint32_t points; /* bit i: point i of the pair is one of them */
+};
+
+/* How much is wanted of a pair that is near enough. */
+enum eng_distance_wanted {
+    ENG_DISTANCE_WITHIN, /* that it is: no number */
+    ENG_DISTANCE_LENGTH, /* lo and hi */
+    ENG_DISTANCE_WHOLE   /* all of it */
 };
 
 #endif
