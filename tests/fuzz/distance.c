@@ -2,7 +2,8 @@
  *
  * Room:     tests/fuzz.
  * Does:     make cases from a seed, in several processes with seeds of their own, and
- *           compare all numbers. Prints what is wrong, and ends with 1 then.
+ *           compare all numbers, one at a time and then in lanes. Prints what is wrong,
+ *           and ends with 1 then.
  * Threads:  one a process.
  */
 #include <inttypes.h>
@@ -13,6 +14,7 @@
 #include <unistd.h>
 
 #include "fuzz_distance.h"
+#include "fuzz_lanes.h"
 
 #define JOBS_MAX 64
 #define ROUND    1000000u
@@ -44,6 +46,31 @@ static void print_families(const struct fuzz_distance_run *run)
     fflush(stdout);
 }
 
+static void print_lanes(const struct fuzz_lanes_run *run, uint64_t seed)
+{
+    printf("seed %" PRIu64 ", in lanes: %" PRIu64 " cases, %" PRIu64 " failures; %" PRIu64
+           " beyond d, %" PRIu64 " farther, %" PRIu64 " sure, %" PRIu64 " vague, %" PRIu64
+           " open; %" PRIu64 " crossings, %" PRIu64 " not, %" PRIu64 " open\n",
+           seed, run->cases, run->failures, run->beyond, run->measured, run->sure,
+           run->vague, run->open, run->crossings, run->past, run->open_crossings);
+    fflush(stdout);
+}
+
+/* As many cases again, in chunks, for every instruction set. */
+static int work_in_lanes(uint64_t seed, uint64_t count)
+{
+    static struct fuzz_lanes_run run;
+    fuzz_lanes_init(&run, seed, stdout);
+    while (run.cases < count && run.failures == 0) {
+        uint64_t left = count - run.cases;
+        /* A chunk has FUZZ_LANES_MAX / 2 cases on average. */
+        fuzz_lanes_more(&run, (left < ROUND ? left : ROUND) * 2 / FUZZ_LANES_MAX + 1);
+        print_lanes(&run, seed);
+    }
+    fuzz_lanes_deinit(&run);
+    return run.failures > 0;
+}
+
 static int work(uint64_t seed, uint64_t count, bool with_families)
 {
     static struct fuzz_distance_run run;
@@ -57,7 +84,7 @@ static int work(uint64_t seed, uint64_t count, bool with_families)
         print_families(&run);
     }
     fuzz_distance_deinit(&run);
-    return run.failures > 0;
+    return run.failures > 0 || work_in_lanes(seed, count);
 }
 
 int main(int argc, char **argv)

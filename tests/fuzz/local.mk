@@ -36,7 +36,9 @@ tests_fuzz_test_eng_elementary_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 # make fuzz-distance FUZZ_QUERIES=1e8 FUZZ_SEED=1 FUZZ_JOBS=2
 fuzz_distance_sources = \
     tests/fuzz/fuzz_distance.c \
-    tests/fuzz/fuzz_distance.h
+    tests/fuzz/fuzz_distance.h \
+    tests/fuzz/fuzz_lanes.c \
+    tests/fuzz/fuzz_lanes.h
 
 check_PROGRAMS += tests/fuzz/distance tests/fuzz/test_eng_distance
 TESTS += tests/fuzz/test_eng_distance

@@ -17,6 +17,7 @@
 #include <cmocka.h>
 
 #include "fuzz_distance.h"
+#include "fuzz_lanes.h"
 #include "oracle_distance.h"
 
 /* If it failed, a wrong number would go unnoticed, and all that is below could pass. */
@@ -111,6 +112,27 @@ static void distance__is_decided_by_every_stage(void **state)
     fuzz_distance_deinit(&run);
 }
 
+/* If it failed, what is near would depend on the processor, or on which pairs are asked
+ * about together; or a pair would be left out. The counts say that each kernel decides
+ * something, and leaves something. */
+static void distance__is_the_same_in_lanes(void **state)
+{
+    static struct fuzz_lanes_run run;
+    (void)state;
+    fuzz_lanes_init(&run, prng_seed(), stderr);
+    fuzz_lanes_more(&run, 800);
+    assert_int_equal(run.failures, 0);
+    assert_true(run.beyond > run.cases / 10 && run.beyond < run.cases);
+    assert_true(run.measured > run.cases / 10);
+    assert_true(run.sure > run.cases / 20);
+    assert_true(run.vague > 0 && run.open > 0);
+    for (int i = 0; i < 4; i++) {
+        assert_true(run.types[i] > run.cases / 200);
+    }
+    assert_true(run.crossings > run.cases / 100 && run.past > run.cases / 10);
+    fuzz_lanes_deinit(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -118,6 +140,7 @@ int main(void)
         cmocka_unit_test(distance__is_exact_where_errors_are_below_the_least_double),
         cmocka_unit_test(distance__is_exact_from_every_stage_on),
         cmocka_unit_test(distance__is_decided_by_every_stage),
+        cmocka_unit_test(distance__is_the_same_in_lanes),
     };
     return cmocka_run_group_tests_name("eng_distance", tests, NULL, NULL);
 }

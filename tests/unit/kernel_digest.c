@@ -331,6 +331,76 @@ static void run_bracket(const struct eng_kernels *kernels, const struct ground *
     say(kernels, "bracket", bracket);
 }
 
+/* Pairs and what is said of them. */
+static uint64_t digest_measured(uint64_t before, const struct eng_measured *out)
+{
+    before = digest(before, out->index, out->near_count * sizeof *out->index);
+    before = digest(before, out->vague, out->vague_count * sizeof *out->vague);
+    before = digest(before, out->open, out->open_count * sizeof *out->open);
+    for (uint32_t i = 0; i < out->near_count && out->wanted != ENG_DISTANCE_WITHIN; i++) {
+        const struct eng_distance *found = &out->found[i];
+        before = digest(before, &found->lo, sizeof found->lo);
+        before = digest(before, &found->hi, sizeof found->hi);
+        if (out->wanted == ENG_DISTANCE_WHOLE) {
+            before = digest(before, found->param, sizeof found->param);
+            before = digest(before, found->direction, sizeof found->direction);
+            before = digest(before, &found->points, sizeof found->points);
+        }
+    }
+    return before;
+}
+
+static void run_distances(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    static uint32_t kept[PAIRS];
+    static uint32_t index[PAIRS];
+    static uint32_t vague[PAIRS];
+    static uint32_t open[PAIRS];
+    static struct eng_distance found[PAIRS];
+    uint64_t beyond = DIGEST_BEGIN;
+    uint64_t measure = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 12 * 4; i++) {
+        enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
+        uint32_t end = i / 2 % 2;
+        uint32_t count = PAIRS - i / 12;
+        struct eng_measured out = {.wanted = (enum eng_distance_wanted)(i / 4 % 3),
+                                   .index = index,
+                                   .found = found,
+                                   .vague = vague,
+                                   .open = open};
+        double d = 0.25 * (1 + i / 12);
+        uint32_t left =
+            kernels->beyond(kind, ground->points, ground->quads, count, end, d, kept);
+        beyond = digest(digest(beyond, &left, sizeof left), kept, left * sizeof *kept);
+        kernels->measure(kind, ground->points, ground->quads, ground->all, count, end, d,
+                         &out);
+        measure = digest_measured(measure, &out);
+    }
+    say(kernels, "beyond", beyond);
+    say(kernels, "measure", measure);
+}
+
+static void run_cross_faces(const struct eng_kernels *kernels,
+                            const struct ground *ground)
+{
+    static uint32_t fives[PAIRS][5];
+    static uint32_t index[PAIRS];
+    static uint32_t open[PAIRS];
+    uint64_t crossed = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < PAIRS; i++) {
+        memcpy(fives[i], ground->quads[i], sizeof ground->quads[i]);
+        fives[i][4] = ground->quads[(i + 4) % PAIRS][0];
+    }
+    for (uint32_t i = 0; i < 2 * 10; i++) {
+        struct eng_crossed out = {.index = index, .open = open};
+        kernels->cross_faces(ground->points, (const uint32_t(*)[5])fives, PAIRS - i / 2,
+                             i % 2, &out);
+        crossed = digest(crossed, index, out.count * sizeof *index);
+        crossed = digest(crossed, open, out.open_count * sizeof *open);
+    }
+    say(kernels, "cross_faces", crossed);
+}
+
 /* One by one what `bracket` decides in chunks: of the scalar set, which is everywhere. */
 static void run_decide(const struct eng_kernels *kernels, const struct ground *ground)
 {
@@ -371,6 +441,8 @@ int main(void)
         run_sieve(kernels, &ground);
         run_tests(kernels, &ground);
         run_bracket(kernels, &ground);
+        run_distances(kernels, &ground);
+        run_cross_faces(kernels, &ground);
         if (isa == ENG_ISA_SCALAR) {
             run_decide(kernels, &ground);
         }
