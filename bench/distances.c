@@ -1,18 +1,22 @@
 /* bench/distances.c - what the exact distance of one pair costs.
  *
- * Room:     bench (engine: distance.h).
+ * Room:     bench (engine: distance.h, distance_batch.h).
  * Does:     make pairs of features by family, ask of each alone whether it is within a
  *           distance and what its distance is, and report the times; a slow one is asked
  *           three times, and its best time counts. Then the same of many pairs in turn,
- *           of which doubles decide nearly all.
+ *           of which doubles decide nearly all; and of chunks of those, beside one by
+ *           one.
  * Does not: judge the answers (tests/fuzz does).
  * Threads:  one.
  */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "distance.h"
+#include "distance_batch.h"
 #include "prng.h"
 #include "report.h"
 
@@ -187,6 +191,109 @@ static void run_many(enum pccd_kind kind, uint32_t rounds,
     bench_free(&decide_ns);
 }
 
+/* The same pairs as points and indices, a chunk after the other. */
+struct chunks {
+    struct eng_point points[4 * MANY];
+    uint32_t quads[MANY][4];
+    struct eng_distance_batch batch;
+    struct eng_distance found[2][MANY]; /* one by one; in chunks */
+    bool is_within[2][MANY];
+};
+
+static void make_chunks(enum pccd_kind kind, struct chunks *chunks)
+{
+    struct prng prng = {1};
+    memset(chunks, 0, sizeof *chunks);
+    for (uint32_t i = 0; i < MANY; i++) {
+        struct pair pair;
+        make(&prng, &families[0], &pair);
+        pair.kind = kind;
+        for (uint32_t k = 0; k < 4; k++) {
+            struct eng_point *point = &chunks->points[4 * i + k];
+            memcpy(point->x0, pair.x[k], sizeof point->x0);
+            point->word1 = k;
+            chunks->quads[i][k] = 4 * i + k;
+        }
+    }
+}
+
+static void one_by_one(enum pccd_kind kind, double d, struct eng_distances *distances,
+                       struct chunks *chunks)
+{
+    for (uint32_t i = 0; i < MANY; i++) {
+        double x[4][3];
+        for (uint32_t k = 0; k < 4; k++) {
+            memcpy(x[k], chunks->points[chunks->quads[i][k]].x0, sizeof x[k]);
+        }
+        chunks->is_within[0][i] =
+            eng_distance_within(distances, kind, (const double(*)[3])x, d);
+        if (chunks->is_within[0][i]) {
+            eng_distance_find(distances, kind, (const double(*)[3])x, rank,
+                              &chunks->found[0][i]);
+        }
+    }
+}
+
+static void in_chunks(enum pccd_kind kind, double d, struct eng_distances *distances,
+                      struct chunks *chunks)
+{
+    const struct eng_distance_question question = {
+        .kind = kind, .distance = d, .wanted = ENG_DISTANCE_WHOLE};
+    memset(chunks->is_within[1], 0, sizeof chunks->is_within[1]);
+    for (uint32_t i = 0; i < MANY; i += ENG_CHUNK_MAX) {
+        uint32_t found =
+            eng_distance_batch_test(eng_kernels(), &question, chunks->points,
+                                    (const uint32_t(*)[4]) & chunks->quads[i],
+                                    ENG_CHUNK_MAX, distances, &chunks->batch);
+        for (uint32_t k = 0; k < found; k++) {
+            chunks->is_within[1][i + chunks->batch.index[k]] = true;
+            chunks->found[1][i + chunks->batch.index[k]] = chunks->batch.found[k];
+        }
+    }
+}
+
+/* Random pairs of one kind, asked whether they are within d and, if so, for all numbers:
+ * one by one and in chunks. */
+static void run_chunks(enum pccd_kind kind, double d, uint32_t rounds,
+                       struct eng_distances *distances)
+{
+    static struct chunks chunks;
+    struct bench_samples one_ns = {0};
+    struct bench_samples chunk_ns = {0};
+    char scene[64];
+    make_chunks(kind, &chunks);
+    for (uint32_t round = 0; round < rounds; round++) {
+        double begin_ns = thread_ns();
+        one_by_one(kind, d, distances, &chunks);
+        double middle_ns = thread_ns();
+        in_chunks(kind, d, distances, &chunks);
+        bench_add(&one_ns, (middle_ns - begin_ns) / MANY);
+        bench_add(&chunk_ns, (thread_ns() - middle_ns) / MANY);
+    }
+    uint32_t within = 0;
+    for (uint32_t i = 0; i < MANY; i++) {
+        within += chunks.is_within[0][i];
+    }
+    snprintf(scene, sizeof scene, "chunks, %s, %.0f %% within",
+             kind == PCCD_VF ? "VF" : "EE", 100.0 * within / MANY);
+    if (bench_check(
+            memcmp(chunks.is_within[0], chunks.is_within[1],
+                   sizeof chunks.is_within[0]) == 0 &&
+                memcmp(chunks.found[0], chunks.found[1], sizeof chunks.found[0]) == 0,
+            scene, "the answers differ")) {
+        bench_row(&(struct bench_row){
+            .scene = scene, .what = "one by one", .unit = "ns", .samples = &one_ns});
+        bench_row(&(struct bench_row){.scene = scene,
+                                      .what = "in chunks",
+                                      .unit = "ns",
+                                      .samples = &chunk_ns,
+                                      .base_name = "one by one",
+                                      .base = &one_ns});
+    }
+    bench_free(&one_ns);
+    bench_free(&chunk_ns);
+}
+
 int main(int argc, char **argv)
 {
     struct bench_options options;
@@ -206,6 +313,12 @@ int main(int argc, char **argv)
     if (bench_is_wanted(&options, "many random")) {
         run_many(PCCD_VF, options.smoke ? 1 : ROUNDS, &distances);
         run_many(PCCD_EE, options.smoke ? 1 : ROUNDS, &distances);
+    }
+    if (bench_is_wanted(&options, "chunks")) {
+        for (int i = 0; i < 4; i++) {
+            run_chunks(i % 2 ? PCCD_EE : PCCD_VF, i < 2 ? 0.5 : 0.05,
+                       options.smoke ? 1 : ROUNDS, &distances);
+        }
     }
     eng_distances_deinit(&distances);
     return bench_end();
