@@ -21,6 +21,8 @@ integration_names = \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
     tests/integration/test_int_motions \
+    tests/integration/test_int_near \
+    tests/integration/test_int_near_long \
     tests/integration/test_int_notify \
     tests/integration/test_int_orphan \
     tests/integration/test_int_observe \
@@ -68,6 +70,14 @@ tests_integration_test_int_standing_LDADD = $(integration_libs)
 tests_integration_test_int_socketfile_SOURCES = tests/integration/test_int_socketfile.c
 tests_integration_test_int_socketfile_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_socketfile_LDADD = $(integration_libs)
+
+tests_integration_test_int_near_SOURCES = tests/integration/test_int_near.c
+tests_integration_test_int_near_CPPFLAGS = $(integration_cppflags) $(XXHASH_CFLAGS)
+tests_integration_test_int_near_LDADD = $(integration_libs)
+
+tests_integration_test_int_near_long_SOURCES = tests/integration/test_int_near_long.c
+tests_integration_test_int_near_long_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_near_long_LDADD = $(integration_libs)
 
 tests_integration_test_int_refused_SOURCES = tests/integration/test_int_refused.c
 tests_integration_test_int_refused_CPPFLAGS = $(integration_cppflags)

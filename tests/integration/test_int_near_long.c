@@ -1,0 +1,497 @@
+/* test_int_near_long.c - questions about what is near that end early, or whose daemon
+ * does.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     deadlines, cancels and limits; a daemon that is killed while it computes, a
+ *           connection that is lost, a daemon of before.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "crossing.h"
+#include "daemon.h"
+#include "false_daemon.h"
+#include "grid.h"
+#include "raw.h"
+
+#define SIDE        250u /* a step of 20 ms and more; its slot is copied: 750 KB */
+#define SIDE_SMALL  40u
+#define SIDE_CRASH  100u
+#define MS          1000000u
+#define GENEROUS_MS 2000 /* the aim is 2 ms, of a machine that is left alone */
+#define FAR         1e18 /* everything is within it */
+
+typedef struct pccd_near_settings settings_t;
+
+static const settings_t defaults = PCCD_NEAR_SETTINGS_INIT;
+
+static struct test_daemon daemon_;
+static struct pccd_client *client;
+static struct test_grid grid;
+
+static void good(int status)
+{
+    if (status != 0) {
+        print_error("%s: %s\n", pccd_status_name(status), pccd_error_text(client));
+    }
+    assert_int_equal(status, 0);
+}
+
+static void start_with(const char *const *options, uint32_t side)
+{
+    struct pccd_options asked;
+
+    assert_true(test_daemon_start(&daemon_, options));
+    pccd_options_init(&asked);
+    asked.url = daemon_.url;
+    asked.timeout_ms = 60000;
+    asked.result_bytes = 32u << 20;
+    assert_int_equal(pccd_connect(&asked, &client), 0);
+    good(test_grid_make(client, side, &grid));
+}
+
+static int stop(void **state)
+{
+    (void)state;
+    pccd_close(client);
+    client = NULL;
+    test_grid_free(&grid);
+    grid.x = NULL;
+    return test_daemon_finish(&daemon_) ? 0 : -1;
+}
+
+/* Of the grid's whole way to height z. */
+static struct pccd_motion motion_to(float z)
+{
+    test_grid_positions(&grid, z);
+    return (struct pccd_motion){.object = grid.object,
+                                .count = grid.vertex_count,
+                                .format = PCCD_FORMAT_F32,
+                                .x1 = grid.x};
+}
+
+static void expect_nothing(uint64_t step, enum pccd_incomplete why)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    good(pccd_wait(client, step, -1, &answer));
+    assert_true(answer.is_near);
+    assert_int_equal(answer.incomplete, why);
+    assert_int_equal(answer.total, 0);
+    assert_int_equal(answer.verdict, PCCD_VERDICT_NONE);
+    assert_true(answer.distance_min == 2e18 && answer.distance_max == 0);
+}
+
+static void expect_turn(uint64_t step)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    good(pccd_wait(client, step, -1, &answer));
+    assert_true(test_grid_is_right(&grid, &answer));
+    pccd_answer_release(client, &answer);
+}
+
+/* ---- ends -------------------------------------------------------------------------- */
+
+/* If it failed, who shares the daemon with long steps would be answered when it is of no
+ * use any more; or what was to move with the question would be lost. */
+static void near__is_answered_at_its_deadline_and_cancel(void **state)
+{
+    settings_t settings = defaults;
+    uint64_t before[2];
+    uint64_t asked[2];
+    uint64_t after = 0;
+
+    (void)state;
+    start_with(NULL, SIDE);
+    for (uint32_t moves = 0; moves < 2; moves++) {
+        for (uint32_t cancels = 0; cancels < 2; cancels++) {
+            const float from = grid.z;
+            settings.deadline_ns = cancels ? 0 : MS;
+            good(test_grid_submit(&grid, NULL, &before[0]));
+            good(test_grid_submit(&grid, NULL, &before[1]));
+            /* The way of one turn, so that the next one is as the others. */
+            const struct pccd_motion motion = motion_to(-grid.z);
+            good(pccd_submit_near(client, grid.scene, &motion, moves, &settings,
+                                  &asked[0]));
+            good(pccd_submit_near(client, grid.scene, NULL, 0, &settings, &asked[1]));
+            for (uint32_t i = 0; i < 2; i++) {
+                if (cancels) {
+                    good(pccd_cancel(client, asked[i]));
+                }
+                expect_nothing(asked[i], cancels ? PCCD_INCOMPLETE_CANCELLED
+                                                 : PCCD_INCOMPLETE_DEADLINE);
+            }
+            struct pccd_answer answer = PCCD_ANSWER_INIT;
+            assert_int_equal(pccd_wait(client, before[1], 0, &answer), PCCD_E_AGAIN);
+            assert_true(grid.z == from);
+            grid.z = moves ? -grid.z : grid.z;
+            good(test_grid_submit(&grid, NULL, &after));
+            expect_turn(before[0]);
+            expect_turn(before[1]);
+            expect_turn(after);
+        }
+    }
+    assert_int_equal(test_stat(client, "slots_stale"), 0);
+}
+
+/* If it failed, a question that nobody can wait for would go on computing. */
+static void near__ends_while_it_computes(void **state)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings_t settings = defaults;
+    uint64_t step = 0;
+    uint64_t begin_ms;
+
+    (void)state;
+    start_with(NULL, SIDE);
+    settings.distance = FAR; /* 10^10 pairs */
+    settings.deadline_ns = 50 * MS;
+    begin_ms = test_now_ms();
+    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
+    assert_true(answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
+                answer.incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT);
+    pccd_answer_release(client, &answer);
+    settings.what = PCCD_NEAR_VERTICES; /* none of which is proved then */
+    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(answer.total, 0);
+    settings.deadline_ns = 0;
+    good(pccd_submit_near(client, grid.scene, NULL, 0, &settings, &step));
+    test_sleep_ms(50);
+    begin_ms = test_now_ms();
+    good(pccd_cancel(client, step));
+    good(pccd_wait(client, step, -1, &answer));
+    assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+    /* What the daemon lets anybody compute. */
+    good(pccd_config_set(client, "step-max-ms", "50"));
+    begin_ms = test_now_ms();
+    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(test_stat(client, "nears_incomplete"), 4);
+}
+
+/* If it failed, what is kept of too many records would be left to chance. */
+static void near__keeps_the_first_records_at_the_limit(void **state)
+{
+    struct pccd_answer whole = PCCD_ANSWER_INIT;
+    struct pccd_answer cut = PCCD_ANSWER_INIT;
+    settings_t settings = defaults;
+
+    (void)state;
+    start_with(NULL, SIDE_SMALL);
+    settings.distance = 0.08;
+    good(pccd_near(client, grid.scene, NULL, 0, &settings, &whole));
+    assert_int_equal(whole.incomplete, PCCD_COMPLETE);
+    assert_true(whole.total > 4000);
+    good(pccd_config_set(client, "contacts-max", "2000"));
+    for (uint32_t threads = 1; threads < 3; threads++) {
+        settings.threads = threads;
+        good(pccd_near(client, grid.scene, NULL, 0, &settings, &cut));
+        assert_int_equal(cut.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+        assert_int_equal(cut.total, 2000);
+        assert_int_equal(cut.count, 2000);
+        assert_memory_equal(cut.near, whole.near, 2000 * sizeof *cut.near);
+        pccd_answer_release(client, &cut);
+    }
+    pccd_answer_release(client, &whole);
+}
+
+/* If it failed, records of questions would be memory that nobody is charged for. */
+static void near__is_bounded_by_the_users_memory(void **state)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings_t settings = defaults;
+    uint64_t least;
+    int status;
+
+    (void)state;
+    start_with((const char *const[]){"--memory-max-mib", "24", NULL}, SIDE_SMALL);
+    least = test_stat(client, "engine_bytes_now");
+    settings.distance = FAR;
+    for (int i = 0; i < 4; i++) {
+        status = pccd_near(client, grid.scene, NULL, 0, &settings, &answer);
+        if (status == 0) {
+            assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+            pccd_answer_release(client, &answer);
+        } else {
+            assert_int_equal(status, PCCD_E_QUOTA);
+        }
+        assert_true(test_stat(client, "engine_bytes_now") <= least + (24u << 20));
+    }
+    settings.distance = 0.02; /* and what fits is whole */
+    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    assert_true(answer.total > 1000);
+    pccd_answer_release(client, &answer);
+}
+
+/* ---- a daemon that ends ------------------------------------------------------------ */
+
+static const char *const supervised[] = {"--supervise", "--crashes-max", "1000", NULL};
+
+static void kill_worker(void)
+{
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+}
+
+/* A page of many, with what it says. */
+static void ask_whole(const struct pccd_motion *motion, const settings_t *settings,
+                      struct pccd_answer *answer)
+{
+    good(pccd_near(client, grid.scene, motion, motion != NULL, settings, answer));
+    assert_int_equal(answer->incomplete, PCCD_COMPLETE);
+    assert_int_equal(answer->count, answer->total);
+    assert_true(answer->total > 1000);
+}
+
+/* If it failed, a crash would cost a client its question, or change the answer. */
+static void near__has_the_same_bytes_after_a_crash(void **state)
+{
+    struct pccd_answer before = PCCD_ANSWER_INIT;
+    struct pccd_answer after = PCCD_ANSWER_INIT;
+    struct pccd_link_info info;
+    settings_t settings = defaults;
+    uint64_t step = 0;
+
+    (void)state;
+    start_with(supervised, SIDE_CRASH);
+    settings.distance = 0.0085; /* of a grid whose vertices are 0.01 apart */
+    for (uint32_t moves = 0; moves < 2; moves++) {
+        struct pccd_motion motion = motion_to(0.02f);
+        ask_whole(&motion, &settings, &before);
+        if (moves) { /* back, and the same way once more */
+            motion = motion_to(0.4f);
+            ask_whole(&motion, &settings, &after);
+            pccd_answer_release(client, &after);
+            motion = motion_to(0.02f);
+        }
+        good(pccd_submit_near(client, grid.scene, &motion, moves, &settings, &step));
+        test_sleep_ms(2); /* it computes, most likely */
+        kill_worker();
+        good(pccd_wait(client, step, -1, &after));
+        assert_int_equal(after.total, before.total);
+        assert_memory_equal(after.near, before.near, before.count * sizeof *before.near);
+        assert_memory_equal(after.hash, before.hash, sizeof before.hash);
+        pccd_answer_release(client, &before);
+        pccd_answer_release(client, &after);
+    }
+    good(pccd_link(client, &info));
+    assert_true(info.reconnects >= 2);
+}
+
+/* If it failed, another daemon, which was not told where a step began, would answer about
+ * its end in the place of its beginning. */
+static void near__knows_no_beginning_after_a_crash(void **state)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings_t settings = defaults;
+    uint64_t step = 0;
+
+    (void)state;
+    start_with(supervised, SIDE_SMALL);
+    settings.end = 0;
+    settings.distance = 0.05;
+    kill_worker();
+    ask_whole(NULL, &settings, &answer); /* nothing has moved: as registered */
+    pccd_answer_release(client, &answer);
+    struct pccd_motion motion = motion_to(0.1f);
+    good(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
+    pccd_answer_release(client, &answer);
+    kill_worker();
+    assert_int_equal(pccd_near(client, grid.scene, NULL, 0, &settings, &answer),
+                     PCCD_E_STATE);
+    assert_non_null(strstr(pccd_error_text(client), "is not known"));
+    settings.end = 1;
+    ask_whole(NULL, &settings, &answer);
+    pccd_answer_release(client, &answer);
+    settings.end = 0;
+    for (uint32_t asks = 0; asks < 2; asks++) { /* from the next step on it is */
+        motion = motion_to(asks ? 0.1f : 0.2f);
+        if (asks) {
+            ask_whole(&motion, &settings, &answer);
+        } else {
+            good(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
+        }
+        pccd_answer_release(client, &answer);
+        ask_whole(NULL, &settings, &answer);
+        pccd_answer_release(client, &answer);
+        kill_worker();
+        good(pccd_submit_still(client, grid.scene, NULL, &step));
+        good(pccd_wait(client, step, -1, &answer));
+        pccd_answer_release(client, &answer);
+        ask_whole(NULL, &settings, &answer);
+        pccd_answer_release(client, &answer);
+    }
+}
+
+/* ---- seen from the wire ------------------------------------------------------------ */
+
+static struct test_raw raw;
+
+static int say_hello(const struct proto_HELLO_result *resume,
+                     struct proto_HELLO_result *result)
+{
+    struct proto_HELLO_request hello = {
+        .version_min = 1, .version_max = 1, .client = "raw", .resumable = true};
+
+    if (resume != NULL) {
+        hello.resume_epoch = resume->epoch;
+        hello.resume_session = resume->session;
+        hello.token_hi = resume->token_hi;
+        hello.token_lo = resume->token_lo;
+    }
+    return test_raw_call(&raw, PROTO_METHOD_HELLO, &hello, result);
+}
+
+/* A triangle over a floor; the triangle. */
+static uint32_t open_raw_scene(uint32_t *scene)
+{
+    const struct proto_SCENE_CREATE_request create = {.quality = 0};
+    struct proto_SCENE_CREATE_result made;
+    struct proto_SCENE_ADD_request add = {.mesh = 0};
+    struct proto_SCENE_ADD_result object = {.object = 0};
+
+    assert_int_equal(test_raw_attach(&raw, 2, 4096), 0);
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &made), 0);
+    *scene = add.scene = made.scene;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(test_raw_mesh(&raw, i == 0 ? test_floor_x : test_triangle_x, 3,
+                                       test_triangle, 1, &add.mesh),
+                         0);
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_SCENE_ADD, &add, &object), 0);
+    }
+    return object.object;
+}
+
+/* If it failed, a question whose answer was lost would be answered about another moment,
+ * or move the scene twice. */
+static void near__is_answered_once_over_a_connection_that_is_lost(void **state)
+{
+    struct proto_HELLO_result session;
+    struct proto_HELLO_result again;
+    struct proto_SCENE_NEAR_request asked[2] = {
+        {.what = PCCD_NEAR_PAIRS, .end = 1, .distance = 1, .step = 1},
+        {.what = PCCD_NEAR_PAIRS, .distance = 1, .step = 2, .segments = 1}};
+    struct proto_SCENE_NEAR_result answers[2];
+    struct proto_SCENE_NEAR_result repeated;
+    struct proto_segment segment = {
+        .kind = PROTO_SEGMENT_X1, .count = 3, .offset1 = sizeof segment};
+    uint32_t ids[2];
+    float x[3][3];
+
+    (void)state;
+    start_with((const char *const[]){"--linger", "5", NULL}, 2);
+    assert_true(test_raw_open(&raw, daemon_.socket));
+    assert_int_equal(say_hello(NULL, &session), 0);
+    assert_true((session.features & PROTO_FEATURE_NEAR) != 0);
+    segment.object = open_raw_scene(&asked[0].scene);
+    asked[1].scene = asked[0].scene;
+    test_crossing_positions(x, 3); /* its beginning is within 1, its end is not */
+    memcpy(test_raw_payload(&raw, 0), &segment, sizeof segment);
+    memcpy(test_raw_payload(&raw, 0) + sizeof segment, x, sizeof x);
+    asked[1].seq = test_raw_publish(&raw, 0);
+    for (uint32_t i = 0; i < 2; i++) {
+        ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked[i]);
+    }
+    assert_int_equal(test_raw_answer(&raw, ids[0], PROTO_METHOD_SCENE_NEAR, &answers[0]),
+                     0);
+    assert_int_equal(answers[0].total, 3);
+    for (int turn = 0; turn < 2; turn++) {
+        (void)close(raw.socket);
+        assert_true(test_raw_reopen(&raw, daemon_.socket));
+        assert_int_equal(say_hello(&session, &again), 0);
+        assert_true(again.resumed);
+        for (uint32_t i = 0; i < 2; i++) {
+            assert_int_equal(proto_encode_request(&raw.encoder, ids[i],
+                                                  PROTO_METHOD_SCENE_NEAR, &asked[i]),
+                             0);
+            assert_true(test_raw_send(&raw, raw.encoder.data, raw.encoder.bytes, 0));
+            assert_int_equal(
+                test_raw_answer(&raw, ids[i], PROTO_METHOD_SCENE_NEAR, &repeated), 0);
+            assert_int_equal(repeated.total, 3);
+            if (i == 0 || turn == 1) {
+                assert_memory_equal(&repeated, &answers[i], sizeof repeated);
+            }
+            answers[i] = repeated;
+        }
+    }
+    assert_true(answers[1].release > answers[0].release);
+    assert_int_equal(test_stat(client, "nears"), 2);
+    test_raw_close(&raw);
+}
+
+/* If it failed, a client could have more in flight than the daemon has promised to
+ * take. */
+static void near__counts_among_the_steps_in_flight(void **state)
+{
+    struct proto_SCENE_NEAR_request asked = {.what = PCCD_NEAR_PAIRS, .end = 1};
+    uint64_t long_step = 0;
+    uint32_t ids[3];
+
+    (void)state;
+    start_with(NULL, SIDE);
+    assert_true(test_raw_open(&raw, daemon_.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    (void)open_raw_scene(&asked.scene);
+    assert_int_equal(raw.ring.inflight_max, 2);
+    good(test_grid_submit(&grid, NULL, &long_step)); /* before which they wait */
+    for (uint32_t i = 0; i < 3; i++) {
+        ids[i] = test_raw_request(&raw, PROTO_METHOD_SCENE_NEAR, &asked);
+    }
+    assert_int_equal(test_raw_answer(&raw, ids[2], PROTO_METHOD_SCENE_NEAR, NULL),
+                     PCCD_E_BUSY);
+    assert_non_null(strstr(raw.error.text, "2 steps are in flight"));
+    expect_turn(long_step);
+    test_raw_close(&raw);
+}
+
+/* A daemon of before. */
+static void speak_as_before(void)
+{
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME);
+}
+
+/* If it failed, who meets a daemon of before would not hear what it lacks. */
+static void near__needs_a_daemon_that_knows_it(void **state)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_client *old = NULL;
+
+    (void)state;
+    false_start(speak_as_before);
+    assert_int_equal(false_connect(&old), 0);
+    assert_int_equal(pccd_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
+    assert_non_null(strstr(pccd_error_text(old), "scene.near: the daemon at"));
+    pccd_close(old);
+}
+
+int main(void)
+{
+#define STOPPED(name) cmocka_unit_test_setup_teardown(name, NULL, stop)
+    const struct CMUnitTest tests[] = {
+        STOPPED(near__is_answered_at_its_deadline_and_cancel),
+        STOPPED(near__ends_while_it_computes),
+        STOPPED(near__keeps_the_first_records_at_the_limit),
+        STOPPED(near__is_bounded_by_the_users_memory),
+        STOPPED(near__has_the_same_bytes_after_a_crash),
+        STOPPED(near__knows_no_beginning_after_a_crash),
+        STOPPED(near__is_answered_once_over_a_connection_that_is_lost),
+        STOPPED(near__counts_among_the_steps_in_flight),
+        cmocka_unit_test_teardown(near__needs_a_daemon_that_knows_it, false_stop),
+    };
+
+    return cmocka_run_group_tests_name("near_long", tests, NULL, NULL);
+}
