@@ -7,6 +7,10 @@ liboracle_la_SOURCES = \
     client/oracle/oracle.h \
     client/oracle/oracle_distance.c \
     client/oracle/oracle_distance.h \
+    client/oracle/oracle_features.c \
+    client/oracle/oracle_features.h \
+    client/oracle/oracle_near.c \
+    client/oracle/oracle_near.h \
     client/oracle/oracle_inside.c \
     client/oracle/oracle_inside.h \
     client/oracle/oracle_scene.c \

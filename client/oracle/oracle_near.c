@@ -1,0 +1,456 @@
+/* oracle_near.c - everything that is near, by brute force.
+ *
+ * Room:     client/oracle.
+ * Does:     list what no boxes keep apart, then decide each pair exactly.
+ * Threads:  [any].
+ */
+#include "oracle_near.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "oracle_features.h"
+
+/* Squares of lengths below that may lose their last bits. */
+#define SQUARES_FROM 1e-100
+
+/* More than rounding takes off a difference, a square or a sum of three. */
+#define A_LITTLE (1 + 0x1p-40)
+
+/* Two features that boxes do not keep apart, in the order of their record. */
+struct candidate {
+    const struct oracle_feature *a;
+    const struct oracle_feature *b;
+};
+
+struct candidates {
+    struct candidate *items;
+    size_t count;
+    size_t capacity;
+};
+
+static bool anything(const void *context, uint32_t a, uint32_t b)
+{
+    (void)context;
+    (void)a;
+    (void)b;
+    return true;
+}
+
+/* ---- pairs of boxes ---------------------------------------------------------------- */
+
+static bool boxes_are_apart(const struct oracle_feature *a,
+                            const struct oracle_feature *b, double distance)
+{
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        double up = a->lo[k] - b->hi[k];
+        double down = b->lo[k] - a->hi[k];
+        double gap = up > down ? up : down;
+        if (gap > 0 && gap > distance * A_LITTLE) {
+            return true;
+        }
+        sum += gap > 0 ? gap * gap : 0;
+    }
+    return distance > SQUARES_FROM && sum > distance * distance * A_LITTLE;
+}
+
+static bool is_after(const struct oracle_moment *moment, const struct oracle_feature *a,
+                     const struct oracle_feature *b)
+{
+    uint32_t id_a = moment->objects[a->object].object_id;
+    uint32_t id_b = moment->objects[b->object].object_id;
+    return id_a != id_b ? id_a > id_b : a->index > b->index;
+}
+
+static void consider(const struct oracle_moment *moment, const struct oracle_feature *a,
+                     const struct oracle_feature *b, double distance,
+                     struct candidates *candidates)
+{
+    if (boxes_are_apart(a, b, distance) || oracle_features_share_vertex(a, b)) {
+        return;
+    }
+    if (candidates->count == candidates->capacity) {
+        candidates->capacity = candidates->capacity ? 2 * candidates->capacity : 1024;
+        candidates->items = oracle_grow(candidates->items,
+                                        candidates->capacity * sizeof *candidates->items);
+    }
+    bool is_turned = a->points == b->points && is_after(moment, a, b);
+    candidates->items[candidates->count++] =
+        is_turned ? (struct candidate){b, a} : (struct candidate){a, b};
+}
+
+static void find_candidates(const struct oracle_moment *moment,
+                            const struct oracle_features *left,
+                            const struct oracle_features *right, double distance,
+                            struct candidates *candidates)
+{
+    bool (*may_meet)(const void *, uint32_t, uint32_t) =
+        moment->may_meet ? moment->may_meet : anything;
+    bool is_one = left == right;
+    uint32_t count = moment->object_count;
+    bool *meets = oracle_grow(NULL, (size_t)count * count + 1);
+    for (uint32_t i = 0; i < count * count; i++) {
+        meets[i] = may_meet(moment->context, moment->objects[i / count].object_id,
+                            moment->objects[i % count].object_id);
+    }
+    for (size_t i = 0; i < left->count; i++) {
+        const struct oracle_feature *a = &left->items[i];
+        for (size_t j = is_one ? i + 1 : 0; j < right->count; j++) {
+            const struct oracle_feature *b = &right->items[j];
+            if (meets[(size_t)a->object * count + b->object]) {
+                consider(moment, a, b, distance, candidates);
+            }
+        }
+    }
+    free(meets);
+}
+
+/* ---- records ----------------------------------------------------------------------- */
+
+static int compare_nears(const void *a, const void *b)
+{
+    const struct pccd_near *l = &((const struct oracle_near *)a)->record;
+    const struct pccd_near *r = &((const struct oracle_near *)b)->record;
+    const uint32_t left[5] = {l->kind, l->object_a, l->feature_a, l->object_b,
+                              l->feature_b};
+    const uint32_t right[5] = {r->kind, r->object_a, r->feature_a, r->object_b,
+                               r->feature_b};
+    for (int i = 0; i < 5; i++) {
+        if (left[i] != right[i]) {
+            return left[i] < right[i] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+static struct oracle_near *push(struct oracle_nears *nears)
+{
+    if ((nears->count & (nears->count - 1)) == 0) { /* grow at powers of two */
+        nears->items =
+            oracle_grow(nears->items, (2 * nears->count + 1) * sizeof *nears->items);
+    }
+    memset(&nears->items[nears->count], 0, sizeof *nears->items);
+    return &nears->items[nears->count++];
+}
+
+static void sort(struct oracle_nears *nears)
+{
+    if (nears->count > 0) {
+        qsort(nears->items, nears->count, sizeof *nears->items, compare_nears);
+    }
+}
+
+static void name(const struct oracle_moment *moment, uint32_t kind,
+                 const struct candidate *candidate, struct oracle_near *near)
+{
+    near->object[0] = candidate->a->object;
+    near->object[1] = candidate->b->object;
+    near->record.kind = kind;
+    near->record.object_a = moment->objects[near->object[0]].object_id;
+    near->record.feature_a = candidate->a->index;
+    near->record.object_b = moment->objects[near->object[1]].object_id;
+    near->record.feature_b = candidate->b->index;
+    near->record.count = 1;
+}
+
+static void write_distance(const struct oracle_distance *distance,
+                           struct oracle_near *near)
+{
+    near->points = distance->points;
+    near->record.flags = (uint32_t)distance->type << 8;
+    near->record.d_lo = distance->lo;
+    near->record.d_hi = distance->hi;
+    for (int i = 0; i < 2; i++) {
+        near->record.param[i] = (float)distance->param[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        near->record.direction[i] = (float)distance->direction[i];
+    }
+}
+
+/* Points of a candidate, and the order of (object, vertex); of one that is there twice,
+ * the first comes first. */
+static void load(const struct oracle_moment *moment, const struct candidate *candidate,
+                 double p[5][3], uint8_t rank[5])
+{
+    uint64_t key[5];
+    uint32_t count = 0;
+    for (int side = 0; side < 2; side++) {
+        const struct oracle_feature *feature = side == 0 ? candidate->a : candidate->b;
+        const struct oracle_object *object = &moment->objects[feature->object];
+        for (uint32_t i = 0; i < feature->points; i++) {
+            memcpy(p[count], object->x1[feature->v[i]], sizeof p[count]);
+            key[count++] = (uint64_t)object->object_id << 32 | feature->v[i];
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        rank[i] = 0;
+        for (uint32_t k = 0; k < count; k++) {
+            rank[i] =
+                (uint8_t)(rank[i] + (key[k] < key[i] || (key[k] == key[i] && k < i)));
+        }
+    }
+}
+
+static void decide_pairs(const struct oracle_moment *moment, enum oracle_kind kind,
+                         const struct candidates *candidates, double distance,
+                         struct oracle_nears *pairs)
+{
+    for (size_t i = 0; i < candidates->count; i++) {
+        double p[5][3];
+        uint8_t rank[5];
+        struct oracle_distance found;
+        load(moment, &candidates->items[i], p, rank);
+        pairs->queries++;
+        if (oracle_distance_within(kind, (const double(*)[3])p, distance)) {
+            struct oracle_near *near = push(pairs);
+            oracle_distance_find(kind, (const double(*)[3])p, rank, &found);
+            name(moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE, &candidates->items[i],
+                 near);
+            write_distance(&found, near);
+        }
+    }
+}
+
+bool oracle_near_pairs(const struct oracle_moment *moment, double distance,
+                       uint64_t queries_max, struct oracle_nears *pairs)
+{
+    struct oracle_features of_points[3];
+    struct candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
+    memset(pairs, 0, sizeof *pairs);
+    for (uint32_t i = 0; i < 3; i++) {
+        oracle_features_list(moment->objects, moment->object_count, i + 1, &of_points[i]);
+    }
+    find_candidates(moment, &of_points[0], &of_points[2], distance, &candidates[0]);
+    find_candidates(moment, &of_points[1], &of_points[1], distance, &candidates[1]);
+    bool is_little = candidates[0].count + candidates[1].count <= queries_max;
+    if (is_little) {
+        decide_pairs(moment, ORACLE_VF, &candidates[0], distance, pairs);
+        decide_pairs(moment, ORACLE_EE, &candidates[1], distance, pairs);
+        sort(pairs);
+    }
+    free(candidates[0].items);
+    free(candidates[1].items);
+    for (uint32_t i = 0; i < 3; i++) {
+        oracle_features_deinit(&of_points[i]);
+    }
+    return is_little;
+}
+
+bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_max,
+                           struct oracle_nears *crossings)
+{
+    struct oracle_features edges;
+    struct oracle_features faces;
+    struct candidates candidates = {NULL, 0, 0};
+    memset(crossings, 0, sizeof *crossings);
+    oracle_features_list(moment->objects, moment->object_count, 2, &edges);
+    oracle_features_list(moment->objects, moment->object_count, 3, &faces);
+    find_candidates(moment, &edges, &faces, 0, &candidates);
+    bool is_little = candidates.count <= queries_max;
+    for (size_t i = 0; is_little && i < candidates.count; i++) {
+        double p[5][3];
+        uint8_t rank[5];
+        load(moment, &candidates.items[i], p, rank);
+        crossings->queries++;
+        if (oracle_crosses((const double(*)[3])p)) {
+            name(moment, PCCD_EF, &candidates.items[i], push(crossings));
+        }
+    }
+    sort(crossings);
+    free(candidates.items);
+    oracle_features_deinit(&edges);
+    oracle_features_deinit(&faces);
+    return is_little;
+}
+
+/* ---- points of pairs --------------------------------------------------------------- */
+
+/* A point of a pair. */
+struct point {
+    uint32_t side;   /* 0: of a, 1: of b */
+    uint32_t object; /* index */
+    uint32_t v;
+};
+
+struct edges {
+    uint32_t (**of)[2]; /* [object] */
+    uint32_t *counts;
+};
+
+static struct edges list_edges(const struct oracle_moment *moment)
+{
+    struct edges edges;
+    edges.of = oracle_grow(NULL, (moment->object_count + 1) * sizeof *edges.of);
+    edges.counts = oracle_grow(NULL, (moment->object_count + 1) * sizeof *edges.counts);
+    for (uint32_t i = 0; i < moment->object_count; i++) {
+        edges.of[i] = oracle_edges(&moment->objects[i], &edges.counts[i]);
+    }
+    return edges;
+}
+
+static void free_edges(const struct oracle_moment *moment, struct edges *edges)
+{
+    for (uint32_t i = 0; i < moment->object_count; i++) {
+        free(edges->of[i]);
+    }
+    free(edges->of);
+    free(edges->counts);
+}
+
+/* The four points of a VF or EE pair. */
+static void list_points(const struct oracle_moment *moment, const struct edges *edges,
+                        const struct oracle_near *near, struct point points[4])
+{
+    const struct pccd_near *record = &near->record;
+    const uint32_t *a = &record->feature_a;
+    const uint32_t *b;
+    uint32_t count_a = 1;
+    if (record->kind == PCCD_VF) {
+        b = moment->objects[near->object[1]].triangles[record->feature_b];
+    } else {
+        a = edges->of[near->object[0]][record->feature_a];
+        b = edges->of[near->object[1]][record->feature_b];
+        count_a = 2;
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        points[i] = i < count_a ? (struct point){0, near->object[0], a[i]}
+                                : (struct point){1, near->object[1], b[i - count_a]};
+    }
+}
+
+void oracle_near_bounds(const struct oracle_moment *moment,
+                        const struct oracle_nears *pairs, uint32_t at, double distance,
+                        double *bounds)
+{
+    struct edges edges = list_edges(moment);
+    for (uint32_t v = 0; v < moment->objects[at].vertex_count; v++) {
+        bounds[v] = distance;
+    }
+    for (size_t i = 0; i < pairs->count; i++) {
+        const struct oracle_near *near = &pairs->items[i];
+        struct point points[4];
+        list_points(moment, &edges, near, points);
+        for (int k = 0; k < 4; k++) {
+            if (points[k].object == at && near->record.d_lo < bounds[points[k].v]) {
+                bounds[points[k].v] = near->record.d_lo;
+            }
+        }
+    }
+    free_edges(moment, &edges);
+}
+
+/* ---- closest features -------------------------------------------------------------- */
+
+static uint32_t edge_between(const struct edges *edges, const struct point *p,
+                             const struct point *q)
+{
+    uint32_t low = p->v < q->v ? p->v : q->v;
+    uint32_t high = p->v < q->v ? q->v : p->v;
+    assert(p->object == q->object);
+    for (uint32_t i = 0; i < edges->counts[p->object]; i++) {
+        const uint32_t *edge = edges->of[p->object][i];
+        if (edge[0] == low && edge[1] == high) {
+            return i;
+        }
+    }
+    abort();
+}
+
+/* A vertex and an edge, or two vertices, are two edges of which one or both have no
+ * length. */
+static void measure(const struct oracle_moment *moment, const struct edges *edges,
+                    struct oracle_near *near)
+{
+    static const uint8_t rank[4] = {0, 1, 2, 3};
+    const uint32_t feature[2] = {near->record.feature_a, near->record.feature_b};
+    struct oracle_distance found;
+    double p[4][3];
+    for (int i = 0; i < 4; i++) {
+        uint32_t object = near->object[i / 2];
+        uint32_t v = i < 2 || near->record.kind == PCCD_VV
+                         ? feature[i / 2]
+                         : edges->of[object][feature[1]][i - 2];
+        memcpy(p[i], moment->objects[object].x1[v], sizeof p[i]);
+    }
+    oracle_distance_find(ORACLE_EE, (const double(*)[3])p, rank, &found);
+    assert((uint32_t)found.type == near->record.kind);
+    found.param[0] = 0; /* of the edge without a length */
+    write_distance(&found, near);
+}
+
+static void name_closest(const struct oracle_moment *moment, const struct edges *edges,
+                         const struct oracle_near *pair, struct oracle_near *near)
+{
+    struct point all[4];
+    struct point points[4];
+    uint32_t count = 0;
+    *near = *pair;
+    list_points(moment, edges, pair, all);
+    for (uint32_t i = 0; i < 4; i++) {
+        if (pair->points >> i & 1) {
+            points[count++] = all[i];
+        }
+    }
+    if (count == 4) {
+        return;
+    }
+    const struct point *a = &points[0];
+    const struct point *b = &points[count - 1];
+    near->record.kind = count == 2 ? PCCD_VV : PCCD_VE;
+    if (count == 3 && points[1].side == a->side) { /* the edge is of the first */
+        a = &points[2];
+        b = &points[0];
+    }
+    near->object[0] = a->object;
+    near->object[1] = b->object;
+    near->record.feature_a = a->v;
+    near->record.feature_b = count == 2 ? b->v : edge_between(edges, b, &points[1]);
+    near->record.object_a = moment->objects[a->object].object_id;
+    near->record.object_b = moment->objects[b->object].object_id;
+    if (count == 2 && (near->record.object_a != near->record.object_b
+                           ? near->record.object_a > near->record.object_b
+                           : a->v > b->v)) {
+        struct oracle_near turned = *near;
+        turned.object[0] = near->object[1];
+        turned.object[1] = near->object[0];
+        turned.record.object_a = near->record.object_b;
+        turned.record.object_b = near->record.object_a;
+        turned.record.feature_a = near->record.feature_b;
+        turned.record.feature_b = near->record.feature_a;
+        *near = turned;
+    }
+    measure(moment, edges, near);
+}
+
+void oracle_near_features(const struct oracle_moment *moment,
+                          const struct oracle_nears *pairs, struct oracle_nears *features)
+{
+    struct edges edges = list_edges(moment);
+    memset(features, 0, sizeof *features);
+    for (size_t i = 0; i < pairs->count; i++) {
+        name_closest(moment, &edges, &pairs->items[i], push(features));
+    }
+    sort(features);
+    size_t kept = 0;
+    for (size_t i = 0; i < features->count; i++) {
+        struct oracle_near *near = &features->items[i];
+        struct oracle_near *last = kept > 0 ? &features->items[kept - 1] : NULL;
+        if (last && compare_nears(last, near) == 0) {
+            near->record.count = ++last->record.count;
+            assert(memcmp(&last->record, &near->record, sizeof near->record) == 0);
+        } else {
+            features->items[kept++] = *near;
+        }
+    }
+    features->count = kept;
+    free_edges(moment, &edges);
+}
+
+void oracle_nears_deinit(struct oracle_nears *nears)
+{
+    free(nears->items);
+    memset(nears, 0, sizeof *nears);
+}
