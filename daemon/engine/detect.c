@@ -58,7 +58,8 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     team->count = threads_for(scene, settings, effort);
     eng_rigid_prepare(scene);
     eng_refit_begin(team);
-    int status = eng_step_memory_reserve(memory, team->count);
+    int status = eng_step_memory_reserve(
+        memory, team->count, settings->near ? &memory->near.threads : &memory->threads);
     team->workers = memory->workers;
     if (status == PCCD_OK && settings->tuning.scheduler == ENG_SCHEDULER_PAPER) {
         status = eng_schedule_paper_reserve(scene, team->count);

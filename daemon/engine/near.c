@@ -384,8 +384,8 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     answer(&team, settings, result);
     uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
-    uint64_t work_ns =
-        eng_detect_count(&team, memory->records, &result->times, &result->counters);
+    uint64_t work_ns = eng_detect_count(&team, memory->near.threads.items, &result->times,
+                                        &result->counters);
     for (uint32_t i = 0; i < team.count && !is_by_objects(query.what); i++) {
         result->counters.exact += eng_near_work_of(team.workers[i])->batch.exact;
     }
@@ -394,7 +394,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
         eng_effort_time(effort, step.mode, team.count > 1, end_ns - begin_ns);
     }
     result->threads = team.count;
-    result->thread_records = memory->records;
+    result->thread_records = memory->near.threads.items;
     result->times.step = end_ns - begin_ns + staged_ns;
     return PCCD_OK;
 }

@@ -88,7 +88,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     eng_worker_trace(worker, PCCD_TRACE_MERGE, begin_ns,
                      (uint32_t)result->counters.kept_records, 0);
     uint64_t work_ns =
-        eng_detect_count(team, memory->records, &result->times, &result->counters);
+        eng_detect_count(team, memory->threads.items, &result->times, &result->counters);
     result->counters.rigid_objects = team->scene->rigid.objects;
     struct eng_effort *effort = &memory->effort[result->method];
     if (result->incomplete == PCCD_COMPLETE && team->prunes) {
@@ -97,7 +97,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         eng_effort_learn(effort, result->mode, work_ns);
         eng_effort_time(effort, result->mode, team->count > 1, end_ns - step_ns);
     }
-    result->thread_records = memory->records;
+    result->thread_records = memory->threads.items;
     result->threads = team->count;
 }
 

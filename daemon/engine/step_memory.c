@@ -57,13 +57,14 @@ static void destroy(struct eng_scene *scene)
         return;
     }
     keep_workers(memory, 0);
-    eng_free(memory->records);
+    eng_free(memory->threads.items);
     eng_pool_deinit(&memory->pool);
     eng_merge_deinit(&memory->merge);
     eng_records_deinit(&memory->sorted);
     eng_records_deinit(&memory->found);
     eng_kept_deinit(&memory->kept);
     eng_records_deinit(&memory->near.records);
+    eng_free(memory->near.threads.items);
     eng_free((void *)memory->near.bounds);
     eng_free(memory->near.order);
     eng_near_objects_deinit(&memory->near.objects);
@@ -83,17 +84,19 @@ static void count_turn(struct eng_step_memory *memory, uint32_t threads)
     }
 }
 
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads)
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
+                            struct eng_thread_records *records)
 {
     assert(threads >= 1 && threads <= ENG_THREADS_MAX);
     count_turn(memory, threads);
-    if (threads > memory->worker_count) {
-        struct eng_thread_record *records =
-            eng_realloc(memory->records, threads, sizeof *records);
-        if (!records) {
+    if (threads > records->capacity) {
+        struct eng_thread_record *items =
+            eng_realloc(records->items, threads, sizeof *items);
+        if (!items) {
             return PCCD_E_NOMEM;
         }
-        memory->records = records;
+        records->items = items;
+        records->capacity = threads;
     }
     while (memory->worker_count < threads) {
         struct eng_worker *worker = eng_alloc(1, sizeof *worker);
@@ -117,8 +120,7 @@ static void changed(struct eng_scene *scene)
 
 static uint64_t bytes_of(const struct eng_worker *worker)
 {
-    uint64_t bytes =
-        sizeof *worker + eng_exact_bytes() + sizeof(struct eng_thread_record);
+    uint64_t bytes = sizeof *worker + eng_exact_bytes();
     for (int i = 0; i < PCCD_METHOD_COUNT; i++) {
         bytes += eng_methods[i] ? eng_methods[i]->work_bytes(worker) : 0;
     }
@@ -132,6 +134,8 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
                    memory->found.capacity_bytes + eng_kept_bytes(&memory->kept) +
                    eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
                    memory->near.records.capacity_bytes +
+                   ((uint64_t)memory->threads.capacity + memory->near.threads.capacity) *
+                       sizeof(struct eng_thread_record) +
                    memory->near.bound_capacity * sizeof *memory->near.bounds +
                    memory->near.order_capacity * sizeof *memory->near.order +
                    eng_near_objects_bytes(&memory->near.objects);

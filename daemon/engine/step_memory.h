@@ -16,10 +16,17 @@
 #include "worker.h"
 #include "world.h"
 
+/* What the threads of an answer did, which lives as long as the answer. */
+struct eng_thread_records {
+    struct eng_thread_record *items;
+    uint32_t capacity;
+};
+
 /* What an answer about what is near leaves for the next one. */
 struct eng_near_memory {
     struct eng_effort effort[PCCD_METHOD_COUNT][PCCD_NEAR_COUNT];
     struct eng_records records; /* its records, or bounds by vertex */
+    struct eng_thread_records threads;
     _Atomic uint64_t *bounds;   /* [bound_capacity] by the scene's vertices */
     uint32_t bound_capacity;
     uint64_t *order; /* [order_capacity] objects: id << 32 | index */
@@ -32,7 +39,7 @@ struct eng_step_memory {
     uint32_t worker_count;
     uint32_t most_threads; /* of the last turn_count steps */
     uint32_t turn_count;
-    struct eng_thread_record *records;           /* [worker_count] of the last step */
+    struct eng_thread_records threads;           /* of the last step */
     struct eng_effort effort[PCCD_METHOD_COUNT]; /* by method */
     struct eng_pool pool;                        /* of the workers' records */
     struct eng_merge merge;
@@ -53,8 +60,10 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene);
 
 extern const struct eng_slot_calls eng_step_slot;
 
-/* Workers for that many threads of the next step, 1 .. ENG_THREADS_MAX. Those that no
- * step has wanted for long are freed. PCCD_E_NOMEM: those at hand stay. */
-int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads);
+/* Workers for that many threads of the next answer, 1 .. ENG_THREADS_MAX, and room in
+ * `records` for what they will have done. Workers that have not been wanted for long are
+ * freed. PCCD_E_NOMEM: those at hand stay. */
+int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
+                            struct eng_thread_records *records);
 
 #endif
