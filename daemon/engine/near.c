@@ -274,7 +274,8 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
         }
         scene->step++;
     }
-    team->has_boxes = team->method->has_boxes(scene) && eng_frames_keep_distances(scene);
+    team->has_boxes = !scene->has_lost_start && team->method->has_boxes(scene) &&
+                      eng_frames_keep_distances(scene);
     if (!team->has_boxes) {
         eng_frames_follow(scene);
     }

@@ -3,7 +3,8 @@
  * Room:     engine.
  * Does:     end positions go straight into the buffer that becomes t = 1; the buffer that
  *           holds the current positions is not touched before commit, so an aborted step
- *           leaves no trace. Given start positions wait in a third buffer for the commit.
+ *           leaves a trace only in where the last one began. Given start positions wait
+ *           in a third buffer for the commit.
  * Threads:  [compute], which copies many positions with a team.
  */
 #include "stage.h"
@@ -38,8 +39,23 @@ void eng_stage_share(struct eng_scene *scene, uint32_t threads,
         threads < ENG_THREADS_MAX ? threads : ENG_THREADS_MAX, affinity};
 }
 
+/* Where the last step began is lost for what was written to: it stands where it is, so
+ * that boxes of what does not move stay true. */
+static void mend(struct eng_scene *scene, const struct eng_write *write)
+{
+    struct eng_object *object = &scene->objects[write->object];
+    uint32_t first = object->vertices.first;
+    memcpy(scene->x[1 - scene->now] + first, scene->x[scene->now] + first,
+           object->vertices.count * sizeof *scene->x[0]);
+    object->bounds[1 - scene->now] = object->bounds[scene->now];
+}
+
 void eng_stage_abort(struct eng_scene *scene)
 {
+    for (uint32_t i = 0; scene->staging && i < scene->write_count; i++) {
+        mend(scene, &scene->writes[i]);
+        scene->has_lost_start = true;
+    }
     scene->staging = false;
     scene->write_count = 0;
 }
@@ -334,6 +350,7 @@ int eng_stage_commit(struct eng_scene *scene)
     take_starts(scene);
     measure_written(scene);
     scene->now = 1 - scene->now;
+    scene->has_lost_start = false;
     scene->staging = false;
     scene->write_count = 0;
     scene->stage_ns += common_now_ns() - begin_ns;

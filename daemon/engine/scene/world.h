@@ -153,6 +153,8 @@ struct eng_scene {
 
     /* Staging. */
     bool staging, is_owed; /* owed: the last step has moved it, and given up */
+    bool has_lost_start; /* staging was aborted: where the last step began is not known of
+                          * what was written to, which stands where it is */
     uint64_t stage;
     uint64_t stage_ns;
     struct eng_copiers copiers; /* of its writes */
