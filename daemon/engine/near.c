@@ -185,14 +185,13 @@ static enum pccd_verdict verdict_of(const struct eng_team *team,
                                     const struct eng_near_result *result)
 {
     uint64_t touches = result->count;
+    if (result->incomplete != PCCD_COMPLETE) {
+        return PCCD_VERDICT_NONE;
+    }
     for (uint32_t i = 0; i < team->count; i++) {
         touches += eng_near_work_of(team->workers[i])->touches;
     }
-    bool is_known = result->incomplete == PCCD_COMPLETE ||
-                    result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
-    return !is_known     ? PCCD_VERDICT_NONE
-           : touches > 0 ? PCCD_VERDICT_YES
-                         : PCCD_VERDICT_NO;
+    return touches > 0 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
 }
 
 static void answer_records(struct eng_near_memory *memory,
