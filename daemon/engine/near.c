@@ -68,7 +68,29 @@ static struct eng_near_query query_of(const struct eng_near_settings *settings)
 
 /* ---- bounds by vertex -------------------------------------------------------------- */
 
-static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene *scene)
+static int compare_ids(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a;
+    uint64_t y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Objects by increasing id, of one id alone if that is not 0. */
+static uint32_t order_objects(struct eng_near_memory *memory,
+                              const struct eng_scene *scene, uint32_t only)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh && (only == 0 || scene->objects[i].id == only)) {
+            memory->order[count++] = (uint64_t)scene->objects[i].id << 32 | i;
+        }
+    }
+    qsort(memory->order, count, sizeof *memory->order, compare_ids);
+    return count;
+}
+
+static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
+                          uint32_t only)
 {
     uint32_t vertices = scene->vertex_ranges.end;
     if (vertices > memory->bound_capacity) {
@@ -89,6 +111,9 @@ static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene
         memory->order = order;
         memory->order_capacity = scene->object_count;
     }
+    if (only != 0 && order_objects(memory, scene, only) == 0) {
+        return PCCD_E_HANDLE;
+    }
     memory->records.record_bytes = sizeof(double);
     return eng_records_reserve(&memory->records, vertices);
 }
@@ -101,27 +126,6 @@ static void begin_bounds(struct eng_near_memory *memory, const struct eng_scene 
     for (uint32_t i = 0; i < scene->vertex_ranges.end; i++) {
         atomic_init(&memory->bounds[i], bits);
     }
-}
-
-static int compare_ids(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a;
-    uint64_t y = *(const uint64_t *)b;
-    return x < y ? -1 : x > y;
-}
-
-/* Objects by increasing id, of one id alone if that is not 0. */
-static uint32_t order_objects(struct eng_near_memory *memory,
-                              const struct eng_scene *scene, uint32_t only)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh && (only == 0 || scene->objects[i].id == only)) {
-            memory->order[count++] = (uint64_t)scene->objects[i].id << 32 | i;
-        }
-    }
-    qsort(memory->order, count, sizeof *memory->order, compare_ids);
-    return count;
 }
 
 static void write_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
@@ -319,7 +323,7 @@ static int reserve(struct eng_team *team, const struct eng_near_settings *settin
         status = eng_near_work_reserve(team->workers[i]);
     }
     if (status == PCCD_OK && query->what == PCCD_NEAR_VERTICES) {
-        status = reserve_bounds(memory, team->scene);
+        status = reserve_bounds(memory, team->scene, settings->objects[0]);
     }
     return status;
 }

@@ -6,7 +6,8 @@ property_names = \
     tests/property/test_eng_plays \
     tests/property/test_eng_standing \
     tests/property/test_eng_rigid \
-    tests/property/test_eng_near
+    tests/property/test_eng_near \
+    tests/property/test_eng_near_oracle
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
@@ -50,3 +51,10 @@ tests_property_test_eng_near_SOURCES = tests/property/test_eng_near.c
 tests_property_test_eng_near_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracle.c \
+    tests/property/near_judge.c \
+    tests/property/near_judge.h
+tests_property_test_eng_near_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_near_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_near_oracle_LDADD = $(PROPERTY_LDADD)

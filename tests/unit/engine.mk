@@ -20,6 +20,8 @@ libengkit_la_SOURCES = \
     tests/unit/eng_fresh.h \
     tests/unit/eng_kit.c \
     tests/unit/eng_kit.h \
+    tests/unit/eng_near.c \
+    tests/unit/eng_near.h \
     tests/unit/eng_player.c \
     tests/unit/eng_player.h \
     tests/unit/eng_stir.c \
@@ -80,6 +82,7 @@ ENG_TESTS = \
     tests/unit/test_eng_masks \
     tests/unit/test_eng_pairset \
     tests/unit/test_eng_blur \
+    tests/unit/test_eng_near \
     tests/unit/test_eng_near_depth \
     tests/unit/test_eng_near_nearest \
     tests/unit/test_eng_spacing
@@ -97,6 +100,10 @@ tests_unit_test_eng_blur_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_spacing_SOURCES = tests/unit/test_eng_spacing.c
 tests_unit_test_eng_spacing_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_spacing_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_near_SOURCES = tests/unit/test_eng_near.c
+tests_unit_test_eng_near_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_near_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_near_depth_SOURCES = tests/unit/test_eng_near_depth.c
 tests_unit_test_eng_near_depth_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -75,14 +75,14 @@ struct eng_near_result near_kit_ask(struct near_kit *kit,
         assert_int_equal(result.incomplete, PCCD_COMPLETE);
         if (i == 0) {
             count = result.count;
-            kept = malloc((size_t)count * sizeof(struct pccd_near) + 1);
+            kept = malloc((size_t)count * result.record_bytes + 1);
             assert_non_null(kept);
-            memcpy(kept, result.records, (size_t)count * sizeof(struct pccd_near));
+            memcpy(kept, result.records, (size_t)count * result.record_bytes);
         }
         assert_int_equal(result.count, count);
         if (settings->gap == 0) {
             assert_memory_equal(result.records, kept,
-                                (size_t)count * sizeof(struct pccd_near));
+                                (size_t)count * result.record_bytes);
         }
     }
     free(kept);

@@ -124,6 +124,9 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene);
  * Sources may be memory that another process writes: each byte is read once. */
 void eng_stage_begin(struct eng_scene *scene);
 void eng_stage_abort(struct eng_scene *scene);
+/* begin, of writes that are only to be found good or bad: abort must end it, and then
+ * nothing has changed, not even where the last step began. */
+void eng_stage_try(struct eng_scene *scene);
 /* Whether a vertex is written twice: the step would be refused. */
 bool eng_stage_overlaps(struct eng_scene *scene);
 

@@ -26,10 +26,19 @@ void eng_stage_begin(struct eng_scene *scene)
 {
     assert(!scene->staging);
     scene->staging = true;
+    scene->is_trial = false;
     scene->stage++;
     scene->stage_ns = 0;
     scene->copiers = (struct eng_copiers){1, NULL};
     scene->write_count = 0;
+}
+
+void eng_stage_try(struct eng_scene *scene)
+{
+    uint64_t stage = scene->stage;
+    eng_stage_begin(scene);
+    scene->stage = stage;
+    scene->is_trial = true;
 }
 
 void eng_stage_share(struct eng_scene *scene, uint32_t threads,
@@ -52,7 +61,8 @@ static void mend(struct eng_scene *scene, const struct eng_write *write)
 
 void eng_stage_abort(struct eng_scene *scene)
 {
-    for (uint32_t i = 0; scene->staging && i < scene->write_count; i++) {
+    bool has_written = scene->staging && !scene->is_trial;
+    for (uint32_t i = 0; has_written && i < scene->write_count; i++) {
         mend(scene, &scene->writes[i]);
         scene->has_lost_start = true;
     }
@@ -73,6 +83,12 @@ static int remember(struct eng_scene *scene, struct eng_write write)
     }
     scene->writes[scene->write_count++] = write;
     return PCCD_OK;
+}
+
+/* Where end positions go. */
+static double (*ends_of_staging(const struct eng_scene *scene))[3]
+{
+    return scene->is_trial ? scene->start : scene->x[1 - scene->now];
 }
 
 /* The write that was opened last. */
@@ -115,10 +131,10 @@ static int open_write(struct eng_scene *scene, uint32_t object_idx, uint32_t fir
                                            .has_start = has_start,
                                            .bounds = {ENG_NO_BOUNDS, ENG_NO_BOUNDS},
                                            .blur = {INFINITY, INFINITY}});
-    if (status == PCCD_OK && has_start) {
+    if (status == PCCD_OK && (has_start || scene->is_trial)) {
         status = reserve_start(scene);
     }
-    if (status != PCCD_OK) {
+    if (status != PCCD_OK || scene->is_trial) {
         return status;
     }
     bool whole = count == object->vertices.count;
@@ -138,7 +154,7 @@ int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format 
     int status = open_write(scene, object_idx, first, count, false);
     if (status == PCCD_OK) {
         uint32_t v = scene->objects[object_idx].vertices.first + first;
-        status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
+        status = eng_ingest_by_team(ends_of_staging(scene) + v, format, count, x1,
                                     scene->copiers, &last_write(scene)->bounds[1]);
     }
     scene->stage_ns += common_now_ns() - begin_ns;
@@ -156,7 +172,7 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_forma
         status = eng_ingest_by_team(scene->start + v, format, count, x0, scene->copiers,
                                     &write->bounds[0]);
         if (status == PCCD_OK) {
-            status = eng_ingest_by_team(scene->x[1 - scene->now] + v, format, count, x1,
+            status = eng_ingest_by_team(ends_of_staging(scene) + v, format, count, x1,
                                         scene->copiers, &write->bounds[1]);
         }
     }
@@ -202,7 +218,7 @@ int eng_stage_rigid(struct eng_scene *scene, uint32_t object_idx, uint32_t first
         struct eng_write *write = last_write(scene);
         status = transform(scene->start + v, rest, count, matrix0, &write->bounds[0]);
         if (status == PCCD_OK) {
-            status = transform(scene->x[1 - scene->now] + v, rest, count, matrix1,
+            status = transform(ends_of_staging(scene) + v, rest, count, matrix1,
                                &write->bounds[1]);
         }
         if (status == PCCD_OK && count == object->vertices.count) {
@@ -327,7 +343,7 @@ static void measure_written(struct eng_scene *scene)
 
 int eng_stage_commit(struct eng_scene *scene)
 {
-    assert(scene->now <= 1);
+    assert(scene->now <= 1 && !(scene->staging && scene->is_trial));
     uint64_t begin_ns = common_now_ns();
     if (!scene->staging) {
         eng_stage_begin(scene);

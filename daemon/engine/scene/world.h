@@ -153,6 +153,7 @@ struct eng_scene {
 
     /* Staging. */
     bool staging, is_owed; /* owed: the last step has moved it, and given up */
+    bool is_trial;       /* staging that will be aborted: it writes to `start` alone */
     bool has_lost_start; /* staging was aborted: where the last step began is not known of
                           * what was written to, which stands where it is */
     uint64_t stage;

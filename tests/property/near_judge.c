@@ -1,0 +1,345 @@
+/* near_judge.c - the laws of an answer about what is near.
+ *
+ * Room:     tests/property.
+ * Does:     see near_judge.h.
+ * Threads:  one.
+ */
+#include "near_judge.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "hash.h"
+#include "oracle_near.h"
+
+/* The player's scene at one end of its last step, objects by increasing id. */
+struct moment {
+    struct oracle_object objects[PLAYER_OBJECTS_MAX];
+    struct oracle_moment oracle;
+};
+
+/* What is true of it. */
+struct truth {
+    struct oracle_nears pairs;
+    struct oracle_nears features;
+    struct oracle_nears crossings;
+};
+
+static bool may_meet(const void *context, uint32_t a, uint32_t b)
+{
+    return filters_may_meet(context, a, b);
+}
+
+static int compare_objects(const void *a, const void *b)
+{
+    uint32_t left = ((const struct oracle_object *)a)->object_id;
+    uint32_t right = ((const struct oracle_object *)b)->object_id;
+    return left < right ? -1 : left > right;
+}
+
+static void moment_init(struct moment *moment, const struct player *player, uint32_t end)
+{
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        const struct player_object *object = &player->objects[i];
+        const double(*x)[3] = (const double(*)[3])(end == 0 ? object->x0 : object->x1);
+        moment->objects[i] =
+            (struct oracle_object){object->id,
+                                   object->vertex_count,
+                                   object->triangle_count,
+                                   x,
+                                   x,
+                                   (const uint32_t(*)[3])object->triangles};
+    }
+    if (player->object_count > 0) {
+        qsort(moment->objects, player->object_count, sizeof moment->objects[0],
+              compare_objects);
+    }
+    moment->oracle = (struct oracle_moment){moment->objects, player->object_count,
+                                            may_meet, &player->filters};
+}
+
+/* false: it would take too long. */
+static bool find_truth(const struct moment *moment,
+                       const struct eng_near_settings *settings, uint64_t queries_max,
+                       struct truth *truth)
+{
+    bool crosses = settings->what == PCCD_NEAR_CROSSINGS;
+    memset(truth, 0, sizeof *truth);
+    if (crosses &&
+        !oracle_near_crossings(&moment->oracle, queries_max, &truth->crossings)) {
+        return false;
+    }
+    if (!oracle_near_pairs(&moment->oracle, crosses ? 0 : settings->distance, queries_max,
+                           &truth->pairs)) {
+        return false;
+    }
+    if (settings->what == PCCD_NEAR_FEATURES) {
+        oracle_near_features(&moment->oracle, &truth->pairs, &truth->features);
+    }
+    return true;
+}
+
+static void truth_deinit(struct truth *truth)
+{
+    oracle_nears_deinit(&truth->pairs);
+    oracle_nears_deinit(&truth->features);
+    oracle_nears_deinit(&truth->crossings);
+}
+
+/* ---- records ----------------------------------------------------------------------- */
+
+static bool are_same(const struct pccd_near *a, const struct pccd_near *b, bool counted)
+{
+    struct pccd_near left = *a;
+    if (!counted) {
+        left.count = b->count;
+    }
+    return memcmp(&left, b, sizeof left) == 0;
+}
+
+/* For whoever looks for what was wrong. */
+static void tell(const char *whose, const struct pccd_near *near)
+{
+    print_message("# %s: kind %u, type %u, %u/%u %u/%u, d %a .. %a, param %a %a, "
+                  "direction %a %a %a, count %u\n",
+                  whose, near->kind, PCCD_NEAR_TYPE(near->flags), near->object_a,
+                  near->feature_a, near->object_b, near->feature_b, near->d_lo,
+                  near->d_hi, (double)near->param[0], (double)near->param[1],
+                  (double)near->direction[0], (double)near->direction[1],
+                  (double)near->direction[2], near->count);
+}
+
+/* The first records of the truth, as many as there are; in the last one of an answer that
+ * was cut, fewer pairs may have been counted. */
+static const char *check_first(const struct oracle_nears *nears,
+                               const struct eng_near_result *result, bool is_cut)
+{
+    const struct pccd_near *records = result->records;
+    for (uint64_t i = 0; i < result->count; i++) {
+        const struct pccd_near *want = &nears->items[i].record;
+        bool is_last = is_cut && i == result->count - 1;
+        if (i >= nears->count) {
+            return "there are too many records";
+        }
+        if (!are_same(&records[i], want, !is_last) || records[i].count > want->count) {
+            tell("is", &records[i]);
+            tell("must be", want);
+            return are_same(&records[i], want, false) ? "what a record counts"
+                                                      : "a record";
+        }
+    }
+    return NULL;
+}
+
+/* Some of the truth, in order. */
+static const char *check_part(const struct oracle_nears *nears,
+                              const struct eng_near_result *result)
+{
+    const struct pccd_near *records = result->records;
+    size_t at = 0;
+    for (uint64_t i = 0; i < result->count; i++) {
+        while (at < nears->count &&
+               !are_same(&records[i], &nears->items[at].record, false)) {
+            at++;
+        }
+        if (at == nears->count) {
+            tell("is", &records[i]);
+            return "a record of an answer that was cut is not true";
+        }
+        if (records[i].count == 0 || records[i].count > nears->items[at].record.count) {
+            return "what a record of an answer that was cut counts";
+        }
+        at++;
+    }
+    return NULL;
+}
+
+/* Numbers about the records that are there. */
+static const char *check_numbers(const struct eng_near_result *result)
+{
+    const struct pccd_near *records = result->records;
+    uint64_t counts[PCCD_KINDS_MAX] = {0};
+    uint64_t hash[2];
+    double least = 2e18;
+    double greatest = 0;
+    for (uint64_t i = 0; i < result->count; i++) {
+        counts[records[i].kind]++;
+        least = fmin(least, records[i].d_lo);
+        greatest = fmax(greatest, records[i].d_hi);
+    }
+    if (memcmp(counts, result->counts, sizeof counts) != 0) {
+        return "the number of records by kind";
+    }
+    if (result->distance_min != least || result->distance_max != greatest) {
+        return "the least or the greatest distance";
+    }
+    eng_hash_end(eng_hash_records(records, result->count, sizeof *records), result->count,
+                 hash);
+    return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash" : NULL;
+}
+
+static const char *check_records(const struct oracle_nears *nears, bool is_limited,
+                                 const struct eng_near_result *result)
+{
+    const char *wrong = NULL;
+    if (result->record_bytes != sizeof(struct pccd_near)) {
+        return "the size of a record";
+    }
+    switch (result->incomplete) {
+    case PCCD_COMPLETE:
+        wrong = check_first(nears, result, false);
+        wrong = !wrong && result->count != nears->count ? "records are missing" : wrong;
+        break;
+    case PCCD_INCOMPLETE_CONTACT_LIMIT:
+        wrong = check_first(nears, result, true);
+        wrong = !wrong && !is_limited ? "it says that there are too many" : wrong;
+        break;
+    default:
+        wrong = check_part(nears, result);
+    }
+    return wrong ? wrong : check_numbers(result);
+}
+
+/* ---- bounds ------------------------------------------------------------------------ */
+
+static const char *check_bounds(const struct moment *moment, const struct truth *truth,
+                                const struct eng_near_settings *settings,
+                                const struct eng_near_result *result,
+                                struct near_sums *sums)
+{
+    const double *given = result->records;
+    uint64_t at = 0;
+    eng_hash_sum sum = 0;
+    uint64_t hash[2];
+    for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
+        uint32_t id = moment->objects[i].object_id;
+        uint32_t count = moment->objects[i].vertex_count;
+        if (settings->objects[0] != 0 && settings->objects[0] != id) {
+            continue;
+        }
+        if (at + count > result->count) {
+            return "there are too few bounds";
+        }
+        double *bounds = calloc(count + 1, sizeof *bounds);
+        oracle_near_bounds(&moment->oracle, &truth->pairs, i, settings->distance, bounds);
+        bool is_same = memcmp(bounds, given + at, count * sizeof *bounds) == 0;
+        for (uint32_t v = 0; v < count; v++) {
+            struct eng_vertex_bound bound = {id, v, bounds[v]};
+            sum += eng_hash_records(&bound, 1, sizeof bound);
+            sums->bounds += bounds[v] < settings->distance;
+        }
+        free(bounds);
+        at += count;
+        if (!is_same) {
+            return "a bound";
+        }
+    }
+    if (at != result->count) {
+        return "there are too many bounds";
+    }
+    eng_hash_end(sum, at, hash);
+    return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash of the bounds" : NULL;
+}
+
+/* ---- the whole --------------------------------------------------------------------- */
+
+/* Nothing is said to be free of intersections, or not, that was not looked at. */
+static const char *check_verdict(const struct truth *truth,
+                                 const struct eng_near_settings *settings,
+                                 const struct eng_near_result *result)
+{
+    bool is_free = truth->crossings.count == 0 && truth->pairs.count == 0;
+    if (settings->what != PCCD_NEAR_CROSSINGS) {
+        return result->verdict != PCCD_VERDICT_NONE ? "a verdict of nothing" : NULL;
+    }
+    if (result->crossings != result->count) {
+        return "the number of crossings";
+    }
+    if (result->incomplete != PCCD_COMPLETE) {
+        return result->verdict != PCCD_VERDICT_NONE ? "a verdict before the end" : NULL;
+    }
+    return result->verdict != (is_free ? PCCD_VERDICT_NO : PCCD_VERDICT_YES)
+               ? "the verdict"
+               : NULL;
+}
+
+static void sum_up(const struct truth *truth, const struct eng_near_settings *settings,
+                   const struct eng_near_result *result, struct near_sums *sums)
+{
+    sums->judged++;
+    sums->queries += truth->pairs.queries + truth->crossings.queries;
+    sums->pairs += truth->pairs.count;
+    sums->features += truth->features.count;
+    sums->crossings += truth->crossings.count;
+    sums->parts += result->incomplete != PCCD_COMPLETE ? result->count : 0;
+    sums->free += settings->what == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
+                  truth->pairs.count == 0;
+    for (size_t i = 0; i < truth->pairs.count; i++) {
+        const struct pccd_near *record = &truth->pairs.items[i].record;
+        sums->types[PCCD_NEAR_TYPE(record->flags)]++;
+        sums->touching += record->d_hi == 0;
+        sums->at_distance += record->d_hi > 0 && record->d_lo == record->d_hi &&
+                             record->d_lo == settings->distance;
+    }
+}
+
+/* What was counted on the way to a complete answer. */
+static const char *check_counters(const struct truth *truth,
+                                  const struct eng_near_result *result)
+{
+    const struct pccd_step_counters *counters = &result->counters;
+    uint64_t counts[PCCD_KINDS_MAX] = {0};
+    uint64_t all = 0;
+    for (size_t i = 0; i < truth->pairs.count; i++) {
+        counts[truth->pairs.items[i].record.kind]++;
+    }
+    counts[PCCD_EF] = truth->crossings.count;
+    for (int kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        if (counters->candidates[kind] < counts[kind]) {
+            return "there were more pairs than candidates";
+        }
+        all += counts[kind];
+    }
+    return counters->survivors < all ? "there were more pairs than survivors" : NULL;
+}
+
+const char *near_judge(const struct player *player,
+                       const struct eng_near_settings *settings,
+                       const struct eng_near_result *result, uint64_t queries_max,
+                       struct near_sums *sums)
+{
+    struct moment moment;
+    struct truth truth;
+    const char *wrong = NULL;
+    moment_init(&moment, player, settings->end);
+    if (!find_truth(&moment, settings, queries_max, &truth)) {
+        truth_deinit(&truth);
+        return NULL;
+    }
+    const struct oracle_nears *nears =
+        settings->what == PCCD_NEAR_FEATURES    ? &truth.features
+        : settings->what == PCCD_NEAR_CROSSINGS ? &truth.crossings
+                                                : &truth.pairs;
+    if (settings->what != PCCD_NEAR_VERTICES) {
+        uint64_t found = settings->what == PCCD_NEAR_CROSSINGS ? truth.crossings.count
+                                                               : truth.pairs.count;
+        wrong = check_records(nears, found > settings->step.contact_max, result);
+    } else if (result->incomplete == PCCD_COMPLETE) {
+        wrong = check_bounds(&moment, &truth, settings, result, sums);
+    } else if (result->count != 0) {
+        wrong = "bounds before the end";
+    }
+    wrong = wrong ? wrong : check_verdict(&truth, settings, result);
+    if (!wrong && result->incomplete == PCCD_COMPLETE && settings->objects[0] == 0) {
+        wrong = check_counters(&truth, result);
+    }
+    sum_up(&truth, settings, result, sums);
+    truth_deinit(&truth);
+    return wrong;
+}

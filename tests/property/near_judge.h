@@ -1,0 +1,37 @@
+/* near_judge.h - compares the engine's answers about what is near with brute force in
+ * exact arithmetic.
+ *
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
+ *           tests/unit.
+ * Does:     the laws of an answer, complete or not, about the scene of a player.
+ * Threads:  one.
+ */
+#ifndef NEAR_JUDGE_H
+#define NEAR_JUDGE_H
+
+#include "eng_near.h"
+#include "eng_player.h"
+
+/* Sums over everything judged, for the report. */
+struct near_sums {
+    uint64_t judged; /* answers */
+    uint64_t queries;
+    uint64_t pairs;
+    uint64_t types[PCCD_KINDS_MAX]; /* of these, by PCCD_NEAR_TYPE */
+    uint64_t touching;
+    uint64_t at_distance; /* exactly as far away as was asked for */
+    uint64_t features;
+    uint64_t bounds; /* below the distance */
+    uint64_t crossings;
+    uint64_t free;  /* states without an intersection */
+    uint64_t parts; /* records of incomplete answers */
+};
+
+/* NULL: the answer is right, or it would take more than `queries_max` exact decisions to
+ * know; else what is wrong. */
+const char *near_judge(const struct player *player,
+                       const struct eng_near_settings *settings,
+                       const struct eng_near_result *result, uint64_t queries_max,
+                       struct near_sums *sums);
+
+#endif

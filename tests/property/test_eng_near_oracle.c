@@ -1,0 +1,403 @@
+/* test_eng_near_oracle.c - what is near, asked at any moment of a scene's life.
+ *
+ * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
+ *           tests/unit, cmocka.
+ * Does:     long sequences of steps and questions: objects come, go, are replaced, stand,
+ *           move and jump; steps fail, end early, are given up, or are taken by the other
+ *           method; some questions move the scene themselves, some are cut short. Each
+ *           answer against a scene made anew that is asked by the other method; of small
+ *           scenes also against exact arithmetic on all pairs. Each step against a fresh
+ *           scene, as if nothing had been asked, and its answer stays as it was.
+ * Threads:  teams of one to four.
+ * Source:   PCCD_SEED repeats a sequence; PCCD_NEAR_SEQUENCES says how many, and
+ *           PCCD_PROPERTY_SECONDS for how long.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "clock.h"
+#include "eng_fresh.h"
+#include "eng_near.h"
+#include "eng_stir.h"
+#include "eng_way.h"
+#include "near_judge.h"
+#include "near_kit.h"
+#include "play_actor.h"
+
+#define SEQUENCES      60
+#define THREADS_MAX    4u
+#define TINY_TRIANGLES 12u   /* an object: few enough for exact arithmetic */
+#define QUERIES_MAX    3000u /* exact decisions for one answer */
+
+static struct {
+    uint64_t sequences;
+    uint64_t steps;
+    uint64_t questions;
+    uint64_t moving;  /* of these: moved the scene */
+    uint64_t cut;     /* ended before they were complete */
+    uint64_t limited; /* of these: had more records than were kept */
+    uint64_t records; /* of complete answers */
+    uint64_t large;   /* triangles of the largest scene */
+} sums;
+
+static struct near_sums judged;
+
+struct sequence {
+    uint64_t seed;
+    uint32_t step;
+    struct prng prng;
+    struct stir stir;
+    struct eng_step_settings settings; /* of the steps */
+    struct eng_near_settings question; /* the last one */
+    bool is_spoilt;                    /* where the last step began is not kept */
+    /* The answer of the last step, and a copy of it; NULL: there is none. */
+    struct eng_step_result last;
+    void *records;
+    void *threads;
+};
+
+static void must(const struct sequence *sequence, bool holds, const char *what)
+{
+    if (!holds) {
+        char way[WAY_TEXT_MAX];
+        way_tell(&sequence->settings, way);
+        print_message("# step: mode %d, %s\n", (int)sequence->settings.mode, way);
+        way_tell(&sequence->question.step, way);
+        print_message("# question: what %d, distance %a, end %u, %s\n",
+                      (int)sequence->question.what, sequence->question.distance,
+                      sequence->question.end, way);
+        fail_msg("PCCD_SEED=%llu, step %u: %s", (unsigned long long)sequence->seed,
+                 sequence->step, what);
+    }
+}
+
+static uint32_t draw(struct sequence *sequence, uint32_t bound)
+{
+    return (uint32_t)prng_below(&sequence->prng, bound);
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+static void *copy_of(const void *block, size_t bytes)
+{
+    void *copy = malloc(bytes + 1);
+    assert_non_null(copy);
+    if (bytes > 0) {
+        memcpy(copy, block, bytes);
+    }
+    return copy;
+}
+
+static void forget_last(struct sequence *sequence)
+{
+    free(sequence->records);
+    free(sequence->threads);
+    sequence->records = NULL;
+    sequence->threads = NULL;
+}
+
+static size_t record_bytes_of(const struct eng_step_result *result)
+{
+    return result->count * result->record_bytes;
+}
+
+static void keep_last(struct sequence *sequence, const struct eng_step_result *result)
+{
+    forget_last(sequence);
+    sequence->last = *result;
+    sequence->records = copy_of(result->records, record_bytes_of(result));
+    sequence->threads =
+        copy_of(result->thread_records, result->threads * sizeof *result->thread_records);
+}
+
+static void check_last(const struct sequence *sequence)
+{
+    const struct eng_step_result *last = &sequence->last;
+    if (!sequence->records) {
+        return;
+    }
+    must(sequence, memcmp(last->records, sequence->records, record_bytes_of(last)) == 0,
+         "a question has changed the answer of the last step");
+    must(sequence,
+         memcmp(last->thread_records, sequence->threads,
+                last->threads * sizeof *last->thread_records) == 0,
+         "a question has changed what is told of the last step's threads");
+}
+
+static void check_step(struct sequence *sequence, const struct eng_step_result *result)
+{
+    struct fresh_answer fresh;
+    fresh_find(&sequence->stir.player, &sequence->settings, &fresh);
+    const char *difference = fresh_difference(&fresh, result);
+    must(sequence, difference == NULL, difference);
+    must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
+         "the tree is not sound");
+    fresh_free(&fresh);
+}
+
+/* Mostly as the last step was taken. */
+static void change_settings(struct sequence *sequence)
+{
+    struct eng_step_settings *settings = &sequence->settings;
+    if (draw(sequence, 4) == 0) {
+        way_draw(&sequence->prng, THREADS_MAX, settings);
+    }
+    if (draw(sequence, 4) == 0) {
+        settings->mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+    }
+}
+
+/* The step that is staged. One of five ends early, or may; of these brief ones owe an
+ * answer that nobody asks for. */
+static void take_step(struct sequence *sequence)
+{
+    struct eng_step_settings settings = sequence->settings;
+    struct eng_step_result result;
+    atomic_bool cancel = true;
+    uint32_t how = draw(sequence, 15);
+    forget_last(sequence);
+    if (how == 0) {
+        settings.cancel = &cancel;
+    } else if (how == 1) {
+        settings.deadline_ns = common_now_ns() + draw(sequence, 400) * 1000;
+    } else if (how == 2) {
+        settings.brief = true;
+    }
+    int status = player_step(&sequence->stir.player, &settings, &result);
+    if (status == PCCD_E_INVAL && settings.brief) { /* not by this method */
+        player_stage_copies(&sequence->stir.player);
+        status = player_step(&sequence->stir.player, &sequence->settings, &result);
+    }
+    sequence->is_spoilt = false;
+    sums.steps++;
+    must(sequence, status == PCCD_OK || (settings.brief && status == PCCD_E_AGAIN),
+         "the step failed");
+    if (status == PCCD_OK) {
+        keep_last(sequence, &result);
+        if (result.incomplete == PCCD_COMPLETE) {
+            check_step(sequence, &result);
+        }
+    }
+}
+
+/* ---- questions --------------------------------------------------------------------- */
+
+static double some_distance(struct sequence *sequence)
+{
+    double unit = PLAY_UNIT;
+    switch (draw(sequence, 8)) {
+    case 0:
+        return 0;
+    case 1: /* that of many features that touch none */
+        return unit * (1 + draw(sequence, 8));
+    case 2:
+        return unit * PLAY_ONE / 16;
+    case 3: /* an edge */
+        return nextafter(unit * PLAY_ONE / 8, draw(sequence, 2) ? 0 : 1);
+    case 4:
+        return unit * draw(sequence, PLAY_ONE);
+    case 5:
+        return ldexp(1, -(int)draw(sequence, 1074));
+    case 6: /* everything, seldom */
+        return draw(sequence, 4) == 0 ? 1e18 : unit * PLAY_ONE / 4;
+    default:
+        return prng_between(&sequence->prng, 0, unit * PLAY_ONE / 8);
+    }
+}
+
+static void draw_question(struct sequence *sequence)
+{
+    static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
+                                                PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
+    const struct player *player = &sequence->stir.player;
+    struct eng_near_settings *question = &sequence->question;
+    *question = near_kit_settings(whats[draw(sequence, 4)]);
+    question->distance = some_distance(sequence);
+    question->end = sequence->is_spoilt || draw(sequence, 3) > 0;
+    if (draw(sequence, 3) == 0) { /* else as the last step was taken */
+        way_draw(&sequence->prng, THREADS_MAX, &question->step);
+    } else {
+        question->step = sequence->settings;
+        question->step.mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+    }
+    if (question->what == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 &&
+        player->object_count > 0) {
+        question->objects[0] = player->objects[draw(sequence, player->object_count)].id;
+    }
+}
+
+static void check_answer(struct sequence *sequence, const struct eng_near_result *result)
+{
+    const struct player *player = &sequence->stir.player;
+    const struct eng_near_settings *question = &sequence->question;
+    bool is_limited = result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
+    const char *wrong = near_judge(player, question, result, QUERIES_MAX, &judged);
+    must(sequence, !wrong, wrong);
+    if (result->incomplete == PCCD_COMPLETE || is_limited) {
+        struct near_answer fresh;
+        near_find_fresh(player, question, &fresh);
+        wrong = near_difference(&fresh, result);
+        near_free(&fresh);
+        must(sequence, !wrong, wrong);
+        sums.records += result->count;
+    }
+    sums.cut += result->incomplete != PCCD_COMPLETE;
+    sums.limited += is_limited;
+}
+
+/* Ask where the scene is or, if something is staged, where that leads to. */
+static void ask(struct sequence *sequence)
+{
+    struct player *player = &sequence->stir.player;
+    struct eng_near_settings limited;
+    struct eng_near_result result;
+    atomic_bool cancel = true;
+    uint32_t how = draw(sequence, 16);
+    draw_question(sequence);
+    if (how == 0) {
+        sequence->question.step.contact_max = draw(sequence, 20);
+    }
+    limited = sequence->question;
+    if (how == 1) {
+        limited.step.cancel = &cancel;
+    } else if (how == 2) {
+        limited.step.deadline_ns = common_now_ns() + draw(sequence, 400) * 1000;
+    }
+    sums.questions++;
+    sums.moving += player->is_staging;
+    player->is_staging = false;
+    must(sequence, eng_near(player->scene, &limited, &result) == PCCD_OK,
+         "the question failed");
+    check_last(sequence);
+    check_answer(sequence, &result);
+}
+
+static void ask_some(struct sequence *sequence)
+{
+    for (uint32_t count = draw(sequence, 3); count > 0; count--) {
+        ask(sequence);
+    }
+}
+
+/* ---- sequences --------------------------------------------------------------------- */
+
+static uint32_t some_size(struct sequence *sequence)
+{
+    uint32_t kind = draw(sequence, 100);
+    if (kind < 4) {
+        return 3000; /* trees of several levels in the method `wide` */
+    }
+    return kind < 60 ? TINY_TRIANGLES : kind < 95 ? 80 : 400;
+}
+
+static struct eng_scene_settings some_scene(struct sequence *sequence)
+{
+    static const double ratios[] = {0, 0.9, 0.9, 1};
+    static const uint32_t regions[] = {1, 16, 40, 1024};
+    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
+    made.quality = (enum pccd_quality)(1 + draw(sequence, 2));
+    made.rebuild_ratio = ratios[draw(sequence, 4)];
+    made.rebuild_triangles_max = regions[draw(sequence, 4)];
+    return made;
+}
+
+static void note_size(const struct player *player)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        count += player->objects[i].triangle_count;
+    }
+    sums.large = count > sums.large ? count : sums.large;
+}
+
+static void live(uint64_t seed)
+{
+    struct sequence sequence = {.seed = seed, .prng = {seed}};
+    struct eng_scene_settings made = some_scene(&sequence);
+    uint32_t size = some_size(&sequence);
+    uint32_t steps = 3 + draw(&sequence, 8);
+    sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
+    way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
+    stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
+    for (; sequence.step < steps; sequence.step++) {
+        note_size(&sequence.stir.player);
+        forget_last(&sequence); /* it may go with an object */
+        stir_change(&sequence.stir);
+        ask_some(&sequence);
+        if (draw(&sequence, 8) == 0) {
+            stir_fail(&sequence.stir);
+            sequence.is_spoilt = true;
+            ask_some(&sequence);
+        }
+        change_settings(&sequence);
+        stir_move(&sequence.stir);
+        player_open(&sequence.stir.player);
+        if (draw(&sequence, 4) == 0) {
+            sequence.is_spoilt = false;
+            ask(&sequence);
+        } else {
+            take_step(&sequence);
+        }
+        ask_some(&sequence);
+    }
+    forget_last(&sequence);
+    sums.sequences++;
+    stir_deinit(&sequence.stir);
+}
+
+/* If this failed, an answer about what is near would be that of other positions, objects
+ * or filters than those that hold, or a step would be answered otherwise because somebody
+ * has asked. */
+static void near__is_answered_as_by_a_fresh_scene(void **state)
+{
+    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
+    const char *number = getenv("PCCD_NEAR_SEQUENCES");
+    uint64_t count = number ? strtoull(number, NULL, 10) : SEQUENCES;
+    uint64_t end_ns = common_now_ns();
+    struct prng prng = {prng_seed()};
+    (void)state;
+    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
+    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < count; i++) {
+        live(i == 0 ? prng.state : prng_next(&prng));
+    }
+    print_message("# %llu sequences, %llu steps, %llu questions: %llu that moved, %llu "
+                  "cut, %llu limited; %llu records; up to %llu triangles\n",
+                  (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
+                  (unsigned long long)sums.questions, (unsigned long long)sums.moving,
+                  (unsigned long long)sums.cut, (unsigned long long)sums.limited,
+                  (unsigned long long)sums.records, (unsigned long long)sums.large);
+    print_message(
+        "# judged by %llu exact decisions: %llu answers, %llu pairs (vf %llu "
+        "ee %llu ve %llu vv %llu; %llu touch, %llu exactly that far), %llu "
+        "features, %llu bounds, %llu crossings, %llu free, %llu of parts\n",
+        (unsigned long long)judged.queries, (unsigned long long)judged.judged,
+        (unsigned long long)judged.pairs, (unsigned long long)judged.types[PCCD_VF],
+        (unsigned long long)judged.types[PCCD_EE],
+        (unsigned long long)judged.types[PCCD_VE],
+        (unsigned long long)judged.types[PCCD_VV], (unsigned long long)judged.touching,
+        (unsigned long long)judged.at_distance, (unsigned long long)judged.features,
+        (unsigned long long)judged.bounds, (unsigned long long)judged.crossings,
+        (unsigned long long)judged.free, (unsigned long long)judged.parts);
+    if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
+        assert_true(sums.moving > 0 && sums.cut > sums.limited && sums.limited > 0);
+        assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);
+        assert_true(judged.touching > 0 && judged.at_distance > 0 && judged.free > 0);
+        assert_true(judged.crossings > 0 && judged.parts > 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(near__is_answered_as_by_a_fresh_scene),
+    };
+    return cmocka_run_group_tests_name("eng_near_oracle", tests, NULL, NULL);
+}

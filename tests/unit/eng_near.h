@@ -1,0 +1,36 @@
+/* tests/unit/eng_near.h - what a scene answers about what is near, kept and compared.
+ *
+ * Room:     engine (near.h, step.h), tests/unit, tests/support.
+ * Does:     copy an answer; say what differs from another one; have the same asked of a
+ *           scene made anew.
+ * Does not: know answers.
+ * Threads:  one.
+ * Source:   daemon/engine/near.h.
+ */
+#ifndef TEST_ENG_NEAR_H
+#define TEST_ENG_NEAR_H
+
+#include "eng_player.h"
+#include "near.h"
+
+/* All of an answer but its counters, times and threads. `records` is ours. */
+struct near_answer {
+    struct eng_near_result result;
+    void *records;
+};
+
+void near_keep(const struct eng_near_result *result, struct near_answer *answer);
+void near_free(struct near_answer *answer);
+
+/* What is not the same, byte for byte, in words; NULL: everything is. */
+const char *near_difference(const struct near_answer *want,
+                            const struct eng_near_result *result);
+
+/* The same asked of the same objects at the same positions in a scene that has been
+ * through nothing, in the same request that moves it there: one thread, the other method,
+ * no limits but contact_max. The player stays as it is. */
+void near_find_fresh(const struct player *player,
+                     const struct eng_near_settings *settings,
+                     struct near_answer *answer);
+
+#endif

@@ -1,0 +1,298 @@
+/* tests/unit/test_eng_near.c - pairs, features, bounds and crossings whose answer is
+ * known by construction; limits, errors, and what a question leaves as it was.
+ *
+ * Room:     engine (near.h, step.h).
+ * Does:     ask about a floor of two triangles and a tent above it.
+ * Threads:  one, and teams of up to three.
+ * Source:   near.h, pccd_near.h.
+ */
+#include "near_kit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "eng_way.h"
+#include "step.h"
+
+static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
+                                            PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
+#define WHATS (sizeof whats / sizeof whats[0])
+
+/* Object 1: a square in the plane z = 0. Object 2: a triangle that stands on its tip,
+ * vertex 0, at (1, 0.5, height), above the inside of the floor's face 0. */
+static void setup(struct near_kit *kit, double height)
+{
+    static const double floor[4][3] = {{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}};
+    static const uint32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    const double tent[3][3] = {
+        {1, 0.5, height}, {2, 0.5, height + 16}, {1, 1.5, height + 16}};
+    near_kit_begin(kit);
+    near_kit_add(kit, kit_mesh(floor, 4, halves, 2));
+    near_kit_add(kit, kit_mesh(tent, 3, corners, 1));
+}
+
+static void stage_tip(struct near_kit *kit, double height)
+{
+    const double tip[1][3] = {{1, 0.5, height}};
+    assert_int_equal(eng_stage_x1(kit->scene, kit->idx[1], PCCD_FORMAT_F64, 0, 1, tip),
+                     PCCD_OK);
+}
+
+static struct eng_near_result ask_pairs(struct near_kit *kit, double distance,
+                                        uint32_t end)
+{
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    settings.distance = distance;
+    settings.end = end;
+    return near_kit_ask(kit, &settings);
+}
+
+/* If it failed: what is exactly as far away as was asked for would be left out, or what
+ * is farther by one bit would not. */
+static void near__has_what_is_exactly_that_far(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    setup(&kit, 0.1);
+    assert_int_equal(ask_pairs(&kit, nextafter(0.1, 0), 1).count, 0);
+    struct eng_near_result result = ask_pairs(&kit, 0.1, 1);
+    assert_int_equal(result.count, 1);
+    const struct pccd_near *record = near_kit_record(&result, 0);
+    assert_true(record->kind == PCCD_VF && record->object_a == 2 &&
+                record->feature_a == 0 && record->object_b == 1 &&
+                record->feature_b == 0);
+    assert_true(record->d_lo <= 0.1 && record->d_hi >= 0.1 &&
+                record->d_hi - record->d_lo <= 0x1p-36);
+    assert_true(record->direction[2] == 1 && record->count == 1);
+    near_kit_end(&kit);
+}
+
+/* Two edges of the floor end at one corner, and three edges of the tent at its tip. If it
+ * failed: the same contact of two corners would be counted once for each of them. */
+static void near__merges_pairs_to_their_features(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    static const double left[3][3] = {{0, 0, 0}, {-4, 4, 0}, {-4, -4, 0}};
+    static const double right[3][3] = {{1, 0, 0}, {5, 4, 0}, {5, -4, 0}};
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_mesh(left, 3, corners, 1));
+    near_kit_add(&kit, kit_mesh(right, 3, corners, 1));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
+    settings.distance = 1;
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    const struct pccd_near *record = near_kit_record(&result, 0);
+    assert_true(record->kind == PCCD_VV && record->object_a == 1 &&
+                record->feature_a == 0 && record->object_b == 2 &&
+                record->feature_b == 0);
+    /* Two vertices and their opposite faces, and two edges with two. */
+    assert_int_equal(record->count, 6);
+    assert_true(record->d_lo == 1 && record->d_hi == 1 && record->direction[0] == -1);
+    assert_true(result.counts[PCCD_VV] == 1 && result.distance_min == 1 &&
+                result.distance_max == 1);
+    near_kit_end(&kit);
+}
+
+/* If it failed: a vertex could move by more than is safe, or all would be held back by
+ * what is near one of them. */
+static void near__bounds_the_points_of_pairs(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    setup(&kit, 0.25);
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_VERTICES);
+    settings.distance = 0.375;
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    const double *bounds = result.records;
+    static const double want[7] = {0.25, 0.25, 0.25, 0.375, 0.25, 0.375, 0.375};
+    assert_int_equal(result.count, 7);
+    assert_int_equal(result.record_bytes, sizeof(double));
+    assert_memory_equal(bounds, want, sizeof want);
+    settings.objects[0] = 2;
+    result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 3);
+    assert_memory_equal(result.records, want + 4, 3 * sizeof want[0]);
+    settings.objects[0] = 9;
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_HANDLE);
+    near_kit_end(&kit);
+}
+
+/* The tip through the floor, on it, and above it. If it failed: an intersection would be
+ * taken for none. */
+static void near__says_whether_anything_crosses_or_touches(void **state)
+{
+    (void)state;
+    static const double heights[3] = {-1, 0, 0x1p-60};
+    static const uint64_t crossings[3] = {2, 0, 0};
+    static const enum pccd_verdict verdicts[3] = {PCCD_VERDICT_YES, PCCD_VERDICT_YES,
+                                                  PCCD_VERDICT_NO};
+    for (int i = 0; i < 3; i++) {
+        struct near_kit kit;
+        setup(&kit, heights[i]);
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, crossings[i]);
+        assert_int_equal(result.crossings, crossings[i]);
+        assert_int_equal(result.verdict, verdicts[i]);
+        if (i == 0) { /* of which nothing is kept */
+            settings.step.contact_max = 0;
+            assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+            assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+            assert_int_equal(result.verdict, PCCD_VERDICT_NONE);
+            assert_int_equal(result.count, 0);
+        }
+        near_kit_end(&kit);
+    }
+}
+
+/* Before any step both ends are as registered; a question that moves has the old place at
+ * end 0. If it failed: answers would be about another moment. */
+static void near__is_of_the_end_that_was_asked_for(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result;
+    setup(&kit, 0.5);
+    assert_int_equal(ask_pairs(&kit, 0.5, 0).count, 1);
+    assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    settings.distance = 0.5;
+    eng_stage_begin(kit.scene);
+    stage_tip(&kit, 3);
+    assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+    assert_int_equal(result.count, 0);
+    assert_int_equal(ask_pairs(&kit, 0.5, 0).count, 1);
+    assert_int_equal(ask_pairs(&kit, 3, 1).count, 1);
+    near_kit_end(&kit);
+}
+
+/* Writes that are only tried leave both ends as they are; those of a staging that is
+ * aborted leave the present end, and what they touched stands there. If it failed, a
+ * frame that somebody holds, or a request that failed, would move what others ask about;
+ * and boxes of positions that never were would be kept by the next step. */
+static void near__goes_by_no_staging_that_is_given_up(void **state)
+{
+    (void)state;
+    struct eng_step_settings plain = ENG_STEP_SETTINGS_DEFAULT;
+    for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
+        struct near_kit kit;
+        struct eng_step_result step;
+        bool is_trial = i % 2 == 0;
+        setup(&kit, 0.5);
+        eng_stage_begin(kit.scene);
+        stage_tip(&kit, 3);
+        plain.method = way_methods[i / 2];
+        assert_int_equal(eng_step(kit.scene, &plain, &step), PCCD_OK);
+        if (is_trial) {
+            eng_stage_try(kit.scene);
+        } else {
+            eng_stage_begin(kit.scene);
+        }
+        stage_tip(&kit, -7);
+        eng_stage_abort(kit.scene);
+        struct eng_near_result result = ask_pairs(&kit, is_trial ? 0.5 : 3, 0);
+        assert_int_equal(result.count, 1);
+        assert_true(near_kit_record(&result, 0)->d_lo == (is_trial ? 0.5 : 3));
+        result = ask_pairs(&kit, 3, 1);
+        assert_true(near_kit_record(&result, 0)->d_lo == 3);
+        eng_stage_begin(kit.scene);
+        assert_int_equal(eng_step(kit.scene, &plain, &step), PCCD_OK);
+        assert_int_equal(step.count, 0);
+        assert_int_equal(ask_pairs(&kit, 2.9, 0).count, 0);
+        near_kit_end(&kit);
+    }
+}
+
+/* If it failed: the answer of a step would change, or be gone, while its client reads
+ * it. */
+static void near__leaves_the_answer_of_the_last_step(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_step_settings plain = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result step;
+    struct eng_thread_record thread;
+    setup(&kit, 0.5);
+    eng_stage_begin(kit.scene);
+    stage_tip(&kit, -0.5);
+    assert_int_equal(eng_step(kit.scene, &plain, &step), PCCD_OK);
+    assert_int_equal(step.count, 1);
+    struct pccd_contact contact = *(const struct pccd_contact *)step.records;
+    thread = step.thread_records[0];
+    for (uint32_t i = 0; i < WHATS; i++) {
+        struct eng_near_settings settings = near_kit_settings(whats[i]);
+        settings.distance = 100;
+        near_kit_ask(&kit, &settings);
+        assert_memory_equal(step.records, &contact, sizeof contact);
+        assert_memory_equal(step.thread_records, &thread, sizeof thread);
+    }
+    near_kit_end(&kit);
+}
+
+/* If it failed: a question would be slow, or fail for want of memory, however often it
+ * has been asked. */
+static void near__asked_once_more_allocates_nothing(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < WHATS * WAY_METHODS * 2; i++) {
+        struct near_kit kit;
+        struct eng_near_result result;
+        struct eng_near_settings settings = near_kit_settings(whats[i % WHATS]);
+        settings.distance = 0.25;
+        settings.step.method = way_methods[i / WHATS % WAY_METHODS];
+        settings.step.threads = 1 + i / WHATS / WAY_METHODS;
+        settings.step.team_always = true;
+        near_kit_begin(&kit);
+        near_kit_add(&kit, kit_sheet(12, 0));
+        near_kit_add(&kit, kit_sheet(9, 0.125));
+        for (int times = 0; times < 4; times++) {
+            assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+        }
+        assert_int_equal(result.counters.allocs, 0);
+        assert_true(result.counters.candidates[PCCD_EE] > 0);
+        near_kit_end(&kit);
+    }
+}
+
+/* If it failed: a question that cannot be answered would be, or would move the scene. */
+static void near__refuses_settings_out_of_range(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_result result;
+    setup(&kit, 0.5);
+    for (uint32_t i = 0; i < 8; i++) {
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        const double bad[] = {-0x1p-1074, NAN, INFINITY, 1.1e18};
+        settings.distance = i < 4 ? bad[i] : 0.5;
+        settings.end = i == 4 ? 2 : 1;
+        settings.what = i == 5 ? PCCD_NEAR_COUNT : PCCD_NEAR_PAIRS;
+        settings.step.threads = i == 6 ? 0 : 1;
+        settings.step.method = i == 7 ? PCCD_METHOD_COUNT : PCCD_METHOD_DEFAULT;
+        eng_stage_begin(kit.scene);
+        stage_tip(&kit, 3);
+        assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
+    }
+    assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
+    near_kit_end(&kit);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(near__has_what_is_exactly_that_far),
+        cmocka_unit_test(near__merges_pairs_to_their_features),
+        cmocka_unit_test(near__bounds_the_points_of_pairs),
+        cmocka_unit_test(near__says_whether_anything_crosses_or_touches),
+        cmocka_unit_test(near__is_of_the_end_that_was_asked_for),
+        cmocka_unit_test(near__goes_by_no_staging_that_is_given_up),
+        cmocka_unit_test(near__leaves_the_answer_of_the_last_step),
+        cmocka_unit_test(near__asked_once_more_allocates_nothing),
+        cmocka_unit_test(near__refuses_settings_out_of_range),
+    };
+    return cmocka_run_group_tests_name("eng_near", tests, NULL, NULL);
+}
