@@ -25,6 +25,7 @@
     X(doctor, "look for mistakes in a set-up")                                           \
     X(ping, "measure round trips through the daemon")                                    \
     X(check, "find the contacts between two or more frames of a mesh")                   \
+    X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
     X(load, "play the frames of a mesh in a daemon")                                     \
     X(record, "run a program and record what it asks the daemon")                        \
     X(replay, "repeat a recording and compare every answer")                             \

@@ -29,6 +29,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_list.c \
     client/ctl/commands/cmd_load.c \
     client/ctl/commands/cmd_metrics.c \
+    client/ctl/commands/cmd_near.c \
     client/ctl/commands/cmd_ping.c \
     client/ctl/commands/cmd_record.c \
     client/ctl/commands/cmd_render.c \
@@ -56,6 +57,9 @@ libctl_la_SOURCES = \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
+    client/ctl/near/near_csv.c client/ctl/near/near_csv.h \
+    client/ctl/near/near_report.c client/ctl/near/near_report.h \
+    client/ctl/near/near_run.c client/ctl/near/near_run.h \
     client/ctl/observe/columns.c client/ctl/observe/columns.h \
     client/ctl/observe/counters.c client/ctl/observe/counters.h \
     client/ctl/observe/doctor.c client/ctl/observe/doctor_machine.c client/ctl/observe/doctor.h \
@@ -86,7 +90,7 @@ libctl_la_SOURCES = \
     client/ctl/record/world.c client/ctl/record/world.h
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \
-    -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/observe \
+    -iquote $(top_srcdir)/client/ctl/mesh -iquote $(top_srcdir)/client/ctl/near -iquote $(top_srcdir)/client/ctl/observe \
     -iquote $(top_srcdir)/client/ctl/export -iquote $(top_srcdir)/client/ctl/inspect \
     -iquote $(top_srcdir)/client/ctl/picture \
     -iquote $(top_srcdir)/client/ctl/record \

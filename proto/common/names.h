@@ -21,6 +21,8 @@ static const char *const common_method_names[PCCD_METHOD_COUNT + 1] = {"default"
                                                                        "wide"};
 static const char *const common_quality_names[PCCD_QUALITY_COUNT + 1] = {"default",
                                                                          "median", "sah"};
+static const char *const common_near_names[PCCD_NEAR_COUNT + 1] = {
+    "pairs", "features", "vertices", "nearest", "crossings", "depth"};
 
 /* The name of a value; NULL if it has none, as what a newer daemon says may. */
 static inline const char *common_mode_name(uint32_t mode)
@@ -36,6 +38,11 @@ static inline const char *common_method_name(uint32_t method)
 static inline const char *common_quality_name(uint32_t quality)
 {
     return quality < PCCD_QUALITY_COUNT ? common_quality_names[quality] : NULL;
+}
+
+static inline const char *common_near_name(uint32_t what)
+{
+    return what < PCCD_NEAR_COUNT ? common_near_names[what] : NULL;
 }
 
 #endif

@@ -24,9 +24,8 @@ static double now_ms(void)
     return (double)common_now_ns() / 1e6;
 }
 
-/* The library's own words about a failed call. */
-static int fail(struct check_run *run, int status, const char *what,
-                struct ctl_error *error)
+int check_run_fail(const struct check_run *run, int status, const char *what,
+                   struct ctl_error *error)
 {
     const char *text = pccd_error_text(run->client);
     return ctl_error_set(error, status, "%s: %s", what,
@@ -43,46 +42,54 @@ static int fetch_edges(struct check_run *run, uint32_t mesh, struct ctl_error *e
                              count);
     }
     int status = pccd_mesh_edges(run->client, mesh, run->edges, count);
-    return status == PCCD_OK ? PCCD_OK : fail(run, status, "edges", error);
+    return status == PCCD_OK ? PCCD_OK : check_run_fail(run, status, "edges", error);
+}
+
+int check_run_times(struct check_run *run, struct ctl_error *error)
+{
+    size_t rows = REPORT_PHASE_COUNT + 1;
+    run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof *run->times);
+    return run->times != NULL
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_NOMEM,
+                               "no memory for %" PRIu32 " repetitions", run->repeats);
 }
 
 int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
                     struct ctl_error *error)
 {
     uint32_t handle;
-    size_t rows = REPORT_PHASE_COUNT + 1;
     run->edges = NULL;
-    run->times = malloc(rows * ((size_t)run->repeats + 1) * sizeof *run->times);
-    if (run->times == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for %" PRIu32 " repetitions",
-                             run->repeats);
-    }
-    int status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
-                                  (const uint32_t(*)[3])mesh->triangles,
-                                  mesh->triangle_count, &handle, &run->mesh.info);
+    int status = check_run_times(run, error);
     if (status != PCCD_OK) {
-        return fail(run, status, "the mesh was not accepted", error);
+        return status;
+    }
+    status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
+                              (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count,
+                              &handle, &run->mesh.info);
+    if (status != PCCD_OK) {
+        return check_run_fail(run, status, "the mesh was not accepted", error);
     }
     status = pccd_scene_create(run->client, &run->mesh.settings, &run->scene);
     if (status != PCCD_OK) {
-        return fail(run, status, "no scene", error);
+        return check_run_fail(run, status, "no scene", error);
     }
     /* The library does not tell how long the hierarchy took; the call does little else.
      */
     double start = now_ms();
     status = pccd_scene_add(run->client, run->scene, handle, &run->object);
     if (status != PCCD_OK) {
-        return fail(run, status, "the mesh was not placed", error);
+        return check_run_fail(run, status, "the mesh was not placed", error);
     }
     run->mesh.build_ms = now_ms() - start + (double)run->mesh.info.build_ns / 1e6;
     return with_edges ? fetch_edges(run, handle, error) : PCCD_OK;
 }
 
-/* Walk over the pages of an answer; each goes to the file and is given back. `answer`
- * ends as it began but for its pages. */
-static int take_pages(struct check_run *run, uint32_t number,
-                      const struct contacts_csv *csv, struct pccd_answer *answer,
-                      bool *is_complete, struct ctl_error *error)
+/* Walk over the pages of an answer; each is shown and given back. `answer` ends as it
+ * began but for its pages. */
+static int take_pages(struct check_run *run, const struct check_ask *ask, bool is_shown,
+                      struct pccd_answer *answer, bool *is_complete,
+                      struct ctl_error *error)
 {
     struct pccd_answer page = *answer;
     int status = PCCD_OK;
@@ -90,8 +97,8 @@ static int take_pages(struct check_run *run, uint32_t number,
         uint64_t cursor = page.cursor;
         bool is_last =
             page.incomplete != PCCD_INCOMPLETE_RESULT_FULL || cursor >= answer->total;
-        if (csv->file != NULL) {
-            contacts_csv_page(csv, number, &page);
+        if (is_shown) {
+            ask->page(ask->context, &page);
         }
         pccd_answer_release(run->client, &page);
         if (is_last) {
@@ -99,7 +106,8 @@ static int take_pages(struct check_run *run, uint32_t number,
         }
         status = pccd_fetch(run->client, run->scene, answer->step, cursor, &page);
         if (status != PCCD_OK) {
-            return fail(run, status, "a page of the answer did not come", error);
+            return check_run_fail(run, status, "a page of the answer did not come",
+                                  error);
         }
         if (page.first != cursor || page.count == 0) {
             pccd_answer_release(run->client, &page);
@@ -112,23 +120,9 @@ static int take_pages(struct check_run *run, uint32_t number,
                                          page.incomplete == PCCD_INCOMPLETE_RESULT_FULL);
     answer->contacts = NULL;
     answer->pairs = NULL;
+    answer->near = NULL;
+    answer->vertex_bounds = NULL;
     return PCCD_OK;
-}
-
-/* Move from x0 to x1, or (x0 NULL) from where the object stands. */
-static int run_once(struct check_run *run, const void *x0, const struct ctl_mesh *after,
-                    struct pccd_answer *answer, double *round_trip_ms,
-                    struct ctl_error *error)
-{
-    double start = now_ms();
-    int status =
-        x0 != NULL
-            ? pccd_step_x0x1(run->client, run->scene, run->object, x0, after->x,
-                             after->format, after->vertex_count, &run->settings, answer)
-            : pccd_step_x1(run->client, run->scene, run->object, after->x, after->format,
-                           after->vertex_count, &run->settings, answer);
-    *round_trip_ms = now_ms() - start;
-    return status == PCCD_OK ? PCCD_OK : fail(run, status, "the step failed", error);
 }
 
 static void take_medians(struct check_run *run, struct report_step *step)
@@ -145,23 +139,22 @@ static void take_medians(struct check_run *run, struct report_step *step)
     }
 }
 
-int check_run_step(struct check_run *run, const struct ctl_mesh *before,
-                   const struct ctl_mesh *after, uint32_t number,
-                   const struct contacts_csv *csv, struct report_step *step,
-                   struct ctl_error *error)
+int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
+                     struct report_step *step, struct ctl_error *error)
 {
-    const struct contacts_csv no_file = {.file = NULL};
     struct pccd_answer *answer = &step->answer;
     uint64_t hash[2] = {0, 0};
     step->repeats = run->repeats;
     for (uint32_t i = 0; i <= run->repeats; i++) {
-        double round_trip_ms, ms[REPORT_PHASE_COUNT];
-        int status =
-            run_once(run, i > 0 ? before->x : NULL, after, answer, &round_trip_ms, error);
-        if (status == PCCD_OK) {
-            status = take_pages(run, number, i == run->repeats ? csv : &no_file, answer,
-                                &step->is_complete, error);
+        double ms[REPORT_PHASE_COUNT];
+        double start = now_ms();
+        int status = ask->once(ask->context, i > 0, answer);
+        double round_trip_ms = now_ms() - start;
+        if (status != PCCD_OK) {
+            return check_run_fail(run, status, ask->failed, error);
         }
+        status = take_pages(run, ask, i == run->repeats && ask->page != NULL, answer,
+                            &step->is_complete, error);
         if (status != PCCD_OK) {
             return status;
         }
@@ -192,6 +185,47 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
         take_medians(run, step);
     }
     return PCCD_OK;
+}
+
+/* A step that is asked for again and again, and where its records go. */
+struct motion {
+    struct check_run *run;
+    const struct ctl_mesh *before, *after;
+    const struct contacts_csv *csv;
+    uint32_t number;
+};
+
+/* Move to `after`; the first time from where the object stands. */
+static int move_once(void *context, bool is_again, struct pccd_answer *answer)
+{
+    const struct motion *motion = context;
+    const struct check_run *run = motion->run;
+    const struct ctl_mesh *after = motion->after;
+    return is_again
+               ? pccd_step_x0x1(run->client, run->scene, run->object, motion->before->x,
+                                after->x, after->format, after->vertex_count,
+                                &run->settings, answer)
+               : pccd_step_x1(run->client, run->scene, run->object, after->x,
+                              after->format, after->vertex_count, &run->settings, answer);
+}
+
+static void write_page(void *context, const struct pccd_answer *page)
+{
+    const struct motion *motion = context;
+    contacts_csv_page(motion->csv, motion->number, page);
+}
+
+int check_run_step(struct check_run *run, const struct ctl_mesh *before,
+                   const struct ctl_mesh *after, uint32_t number,
+                   const struct contacts_csv *csv, struct report_step *step,
+                   struct ctl_error *error)
+{
+    struct motion motion = {run, before, after, csv, number};
+    const struct check_ask ask = {.once = move_once,
+                                  .page = csv->file != NULL ? write_page : NULL,
+                                  .failed = "the step failed",
+                                  .context = &motion};
+    return check_run_repeat(run, &ask, number, step, error);
 }
 
 void check_run_deinit(struct check_run *run)

@@ -3,10 +3,10 @@
  *
  * Room:     client/ctl. May include: meshfile.h, contacts_csv.h, report.h, pccd.h.
  * Does:     register the first frame, run the steps as often as asked, fetch every page
- *           of contacts.
+ *           of contacts. `pccdctl near` repeats its question by the same loop.
  * Does not: read files or print.
  * Threads:  one.
- * Source:   used by cmd_check.c.
+ * Source:   used by cmd_check.c and near_run.c.
  */
 #ifndef CTL_CHECK_RUN_H
 #define CTL_CHECK_RUN_H
@@ -41,6 +41,23 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
 int check_run_step(struct check_run *run, const struct ctl_mesh *before,
                    const struct ctl_mesh *after, uint32_t number,
                    const struct contacts_csv *csv, struct report_step *step,
+                   struct ctl_error *error);
+
+/* What check_run_repeat asks, and where the pages of the last answer go. */
+struct check_ask {
+    int (*once)(void *context, bool is_again, struct pccd_answer *answer);
+    void (*page)(void *context, const struct pccd_answer *page); /* NULL: nowhere */
+    const char *failed; /* what to say when that failed */
+    void *context;
+};
+/* Ask once and `repeats` times more; all complete answers must be the same. Fills all of
+ * `step` but the names of files. run->times is there. */
+int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
+                     struct report_step *step, struct ctl_error *error);
+/* Make run->times. */
+int check_run_times(struct check_run *run, struct ctl_error *error);
+/* `what`, and the library's own words about a failed call. Returns `status`. */
+int check_run_fail(const struct check_run *run, int status, const char *what,
                    struct ctl_error *error);
 void check_run_deinit(struct check_run *run);
 

@@ -164,8 +164,7 @@ static bool is_told(uint32_t phase, const struct report_step *step)
            step->ms[phase] > 0;
 }
 
-static void print_times(FILE *to, const struct report_mesh *mesh,
-                        const struct report_step *step)
+static void print_times(FILE *to, double build_ms, const struct report_step *step)
 {
     if (step->repeats > 0) {
         fprintf(to, "time       median of %" PRIu32 " after one to warm up (%.3f ms)",
@@ -174,7 +173,7 @@ static void print_times(FILE *to, const struct report_mesh *mesh,
         fputs("time       first run", to);
     }
     print_sharing(to, &step->answer);
-    fprintf(to, "  %-10s %12.3f ms   once\n", "build", mesh->build_ms);
+    fprintf(to, "  %-10s %12.3f ms   once\n", "build", build_ms);
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         double whole = step->ms[REPORT_step];
         if (!is_told(phase, step)) {
@@ -187,23 +186,21 @@ static void print_times(FILE *to, const struct report_mesh *mesh,
             step->round_trip_ms);
 }
 
-void report_print_step(FILE *to, const struct report_mesh *mesh,
-                       const struct report_step *step)
+void report_print_rest(FILE *to, double build_ms, const struct report_step *step)
 {
     const struct pccd_answer *answer = &step->answer;
     const struct pccd_step_counters *counters = &answer->counters;
     char hash[PROTO_HASH_BYTES];
     uint64_t candidates = 0;
-    fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
-            tool_shown(step->to), or_unknown(common_mode_name(answer->mode)));
-    print_records(to, answer);
     if (step->is_complete) {
         fputs("answer     complete\n", to);
     } else {
         fprintf(to, "answer     INCOMPLETE: %s\n", why_incomplete(answer->incomplete));
     }
-    fprintf(to, "hash       %s\n",
-            proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash));
+    if ((answer->hash[0] | answer->hash[1]) != 0) {
+        fprintf(to, "hash       %s\n",
+                proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash));
+    } /* what is nearest within a gap has none */
     for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
         candidates += counters->candidates[kind];
     }
@@ -236,7 +233,16 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
                 proto_plural(counters->rigid_objects, "does", "do"),
                 proto_plural(counters->rigid_objects, "itself", "themselves"));
     }
-    print_times(to, mesh, step);
+    print_times(to, build_ms, step);
+}
+
+void report_print_step(FILE *to, const struct report_mesh *mesh,
+                       const struct report_step *step)
+{
+    fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
+            tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
+    print_records(to, &step->answer);
+    report_print_rest(to, mesh->build_ms, step);
 }
 
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step)

@@ -61,6 +61,9 @@ struct report_step {
 void report_print_mesh(FILE *to, const struct report_mesh *mesh);
 void report_print_step(FILE *to, const struct report_mesh *mesh,
                        const struct report_step *step);
+/* What the report of any answer ends with: whether it is complete, its hash, work and
+ * times. */
+void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
 
 /* One JSON object: of one step, the step's values at the top; of several, their sums and
@@ -70,6 +73,15 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
 
 /* How many records of each kind there are, under its name, to an object. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);
+
+/* The same of any answer, to an object; and how its threads shared the work. */
+void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool *ok);
+void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
+                      bool *ok);
+
+/* Print an object that is ours to give back; NULL or !ok: there was no memory for it.
+ * False if it was not printed. */
+bool report_json_end(json_t *object, bool ok, FILE *to);
 
 /* What an answer has counted, as an object. NULL, or *ok false, without memory. */
 json_t *report_counters(const struct pccd_answer *answer, bool *ok);

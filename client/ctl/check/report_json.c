@@ -61,11 +61,10 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     add_settings(object, &mesh->settings, ok);
 }
 
-static json_t *times_object(const struct report_mesh *mesh,
-                            const struct report_step *step, bool *ok)
+static json_t *times_object(double build_ms, const struct report_step *step, bool *ok)
 {
     json_t *object = json_object();
-    set(object, "build", json_real(mesh->build_ms), ok);
+    set(object, "build", json_real(build_ms), ok);
     for (uint32_t phase = 0; phase < REPORT_PHASE_COUNT; phase++) {
         set(object, report_phase_names[phase], json_real(step->ms[phase]), ok);
     }
@@ -91,21 +90,46 @@ json_t *report_counters(const struct pccd_answer *answer, bool *ok)
     return object;
 }
 
+void report_json_sharing(json_t *object, const struct pccd_answer *answer, bool *ok)
+{
+    set(object, "method", mode_text(common_method_name(answer->method)), ok);
+    set_count(object, "threads", answer->threads, ok);
+    set(object, "tuning",
+        answer->tuning[0] != '\0' ? json_text(answer->tuning) : json_null(), ok);
+}
+
+void report_json_rest(json_t *object, double build_ms, const struct report_step *step,
+                      bool *ok)
+{
+    const struct pccd_answer *answer = &step->answer;
+    char hash[PROTO_HASH_BYTES];
+    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
+    set(object, "complete", json_boolean(step->is_complete), ok);
+    set(object, "hash",
+        (answer->hash[0] | answer->hash[1]) != 0 ? json_string(hash) : json_null(), ok);
+    set_count(object, "repeat", step->repeats, ok);
+    set(object, "ms", times_object(build_ms, step, ok), ok);
+    set(object, "counters", report_counters(answer, ok), ok);
+}
+
+bool report_json_end(json_t *object, bool ok, FILE *to)
+{
+    ok = ok && object != NULL && json_dumpf(object, to, JSON_TEXT_FLAGS) == 0;
+    ok = ok && fputc('\n', to) != EOF;
+    json_decref(object);
+    return ok;
+}
+
 static void add_step(json_t *object, const struct report_mesh *mesh,
                      const struct report_step *step, bool *ok)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "none"};
     const struct pccd_answer *answer = &step->answer;
     uint32_t verdict = (uint32_t)answer->verdict;
-    char hash[PROTO_HASH_BYTES];
-    proto_hash_text(PCCD_HASH_VERSION, answer->hash, hash);
     set(object, "from", json_text(step->from), ok);
     set(object, "to", json_text(step->to), ok);
     set(object, "mode", mode_text(common_mode_name(answer->mode)), ok);
-    set(object, "method", mode_text(common_method_name(answer->method)), ok);
-    set_count(object, "threads", answer->threads, ok);
-    set(object, "tuning",
-        answer->tuning[0] != '\0' ? json_text(answer->tuning) : json_null(), ok);
+    report_json_sharing(object, answer, ok);
     set_count(object, "contacts", answer->total, ok);
     report_kinds(object, answer->counts, ok);
     set_count(object, "possible", answer->possible, ok);
@@ -114,11 +138,7 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
         set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL), ok);
     }
     set_toi(object, answer->toi_first, ok);
-    set(object, "complete", json_boolean(step->is_complete), ok);
-    set(object, "hash", json_string(hash), ok);
-    set_count(object, "repeat", step->repeats, ok);
-    set(object, "ms", times_object(mesh, step, ok), ok);
-    set(object, "counters", report_counters(answer, ok), ok);
+    report_json_rest(object, mesh->build_ms, step, ok);
 }
 
 static void add_steps(json_t *object, const struct report_mesh *mesh,
@@ -158,8 +178,5 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
     } else {
         add_steps(object, mesh, steps, step_count, &ok);
     }
-    ok = ok && json_dumpf(object, to, JSON_TEXT_FLAGS) == 0;
-    ok = ok && fputc('\n', to) != EOF;
-    json_decref(object);
-    return ok;
+    return report_json_end(object, ok, to);
 }

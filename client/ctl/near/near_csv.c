@@ -1,0 +1,134 @@
+/* client/ctl/near/near_csv.c - what is near as lines of text.
+ *
+ * Room:     client/ctl.
+ * Does:     turns handles and feature numbers into those of files and vertices.
+ * Does not: read it back.
+ * Threads:  one.
+ * Source:   near_csv.h.
+ */
+#include "near_csv.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "kinds.h"
+#include "output.h"
+
+#define POINTS_MAX 5 /* of an edge and a face */
+
+/* Bounds come by increasing handle. An insertion sort: files are few, and nearly so. */
+static bool sort_objects(struct near_csv *csv)
+{
+    const struct near_run *near = csv->near;
+    csv->order = malloc(near->object_count * sizeof *csv->order);
+    for (uint32_t i = 0; csv->order != NULL && i < near->object_count; i++) {
+        uint32_t at = i;
+        while (at > 0 &&
+               near->objects[csv->order[at - 1]].handle > near->objects[i].handle) {
+            csv->order[at] = csv->order[at - 1];
+            at--;
+        }
+        csv->order[at] = i;
+    }
+    return csv->order != NULL;
+}
+
+int near_csv_open(struct near_csv *csv, struct ctl_error *error)
+{
+    if (csv->path == NULL) {
+        return PCCD_OK;
+    }
+    if (!sort_objects(csv)) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the CSV");
+    }
+    int status = output_open(&csv->whole, csv->path, true, error);
+    if (status == PCCD_OK) {
+        fputs(csv->near->settings.what == PCCD_NEAR_VERTICES
+                  ? "object,vertex,bound\n"
+                  : "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count\n",
+              csv->whole.to);
+    }
+    return status;
+}
+
+/* The vertices of a feature of an object of ours; returns how many. */
+static uint32_t print_vertices(FILE *to, const struct near_object *object,
+                               uint32_t points, uint32_t feature)
+{
+    if (points == 1) {
+        fprintf(to, ",%" PRIu32, feature);
+    } else if (points == 2) {
+        const struct pccd_edge *edge = &object->edges[feature];
+        fprintf(to, ",%" PRIu32 ",%" PRIu32, edge->a, edge->b);
+    } else {
+        const uint32_t *face = object->mesh.triangles[feature];
+        fprintf(to, ",%" PRIu32 ",%" PRIu32 ",%" PRIu32, face[0], face[1], face[2]);
+    }
+    return points;
+}
+
+static void print_record(const struct near_csv *csv, const struct pccd_near *record)
+{
+    const struct near_run *near = csv->near;
+    FILE *to = csv->whole.to;
+    uint32_t type = PCCD_NEAR_TYPE(record->flags), printed;
+    uint32_t a = near_run_place(near, record->object_a);
+    uint32_t b = near_run_place(near, record->object_b);
+    if (record->kind >= COMMON_KIND_COUNT || a == near->object_count ||
+        b == near->object_count) {
+        fprintf(to, "%" PRIu32 ",,,,,,,,,,,\n", record->kind); /* of a newer daemon */
+        return;
+    }
+    const uint32_t *points = common_kinds[record->kind].points;
+    fprintf(to, "%s,%s,%" PRIu32 ",%" PRIu32, common_kinds[record->kind].name,
+            record->kind != PCCD_EF && type < PCCD_EF ? common_kinds[type].name : "",
+            a + 1, b + 1);
+    printed = print_vertices(to, &near->objects[a], points[0], record->feature_a);
+    printed += print_vertices(to, &near->objects[b], points[1], record->feature_b);
+    for (; printed < POINTS_MAX; printed++) {
+        fputc(',', to);
+    }
+    fprintf(to, ",%.17g,%.17g,%" PRIu32 "\n", record->d_lo, record->d_hi, record->count);
+}
+
+/* Bounds of a page, whose first is number page->first of all objects' vertices. */
+static void print_bounds(const struct near_csv *csv, const struct pccd_answer *page)
+{
+    const struct near_run *near = csv->near;
+    uint64_t vertex = page->first;
+    uint32_t at = 0;
+    for (uint64_t i = 0; i < page->count; i++, vertex++) {
+        while (at < near->object_count &&
+               vertex >= near->objects[csv->order[at]].info.vertex_count) {
+            vertex -= near->objects[csv->order[at++]].info.vertex_count;
+        }
+        if (at == near->object_count) {
+            return; /* more than there are vertices */
+        }
+        fprintf(csv->whole.to, "%" PRIu32 ",%" PRIu64 ",%.17g\n", csv->order[at] + 1,
+                vertex, page->vertex_bounds[i]);
+    }
+}
+
+void near_csv_page(void *context, const struct pccd_answer *page)
+{
+    const struct near_csv *csv = context;
+    if (page->vertex_bounds != NULL) {
+        print_bounds(csv, page);
+    }
+    for (uint64_t i = 0; page->near != NULL && i < page->count; i++) {
+        print_record(csv, &page->near[i]);
+    }
+}
+
+int near_csv_close(struct near_csv *csv, bool is_whole, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    if (csv->whole.to != NULL && is_whole) {
+        status = output_finish(&csv->whole, csv->path, error);
+    }
+    whole_file_discard(&csv->whole);
+    free(csv->order);
+    csv->order = NULL;
+    return status;
+}

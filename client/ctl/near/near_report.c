@@ -1,0 +1,165 @@
+/* client/ctl/near/near_report.c - what `pccdctl near` says.
+ *
+ * Room:     client/ctl.
+ * Does:     both forms; what they end with is that of `pccdctl check` (report.h).
+ * Threads:  one.
+ * Source:   near_report.h.
+ */
+#include "near_report.h"
+
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+
+#include "json_text.h"
+#include "kinds.h"
+#include "names.h"
+#include "plural.h"
+#include "shown.h"
+
+#define NO_DISTANCE 1e18 /* above any; the daemon says 2e18 when there is no record */
+
+/* By enum pccd_verdict. */
+static const char *const verdict_names[] = {"no", "possible", "yes", "none"};
+
+static const char *verdict_name(const struct pccd_answer *answer)
+{
+    uint32_t verdict = (uint32_t)answer->verdict;
+    return verdict < 4 ? verdict_names[verdict] : "unknown";
+}
+
+static bool has_distance(const struct pccd_answer *answer)
+{
+    return answer->distance_min <= NO_DISTANCE;
+}
+
+/* ": 12 vertex-face, 3 edge-edge", of the kinds that there are. */
+static void print_kinds(FILE *to, const struct pccd_answer *answer)
+{
+    const char *before = ": ";
+    for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        const uint32_t *points = common_kinds[kind].points;
+        if (answer->counts[kind] > 0) {
+            fprintf(to, "%s%" PRIu64 " %s-%s", before, answer->counts[kind],
+                    common_feature_names[points[0]], common_feature_names[points[1]]);
+            before = ", ";
+        }
+    }
+    fputc('\n', to);
+}
+
+static void print_question(FILE *to, const struct near_run *near)
+{
+    static const char *const texts[PCCD_NEAR_COUNT] = {
+        "pairs",     "closest features", "bounds of vertices", "nearest pairs of objects",
+        "crossings", "vertices inside"};
+    const struct pccd_near_settings *settings = &near->settings;
+    const struct pccd_answer *answer = &near->step.answer;
+    bool has_limit = settings->what <= PCCD_NEAR_VERTICES ||
+                     (settings->what == PCCD_NEAR_NEAREST && !isinf(settings->distance));
+    fprintf(to, "near       %" PRIu64 " %s", answer->total, texts[settings->what]);
+    if (has_limit) {
+        fprintf(to, " within %.17g", settings->distance);
+    }
+    if (settings->what == PCCD_NEAR_NEAREST && settings->gap > 0) {
+        fprintf(to, ", others may be nearer by %.17g", settings->gap);
+    }
+    print_kinds(to, answer);
+}
+
+static void print_found(FILE *to, const struct near_run *near)
+{
+    enum pccd_near_what what = near->settings.what;
+    const struct pccd_answer *answer = &near->step.answer;
+    if (what == PCCD_NEAR_CROSSINGS) {
+        fprintf(to, "intersects %s\n", verdict_name(answer));
+    }
+    if (what == PCCD_NEAR_CROSSINGS || what == PCCD_NEAR_DEPTH) {
+        fprintf(to, "crossings  %" PRIu64 "\n", answer->crossings);
+    }
+    if (what == PCCD_NEAR_DEPTH) {
+        fprintf(to, "depth      %.17g\n", answer->distance_max);
+    } else if (what != PCCD_NEAR_CROSSINGS && has_distance(answer)) {
+        fprintf(to, "distance   %.17g to %.17g\n", answer->distance_min,
+                answer->distance_max);
+    }
+}
+
+void near_report_print(FILE *to, const struct near_run *near)
+{
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        const struct near_object *object = &near->objects[i];
+        const struct pccd_mesh_info *info = &object->info;
+        fprintf(to,
+                "object %-3" PRIu32 " %s: %" PRIu32 " %s, %" PRIu32 " %s, %" PRIu32
+                " %s\n",
+                i + 1, tool_shown(object->path), info->vertex_count,
+                proto_plural(info->vertex_count, "vertex", "vertices"), info->edge_count,
+                proto_plural(info->edge_count, "edge", "edges"), info->triangle_count,
+                proto_plural(info->triangle_count, "triangle", "triangles"));
+    }
+    print_question(to, near);
+    print_found(to, near);
+    report_print_rest(to, near->run.mesh.build_ms, &near->step);
+}
+
+/* ---- JSON -------------------------------------------------------------------------- */
+
+/* As report_json.c's: fails on a NULL value, so `ok` is all that has to be looked at. */
+static void set(json_t *object, const char *key, json_t *value, bool *ok)
+{
+    if (json_object_set_new(object, key, value) != 0) {
+        *ok = false;
+    }
+}
+
+static json_t *real_or_null(double value, bool is_there)
+{
+    return is_there ? json_real(value) : json_null();
+}
+
+static void add_objects(json_t *all, const struct near_run *near, bool *ok)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        const struct pccd_mesh_info *info = &near->objects[i].info;
+        json_t *object = json_pack(
+            "{s:o, s:I, s:I, s:I}", "file", json_text(near->objects[i].path), "vertices",
+            (json_int_t)info->vertex_count, "edges", (json_int_t)info->edge_count,
+            "triangles", (json_int_t)info->triangle_count);
+        if (json_array_append_new(array, object) != 0) {
+            *ok = false;
+        }
+    }
+    set(all, "objects", array, ok);
+}
+
+bool near_report_json(FILE *to, const struct near_run *near)
+{
+    const struct pccd_near_settings *settings = &near->settings;
+    const struct pccd_answer *answer = &near->step.answer;
+    json_t *all = json_object();
+    bool ok = all != NULL;
+    add_objects(all, near, &ok);
+    set(all, "what", json_string(common_near_name(settings->what)), &ok);
+    set(all, "distance",
+        real_or_null(settings->distance,
+                     settings->what <= PCCD_NEAR_NEAREST && !isinf(settings->distance)),
+        &ok);
+    set(all, "gap", real_or_null(settings->gap, settings->what == PCCD_NEAR_NEAREST),
+        &ok);
+    report_json_sharing(all, answer, &ok);
+    set(all, "total", json_integer((json_int_t)answer->total), &ok);
+    for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        set(all, common_kinds[kind].name, json_integer((json_int_t)answer->counts[kind]),
+            &ok);
+    }
+    set(all, "distance_min", real_or_null(answer->distance_min, has_distance(answer)),
+        &ok);
+    set(all, "distance_max", real_or_null(answer->distance_max, has_distance(answer)),
+        &ok);
+    set(all, "crossings", json_integer((json_int_t)answer->crossings), &ok);
+    set(all, "verdict", json_string(verdict_name(answer)), &ok);
+    report_json_rest(all, near->run.mesh.build_ms, &near->step, &ok);
+    return report_json_end(all, ok, to);
+}

@@ -1,0 +1,19 @@
+/* client/ctl/near/near_report.h - prints the answer of `pccdctl near`.
+ *
+ * Room:     client/ctl. May include: near_run.h, report.h.
+ * Does:     print it for people, or as a JSON object.
+ * Does not: print records (near_csv.h).
+ * Threads:  one.
+ */
+#ifndef CTL_NEAR_REPORT_H
+#define CTL_NEAR_REPORT_H
+
+#include <stdio.h>
+
+#include "near_run.h"
+
+void near_report_print(FILE *to, const struct near_run *near);
+/* False: it could not be written, or without memory. */
+bool near_report_json(FILE *to, const struct near_run *near);
+
+#endif

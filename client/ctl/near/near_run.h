@@ -1,0 +1,50 @@
+/* client/ctl/near/near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks what
+ * is near there.
+ *
+ * Room:     client/ctl. May include: check_run.h, meshfile.h, pccd.h.
+ * Does:     read the files, register each as an object, ask as often as wanted, fetch every
+ *           page.
+ * Does not: print (near_report.h, near_csv.h).
+ * Threads:  one.
+ * Source:   used by cmd_near.c.
+ */
+#ifndef CTL_NEAR_RUN_H
+#define CTL_NEAR_RUN_H
+
+#include "check_run.h"
+#include "error.h"
+#include "meshfile.h"
+#include "pccd.h"
+
+/* A file, which is an object of the scene. */
+struct near_object {
+    const char *path;     /* the caller's */
+    struct ctl_mesh mesh; /* ours; its positions are given back when it is registered */
+    struct pccd_edge *edges; /* ours; NULL unless asked for */
+    struct pccd_mesh_info info;
+    uint32_t handle;
+};
+
+/* All zero, but for what is the caller's, before near_run_read. */
+struct near_run {
+    struct check_run run;               /* client and repeats are the caller's */
+    struct pccd_near_settings settings; /* the caller's */
+    struct near_object *objects;        /* ours, in the order of the files */
+    uint32_t object_count;
+    struct report_step step; /* the answer; no names of files */
+};
+
+/* Read the files. Errors: those of ctl_mesh_read. */
+int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
+                  struct ctl_error *error);
+/* Register all; with_edges: get their edges, too. */
+int near_run_begin(struct near_run *near, bool with_edges, struct ctl_error *error);
+/* Ask. The pages of the last answer go to `page`, unless that is NULL. */
+int near_run_ask(struct near_run *near,
+                 void (*page)(void *context, const struct pccd_answer *page),
+                 void *context, struct ctl_error *error);
+/* The object of that handle: its place among the files; object_count: none. */
+uint32_t near_run_place(const struct near_run *near, uint32_t handle);
+void near_run_deinit(struct near_run *near);
+
+#endif
