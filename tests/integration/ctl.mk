@@ -17,3 +17,7 @@ dist_check_SCRIPTS += tests/integration/ctl_files.sh
 
 TESTS += tests/integration/ctl_record.sh
 dist_check_SCRIPTS += tests/integration/ctl_record.sh
+
+# What is near in the meshes of files.
+TESTS += tests/integration/ctl_near.sh
+dist_check_SCRIPTS += tests/integration/ctl_near.sh

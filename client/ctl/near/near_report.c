@@ -50,14 +50,20 @@ static void print_kinds(FILE *to, const struct pccd_answer *answer)
 
 static void print_question(FILE *to, const struct near_run *near)
 {
-    static const char *const texts[PCCD_NEAR_COUNT] = {
-        "pairs",     "closest features", "bounds of vertices", "nearest pairs of objects",
-        "crossings", "vertices inside"};
+    static const char *const texts[PCCD_NEAR_COUNT][2] = {
+        {"pair", "pairs"},
+        {"pair of closest features", "pairs of closest features"},
+        {"vertex with its bound", "vertices with their bounds"},
+        {"nearest pair of two objects", "nearest pairs of two objects"},
+        {"crossing", "crossings"},
+        {"vertex inside", "vertices inside"}};
     const struct pccd_near_settings *settings = &near->settings;
     const struct pccd_answer *answer = &near->step.answer;
     bool has_limit = settings->what <= PCCD_NEAR_VERTICES ||
                      (settings->what == PCCD_NEAR_NEAREST && !isinf(settings->distance));
-    fprintf(to, "near       %" PRIu64 " %s", answer->total, texts[settings->what]);
+    fprintf(
+        to, "near       %" PRIu64 " %s", answer->total,
+        proto_plural(answer->total, texts[settings->what][0], texts[settings->what][1]));
     if (has_limit) {
         fprintf(to, " within %.17g", settings->distance);
     }

@@ -1,0 +1,138 @@
+#!/bin/bash
+# tests/integration/ctl_near.sh - pccdctl near against a real daemon, and without one.
+#
+# Room:     client/ctl, from outside.
+# Does:     asks everything about triangles whose distances are known by hand.
+# Does not: need the public scenes, a network or a user's daemon.
+# Source:   client/man/pccdctl.1.scd says what is promised.
+# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
+
+set -u
+: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
+. "$(dirname "$0")/../support/tap.sh"
+unset PCCD_URL
+
+dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-near-XXXXXX") || exit 1
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+
+# report NAME: the status of the command before it decides.
+report() {
+    local status=$?
+    cat out err >both
+    tap_result "$status" "$1" both
+}
+# ctl ARGUMENT...: the exit status is the program's; its output lands in out and err.
+ctl() { "$PCCDCTL" "$@" >out 2>err; }
+# fails STATUS TEXT ARGUMENT...: that exit status, nothing on stdout, TEXT on stderr.
+fails() {
+    local status=$1 text=$2
+    shift 2
+    ctl "$@"
+    [ $? -eq "$status" ] && [ ! -s out ] && grep -qF -- "$text" err
+}
+json_value() { sed -n "s/^ *\"$1\": \(.*[^,]\),\{0,1\}\$/\1/p" out | head -n 1; }
+# json KEY VALUE...: each key of the object in out has that value.
+json() {
+    while [ $# -gt 0 ]; do
+        [ "$(json_value "$1")" = "$2" ] || { echo "$1 is not $2" >>err; return 1; }
+        shift 2
+    done
+}
+# same TEXT: the file rows is that.
+same() { [ "$(cat rows)" = "$1" ] || { cat rows >>err; return 1; }; }
+
+# A triangle in the plane z = 0, and needles whose first corner is above its inside, above
+# its corner 0, and below it, through it.
+needle() { # X Y Z
+    printf 'v %s\n' "$1 $2 $3" "$1 $2 4" "0.375 $2 4"
+    echo 'f 1 2 3'
+}
+printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' >floor.obj
+echo 'f 1 2 3' >>floor.obj
+needle 0.25 0.25 0.5 >above.obj
+needle 0 0 0.5 >corner.obj
+needle 0.25 0.25 -1 >through.obj
+head_row=kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count
+
+# Otherwise a program that reads the report or the CSV would not find the pair that there is.
+ctl near --distance 0.5 --csv rows floor.obj above.obj &&
+    grep -q '^near  *1 pair within 0.5: 1 vertex-face$' out &&
+    grep -q '^distance  *0.5 to 0.5$' out && grep -q '^answer  *complete$' out &&
+    same "$head_row
+vf,vf,2,1,0,0,1,2,,0.5,0.5,1"
+report "pairs: a distance of exactly D is within it"
+
+# Otherwise objects would be taken for frames of one mesh, or D would be rounded up.
+ctl near --distance 0.4999999999999999 --json floor.obj above.obj &&
+    json total 0 vf 0 ee 0 distance_min null distance_max null complete true
+report "pairs: nothing is within less"
+
+# Otherwise numbers that programs read would be missing.
+ctl near --distance 0.5 --json floor.obj above.obj &&
+    json what '"pairs"' total 1 vf 1 ee 0 ve 0 vv 0 ef 0 distance_min 0.5 distance_max 0.5 \
+        crossings 0 verdict '"none"' complete true repeat 1 &&
+    grep -q '"hash": "2:[0-9a-f]\{32\}"' out && grep -q '"step": [0-9]' out
+report "--json has the promised members"
+hash=$(json_value hash)
+
+# Otherwise the answer would depend on who computes, and how.
+ctl near --url direct: --distance 0.5 --json floor.obj above.obj && json hash "$hash" &&
+    ctl near --method paper --distance 0.5 --json floor.obj above.obj &&
+    json hash "$hash" method '"paper"' && [ -n "$hash" ]
+report "direct: and the other method give the same hash"
+
+# Otherwise pairs around one corner would not be one entry with their number.
+ctl near --distance 0.5 --what pairs --json floor.obj corner.obj && pairs=$(json_value total) &&
+    ctl near --distance 0.5 --what features --csv rows floor.obj corner.obj &&
+    [ "$pairs" -gt 1 ] && same "$head_row
+vv,vv,1,2,0,0,,,,0.5,0.5,$pairs"
+report "features: pairs at one corner are merged, and counted"
+
+# Otherwise a trust region would be taken from another vertex's bound.
+ctl near --distance 1 --what vertices --csv - floor.obj above.obj && cp out rows && same \
+"object,vertex,bound
+1,0,0.5
+1,1,0.5
+1,2,0.5
+2,0,0.5
+2,1,$(awk -F, '$1 == 2 && $2 == 1 { print $3 }' rows)
+2,2,$(awk -F, '$1 == 2 && $2 == 2 { print $3 }' rows)" && grep -q '^near  *6 vertices' err
+report "vertices: a bound for each, in the order of files; --csv - keeps the report off stdout"
+
+# Otherwise a surface that is pierced would be called free of intersections.
+ctl near --what crossings --csv rows floor.obj through.obj &&
+    grep -q '^intersects yes$' out && grep -q '^crossings  *2$' out && same "$head_row
+ef,,2,1,0,1,0,1,2,0,0,1
+ef,,2,1,0,2,0,1,2,0,0,1"
+report "crossings: the two edges that pass through"
+
+# Otherwise nobody could be sure of a state without intersections.
+ctl near --what crossings --json floor.obj above.obj &&
+    json verdict '"no"' total 0 crossings 0 complete true
+report "crossings: none, and it says so"
+
+# Otherwise an answer longer than the shared memory would lose records.
+awk 'BEGIN {
+    for (i = 0; i < 60; i++) {
+        x = i / 64; print "v", x, 0, 1 / 64; print "v", x + 1 / 1024, 0, 4; print "v", x, 1, 4
+        printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3
+    }
+}' >needles.obj
+ctl near --distance 2 --result-bytes 65536 --csv rows --json floor.obj needles.obj &&
+    json complete true && total=$(json_value total) && [ "$total" -gt 1024 ] &&
+    [ "$(wc -l <rows)" -eq $((total + 1)) ] && [ "$(sort -u rows | wc -l)" -eq $((total + 1)) ]
+report "every page comes: more records than the shared memory holds"
+
+# Otherwise a mistake would be answered as something else.
+fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &&
+    fails 2 '--distance is missing' near floor.obj above.obj &&
+    fails 2 '--what: "far"' near --what far floor.obj &&
+    fails 2 '--gap is of --what nearest' near --distance 1 --gap 1 floor.obj &&
+    fails 2 'crossings has no use' near --what crossings --distance 1 floor.obj &&
+    fails 2 'one file at least' near --distance 1 &&
+    fails 4 'missing.obj: cannot open' near --distance 1 missing.obj &&
+    fails 3 '' near --distance 1 --socket "$dir/nobody" floor.obj
+report "what is wrong is named"
+
+tap_end
