@@ -6,8 +6,6 @@
  *           that does not do, the way is cut short of the first: up to there it is free.
  * Threads:  one.
  */
-#include <math.h>
-
 #include "sheet.h"
 
 enum { SIDE = 24, CLOTH = SIDE * SIDE, VERTICES = CLOTH + 3, FRAMES = 150, TRIES = 16 };
@@ -33,31 +31,6 @@ static void make(void)
     memcpy(x[CLOTH], table, sizeof table);
     memcpy(was, x, sizeof x);
     memcpy(end, x, sizeof x);
-}
-
-/* Bring two vertices to where the cloth has its length again. */
-static void relax(uint32_t a, uint32_t b)
-{
-    double d[3] = {end[b][0] - end[a][0], end[b][1] - end[a][1], end[b][2] - end[a][2]};
-    double stretch = 1 - 1 / ((SIDE - 1) * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-
-    for (int k = 0; k < 3; k++) {
-        end[a][k] += 0.5 * stretch * d[k];
-        end[b][k] -= 0.5 * stretch * d[k];
-    }
-}
-
-static void predict(void)
-{
-    for (uint32_t i = 0; i < 3 * CLOTH; i++) {
-        uint32_t v = i / 3, k = i % 3;
-        end[v][k] = x[v][k] + 0.98 * (x[v][k] - was[v][k]) - (k == 2 ? FALL : 0);
-    }
-    for (uint32_t i = 0; i < 10 * CLOTH; i++) {
-        uint32_t v = i % CLOTH;
-        relax(v, v % SIDE + 1 < SIDE ? v + 1 : v - 1);
-        relax(v, v + SIDE < CLOTH ? v + SIDE : v - SIDE);
-    }
 }
 
 /* Along the normal, which points from b to a. Each is a weighted sum of vertices. */
@@ -96,7 +69,7 @@ int main(void)
     ok(client, pccd_scene_add(client, scene, mesh, &object));
     for (int i = 0; i < FRAMES; i++, memcpy(was, x, sizeof x), memcpy(x, end, sizeof x)) {
         struct pccd_answer answer = {.total = 1};
-        predict();
+        sheet_predict(SIDE, x, was, end, FALL);
         for (int try = 0; answer.total > 0; met += answer.total, try++) {
             ok(client, try == TRIES);
             ok(client, pccd_step_x0x1(client, scene, object, x, end, PCCD_FORMAT_F64,

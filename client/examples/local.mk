@@ -6,6 +6,7 @@
 example_names = \
     client/examples/hello \
     client/examples/cloth \
+    client/examples/cloth_near \
     client/examples/game_loop \
     client/examples/two_processes
 noinst_HEADERS += client/examples/sheet.h
@@ -19,6 +20,9 @@ client_examples_hello_LDADD = libpccd.la
 client_examples_cloth_SOURCES = client/examples/cloth.c
 client_examples_cloth_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_LDADD = libpccd.la -lm
+client_examples_cloth_near_SOURCES = client/examples/cloth_near.c
+client_examples_cloth_near_CPPFLAGS = $(example_cppflags)
+client_examples_cloth_near_LDADD = libpccd.la -lm
 client_examples_game_loop_SOURCES = client/examples/game_loop.c
 client_examples_game_loop_CPPFLAGS = $(example_cppflags)
 client_examples_game_loop_LDADD = libpccd.la -lm
