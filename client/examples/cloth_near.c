@@ -10,9 +10,9 @@
  */
 #include "sheet.h"
 
-enum { SIDE = 24, CLOTH = SIDE * SIDE, VERTICES = 2 * CLOTH, FRAMES = 60, PIECES = 4 };
+enum { SIDE = 16, CLOTH = SIDE * SIDE, VERTICES = 2 * CLOTH, FRAMES = 30, PIECES = 4 };
 enum { SHEET = 2 * (SIDE - 1) * (SIDE - 1), TRIANGLES = 2 * SHEET };
-#define REACH  0.05 /* nobody asks for more: a vertex moves by less than half of it */
+#define REACH  0.03 /* nobody asks for more: a vertex moves by less than half of it */
 #define RADIUS 0.3
 #define FALL   1e-3 /* gravity, in units per frame squared */
 

@@ -53,6 +53,7 @@ integration_names = \
     tests/integration/test_int_supervise \
     tests/integration/test_int_threads \
     tests/integration/test_int_verify \
+    tests/integration/test_int_verify_near \
     tests/integration/test_int_version \
     tests/integration/test_int_warm \
     tests/integration/test_int_watch
@@ -269,6 +270,10 @@ tests_integration_test_int_threads_LDADD = $(integration_libs)
 tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
 tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
 tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs)
+
+tests_integration_test_int_verify_near_SOURCES = tests/integration/test_int_verify_near.c
+tests_integration_test_int_verify_near_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
+tests_integration_test_int_verify_near_LDADD = librecord.la $(integration_libs) $(LIBM)
 
 tests_integration_test_int_version_SOURCES = tests/integration/test_int_version.c
 tests_integration_test_int_version_CPPFLAGS = $(integration_cppflags)

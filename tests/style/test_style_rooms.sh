@@ -82,12 +82,13 @@ daemon/service .          base sessions requests
 client/ctl .
 client/ctl mesh           .
 client/ctl check          . mesh
+client/ctl near           . check
 client/ctl observe        . check
 client/ctl record         . check
 client/ctl export         record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
-client/ctl commands       . check observe record export inspect picture
+client/ctl commands       . check near observe record export inspect picture
 '
 
 # Folder prefix, then the libraries beside the C library.

@@ -29,6 +29,7 @@ struct replay {
     const char *what;
     struct record_answer expected;
     struct pccd_answer got; /* its hash by the recording's version */
+    bool is_near;           /* the first difference is about what is near */
     uint32_t hash_version;
 };
 
@@ -145,6 +146,68 @@ static int compare(void *context, const struct play_step *step, struct ctl_error
     return replay->goes_on ? PCCD_OK : PCCD_E_CANCELLED;
 }
 
+/* What differs in what is near; NULL: nothing. */
+static const char *near_difference(const struct record_near_answer *then,
+                                   const struct pccd_answer *now)
+{
+    if (then->status != now->status) {
+        return "status";
+    }
+    if (then->status != PCCD_OK) {
+        return NULL;
+    }
+    if (then->total != now->total ||
+        memcmp(then->counts, now->counts, sizeof then->counts) != 0) {
+        return "number of records";
+    }
+    if (memcmp(then->hash, now->hash, sizeof then->hash) != 0) {
+        return "hash";
+    }
+    if (memcmp(&then->distance_min, &now->distance_min, sizeof(double)) != 0 ||
+        memcmp(&then->distance_max, &now->distance_max, sizeof(double)) != 0) {
+        return "least or greatest distance";
+    }
+    if (then->crossings != now->crossings) {
+        return "number of crossings";
+    }
+    return then->verdict != (uint32_t)now->verdict ? "verdict" : NULL;
+}
+
+static int compare_near(void *context, const struct play_near *near,
+                        struct ctl_error *error)
+{
+    struct replay *replay = context;
+    const struct record_near_answer *then = near->recorded;
+    (void)error;
+    if (then == NULL) {
+        replay->unanswered++;
+        return PCCD_OK;
+    }
+    /* With a gap any pair within it is right. */
+    if (!is_complete(then->incomplete) ||
+        !is_complete((uint32_t)near->answer->incomplete) || near->asked->gap > 0) {
+        replay->incomplete++;
+        return PCCD_OK;
+    }
+    const char *what = near_difference(then, near->answer);
+    replay->compared++;
+    if (what == NULL) {
+        replay->same++;
+        return PCCD_OK;
+    }
+    if (replay->differ++ == 0) {
+        replay->step = near->number;
+        replay->what = what;
+        replay->is_near = true;
+        replay->expected = (struct record_answer){.status = then->status,
+                                                  .total = then->total,
+                                                  .hash = {then->hash[0], then->hash[1]}};
+        replay->got = *near->answer;
+        replay->hash_version = PCCD_HASH_VERSION;
+    }
+    return replay->goes_on ? PCCD_OK : PCCD_E_CANCELLED;
+}
+
 /* ---- telling ----------------------------------------------------------------------- */
 
 static void print_side(const struct replay *replay, const char *side, int status,
@@ -154,6 +217,8 @@ static void print_side(const struct replay *replay, const char *side, int status
     proto_hash_text(replay->hash_version, hash, text);
     if (status != PCCD_OK) {
         printf("  %s  %s\n", side, pccd_status_name(status));
+    } else if (replay->is_near) {
+        printf("  %s  %s, %" PRIu64 " records\n", side, text, total);
     } else {
         printf("  %s  %s, %" PRIu64 " records, the first at t = %.17g\n", side, text,
                total, toi);
@@ -183,7 +248,9 @@ static void print_text(const struct replay *replay, const struct play_summary *s
                replay->other_pairs);
     }
     if (replay->differ > 0) {
-        printf("step %" PRIu64 " has another %s\n", replay->step, replay->what);
+        printf("%s %" PRIu64 " has another %s\n",
+               replay->is_near ? "what is near, question" : "step", replay->step,
+               replay->what);
         print_side(replay, "expected", replay->expected.status, replay->expected.total,
                    replay->expected.hash, replay->expected.toi_first);
         print_side(replay, "got     ", replay->got.status, replay->got.total,
@@ -234,6 +301,7 @@ int ctl_cmd_replay(int argc, char **argv)
     int status;
     play_options_init(&replay.options, "steps");
     replay.options.play.source = PLAY_DAEMON;
+    replay.options.play.show_near = compare_near;
     if (argp_parse(&ctl_argp_replay, argc, argv, 0, NULL, &replay) != 0) {
         return CTL_USAGE;
     }

@@ -97,6 +97,20 @@ static int check(void *context, const struct play_step *step, struct ctl_error *
     return PCCD_E_CANCELLED;
 }
 
+static int check_near(void *context, const struct play_near *near,
+                      struct ctl_error *error)
+{
+    struct verification *verification = context;
+    bool is_right = true;
+    int status = verify_distances(near, &verification->counts, &verification->witness,
+                                  &is_right, error);
+    if (status != PCCD_OK || is_right) {
+        return status;
+    }
+    verification->has_failed = true;
+    return PCCD_E_CANCELLED;
+}
+
 /* ---- telling ----------------------------------------------------------------------- */
 
 /* Of a pair with those points a side: "vertex", "face 2", or "edge a 0" where both are of
@@ -165,6 +179,14 @@ static void print_text(const struct verification *verification)
         printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,
                proto_plural(counts->unchecked, "step", "steps"));
     }
+    if (counts->nears > 0) {
+        printf("; %" PRIu64 " %s about what is near with %" PRIu64 " %s", counts->nears,
+               proto_plural(counts->nears, "question", "questions"), counts->near_records,
+               proto_plural(counts->near_records, "record", "records"));
+    }
+    if (counts->nears_unchecked > 0) {
+        printf(", %" PRIu64 " of them not checked", counts->nears_unchecked);
+    }
     putchar('\n');
 }
 
@@ -191,10 +213,13 @@ static bool print_json(const struct verification *verification)
 {
     const struct verify_counts *counts = &verification->counts;
     json_t *all = json_pack(
-        "{s:b, s:I, s:I, s:I, s:I, s:I}", "pass", !verification->has_failed, "steps",
-        (json_int_t)counts->steps, "contacts", (json_int_t)counts->contacts, "possible",
-        (json_int_t)counts->possible, "non_contacts", (json_int_t)counts->non_contacts,
-        "unchecked", (json_int_t)counts->unchecked);
+        "{s:b, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "pass",
+        !verification->has_failed, "steps", (json_int_t)counts->steps, "contacts",
+        (json_int_t)counts->contacts, "possible", (json_int_t)counts->possible,
+        "non_contacts", (json_int_t)counts->non_contacts, "unchecked",
+        (json_int_t)counts->unchecked, "nears", (json_int_t)counts->nears, "near_records",
+        (json_int_t)counts->near_records, "nears_unchecked",
+        (json_int_t)counts->nears_unchecked);
     bool ok = all != NULL;
     if (ok && verification->has_failed) {
         ok = json_object_set_new(all, "witness", witness_json(&verification->witness)) ==
@@ -213,12 +238,14 @@ int ctl_cmd_verify(int argc, char **argv)
     play_options_init(&verification.options, "steps");
     verification.options.play.source = PLAY_RECORDS;
     verification.options.play.needs_records = true;
+    verification.options.play.show_near = check_near;
     if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
         return CTL_USAGE;
     }
     int status = play(&verification.options.play, check, &verification, &summary, &error);
     if (status == PCCD_OK && !verification.has_failed &&
-        verification.counts.steps == verification.counts.unchecked) {
+        verification.counts.steps == verification.counts.unchecked &&
+        verification.counts.nears == verification.counts.nears_unchecked) {
         status = ctl_error_set(&error, PCCD_E_STATE,
                                "%s: none of %" PRIu64 " steps has an answer to check",
                                verification.options.play.path, verification.counts.steps);

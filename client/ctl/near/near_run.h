@@ -1,9 +1,9 @@
-/* client/ctl/near/near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks what
- * is near there.
+/* client/ctl/near/near_run.h - runs `pccdctl near`: puts meshes into a scene, and asks
+ * what is near there.
  *
  * Room:     client/ctl. May include: check_run.h, meshfile.h, pccd.h.
- * Does:     read the files, register each as an object, ask as often as wanted, fetch every
- *           page.
+ * Does:     read the files, register each as an object, ask as often as wanted, fetch
+ *           every page.
  * Does not: print (near_report.h, near_csv.h).
  * Threads:  one.
  * Source:   used by cmd_near.c.

@@ -8,7 +8,9 @@
  */
 #include "answers.h"
 
+#include <assert.h>
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,6 +27,12 @@ static int compare_answers(const void *a, const void *b)
     return (x->step > y->step) - (x->step < y->step);
 }
 
+static int compare_nears(const void *a, const void *b)
+{
+    const struct record_near_answer *x = a, *y = b;
+    return (x->step > y->step) - (x->step < y->step);
+}
+
 static int compare_pages(const void *a, const void *b)
 {
     const struct answers_page *x = a, *y = b;
@@ -32,9 +40,26 @@ static int compare_pages(const void *a, const void *b)
                               : (x->first > y->first) - (x->first < y->first);
 }
 
-static bool take(struct answers *answers, const struct record_view *view)
+/* Heads of both kinds of records have the same beginning. */
+static_assert(offsetof(struct record_near_records, record_bytes) ==
+                  offsetof(struct record_records, record_bytes),
+              "heads of records");
+
+static bool take_page(struct answers *answers, const struct record_view *view)
 {
     struct record_records head;
+    if (!array_reserve((void **)&answers->pages, answers->page_count, &answers->page_room,
+                       sizeof *answers->pages)) {
+        return false;
+    }
+    memcpy(&head, view->payload, sizeof head);
+    answers->pages[answers->page_count++] =
+        (struct answers_page){head.step, head.first, head.count, view->offset};
+    return true;
+}
+
+static bool take(struct answers *answers, const struct record_view *view)
+{
     struct record_frame frame;
     switch (view->kind) {
     case RECORD_BEGIN:
@@ -52,15 +77,17 @@ static bool take(struct answers *answers, const struct record_view *view)
         }
         memcpy(&answers->items[answers->count++], view->payload, sizeof *answers->items);
         return true;
-    case RECORD_RECORDS:
-        if (!array_reserve((void **)&answers->pages, answers->page_count,
-                           &answers->page_room, sizeof *answers->pages)) {
+    case RECORD_NEAR_ANSWER:
+        if (!array_reserve((void **)&answers->nears, answers->near_count,
+                           &answers->near_room, sizeof *answers->nears)) {
             return false;
         }
-        memcpy(&head, view->payload, sizeof head);
-        answers->pages[answers->page_count++] =
-            (struct answers_page){head.step, head.first, head.count, view->offset};
+        memcpy(&answers->nears[answers->near_count++], view->payload,
+               sizeof *answers->nears);
         return true;
+    case RECORD_RECORDS:
+    case RECORD_NEAR_RECORDS:
+        return take_page(answers, view);
     default:
         return true;
     }
@@ -70,7 +97,8 @@ int answers_read(struct answers *answers, struct record_reader *reader,
                  struct ctl_error *error)
 {
     const uint32_t kinds = 1u << RECORD_BEGIN | 1u << RECORD_FRAME | 1u << RECORD_ANSWER |
-                           1u << RECORD_RECORDS | 1u << RECORD_END;
+                           1u << RECORD_RECORDS | 1u << RECORD_NEAR_ANSWER |
+                           1u << RECORD_NEAR_RECORDS | 1u << RECORD_END;
     struct record_view view;
     int got;
     while ((got = record_reader_skim(reader, kinds, &view)) == 1) {
@@ -81,6 +109,9 @@ int answers_read(struct answers *answers, struct record_reader *reader,
     if (answers->count > 0) {
         qsort(answers->items, answers->count, sizeof *answers->items, compare_answers);
     }
+    if (answers->near_count > 0) {
+        qsort(answers->nears, answers->near_count, sizeof *answers->nears, compare_nears);
+    }
     if (answers->page_count > 0) {
         qsort(answers->pages, answers->page_count, sizeof *answers->pages, compare_pages);
     }
@@ -90,6 +121,7 @@ int answers_read(struct answers *answers, struct record_reader *reader,
 void answers_deinit(struct answers *answers)
 {
     free(answers->items);
+    free(answers->nears);
     free(answers->pages);
     memset(answers, 0, sizeof *answers);
 }
@@ -100,6 +132,15 @@ const struct record_answer *answers_find(const struct answers *answers, uint64_t
     return answers->count == 0 ? NULL
                                : bsearch(&key, answers->items, answers->count,
                                          sizeof *answers->items, compare_answers);
+}
+
+const struct record_near_answer *answers_find_near(const struct answers *answers,
+                                                   uint64_t step)
+{
+    const struct record_near_answer key = {.step = step};
+    return answers->near_count == 0 ? NULL
+                                    : bsearch(&key, answers->nears, answers->near_count,
+                                              sizeof *answers->nears, compare_nears);
 }
 
 /* The first page of a step, or where it would be. */
@@ -126,7 +167,7 @@ static int append(struct record_reader *reader, const struct answers_page *page,
     struct record_records head;
     record_reader_seek(reader, page->offset);
     int got = record_reader_next(reader, &view);
-    if (got != 1 || view.kind != RECORD_RECORDS) {
+    if (got != 1 || (view.kind != RECORD_RECORDS && view.kind != RECORD_NEAR_RECORDS)) {
         return ctl_error_set(error, PCCD_E_FORMAT, "at byte %" PRIu64 ": %s",
                              page->offset, got < 0 ? reader->text : "no records");
     }
@@ -157,9 +198,15 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
                     bool *is_whole, struct ctl_error *error)
 {
     const struct record_answer *answer = answers_find(answers, step);
-    size_t each = answer != NULL && answer->mode == PCCD_MODE_PAIRS
-                      ? sizeof(struct pccd_pair)
-                      : sizeof(struct pccd_contact);
+    const struct record_near_answer *near = answers_find_near(answers, step);
+    uint64_t total = answer != NULL ? answer->total : near != NULL ? near->total : 0;
+    size_t each = sizeof(struct pccd_contact);
+    if (answer != NULL && answer->mode == PCCD_MODE_PAIRS) {
+        each = sizeof(struct pccd_pair);
+    } else if (near != NULL) {
+        each =
+            near->what == PCCD_NEAR_VERTICES ? sizeof(double) : sizeof(struct pccd_near);
+    }
     int status = PCCD_OK;
     *count = 0;
     for (size_t i = first_page(answers, step);
@@ -170,6 +217,6 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
             status = append(reader, &answers->pages[i], each, to, room, count, error);
         }
     }
-    *is_whole = answer != NULL && *count == answer->total;
+    *is_whole = (answer != NULL || near != NULL) && *count == total;
     return status;
 }

@@ -26,7 +26,9 @@ struct answers {
     struct record_begin begin;
     struct record_answer *items; /* by step */
     size_t count, room;
-    struct answers_page *pages; /* by step and first */
+    struct record_near_answer *nears; /* by step */
+    size_t near_count, near_room;
+    struct answers_page *pages; /* by step and first; of steps and of what is near */
     size_t page_count, page_room;
     uint64_t frames;
     uint64_t last_step; /* of the frames */
@@ -38,7 +40,9 @@ int answers_read(struct answers *answers, struct record_reader *reader,
 void answers_deinit(struct answers *answers);
 /* NULL: it was not answered. */
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
-/* The records of a step, into *to (grown by realloc, of *room bytes). *count = 0 without
+const struct record_near_answer *answers_find_near(const struct answers *answers,
+                                                   uint64_t step);
+/* The records of a step, or of what is near, into *to (grown by realloc, of *room bytes). *count = 0 without
  * any; is_whole: they are all that the answer had. */
 int answers_records(const struct answers *answers, struct record_reader *reader,
                     uint64_t step, void **to, size_t *room, uint64_t *count,

@@ -409,6 +409,30 @@ static int add_segment(struct pccd_frame *frame, const struct record_segment *se
     return status;
 }
 
+/* A frame of ours with what a recorded slot moves. */
+static int begin_frame(struct drive *drive, uint32_t scene, uint32_t segment_count,
+                       const uint8_t *slot, struct pccd_frame *made)
+{
+    struct record_segment segment;
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < segment_count; i++) {
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
+        bytes += range_bytes(&segment) * (segment.kind == RECORD_X1 ? 1 : 2);
+    }
+    int status = pccd_frame_begin(drive->client, scene, segment_count, bytes, made);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (uint32_t i = 0; i < segment_count && status == PCCD_OK; i++) {
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
+        status = add_segment(made, &segment, slot);
+    }
+    if (status != PCCD_OK) {
+        pccd_frame_abort(made);
+    }
+    return status;
+}
+
 static int submit(struct drive *drive, const struct record_frame *frame,
                   const uint8_t *slot, uint64_t *step)
 {
@@ -420,37 +444,51 @@ static int submit(struct drive *drive, const struct record_frame *frame,
                                                 .tuning = drive->tuning,
                                                 .tolerance = frame->tolerance,
                                                 .deadline_ns = frame->deadline_ns};
-    struct record_segment segment;
     struct pccd_frame made;
-    uint64_t bytes = 0;
     if (frame->segment_count == 0) {
         return pccd_submit_still(drive->client, frame->scene, &settings, step);
     }
-    for (uint32_t i = 0; i < frame->segment_count; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        bytes += range_bytes(&segment) * (segment.kind == RECORD_X1 ? 1 : 2);
+    int status = begin_frame(drive, frame->scene, frame->segment_count, slot, &made);
+    return status == PCCD_OK ? pccd_frame_commit(&made, &settings, step) : status;
+}
+
+static int submit_near(struct drive *drive, const struct record_near *near,
+                       const uint8_t *slot, uint64_t *step)
+{
+    struct pccd_near_settings settings = {.struct_bytes = sizeof settings,
+                                          .what = (enum pccd_near_what)near->what,
+                                          .distance = near->distance,
+                                          .gap = near->gap,
+                                          .end = near->end,
+                                          .object_a = near->objects[0],
+                                          .object_b = near->objects[1],
+                                          .threads = near->threads,
+                                          .deadline_ns = near->deadline_ns,
+                                          .method = (enum pccd_method)near->method};
+    struct pccd_frame made;
+    memcpy(settings.tuning, drive->tuning, sizeof settings.tuning);
+    if (near->segment_count == 0) {
+        return pccd_submit_near(drive->client, near->scene, NULL, 0, &settings, step);
     }
-    int status =
-        pccd_frame_begin(drive->client, frame->scene, frame->segment_count, bytes, &made);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    for (uint32_t i = 0; i < frame->segment_count && status == PCCD_OK; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        status = add_segment(&made, &segment, slot);
-    }
-    if (status != PCCD_OK) {
-        pccd_frame_abort(&made);
-        return status;
-    }
-    return pccd_frame_commit(&made, &settings, step);
+    int status = begin_frame(drive, near->scene, near->segment_count, slot, &made);
+    return status == PCCD_OK ? pccd_frame_commit_near(&made, &settings, step) : status;
 }
 
 static int collect(struct drive *drive, const struct pccd_answer *page,
                    struct ctl_error *error)
 {
-    bool has_pairs = page->mode == PCCD_MODE_PAIRS;
-    size_t each = has_pairs ? sizeof(struct pccd_pair) : sizeof(struct pccd_contact);
+    const void *from = page->contacts;
+    size_t each = sizeof(struct pccd_contact);
+    if (page->is_near && page->what == PCCD_NEAR_VERTICES) {
+        from = page->vertex_bounds;
+        each = sizeof(double);
+    } else if (page->is_near) {
+        from = page->near;
+        each = sizeof(struct pccd_near);
+    } else if (page->mode == PCCD_MODE_PAIRS) {
+        from = page->pairs;
+        each = sizeof(struct pccd_pair);
+    }
     size_t bytes = (drive->record_count + page->count) * each;
     if (bytes > drive->record_room) {
         void *larger = realloc(drive->records, bytes + bytes / 2);
@@ -462,20 +500,19 @@ static int collect(struct drive *drive, const struct pccd_answer *page,
         drive->record_room = bytes + bytes / 2;
     }
     if (page->count > 0) {
-        memcpy((uint8_t *)drive->records + drive->record_count * each,
-               has_pairs ? (const void *)page->pairs : (const void *)page->contacts,
+        memcpy((uint8_t *)drive->records + drive->record_count * each, from,
                page->count * each);
     }
     drive->record_count += page->count;
     return PCCD_OK;
 }
 
-int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
-               bool collects, struct ctl_error *error)
+/* Wait for what was submitted, or could not be, and take its records. */
+static int take_answer(struct drive *drive, uint32_t scene, uint64_t step, int submitted,
+                       bool collects, struct ctl_error *error)
 {
     struct pccd_answer page = {.step = 0};
-    uint64_t step = 0;
-    int status = submit(drive, frame, slot, &step);
+    int status = submitted;
     drive->record_count = 0;
     if (status == PCCD_OK) {
         status = pccd_wait(drive->client, step, -1, &page);
@@ -489,12 +526,28 @@ int drive_step(struct drive *drive, const struct record_frame *frame, const uint
     status = collects ? collect(drive, &page, error) : PCCD_OK;
     while (status == PCCD_OK && collects && page.cursor < page.total && page.count > 0) {
         pccd_answer_release(drive->client, &page);
-        status = pccd_fetch(drive->client, frame->scene, step, page.cursor, &page);
+        status = pccd_fetch(drive->client, scene, step, page.cursor, &page);
         status = status == PCCD_OK ? collect(drive, &page, error)
                                    : failed(drive, status, "a page of records", error);
     }
     pccd_answer_release(drive->client, &page);
     return status;
+}
+
+int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
+               bool collects, struct ctl_error *error)
+{
+    uint64_t step = 0;
+    int status = submit(drive, frame, slot, &step);
+    return take_answer(drive, frame->scene, step, status, collects, error);
+}
+
+int drive_near(struct drive *drive, const struct record_near *near, const uint8_t *slot,
+               bool collects, struct ctl_error *error)
+{
+    uint64_t step = 0;
+    int status = submit_near(drive, near, slot, &step);
+    return take_answer(drive, near->scene, step, status, collects, error);
 }
 
 int drive_move(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,

@@ -34,6 +34,9 @@ int drive_follow(struct drive *drive, const struct registry *world,
  * `collects`, all its records, page by page. */
 int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                bool collects, struct ctl_error *error);
+/* The same of a question about what is near. */
+int drive_near(struct drive *drive, const struct record_near *near, const uint8_t *slot,
+               bool collects, struct ctl_error *error);
 /* The same of a step of another client: it only moves what it moves. */
 int drive_move(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                struct ctl_error *error);

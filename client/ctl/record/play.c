@@ -223,6 +223,117 @@ static int follow_move(struct player *player, const struct record_view *view,
     return status == PCCD_OK ? world_step(&player->world, frame, slot, error) : status;
 }
 
+/* ---- what is near ------------------------------------------------------------------ */
+
+/* The daemon's answer. */
+static int repeat_near(struct player *player, const struct record_view *view,
+                       const uint8_t *slot, struct play_near *near,
+                       struct ctl_error *error)
+{
+    struct record_near asked = *near->asked;
+    bool collects = player->settings.needs_records && player->settings.show_near != NULL;
+    asked.deadline_ns = 0; /* would end it anywhere */
+    if (player->settings.method != PCCD_METHOD_DEFAULT) {
+        asked.method = player->settings.method;
+        player->drive.tuning[0] = '\0';
+    }
+    if (player->settings.threads != 0) {
+        asked.threads = player->settings.threads;
+    }
+    if (player->settings.at_recorded_pace) {
+        keep_pace(player, view->time_ns);
+    }
+    uint64_t begin_ns = common_now_ns();
+    int status = drive_near(&player->drive, &asked, slot, collects, error);
+    player->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
+    if (status != PCCD_OK) {
+        return status;
+    }
+    near->answer = &player->drive.answer;
+    if (collects && near->answer->status == PCCD_OK) {
+        bool has_bounds = near->answer->what == PCCD_NEAR_VERTICES;
+        near->count = player->drive.record_count;
+        near->is_whole = near->count == near->answer->total;
+        near->records = has_bounds ? NULL : player->drive.records;
+        near->bounds = has_bounds ? player->drive.records : NULL;
+    }
+    return PCCD_OK;
+}
+
+/* The records that were recorded. */
+static int recall_near(struct player *player, struct play_near *near,
+                       struct ctl_error *error)
+{
+    int status =
+        answers_records(&player->answers, &player->pages, near->number, &player->records,
+                        &player->record_room, &near->count, &near->is_whole, error);
+    if (status == PCCD_OK && near->recorded != NULL && near->count > 0) {
+        bool has_bounds = near->recorded->what == PCCD_NEAR_VERTICES;
+        near->records = has_bounds ? NULL : player->records;
+        near->bounds = has_bounds ? player->records : NULL;
+    }
+    return status;
+}
+
+/* The world goes where the question has moved it to. */
+static int move_near(struct player *player, const struct play_near *near,
+                     const uint8_t *slot, struct ctl_error *error)
+{
+    const struct record_near *asked = near->asked;
+    const struct record_frame frame = {.step = asked->step,
+                                       .scene = asked->scene,
+                                       .segment_count = asked->segment_count};
+    int result = near->answer != NULL     ? near->answer->status
+                 : near->recorded != NULL ? near->recorded->status
+                                          : PCCD_OK;
+    return result == PCCD_OK && asked->segment_count > 0
+               ? world_step(&player->world, &frame, slot, error)
+               : PCCD_OK;
+}
+
+/* A question about what is near. One that is not shown, and moves nothing, is not asked
+ * again. */
+static int follow_near(struct player *player, const struct record_view *view,
+                       const struct record_near *asked, struct ctl_error *error)
+{
+    const uint8_t *slot = (const uint8_t *)view->payload + sizeof *asked;
+    struct play_near near = {.number = asked->step,
+                             .asked = asked,
+                             .recorded =
+                                 answers_find_near(&player->answers, asked->step)};
+    bool shows = player->settings.show_near != NULL && is_shown(player, asked->step);
+    bool asks_daemon = player->settings.source == PLAY_DAEMON ||
+                       (player->answers.begin.flags & RECORD_HAS_RECORDS) == 0;
+    int status = PCCD_OK;
+    player->wanted += shows;
+    player->last_step = asked->step;
+    if (near.recorded != NULL && !play_is_repeatable(near.recorded->status)) {
+        player->summary->skipped++;
+        return PCCD_OK;
+    }
+    if (shows && asks_daemon) {
+        status = begin_drive(player, error);
+    }
+    if (status == PCCD_OK && player->drive.is_begun &&
+        (shows || asked->segment_count > 0)) {
+        status = repeat_near(player, view, slot, &near, error);
+    } else if (status == PCCD_OK && shows) {
+        status = recall_near(player, &near, error);
+    }
+    if (status == PCCD_OK) {
+        status = move_near(player, &near, slot, error);
+    }
+    if (status != PCCD_OK || !shows) {
+        return status;
+    }
+    struct registry_scene *scene = registry_scene(&player->world, asked->scene);
+    if (scene != NULL) {
+        registry_pairs_settle(&scene->ignored); /* who may meet is asked for */
+    }
+    near.scene = scene;
+    return player->settings.show_near(player->context, &near, error);
+}
+
 /* What to do about it is to stop before; a range ends where the next step is read. */
 static int damaged(const struct player *player, int status, struct ctl_error *error)
 {
@@ -269,6 +380,16 @@ static int follow(struct player *player, struct ctl_error *error)
             status = follow_motion(player, &view, &frame, error);
             continue;
         }
+        if (view.kind == RECORD_NEAR) {
+            struct record_near near;
+            memcpy(&near, view.payload, sizeof near);
+            if (player->settings.last != 0 && near.step > player->settings.last) {
+                return PCCD_OK;
+            }
+            status = follow_near(player, &view, &near, error);
+            player->drive.tuning[0] = '\0';
+            continue;
+        }
         if (player->drive.is_begun) {
             status = drive_follow(&player->drive, &player->world, &view, error);
         }
@@ -292,11 +413,23 @@ static int judge_range(const struct player *player, struct ctl_error *error)
                      settings->path, player->summary->frames, player->summary->last_step);
 }
 
-/* The range becomes its last step that was answered with success. */
+/* The range becomes its last step, or its last question about what is near if these are
+ * shown, that was answered with success. */
 static void choose_last(struct player *player)
 {
     struct play_settings *settings = &player->settings;
-    for (size_t i = player->answers.count; i > 0 && settings->only_last; i--) {
+    bool is_near = settings->show_near != NULL;
+    for (size_t i = player->answers.near_count; i > 0 && is_near && settings->only_last;
+         i--) {
+        const struct record_near_answer *answer = &player->answers.nears[i - 1];
+        if (answer->status == PCCD_OK && answer->step >= settings->first &&
+            (settings->last == 0 || answer->step <= settings->last)) {
+            settings->first = settings->last = answer->step;
+            return;
+        }
+    }
+    for (size_t i = player->answers.count; i > 0 && settings->only_last && !is_near;
+         i--) {
         const struct record_answer *answer = &player->answers.items[i - 1];
         if (answer->status == PCCD_OK && answer->step >= settings->first &&
             (settings->last == 0 || answer->step <= settings->last)) {

@@ -45,6 +45,21 @@ struct play_step {
 typedef int (*play_fn)(void *context, const struct play_step *step,
                        struct ctl_error *error);
 
+/* A question about what is near, when it has been answered. */
+struct play_near {
+    uint64_t number; /* the client's, among its steps */
+    const struct record_near *asked;
+    const struct registry_scene *scene;        /* after the movement, if it had one */
+    const struct record_near_answer *recorded; /* NULL: there was none */
+    const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */
+    const struct pccd_near *records;  /* [count]; NULL: none, or not asked for */
+    const double *bounds;             /* [count], of VERTICES, likewise */
+    uint64_t count;
+    bool is_whole; /* count is the answer's total */
+};
+typedef int (*play_near_fn)(void *context, const struct play_near *near,
+                            struct ctl_error *error);
+
 struct play_settings {
     const char *path;
     const struct ctl_link *link;
@@ -52,11 +67,14 @@ struct play_settings {
     bool needs_records;
     bool is_traced; /* steps that a daemon answers: with what its threads did */
     bool at_recorded_pace;
-    bool only_last;          /* of these steps: the last that was answered */
+    bool only_last; /* of these steps, or, with show_near, questions: the last that was
+                       answered */
     uint64_t first, last;    /* steps to show and to repeat; last 0: to the end */
     enum pccd_method method; /* 0: as recorded */
     uint32_t threads;        /* 0: as recorded */
     const char *label;       /* of the progress bar */
+    play_near_fn show_near; /* as play's `show`; NULL: what is near is not shown, and only
+                                asked again where it moves something */
 };
 
 /* What the file held. */

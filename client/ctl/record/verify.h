@@ -25,6 +25,9 @@ struct verify_counts {
     uint64_t possible;     /* not proved, and not contradicted */
     uint64_t non_contacts; /* of the sample, and right */
     uint64_t unchecked;    /* steps of which nothing could be checked */
+    uint64_t nears;        /* questions about what is near */
+    uint64_t near_records; /* of them, and right, with all else that is near left out */
+    uint64_t nears_unchecked;
 };
 
 /* What was found to be wrong. */
@@ -48,6 +51,11 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
 /* verify_near.c: pairs near each other that are not in the answer. */
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
                  struct verify_counts *counts, struct verify_witness *witness);
+
+/* verify_distance.c: an answer about what is near, all of it. As verify_step. */
+int verify_distances(const struct play_near *near, struct verify_counts *counts,
+                     struct verify_witness *witness, bool *is_right,
+                     struct ctl_error *error);
 
 /* ---- what both use --------------------------------------------------------------- */
 

@@ -1,0 +1,237 @@
+/* client/ctl/record/verify_distance.c - whether an answer about what is near is right.
+ *
+ * Room:     client/ctl.
+ * Does:     find everything that is near by trying all pairs with exact arithmetic, and
+ *           compare each byte of the answer with that.
+ * Does not: check what is nearest, depths, and answers that are not whole: they are
+ *           counted.
+ * Threads:  one.
+ * Source:   verify.h; oracle_near.h.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "answer_hash.h"
+#include "kinds.h"
+#include "oracle_near.h"
+#include "verify.h"
+
+#define DECISIONS_MAX 4000000u /* exact ones for one answer: a minute */
+
+struct judge {
+    const struct play_near *near;
+    struct verify_counts *counts;
+    struct verify_witness *witness;
+    struct oracle_object *objects;
+    struct oracle_moment moment;
+};
+
+static bool wrong(struct judge *judge, const char *what, uint64_t at)
+{
+    memset(judge->witness, 0, sizeof *judge->witness);
+    judge->witness->step = judge->near->number;
+    (void)snprintf(judge->witness->what, sizeof judge->witness->what,
+                   "what is near: record %" PRIu64 ": %.140s", at, what);
+    return false;
+}
+
+static bool may_meet(const void *context, uint32_t a, uint32_t b)
+{
+    const struct registry_scene *scene = context;
+    return registry_may_meet(scene, registry_object(scene, a), registry_object(scene, b));
+}
+
+static bool make_moment(struct judge *judge)
+{
+    const struct registry_scene *scene = judge->near->scene;
+    judge->objects = calloc((size_t)scene->object_count + 1, sizeof *judge->objects);
+    for (uint32_t i = 0; judge->objects != NULL && i < scene->object_count; i++) {
+        const struct registry_object *object = &scene->objects[i];
+        const double(*x)[3] =
+            (const double(*)[3])(judge->near->asked->end == 0 ? object->x0 : object->x1);
+        judge->objects[i] = (struct oracle_object){
+            .object_id = object->handle,
+            .vertex_count = object->mesh->vertex_count,
+            .triangle_count = object->mesh->triangle_count,
+            .x0 = x,
+            .x1 = x,
+            .triangles = (const uint32_t(*)[3])object->mesh->triangles};
+    }
+    judge->moment =
+        (struct oracle_moment){judge->objects, scene->object_count, may_meet, scene};
+    return judge->objects != NULL;
+}
+
+/* Numbers of the answer, where it has all records. */
+static bool check_sums(struct judge *judge)
+{
+    const struct play_near *near = judge->near;
+    const struct record_near_answer *then = near->recorded;
+    uint64_t hash[2];
+    double least = 2e18, greatest = 0;
+    record_answer_hash(PCCD_HASH_VERSION, near->records, near->count,
+                       sizeof *near->records, hash);
+    for (uint64_t i = 0; i < near->count; i++) {
+        least = fmin(least, near->records[i].d_lo);
+        greatest = fmax(greatest, near->records[i].d_hi);
+    }
+    if ((near->answer != NULL && memcmp(near->answer->hash, hash, sizeof hash) != 0) ||
+        (then != NULL && then->status == PCCD_OK &&
+         then->incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
+         memcmp(then->hash, hash, sizeof hash) != 0)) {
+        return wrong(judge, "the hash is not that of the records", near->count);
+    }
+    if (near->answer != NULL
+            ? near->answer->distance_min != least ||
+                  near->answer->distance_max != greatest
+            : then->distance_min != least || then->distance_max != greatest) {
+        return wrong(judge, "the least or greatest distance is not that of the records",
+                     near->count);
+    }
+    judge->counts->near_records += near->count;
+    return true;
+}
+
+/* Every record and nothing else. */
+static bool check_records(struct judge *judge, const struct oracle_nears *truth)
+{
+    const struct play_near *near = judge->near;
+    for (uint64_t i = 0; i < near->count && i < truth->count; i++) {
+        const struct pccd_near *is = &near->records[i], *must = &truth->items[i].record;
+        if (memcmp(is, must, sizeof *is) != 0) {
+            char what[160];
+            (void)snprintf(what, sizeof what,
+                           "%s %" PRIu32 " of 0x%" PRIx32 " and %" PRIu32 " of 0x%" PRIx32
+                           " at %.17g, exact: %s %" PRIu32 " of 0x%" PRIx32
+                           " and %" PRIu32 " of 0x%" PRIx32 " at %.17g",
+                           is->kind < COMMON_KIND_COUNT ? common_kinds[is->kind].name
+                                                        : "unknown",
+                           is->feature_a, is->object_a, is->feature_b, is->object_b,
+                           is->d_lo, common_kinds[must->kind].name, must->feature_a,
+                           must->object_a, must->feature_b, must->object_b, must->d_lo);
+            return wrong(judge, what, i);
+        }
+    }
+    if (near->count != truth->count) {
+        return wrong(judge,
+                     near->count < truth->count ? "it is missing, as are those behind it"
+                                                : "there is nothing more that is near",
+                     near->count < truth->count ? near->count : truth->count);
+    }
+    return check_sums(judge);
+}
+
+/* One after the other, of all objects or of the one that was asked for. */
+static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
+{
+    const struct play_near *near = judge->near;
+    uint64_t at = 0;
+    for (uint32_t i = 0; i < judge->moment.object_count; i++) {
+        uint32_t count = judge->objects[i].vertex_count;
+        uint32_t only = near->asked->objects[0];
+        if (only != 0 && only != judge->objects[i].object_id) {
+            continue;
+        }
+        double *bounds = malloc(((size_t)count + 1) * sizeof *bounds);
+        if (bounds == NULL || at + count > near->count) {
+            free(bounds);
+            return wrong(judge, bounds == NULL ? "no memory" : "a vertex has no bound",
+                         near->count);
+        }
+        oracle_near_bounds(&judge->moment, pairs, i, near->asked->distance, bounds);
+        for (uint32_t v = 0; v < count; v++, at++) {
+            if (memcmp(&bounds[v], &near->bounds[at], sizeof bounds[v]) != 0) {
+                char what[120];
+                (void)snprintf(what, sizeof what, "bound %.17g, exact: %.17g",
+                               near->bounds[at], bounds[v]);
+                free(bounds);
+                return wrong(judge, what, at);
+            }
+        }
+        free(bounds);
+    }
+    judge->counts->near_records += at;
+    return at == near->count || wrong(judge, "there is no such vertex", at);
+}
+
+/* NO only where nothing crosses and nothing touches. */
+static bool check_crossings(struct judge *judge, const struct oracle_nears *crossings,
+                            const struct oracle_nears *touching)
+{
+    const struct play_near *near = judge->near;
+    bool intersects = crossings->count + touching->count > 0;
+    uint32_t verdict =
+        near->answer != NULL ? (uint32_t)near->answer->verdict : near->recorded->verdict;
+    if (verdict != (uint32_t)(intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO)) {
+        return wrong(judge,
+                     intersects ? "something intersects or touches, and it says no"
+                                : "nothing intersects or touches, and it says yes",
+                     near->count);
+    }
+    return check_records(judge, crossings);
+}
+
+/* 1: right, 0: wrong, -1: too much to decide. */
+static int check(struct judge *judge)
+{
+    const struct record_near *asked = judge->near->asked;
+    bool crosses = asked->what == PCCD_NEAR_CROSSINGS;
+    struct oracle_nears pairs = {.count = 0}, more = {.count = 0};
+    int is_right = -1;
+    if (!oracle_near_pairs(&judge->moment, crosses ? 0 : asked->distance, DECISIONS_MAX,
+                           &pairs)) {
+        return -1;
+    }
+    if (crosses && oracle_near_crossings(&judge->moment, DECISIONS_MAX, &more)) {
+        is_right = check_crossings(judge, &more, &pairs);
+    } else if (asked->what == PCCD_NEAR_PAIRS) {
+        is_right = check_records(judge, &pairs);
+    } else if (asked->what == PCCD_NEAR_FEATURES) {
+        oracle_near_features(&judge->moment, &pairs, &more);
+        is_right = check_records(judge, &more);
+    } else if (asked->what == PCCD_NEAR_VERTICES) {
+        is_right = check_bounds(judge, &pairs);
+    }
+    oracle_nears_deinit(&pairs);
+    oracle_nears_deinit(&more);
+    return is_right;
+}
+
+static bool can_check(const struct play_near *near)
+{
+    uint32_t what = near->asked->what;
+    int answered = near->answer != NULL     ? near->answer->status
+                   : near->recorded != NULL ? near->recorded->status
+                                            : PCCD_E_STATE;
+    if (answered != PCCD_OK || near->scene == NULL) {
+        return false;
+    }
+    uint32_t incomplete = near->answer != NULL ? (uint32_t)near->answer->incomplete
+                                               : near->recorded->incomplete;
+    return near->is_whole && incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
+           what != PCCD_NEAR_NEAREST && what != PCCD_NEAR_DEPTH;
+}
+
+int verify_distances(const struct play_near *near, struct verify_counts *counts,
+                     struct verify_witness *witness, bool *is_right,
+                     struct ctl_error *error)
+{
+    struct judge judge = {.near = near, .counts = counts, .witness = witness};
+    *is_right = true;
+    counts->nears++;
+    if (!can_check(near)) {
+        counts->nears_unchecked++;
+        return PCCD_OK;
+    }
+    if (!make_moment(&judge)) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what is near");
+    }
+    int found = check(&judge);
+    counts->nears_unchecked += found < 0;
+    *is_right = found != 0;
+    free(judge.objects);
+    return PCCD_OK;
+}

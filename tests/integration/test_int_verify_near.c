@@ -1,0 +1,282 @@
+/* test_int_verify_near.c - wrong answers about what is near, and whether pccdctl verify
+ * and replay find that.
+ *
+ * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
+ * Does:     record questions of every sort that verify checks, two of which move the
+ *           scene; forge the recording in ways that leave it whole; have it judged.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "fixture.h"
+#include "reader.h"
+#include "run_ctl.h"
+
+static char folder[] = "/tmp/pccd-test-verify-near-XXXXXX";
+static char honest[96], forged[96];
+
+/* A floor, and a needle above it that goes down through it. */
+static const double floor_x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+static const double needle_x[3][3] = {{.25, .25, .5}, {.25, .25, 3}, {.375, .25, 3}};
+static const uint32_t face[1][3] = {{0, 1, 2}};
+
+static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what what,
+               uint32_t end, const struct pccd_motion *motion)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings.what = what;
+    settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
+    settings.end = end;
+    int status = pccd_near(client, scene, motion, motion != NULL, &settings, &answer);
+    pccd_answer_release(client, &answer);
+    return status == 0 && answer.total > 0 ? 0 : -1;
+}
+
+static int set_up(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    struct pccd_client *client = NULL;
+    uint32_t scene, mesh[2], object[2];
+    double x1[3][3];
+    struct pccd_motion motion = {.count = 3, .format = PCCD_FORMAT_F64, .x1 = x1};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    if (mkdtemp(folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(honest, sizeof honest, "%s/honest.rec", folder);
+    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
+    if (test_shared_connect(state, 0, &client) != 0 ||
+        pccd_record_start(client, honest, &settings) != 0 ||
+        pccd_scene_create(client, NULL, &scene) != 0 ||
+        pccd_mesh_create(client, floor_x, PCCD_FORMAT_F64, 3, face, 1, &mesh[0], NULL) ||
+        pccd_mesh_create(client, needle_x, PCCD_FORMAT_F64, 3, face, 1, &mesh[1], NULL) ||
+        pccd_scene_add(client, scene, mesh[0], &object[0]) != 0 ||
+        pccd_scene_add(client, scene, mesh[1], &object[1]) != 0) {
+        return -1;
+    }
+    motion.object = object[1];
+    memcpy(x1, needle_x, sizeof x1);
+    x1[0][2] = -.25; /* now it goes through the floor */
+    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, NULL) != 0 ||
+        ask(client, scene, PCCD_NEAR_CROSSINGS, 1, &motion) != 0 ||
+        ask(client, scene, PCCD_NEAR_FEATURES, 0, NULL) != 0 ||
+        ask(client, scene, PCCD_NEAR_VERTICES, 1, NULL) != 0) {
+        return -1;
+    }
+    x1[0][2] = .75;
+    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion) != 0 ||
+        pccd_step(client, scene, NULL, 0, NULL, &answer) != 0) {
+        return -1;
+    }
+    pccd_answer_release(client, &answer);
+    pccd_close(client);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)unlink(honest);
+    (void)unlink(forged);
+    (void)rmdir(folder);
+    return test_shared_stop(state);
+}
+
+/* ---- forging ----------------------------------------------------------------------- */
+
+enum forgery {
+    FORGE_DISTANCE, /* one unit in the last place of a record's d_hi */
+    FORGE_PARAM,    /* and of a weight */
+    FORGE_BOUND,    /* and of a vertex's bound */
+    FORGE_MISSING,  /* the last record left out */
+    FORGE_VERDICT,  /* free of intersections, and it is not */
+    FORGE_MOTION, /* the first question moved the needle, and the answer does not know */
+    FORGE_COUNT,
+    FORGE_HASH = FORGE_COUNT
+};
+
+/* Whether the chunk was forged. */
+static bool forge_records(enum forgery forgery, uint8_t *payload)
+{
+    struct record_near_records head;
+    struct pccd_near record;
+    double bound;
+    memcpy(&head, payload, sizeof head);
+    if (head.record_bytes == sizeof bound) {
+        if (forgery != FORGE_BOUND) {
+            return false;
+        }
+        memcpy(&bound, payload + sizeof head, sizeof bound);
+        bound = nextafter(bound, 2);
+        memcpy(payload + sizeof head, &bound, sizeof bound);
+        return true;
+    }
+    memcpy(&record, payload + sizeof head, sizeof record);
+    if (forgery == FORGE_DISTANCE) {
+        record.d_hi = nextafter(record.d_hi, 2);
+    } else if (forgery == FORGE_PARAM) {
+        record.param[0] = nextafterf(record.param[0], 2);
+    } else {
+        return false;
+    }
+    memcpy(payload + sizeof head, &record, sizeof record);
+    return true;
+}
+
+static bool forge_answer(enum forgery forgery, uint8_t *payload)
+{
+    struct record_near_answer answer;
+    memcpy(&answer, payload, sizeof answer);
+    if (forgery == FORGE_MISSING) {
+        answer.total--;
+    } else if (forgery == FORGE_VERDICT && answer.what == PCCD_NEAR_CROSSINGS) {
+        answer.verdict = PCCD_VERDICT_NO;
+    } else if (forgery == FORGE_HASH) {
+        answer.hash[1] ^= 1;
+    } else {
+        return false;
+    }
+    memcpy(payload, &answer, sizeof answer);
+    return true;
+}
+
+/* The needle's tip goes higher, and not through the floor. */
+static bool forge_motion(uint8_t *payload)
+{
+    struct record_near near;
+    struct record_segment segment;
+    const double up = 2;
+    memcpy(&near, payload, sizeof near);
+    if (near.segment_count == 0) {
+        return false;
+    }
+    memcpy(&segment, payload + sizeof near, sizeof segment);
+    memcpy(payload + sizeof near + segment.offset1 + 2 * sizeof up, &up, sizeof up);
+    return true;
+}
+
+/* Chunks as they were but for one of them; FORGE_MISSING: an answer and its records. */
+static void forge(enum forgery forgery)
+{
+    struct record_writer writer = {.fd = -1};
+    struct record_reader reader;
+    struct record_view view;
+    bool is_done = false, is_short = false;
+    int got;
+
+    (void)unlink(forged);
+    assert_int_equal(record_writer_open(&writer, forged), 0);
+    assert_int_equal(record_reader_open(&reader, honest), 0);
+    assert_int_equal(record_writer_need(&writer, reader.features), 0);
+    while ((got = record_reader_next(&reader, &view)) == 1) {
+        uint8_t *copy = malloc(view.bytes + 1);
+        uint64_t bytes = view.bytes;
+        assert_non_null(copy);
+        memcpy(copy, view.payload, bytes);
+        if (view.kind == RECORD_NEAR_RECORDS && is_done && forgery == FORGE_MISSING &&
+            !is_short) {
+            struct record_near_records head;
+            memcpy(&head, copy, sizeof head);
+            head.count--;
+            bytes -= head.record_bytes;
+            memcpy(copy, &head, sizeof head);
+            is_short = true;
+        } else if (!is_done) {
+            is_done = view.kind == RECORD_NEAR_RECORDS  ? forge_records(forgery, copy)
+                      : view.kind == RECORD_NEAR_ANSWER ? forge_answer(forgery, copy)
+                      : view.kind == RECORD_NEAR && forgery == FORGE_MOTION
+                          ? forge_motion(copy)
+                          : false;
+        }
+        const struct record_part part = {copy, bytes};
+        assert_int_equal(record_writer_add(&writer, (enum record_kind)view.kind,
+                                           view.time_ns, &part, 1),
+                         0);
+        free(copy);
+    }
+    assert_int_equal(got, 0);
+    assert_true(is_done);
+    record_reader_deinit(&reader);
+    record_writer_deinit(&writer);
+}
+
+/* ---- judging ----------------------------------------------------------------------- */
+
+/* If this failed, right answers would be called wrong, or nothing would be checked; or
+ * the scene would not follow questions that move it, of which the step after them tells. */
+static void verify__passes_what_is_near(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    assert_int_equal(test_ctl("verify", "", honest, said, sizeof said), 0);
+    assert_non_null(strstr(said, "PASS: 1 step"));
+    assert_non_null(strstr(said, "5 questions about what is near with "));
+    assert_null(strstr(said, "not checked"));
+    assert_int_equal(
+        test_ctl("verify", "--repeat --method paper", honest, said, sizeof said), 0);
+    assert_non_null(strstr(said, "5 questions about what is near with "));
+}
+
+/* If this failed, a daemon that is wrong about distances would be trusted. */
+static void verify__shows_what_is_wrong_of_what_is_near(void **state)
+{
+    static const char *const says[FORGE_COUNT] = {
+        [FORGE_DISTANCE] = "exact: ",
+        [FORGE_PARAM] = "exact: ",
+        [FORGE_BOUND] = "bound 0.",
+        [FORGE_MISSING] = "it is missing",
+        [FORGE_VERDICT] = "something intersects or touches, and it says no",
+        [FORGE_MOTION] = "what is near: record "};
+    char said[4096];
+
+    (void)state;
+    for (int forgery = 0; forgery < FORGE_COUNT; forgery++) {
+        forge((enum forgery)forgery);
+        int status = test_ctl("verify", "", forged, said, sizeof said);
+        if (status != 1 || strstr(said, says[forgery]) == NULL) {
+            print_message("forgery %d: %s\n", forgery, said);
+        }
+        assert_int_equal(status, 1);
+        assert_non_null(strstr(said, says[forgery]));
+    }
+}
+
+/* If this failed, a daemon that answers otherwise than one before would not be
+ * noticed. */
+static void replay__compares_what_is_near(void **state)
+{
+    char said[4096];
+
+    (void)state;
+    assert_int_equal(test_ctl("replay", "", honest, said, sizeof said), 0);
+    assert_non_null(strstr(said, "6 the same, 0 not"));
+    forge(FORGE_HASH);
+    assert_int_equal(test_ctl("replay", "", forged, said, sizeof said), 1);
+    assert_non_null(strstr(said, "what is near, question 1 has another hash"));
+    assert_int_equal(test_ctl("replay", "--steps 2..", forged, said, sizeof said), 0);
+    assert_non_null(strstr(said, "5 the same, 0 not"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verify__passes_what_is_near),
+        cmocka_unit_test(verify__shows_what_is_wrong_of_what_is_near),
+        cmocka_unit_test(replay__compares_what_is_near),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
