@@ -13,7 +13,12 @@ set -u
 unset PCCD_URL
 
 dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-near-XXXXXX") || exit 1
-trap 'rm -rf "$dir"' EXIT
+daemon=
+finish() {
+    [ -z "$daemon" ] || kill "$daemon" 2>/dev/null
+    rm -rf "$dir"
+}
+trap finish EXIT
 cd "$dir" || exit 1
 
 # report NAME: the status of the command before it decides.
@@ -112,6 +117,29 @@ ctl near --what crossings --json floor.obj above.obj &&
     json verdict '"no"' total 0 crossings 0 complete true
 report "crossings: none, and it says so"
 
+# Otherwise two objects' nearest pair would be another one, or be sought too near.
+ctl near --what nearest --csv rows floor.obj above.obj && same "$head_row
+vf,vf,2,1,0,0,1,2,,0.5,0.5,1" && grep -q '^near  *1 nearest pair of two objects: 1 vertex-face$' out &&
+    ctl near --what nearest --distance 0.25 --json floor.obj above.obj && json total 0 &&
+    ctl near --what nearest --gap 0.125 --json floor.obj above.obj &&
+    json total 1 gap 0.125 hash null
+report "nearest: one pair of two objects, within a distance or a gap"
+
+# Otherwise what is inside would be taken for apart, or an open mesh for one with an inside.
+tetrahedron() { # HEIGHT
+    printf 'v %s\n' "0 0 $1" "4 0 $1" "0 4 $1" "0.5 0.5 $(($1 + 4))"
+    printf 'f %s\n' '1 3 2' '1 2 4' '2 3 4' '3 1 4'
+}
+tetrahedron 0 >lower.obj
+printf 'v %s\n' '0.5 0.5 0.5' '0.75 0.5 9' '0.5 0.75 9' '0.25 0.25 9' >spike.obj
+printf 'f %s\n' '1 3 2' '1 2 4' '2 3 4' '3 1 4' >>spike.obj
+ctl near --what depth --csv rows lower.obj spike.obj && grep -q '^near  *1 vertex inside' out &&
+    grep -q '^depth  *0\.[0-9]*$' out && [ "$(wc -l <rows)" -eq 2 ] && grep -q '^vf,.*,2,1,0,' rows &&
+    ctl near --what depth --json lower.obj spike.obj && json total 1 vf 1 &&
+    [ "$(json_value crossings)" -gt 0 ] &&
+    fails 4 'edge' near --what depth lower.obj floor.obj
+report "depth: the vertex that is inside; of an open mesh the edge is named"
+
 # Otherwise an answer longer than the shared memory would lose records.
 awk 'BEGIN {
     for (i = 0; i < 60; i++) {
@@ -123,6 +151,38 @@ ctl near --distance 2 --result-bytes 65536 --csv rows --json floor.obj needles.o
     json complete true && total=$(json_value total) && [ "$total" -gt 1024 ] &&
     [ "$(wc -l <rows)" -eq $((total + 1)) ] && [ "$(sort -u rows | wc -l)" -eq $((total + 1)) ]
 report "every page comes: more records than the shared memory holds"
+
+# Otherwise what is near could not be repeated, checked or seen where it was recorded.
+ctl record -o near.rec --contacts -- "$PCCDCTL" near --distance 1 floor.obj above.obj &&
+    ctl replay near.rec && grep -q '2 answers.*2 the same, 0 not' out &&
+    ctl verify near.rec && grep -q '2 questions about what is near with [1-9]' out &&
+    ctl render --near -o near.svg near.rec &&
+    lines=$(sed -n 's/.*, \([0-9]*\) records*$/\1/p' out) && [ "$lines" -gt 1 ] &&
+    [ "$(grep -c '<line x1' near.svg)" -eq "$lines" ] && grep -q '>distance<' near.svg &&
+    ctl record -o cross.rec --contacts -- "$PCCDCTL" near --what crossings floor.obj through.obj &&
+    ctl render --near -o cross.svg cross.rec &&
+    [ "$(grep -c '<line x1' cross.svg)" -eq 2 ] && ! grep -q '>distance<' cross.svg
+report "a recording of it is replayed, verified and drawn"
+
+# Otherwise a recording of a daemon's threads would have a hole where it computed that.
+"$PCCD_DAEMON" --socket "$dir/s" 2>log &
+daemon=$!
+for _ in $(seq 100); do
+    "$PCCDCTL" ping -c 1 -q --socket "$dir/s" >out 2>err && break
+    sleep 0.1
+done
+while [ ! -e enough ]; do
+    "$PCCDCTL" near --socket "$dir/s" --distance 1 floor.obj above.obj
+done >asked 2>&1 &
+asking=$!
+ctl trace --seconds 1 -o trace.json --socket "$dir/s"
+touch enough
+wait "$asking"
+grep -q '"name":"receive scene.near"' trace.json && grep -q '"name":"answer scene.near"' trace.json
+report "trace shows the question, from its arrival to its answer"
+kill "$daemon"
+wait "$daemon" 2>/dev/null
+daemon=
 
 # Otherwise a mistake would be answered as something else.
 fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &&

@@ -38,6 +38,7 @@ enum {
     OPTION_ZOOM,
     OPTION_SIZE,
     OPTION_AT,
+    OPTION_NEAR,
     OPTION_OUTPUT = 'o'
 };
 
@@ -51,6 +52,7 @@ struct render {
     enum picture_up up;
     uint32_t width, height;
     bool is_at_contacts;
+    bool is_near; /* what is near, and not contacts */
 };
 
 static const struct argp_option option_list[] = {
@@ -67,6 +69,10 @@ static const struct argp_option option_list[] = {
      "Show all (the default), the contacts, or contact N of the step, counted from 1 in "
      "the order of the answer. One contact is shown close, at its time of impact, from a "
      "side where nothing hides it, unless --time or --view say otherwise",
+     0},
+    {"near", OPTION_NEAR, NULL, 0,
+     "Draw, for contacts, what the last answered question about what is near has told: "
+     "lines between nearest points, coloured by distance, and edges that cross",
      0},
     {"zoom", OPTION_ZOOM, "Z", 0, "Enlarge the picture's contents Z times", 0},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the picture in pixels (default: 1200x900)",
@@ -178,6 +184,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_AT:
         parse_at(state, text, render);
         return 0;
+    case OPTION_NEAR:
+        render->is_near = true;
+        return 0;
     case OPTION_ZOOM:
         render->zoom = ctl_option_real(state, "zoom", text, 0.01, ZOOM_MAX);
         return 0;
@@ -187,6 +196,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case ARGP_KEY_END:
         if (render->path == NULL) {
             tool_misused(state, "-o FILE.png or -o FILE.svg says what to draw");
+        }
+        if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
+            tool_misused(state, "--near is of one moment, and has no contacts: neither "
+                                "--time nor --at contact N");
         }
         return 0;
     default:
@@ -223,7 +236,10 @@ static void find_eye(const struct render *render, float from[3])
 static void name_step(const struct render *render, const struct still *still, char *title,
                       size_t room)
 {
-    if (render->contact > 0) {
+    if (render->is_near) {
+        snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", still->step,
+                 still->line_count, proto_plural(still->line_count, "record", "records"));
+    } else if (render->contact > 0) {
         snprintf(title, room,
                  "step %" PRIu64 " at t = %.6g, contact %" PRIu64 " of %" PRIu64,
                  still->step, still->t, render->contact, still->contact_count);
@@ -248,11 +264,41 @@ static struct picture_place place_of(const struct render *render,
     return place;
 }
 
+/* Contacts by their times, or lines by their shares of the greatest distance. False: all
+ * have one colour. */
+static bool make_marks(const struct still *still, struct picture_mark *marks,
+                       struct picture_scale *scale)
+{
+    double greatest = 0;
+    for (uint64_t i = 0; i < still->line_count; i++) {
+        greatest = fmax(greatest, still->lines[i].distance);
+    }
+    for (uint64_t i = 0; i < still->line_count; i++) {
+        double share = greatest > 0 ? still->lines[i].distance / greatest : 0;
+        memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);
+        memcpy(marks[i].to, still->lines[i].ends[1], sizeof marks[i].to);
+        marks[i].is_line = true;
+        marks[i].group = (uint32_t)(share * (GROUPS - 1));
+    }
+    if (still->lines != NULL) {
+        snprintf(scale->title, sizeof scale->title, "distance");
+        snprintf(scale->high, sizeof scale->high, "%.4g", greatest);
+    }
+    for (uint64_t i = 0; i < still->contact_count; i++) {
+        double toi = still->contacts[i].toi;
+        uint32_t group = toi > 0 ? (uint32_t)(toi * GROUPS) : 0;
+        memcpy(marks[i].at, still->contacts[i].at, sizeof marks[i].at);
+        marks[i].group = group < GROUPS ? group : GROUPS - 1;
+    }
+    return still->lines == NULL || greatest > 0;
+}
+
 static int draw(const struct render *render, const struct still *still, FILE *file,
                 struct ctl_error *error)
 {
     struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof *meshes);
-    struct picture_mark *marks = calloc(still->contact_count + 1, sizeof *marks);
+    uint64_t mark_count = still->contact_count + still->line_count; /* one is 0 */
+    struct picture_mark *marks = calloc(mark_count + 1, sizeof *marks);
     struct picture_group groups[GROUPS];
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
     char title[128];
@@ -268,12 +314,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
         meshes[i].triangle_count = still->objects[i].triangle_count;
         colour_of_object(i, meshes[i].front, meshes[i].back);
     }
-    for (uint64_t i = 0; i < still->contact_count; i++) {
-        double toi = still->contacts[i].toi;
-        uint32_t group = toi > 0 ? (uint32_t)(toi * GROUPS) : 0;
-        memcpy(marks[i].at, still->contacts[i].at, sizeof marks[i].at);
-        marks[i].group = group < GROUPS ? group : GROUPS - 1;
-    }
+    bool has_scale = make_marks(still, marks, &scale);
     if (render->contact > 0) { /* last, over the others */
         struct picture_mark chosen = marks[still->chosen];
         marks[still->chosen] = marks[still->contact_count - 1];
@@ -290,7 +331,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
                               .marks = marks,
                               .groups = groups,
                               .mesh_count = still->object_count,
-                              .mark_count = (uint32_t)still->contact_count,
+                              .mark_count = (uint32_t)mark_count,
                               .group_count = GROUPS,
                               .up = render->up,
                               .width = render->width,
@@ -299,7 +340,7 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
                               .is_at_marks = render->is_at_contacts,
                               .place = render->contact > 0 ? &place : NULL,
                               .title = title,
-                              .scale = &scale};
+                              .scale = has_scale ? &scale : NULL};
     find_eye(render, picture.from);
     if (render->contact > 0 && isnan(render->azimuth)) {
         viewpoint_choose(still, picture.from);
@@ -328,7 +369,9 @@ int ctl_cmd_render(int argc, char **argv)
     if (isnan(at.t) && at.contact == 0) {
         at.t = 1;
     }
-    int status = still_take(&render.options.play, &at, &still, &summary, &error);
+    int status = render.is_near
+                     ? still_take_near(&render.options.play, &still, &summary, &error)
+                     : still_take(&render.options.play, &at, &still, &summary, &error);
     if (status == PCCD_OK && still.object_count == 0) {
         status =
             ctl_error_set(&error, PCCD_E_INVAL,

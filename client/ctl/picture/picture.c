@@ -219,11 +219,40 @@ float picture_mark_radius(const struct picture_mark *mark)
     return mark->is_chosen ? 3 * PICTURE_DOT_RADIUS : PICTURE_DOT_RADIUS;
 }
 
+/* Dots so close that they make a line; its ends are larger, or it would not be seen where
+ * it is short. */
+static void draw_line(const struct picture *picture, struct picture_canvas *canvas,
+                      const struct picture_mark *mark)
+{
+    const float *colour = picture->groups[mark->group].colour;
+    struct raster_corner ends[2] = {{.x = 0}, {.x = 0}};
+    picture_project(canvas, mark->at, &ends[0]);
+    picture_project(canvas, mark->to, &ends[1]);
+    float away = fmaxf(fabsf(ends[1].x - ends[0].x), fabsf(ends[1].y - ends[0].y));
+    uint32_t dots = (uint32_t)fminf(away, 2.0f * PICTURE_SIDE_MAX) + 1;
+    for (uint32_t i = 0; i <= dots; i++) {
+        float t = (float)i / (float)dots;
+        bool is_end = i == 0 || i == dots;
+        struct raster_corner at = {.x = ends[0].x + t * (ends[1].x - ends[0].x),
+                                   .y = ends[0].y + t * (ends[1].y - ends[0].y),
+                                   .nearness = ends[0].nearness +
+                                               t * (ends[1].nearness - ends[0].nearness)};
+        raster_dot(&canvas->raster, &at,
+                   (is_end ? PICTURE_DOT_RADIUS : PICTURE_LINE_RADIUS) *
+                       PICTURE_OVERSAMPLING,
+                   colour, PICTURE_DOT_HIDDEN);
+    }
+}
+
 void picture_draw_marks(const struct picture *picture, struct picture_canvas *canvas)
 {
     for (uint32_t i = 0; i < picture->mark_count; i++) {
         const struct picture_mark *mark = &picture->marks[i];
         struct raster_corner corner = {0};
+        if (mark->is_line) {
+            draw_line(picture, canvas, mark);
+            continue;
+        }
         picture_project(canvas, mark->at, &corner);
         raster_dot(&canvas->raster, &corner,
                    picture_mark_radius(mark) * PICTURE_OVERSAMPLING,

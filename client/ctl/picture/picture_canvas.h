@@ -16,6 +16,7 @@
 
 #define PICTURE_OVERSAMPLING 2     /* canvas pixels of one picture pixel, each way */
 #define PICTURE_DOT_RADIUS   2.1f  /* picture pixels */
+#define PICTURE_LINE_RADIUS  1.1f  /* likewise */
 #define PICTURE_DOT_HIDDEN   0.30f /* opacity of marks behind a surface */
 
 struct picture_canvas {

@@ -24,9 +24,11 @@ struct picture_mesh {
     float front[3], back[3]; /* colours of the sides, 0 .. 1 */
 };
 
-/* A contact: where, and which of the groups it belongs to. */
+/* A contact: where, and which of the groups it belongs to; or a line. */
 struct picture_mark {
     float at[3];
+    float to[3]; /* of a line */
+    bool is_line;
     uint32_t group;
     bool is_chosen; /* drawn larger */
 };

@@ -41,12 +41,34 @@ static void put_text(const char *text, double x, double y, const char *anchor, F
     fputs("</text>\n", file);
 }
 
+static void put_line(const struct picture *picture, const struct picture_canvas *canvas,
+                     const struct picture_mark *mark, FILE *file)
+{
+    struct raster_corner ends[2] = {{.x = 0}, {.x = 0}};
+    picture_project(canvas, mark->at, &ends[0]);
+    picture_project(canvas, mark->to, &ends[1]);
+    const double scale = 1.0 / PICTURE_OVERSAMPLING;
+    fprintf(file,
+            "<line x1=\"%.2f\" y1=\"%.2f\" x2=\"%.2f\" y2=\"%.2f\" stroke-opacity=\"%g\" "
+            "stroke-width=\"2\" stroke-linecap=\"round\" stroke=\"",
+            scale * (double)ends[0].x, scale * (double)ends[0].y,
+            scale * (double)ends[1].x, scale * (double)ends[1].y,
+            raster_is_hidden(&canvas->raster, &ends[0]) ? (double)PICTURE_DOT_HIDDEN
+                                                        : 1.0);
+    put_colour(picture->groups[mark->group].colour, file);
+    fputs("\"/>\n", file);
+}
+
 static void put_marks(const struct picture *picture, const struct picture_canvas *canvas,
                       FILE *file)
 {
     fprintf(file, "<g stroke=\"#000\" stroke-opacity=\"0.4\" stroke-width=\"0.4\">\n");
     for (uint32_t i = 0; i < picture->mark_count; i++) {
         struct raster_corner corner = {0};
+        if (picture->marks[i].is_line) {
+            put_line(picture, canvas, &picture->marks[i], file);
+            continue;
+        }
         picture_project(canvas, picture->marks[i].at, &corner);
         if (!(corner.x >= 0 && corner.y >= 0 && corner.x < (float)canvas->raster.width &&
               corner.y < (float)canvas->raster.height)) {

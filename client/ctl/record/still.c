@@ -207,6 +207,26 @@ static int find_contact(const struct still_at *at, const struct play_step *step,
     return PCCD_OK;
 }
 
+/* The objects of a scene at still->t. */
+static int take_objects(struct still *still, const struct registry_scene *scene,
+                        struct ctl_error *error)
+{
+    still->objects = calloc(scene->object_count + 1, sizeof *still->objects);
+    if (still->objects == NULL) {
+        return no_memory(error);
+    }
+    choose_origin(scene, still->t, still);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        still->object_count++;
+        if (!take_object(&scene->objects[i], still->t, still->origin,
+                         &still->objects[i]) ||
+            world_edges(scene->objects[i].mesh, error) != PCCD_OK) {
+            return no_memory(error);
+        }
+    }
+    return PCCD_OK;
+}
+
 static int take(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct taking *taking = context;
@@ -223,19 +243,13 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
             return status;
         }
     }
-    still->objects = calloc(step->scene->object_count + 1, sizeof *still->objects);
     still->contacts = calloc(step->count + 1, sizeof *still->contacts);
-    if (still->objects == NULL || still->contacts == NULL) {
+    if (still->contacts == NULL) {
         return no_memory(error);
     }
-    choose_origin(step->scene, still->t, still);
-    for (uint32_t i = 0; i < step->scene->object_count; i++) {
-        still->object_count++;
-        if (!take_object(&step->scene->objects[i], still->t, still->origin,
-                         &still->objects[i]) ||
-            world_edges(step->scene->objects[i].mesh, error) != PCCD_OK) {
-            return no_memory(error);
-        }
+    int status = take_objects(still, step->scene, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
         bool is_placed = place_contact(still, step->scene, &step->contacts[i],
@@ -273,8 +287,111 @@ int still_take(const struct play_settings *settings, const struct still_at *at,
     return status;
 }
 
+/* ---- what is near ------------------------------------------------------------------ */
+
+/* The weights of a record's features: VE has the second parameter, VV none. */
+static void near_weights(const struct pccd_near *near, double w[2][3])
+{
+    const float param[2] = {near->param[near->kind == PCCD_VE], near->param[1]};
+    common_contact_weights((enum pccd_kind)near->kind, param, w);
+}
+
+static bool place_line(const struct still *still, const struct registry_scene *scene,
+                       const struct pccd_near *from, struct still_line *to)
+{
+    const uint32_t handles[2] = {from->object_a, from->object_b};
+    const uint32_t features[2] = {from->feature_a, from->feature_b};
+    double w[2][3];
+    if (from->kind >= COMMON_KIND_COUNT) {
+        return false;
+    }
+    *to = (struct still_line){.distance = from->d_lo, .kind = from->kind};
+    near_weights(from, w);
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct still_object *object = find_object(still, handles[side]);
+        const struct registry_object *known = registry_object(scene, handles[side]);
+        uint32_t corners[3], points = common_kinds[from->kind].points[side];
+        if (object == NULL || known == NULL ||
+            corners_of(object, known->mesh, features[side], points, corners) == 0) {
+            return false;
+        }
+        for (uint32_t k = 0; k < 3 && from->kind != PCCD_EF; k++) {
+            double at = 0;
+            for (uint32_t i = 0; i < points; i++) {
+                at += w[side][i] * (double)object->x[corners[i]][k];
+            }
+            to->ends[side][k] = (float)at;
+        }
+        if (from->kind == PCCD_EF && side == 0) {
+            memcpy(to->ends[0], object->x[corners[0]], sizeof to->ends[0]);
+            memcpy(to->ends[1], object->x[corners[1]], sizeof to->ends[1]);
+        }
+    }
+    return true;
+}
+
+static int take_near(void *context, const struct play_near *near, struct ctl_error *error)
+{
+    struct taking *taking = context;
+    struct still *still = taking->still;
+    if (near->scene == NULL) {
+        return PCCD_OK;
+    }
+    still_deinit(still);
+    still->step = near->number;
+    still->t = near->asked->end;
+    still->lines = calloc(near->count + 1, sizeof *still->lines);
+    if (still->lines == NULL) {
+        return no_memory(error);
+    }
+    int status = take_objects(still, near->scene, error);
+    for (uint64_t i = 0; status == PCCD_OK && near->records != NULL && i < near->count;
+         i++) {
+        still->line_count += place_line(still, near->scene, &near->records[i],
+                                        &still->lines[still->line_count]);
+    }
+    find_extent(still);
+    taking->is_taken = status == PCCD_OK;
+    return status;
+}
+
+/* Steps are passed by. */
+static int pass(void *context, const struct play_step *step, struct ctl_error *error)
+{
+    (void)context;
+    (void)step;
+    (void)error;
+    return PCCD_OK;
+}
+
+int still_take_near(const struct play_settings *settings, struct still *still,
+                    struct play_summary *summary, struct ctl_error *error)
+{
+    struct play_settings asked = *settings;
+    struct taking taking = {.still = still};
+    memset(still, 0, sizeof *still);
+    asked.show_near = take_near;
+    int status = play(&asked, pass, &taking, summary, error);
+    if (status == PCCD_OK && !taking.is_taken) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s: nobody asked what is near in that part of it",
+                               settings->path);
+    }
+    if (status != PCCD_OK) {
+        still_deinit(still);
+    }
+    return status;
+}
+
 void still_report(const struct still *still, const char *path, bool is_json)
 {
+    if (!is_json && still->lines != NULL) {
+        printf("%s: question %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
+               tool_shown(path), still->step, still->t, still->object_count,
+               proto_plural(still->object_count, "object", "objects"), still->line_count,
+               proto_plural(still->line_count, "record", "records"));
+        return;
+    }
     if (!is_json) {
         printf("%s: step %" PRIu64 " at t = %g, %" PRIu32 " %s, %" PRIu64 " %s\n",
                tool_shown(path), still->step, still->t, still->object_count,
@@ -287,6 +404,9 @@ void still_report(const struct still *still, const char *path, bool is_json)
                                "step", (json_int_t)still->step, "t", still->t, "objects",
                                (json_int_t)still->object_count, "contacts",
                                (json_int_t)still->contact_count);
+    if (still->lines != NULL) {
+        json_object_set_new(object, "near", json_integer((json_int_t)still->line_count));
+    }
     json_dumpf(object, stdout, JSON_TEXT_FLAGS);
     putchar('\n');
     json_decref(object);
@@ -302,5 +422,6 @@ void still_deinit(struct still *still)
     }
     free(still->objects);
     free(still->contacts);
+    free(still->lines);
     memset(still, 0, sizeof *still);
 }

@@ -30,6 +30,13 @@ struct still_contact {
     uint32_t object_a, feature_a, object_b, feature_b;
 };
 
+/* The nearest points of two features; of a crossing, the ends of its edge. */
+struct still_line {
+    float ends[2][3]; /* less the origin */
+    double distance;  /* d_lo */
+    uint32_t kind;
+};
+
 struct still {
     uint64_t step;
     double t;
@@ -37,6 +44,8 @@ struct still {
     uint32_t object_count;
     struct still_contact *contacts;
     uint64_t contact_count;
+    struct still_line *lines; /* of still_take_near; then there are no contacts */
+    uint64_t line_count;
     double extent;    /* largest side of the box around everything */
     double origin[3]; /* zeros but for a scene that is small for how far off it is */
     bool has_origin;
@@ -54,6 +63,10 @@ struct still_at {
 int still_take(const struct play_settings *settings, const struct still_at *at,
                struct still *still, struct play_summary *summary,
                struct ctl_error *error);
+/* The same of the last answered question about what is near, at the moment that it asked
+ * for. Bounds of vertices are no lines. */
+int still_take_near(const struct play_settings *settings, struct still *still,
+                    struct play_summary *summary, struct ctl_error *error);
 /* What there is of it in the file `path`, on the standard output. */
 void still_report(const struct still *still, const char *path, bool is_json);
 void still_deinit(struct still *still);
