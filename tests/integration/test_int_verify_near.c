@@ -215,7 +215,8 @@ static void forge(enum forgery forgery)
 /* ---- judging ----------------------------------------------------------------------- */
 
 /* If this failed, right answers would be called wrong, or nothing would be checked; or
- * the scene would not follow questions that move it, of which the step after them tells. */
+ * the scene would not follow questions that move it, of which the step after them
+ * tells. */
 static void verify__passes_what_is_near(void **state)
 {
     char said[4096];

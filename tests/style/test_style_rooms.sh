@@ -82,7 +82,7 @@ daemon/service .          base sessions requests
 client/ctl .
 client/ctl mesh           .
 client/ctl check          . mesh
-client/ctl near           . check
+client/ctl near           . mesh check
 client/ctl observe        . check
 client/ctl record         . check
 client/ctl export         record

@@ -42,8 +42,8 @@ void answers_deinit(struct answers *answers);
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
 const struct record_near_answer *answers_find_near(const struct answers *answers,
                                                    uint64_t step);
-/* The records of a step, or of what is near, into *to (grown by realloc, of *room bytes). *count = 0 without
- * any; is_whole: they are all that the answer had. */
+/* The records of a step, or of what is near, into *to (grown by realloc, of *room
+ * bytes). *count = 0 without any; is_whole: they are all that the answer had. */
 int answers_records(const struct answers *answers, struct record_reader *reader,
                     uint64_t step, void **to, size_t *room, uint64_t *count,
                     bool *is_whole, struct ctl_error *error);
