@@ -26,6 +26,7 @@ bench_scenes_sources = \
     bench/scenes/families.h \
     bench/scenes/game.c \
     bench/scenes/layers.c \
+    bench/scenes/needles.c \
     bench/scenes/overlap.c \
     bench/scenes/partial.c \
     bench/scenes/recorded.c \

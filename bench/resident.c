@@ -112,3 +112,22 @@ void bench_world_step(struct bench_world *world, const struct bench_frames *fram
     must(eng_step(world->scene, settings, result), "eng_step");
     world->frame = frames->from + 1;
 }
+
+void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
+                      bool moves, const struct eng_near_settings *settings,
+                      struct eng_near_result *result)
+{
+    const struct bench_scene *source = frames->scene;
+    if (moves) {
+        eng_stage_begin(world->scene);
+        eng_stage_share(world->scene, settings->step.threads, settings->step.affinity);
+        for (uint32_t i = 0; i < source->object_count; i++) {
+            must(eng_stage_x1(world->scene, world->object_idx[i], PCCD_FORMAT_F64, 0,
+                              source->objects[i].vertex_count,
+                              bench_frames_x(frames, 0, i)),
+                 "eng_stage_x1");
+        }
+        world->frame = frames->from;
+    }
+    must(eng_near(world->scene, settings, result), "eng_near");
+}

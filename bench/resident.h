@@ -1,13 +1,15 @@
 /* bench/resident.h - puts a benchmark scene into the engine.
  *
  * Room:     bench; engine headers.
- * Does:     register the meshes, add the objects, stage the positions of a step.
+ * Does:     register the meshes, add the objects, stage the positions of a step or of a
+ *           question about what is near.
  * Does not: make frames: the caller does, once for all the scenes that it compares.
  * Threads:  one.
  */
 #ifndef BENCH_RESIDENT_H
 #define BENCH_RESIDENT_H
 
+#include "near.h"
 #include "step.h"
 #include "workload.h"
 
@@ -44,5 +46,11 @@ struct eng_step_settings bench_step_settings(enum pccd_mode mode);
 void bench_world_step(struct bench_world *world, const struct bench_frames *frames,
                       const struct eng_step_settings *settings,
                       struct eng_step_result *result);
+
+/* Ask what is near where the scene stands; with `moves` at the start of `frames`, to
+ * which this very request moves it. */
+void bench_world_near(struct bench_world *world, const struct bench_frames *frames,
+                      bool moves, const struct eng_near_settings *settings,
+                      struct eng_near_result *result);
 
 #endif

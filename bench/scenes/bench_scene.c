@@ -6,6 +6,7 @@
  */
 #include "bench_scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,6 +73,21 @@ double (*bench_scene_store(struct bench_scene *scene, uint32_t frame_count))[3]
         bench_scene_alloc((size_t)frame_count * scene->vertex_count, sizeof(double[3]));
     scene->free_state = free;
     return scene->state;
+}
+
+double bench_frames_diagonal(const struct bench_frames *frames)
+{
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        double lo = INFINITY;
+        double hi = -INFINITY;
+        for (uint32_t v = 0; v < frames->scene->vertex_count; v++) {
+            lo = fmin(lo, frames->x[0][v][k]);
+            hi = fmax(hi, frames->x[0][v][k]);
+        }
+        square += (hi - lo) * (hi - lo);
+    }
+    return sqrt(square);
 }
 
 uint64_t bench_scene_triangles(const struct bench_scene *scene)

@@ -66,6 +66,9 @@ static inline double (*bench_frames_x(const struct bench_frames *frames, int end
     return frames->x[end] + frames->scene->objects[object].first_vertex;
 }
 
+/* Of the box around all start positions. */
+double bench_frames_diagonal(const struct bench_frames *frames);
+
 uint64_t bench_scene_triangles(const struct bench_scene *scene);
 void bench_scene_free(struct bench_scene *scene);
 

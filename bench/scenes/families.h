@@ -27,6 +27,10 @@ void bench_make_all_overlap(struct bench_scene *scene, bool small);
 void bench_make_soup(struct bench_scene *scene, uint32_t count);
 void bench_make_one_triangle(struct bench_scene *scene, bool small);
 
+/* needles.c: pairs of triangles of length 1 and width 1e-8; those of a pair are nearer
+ * than 2, all else farther apart. */
+void bench_make_needles(struct bench_scene *scene, bool small);
+
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
  * fly, tumble and fall on the ground (object 2). Until then object 1 is one closed
  * surface, in the place of the pieces' outer sides. */
