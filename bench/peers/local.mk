@@ -1,7 +1,9 @@
-# bench/peers/local.mk - other libraries' candidate pairs; for those that are installed.
+# bench/peers/local.mk - other libraries' candidate pairs, for those that are installed;
+# what is near, by us and by ipc-toolkit.
 #
 # make bench-peers                             tables of all scenes
 # make bench-peers BENCH_ARGS=--json           one JSON line a row
+# make bench-near BENCH_ARGS=cloth-ball        what is near, of one scene
 #
 # The only C++ here, and built only where configure has found a library: apt-get install
 # libembree-dev libfcl-dev libbullet-dev libcgal-dev
@@ -11,7 +13,35 @@ EXTRA_DIST += \
     bench/peers/bullet.cc \
     bench/peers/cgal.cc \
     bench/peers/embree.cc \
-    bench/peers/fcl.cc
+    bench/peers/fcl.cc \
+    bench/peers/ipc_toolkit.cc
+
+# What is near: ours is measured by itself where there is no ipc-toolkit.
+check_PROGRAMS += bench/peers/near
+bench_peers_near_SOURCES = \
+    bench/peers/near.c \
+    bench/peers/near_judge.c \
+    bench/peers/near_judge.h \
+    bench/peers/near_ours.c \
+    bench/peers/near_ours.h \
+    bench/peers/near_peer.h \
+    bench/peers/swept.c \
+    bench/peers/swept.h \
+    $(bench_engine_sources)
+bench_peers_near_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/peers \
+    -I$(top_srcdir)/client/oracle
+bench_peers_near_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
+bench_peers_near_LINK = $(LINK) $(OPENMP_CFLAGS)
+bench_peers_near_LDADD = $(bench_engine_libs) liboracle.la $(GMP_LIBS)
+if HAVE_IPC_TOOLKIT
+bench_peers_near_SOURCES += bench/peers/ipc_toolkit.cc
+bench_peers_near_CPPFLAGS += -DPEERS_IPC_TOOLKIT
+bench_peers_near_LDADD += $(IPC_TOOLKIT_LIBS) -lstdc++
+endif
+
+.PHONY: bench-near
+bench-near: bench/peers/near$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) bench/peers/near $(BENCH_ARGS)
 
 if HAVE_PEERS
 check_PROGRAMS += bench/peers/peers

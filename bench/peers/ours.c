@@ -12,7 +12,7 @@
 
 #include "kernel.h"
 #include "report.h"
-#include "trees.h"
+#include "swept.h"
 #include "wide.h"
 #include "wide_sweep.h"
 #include "world.h"
@@ -36,12 +36,8 @@ void peers_ours_scene(const struct bench_world *world)
 static uint32_t index_of(const struct bench_world *world, enum pccd_tree kind,
                          uint64_t key)
 {
-    uint32_t i = BENCH_OBJECT_OF((uint32_t)(key >> 32));
-    const struct eng_object *object = &world->scene->objects[world->object_idx[i]];
-    uint32_t first = kind == PCCD_TREE_VERTICES ? object->vertices.first
-                     : kind == PCCD_TREE_EDGES  ? eng_planted_of(object)->edges.first
-                                                : eng_planted_of(object)->triangles.first;
-    return first + (uint32_t)key;
+    uint32_t points = kind == PCCD_TREE_VERTICES ? 1 : kind == PCCD_TREE_EDGES ? 2 : 3;
+    return peers_index(world, points, (uint32_t)(key >> 32), (uint32_t)key);
 }
 
 static void visit(void *context, enum pccd_kind kind, const uint64_t *a,

@@ -1,5 +1,6 @@
 #!/bin/bash
-# smoke.sh - the other libraries still build, run, and find one set of pairs (TAP).
+# smoke.sh - the other libraries still build, run, and find one set of pairs; ours finds
+# what is near (TAP).
 #
 # With tiny scenes; the times mean nothing here.
 
@@ -8,17 +9,29 @@ set -u -o pipefail
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
 
-peers=$top_builddir/bench/peers/peers
-if [ ! -x "$peers" ]; then
-    tap_skip bench_peers__find_one_set_of_pairs "configure has found no other library"
-    tap_end
-    exit
-fi
 log=$(mktemp) || exit 99
 trap 'rm -f "$log"' EXIT
 
 # If this failed, the libraries would be timed on different work, or not run at all.
-"$peers" --smoke >"$log" 2>&1
-tap_result $? bench_peers__find_one_set_of_pairs "$log"
+peers=$top_builddir/bench/peers/peers
+if [ -x "$peers" ]; then
+    "$peers" --smoke >"$log" 2>&1
+    tap_result $? bench_peers__find_one_set_of_pairs "$log"
+else
+    tap_skip bench_peers__find_one_set_of_pairs "configure has found no other library"
+fi
+
+# If this failed, times of what is near would be those of wrong answers.
+near=$top_builddir/bench/peers/near
+"$near" --smoke >"$log" 2>&1
+tap_result $? bench_near__says_what_exact_integers_say "$log"
+
+# If this failed, ipc-toolkit would not be asked the same, or not at all.
+if grep -q 'ipc-toolkit: skipped' "$log"; then
+    tap_skip bench_near__asks_ipc_toolkit "configure was not told where it is"
+else
+    [ "$(grep -c 'ipc-toolkit, features' "$log")" -ge 3 ]
+    tap_result $? bench_near__asks_ipc_toolkit "$log"
+fi
 
 tap_end

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "aabb.h"
+#include "paper_features.h"
 #include "report.h"
 #include "trees.h"
 #include "world.h"
@@ -87,4 +88,11 @@ void peers_swept_deinit(struct peer_input *input)
     list_deinit(&input->vertices);
     list_deinit(&input->edges);
     list_deinit(&input->faces);
+}
+
+uint32_t peers_index(const struct bench_world *world, uint32_t points, uint32_t object_id,
+                     uint32_t feature)
+{
+    uint32_t object_idx = world->object_idx[BENCH_OBJECT_OF(object_id)];
+    return eng_feature_first(&world->scene->objects[object_idx], points) + feature;
 }

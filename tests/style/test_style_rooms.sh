@@ -41,7 +41,7 @@ bench               proto proto/text daemon/engine client/lib+ tests/support ben
 bench/model         bench daemon/engine bench/scenes
 bench/growth        bench daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
-bench/peers         bench daemon/engine bench/scenes
+bench/peers         bench daemon/engine bench/scenes client/oracle
 bench/redis         bench proto client/lib+
 bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto
@@ -105,7 +105,10 @@ bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/b
 bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/config.h
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
-bench/peers         atomic cstdio cstdlib memory string vector
+bench/peers         ipc/broad_phase/lbvh.hpp ipc/candidates/candidates.hpp
+bench/peers         ipc/collision_mesh.hpp ipc/collisions/normal/normal_collisions.hpp
+bench/peers         ipc/distance/distance_type.hpp ipc/utils/logger.hpp tbb/global_control.h
+bench/peers         algorithm atomic cstdio cstdlib memory string vector
 bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h

@@ -1,0 +1,351 @@
+/* near.c - what is near, asked of us and of ipc-toolkit, in one run.
+ *
+ * Room:     bench/peers; engine headers.
+ * Does:     ask both for the pairs within a distance, their closest features and a bound
+ *           for each vertex; let exact integers decide who is right (near_judge.h), then
+ *           time both by turns, beside a step that looks for contacts.
+ * Does not: time ipc-toolkit's building of its mesh, or ours of trees, which stay. Boxes
+ *           are within the time of both: the positions are new ones.
+ * Threads:  one, and a team of two; ipc-toolkit has one.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "families.h"
+#include "near_ours.h"
+#include "report.h"
+#include "swept.h"
+
+#define REPEATS_MAX 15u
+#define THREADS_MAX 2u
+#define BUDGET_NS   4000000000u /* for one quantity; it has two repeats at least */
+
+static const struct near_peer *const peer =
+#ifdef PEERS_IPC_TOOLKIT
+    &near_ipc_toolkit;
+#else
+    NULL;
+#endif
+
+/* Scenes that are measured when none is named. */
+static const char *const usual[] = {"cloth-20k",    "bodies", "cloth-ball",
+                                    "cloth-funnel", "n-body", NULL};
+
+/* What ours is asked. At rest: once more, where the scene stands. */
+static const struct {
+    const char *name;
+    enum pccd_near_what what;
+    bool moves;
+} asked[] = {{"pairs", PCCD_NEAR_PAIRS, true},
+             {"features", PCCD_NEAR_FEATURES, true},
+             {"features, at rest", PCCD_NEAR_FEATURES, false},
+             {"vertices", PCCD_NEAR_VERTICES, true},
+             {"crossings", PCCD_NEAR_CROSSINGS, true}};
+enum { ASKED = sizeof asked / sizeof asked[0] };
+
+/* What the other library is asked, and what of ours it is compared with. */
+enum { THEIR_PAIRS, THEIR_FEATURES, THEIR_VERTICES, THEIRS };
+static const char *const their_name[THEIRS] = {"pairs", "features", "vertices"};
+static const unsigned beside[THEIRS] = {0, 1, 3};
+
+struct quantity {
+    struct bench_samples ms;
+    uint64_t spent_ns;
+};
+
+struct run {
+    const char *name; /* of the scene, with the distance */
+    struct bench_world *world;
+    const struct bench_frames *frames;
+    const struct near_input *input;
+    double d;
+    void *theirs; /* NULL: there is no other library */
+    struct quantity step[THREADS_MAX];
+    struct quantity ours[THREADS_MAX][ASKED];
+    struct quantity others[THEIRS];
+};
+
+/* ---- sets -------------------------------------------------------------------------- */
+
+static void count(const char *scene, const char *who, const char *what, double value)
+{
+    char text[100];
+    snprintf(text, sizeof text, "%s: %s", who, what);
+    bench_number(scene, text, "", value);
+}
+
+static void ask_theirs(const struct run *run, struct near_answers *answers,
+                       uint64_t *relabelled)
+{
+    answers->pair_count = peer->pairs(run->theirs, run->d);
+    answers->pairs = bench_alloc(answers->pair_count, sizeof *answers->pairs);
+    peer->take_pairs(run->theirs, answers->pairs);
+    answers->feature_count = peer->features(run->theirs, run->d);
+    answers->features = bench_alloc(answers->feature_count, sizeof *answers->features);
+    peer->take_features(run->theirs, answers->features, relabelled);
+    answers->bounds = bench_alloc(run->input->vertex_count, sizeof *answers->bounds);
+    peer->vertices(run->theirs, run->d, answers->bounds);
+}
+
+/* What the library has otherwise than exact integers say. */
+static void print_theirs(const char *scene, const struct near_verdict *verdict,
+                         uint64_t relabelled)
+{
+    count(scene, "theirs", "pairs missing", (double)verdict->missing);
+    count(scene, "theirs", "missing at d itself", (double)verdict->at_bound);
+    count(scene, "theirs", "pairs too many", (double)verdict->surplus);
+    count(scene, "theirs", "squares off 1e-6", (double)verdict->distances);
+    count(scene, "theirs", "other closest", (double)verdict->closest);
+    count(scene, "theirs", "merged differ", (double)verdict->merged);
+    count(scene, "theirs", "near-parallel", (double)relabelled);
+    count(scene, "theirs", "bounds too far", (double)verdict->bounds);
+    count(scene, "theirs", "too far by, most", verdict->most);
+}
+
+static bool judge(struct run *run)
+{
+    struct near_ours ours;
+    struct near_answers theirs = {0};
+    struct near_verdict of_ours;
+    struct near_verdict of_theirs;
+    uint64_t relabelled = 0;
+    near_ours_ask(&ours, run->world, run->frames, run->d);
+    if (run->theirs) {
+        ask_theirs(run, &theirs, &relabelled);
+    }
+    near_judge(run->input, run->d, &ours.answers, ours.brackets,
+               run->theirs ? &theirs : NULL, &of_ours, &of_theirs);
+    uint64_t wrong = of_ours.missing + of_ours.surplus + of_ours.distances +
+                     of_ours.closest + of_ours.merged + of_ours.bounds;
+    bench_number(run->name, "distance", "", run->d);
+    bench_number(run->name, "pairs", "", (double)of_ours.pairs);
+    bench_number(run->name, "closest features", "", (double)of_ours.features);
+    count(run->name, "ours", "wrong", (double)wrong);
+    if (run->theirs) {
+        print_theirs(run->name, &of_theirs, relabelled);
+    }
+    near_ours_free(&ours);
+    free(theirs.pairs);
+    free(theirs.features);
+    free(theirs.bounds);
+    return bench_check(wrong == 0, run->name, "ours is not what exact integers say");
+}
+
+/* ---- times ------------------------------------------------------------------------- */
+
+static void keep(struct quantity *quantity, uint64_t begin_ns, bool counts)
+{
+    uint64_t ns = common_now_ns() - begin_ns;
+    quantity->spent_ns += ns;
+    if (counts) {
+        bench_add(&quantity->ms, 1e-6 * (double)ns);
+    }
+}
+
+/* A step to the end of the frames, so that a question that moves goes back from there. */
+static void take_step(struct run *run, uint32_t threads, bool counts)
+{
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    settings.method = PCCD_METHOD_WIDE;
+    settings.threads = threads;
+    uint64_t begin_ns = common_now_ns();
+    bench_world_step(run->world, run->frames, &settings, &result);
+    keep(&run->step[threads - 1], begin_ns, counts);
+}
+
+static void ask_ours(struct run *run, uint32_t threads, unsigned i, bool counts)
+{
+    struct eng_near_settings settings =
+        near_ours_settings(asked[i].what, run->d, threads);
+    struct eng_near_result result;
+    if (asked[i].moves) {
+        take_step(run, threads, counts);
+    }
+    uint64_t begin_ns = common_now_ns();
+    bench_world_near(run->world, run->frames, asked[i].moves, &settings, &result);
+    keep(&run->ours[threads - 1][i], begin_ns, counts);
+    bench_check(result.incomplete == PCCD_COMPLETE, run->name, "incomplete");
+}
+
+static void ask_other(struct run *run, unsigned i, double *bounds, bool counts)
+{
+    uint64_t begin_ns = common_now_ns();
+    if (i == THEIR_PAIRS) {
+        peer->pairs(run->theirs, run->d);
+    } else if (i == THEIR_FEATURES) {
+        peer->features(run->theirs, run->d);
+    } else {
+        peer->vertices(run->theirs, run->d, bounds);
+    }
+    keep(&run->others[i], begin_ns, counts);
+}
+
+static bool has_turn(const struct quantity *quantity, unsigned r)
+{
+    return r <= 2 || quantity->spent_ns < BUDGET_NS;
+}
+
+static void take_turns(struct run *run, uint32_t most, unsigned repeats)
+{
+    double *bounds = bench_alloc(run->input->vertex_count, sizeof *bounds);
+    for (unsigned r = 0; r <= repeats; r++) {
+        for (uint32_t threads = 1; threads <= most; threads++) {
+            for (unsigned i = 0; i < ASKED; i++) {
+                if (has_turn(&run->ours[threads - 1][i], r)) {
+                    ask_ours(run, threads, i, r > 0);
+                }
+            }
+        }
+        for (unsigned i = 0; i < THEIRS && run->theirs; i++) {
+            if (has_turn(&run->others[i], r)) {
+                ask_other(run, i, bounds, r > 0);
+            }
+        }
+    }
+    free(bounds);
+}
+
+static void print_row(const struct run *run, const char *who, const char *what,
+                      uint32_t threads, const struct quantity *quantity,
+                      const char *base_name, const struct quantity *base)
+{
+    char text[100];
+    snprintf(text, sizeof text, "%s, %s, %u", who, what, threads);
+    bench_row(&(struct bench_row){.scene = run->name,
+                                  .what = text,
+                                  .unit = "ms",
+                                  .samples = &quantity->ms,
+                                  .base_name = base_name,
+                                  .base = base ? &base->ms : NULL,
+                                  .threads = threads});
+}
+
+static void print(const struct run *run, uint32_t most)
+{
+    for (uint32_t threads = 1; threads <= most; threads++) {
+        const struct quantity *step = &run->step[threads - 1];
+        print_row(run, "ours", "contact step", threads, step, NULL, NULL);
+        for (unsigned i = 0; i < ASKED; i++) {
+            print_row(run, "ours", asked[i].name, threads, &run->ours[threads - 1][i],
+                      "contact step", step);
+        }
+    }
+    for (unsigned i = 0; i < THEIRS && run->theirs; i++) {
+        print_row(run, peer->name, their_name[i], 1, &run->others[i], "ours",
+                  &run->ours[0][beside[i]]);
+    }
+    for (uint32_t threads = 2; threads <= most; threads++) {
+        for (unsigned i = 0; i < ASKED; i++) {
+            print_row(run, "one thread", asked[i].name, threads, &run->ours[0][i],
+                      "so many", &run->ours[threads - 1][i]);
+        }
+    }
+}
+
+static void run_free(struct run *run)
+{
+    for (unsigned t = 0; t < THREADS_MAX; t++) {
+        bench_free(&run->step[t].ms);
+        for (unsigned i = 0; i < ASKED; i++) {
+            bench_free(&run->ours[t][i].ms);
+        }
+    }
+    for (unsigned i = 0; i < THEIRS; i++) {
+        bench_free(&run->others[i].ms);
+    }
+}
+
+/* ---- scenes ------------------------------------------------------------------------ */
+
+static void measure(const char *name, struct bench_world *world,
+                    const struct bench_frames *frames, const struct near_input *input,
+                    double d, const struct bench_options *options)
+{
+    struct run run = {.name = name,
+                      .world = world,
+                      .frames = frames,
+                      .input = input,
+                      .d = d,
+                      .theirs = peer ? peer->open(input) : NULL};
+    if (judge(&run)) {
+        take_turns(&run, THREADS_MAX, options->smoke ? 1 : REPEATS_MAX);
+        print(&run, THREADS_MAX);
+    }
+    if (run.theirs) {
+        peer->close(run.theirs);
+    }
+    run_free(&run);
+}
+
+static void measure_shares(const struct bench_scene *source, struct bench_world *world,
+                           const struct bench_frames *frames,
+                           const struct near_input *input,
+                           const struct bench_options *options)
+{
+    static const double shares[] = {1e-3, 2.5e-3};
+    bool is_told = strcmp(source->name, "cloth-ball") == 0;
+    for (unsigned i = 0; i < (is_told ? 2 : 1); i++) {
+        char name[80];
+        double share = options->smoke ? 5e-3 : shares[i];
+        snprintf(name, sizeof name, "%s, %g", source->name, share);
+        measure(name, world, frames, input, share * bench_frames_diagonal(frames),
+                options);
+    }
+}
+
+static void measure_scene(const struct bench_scene *source, double d,
+                          const struct bench_options *options)
+{
+    struct bench_frames frames;
+    struct bench_world world;
+    struct peer_input features;
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    bench_frames_init(&frames, source, source->hard_frame);
+    bench_world_init(&world, &frames, NULL);
+    bench_world_step(&world, &frames, &settings, &result);
+    peers_swept_init(&features, &world);
+    struct near_input input = {.vertex_count = features.vertices.count,
+                               .edge_count = features.edges.count,
+                               .face_count = features.faces.count,
+                               .x = (const double(*)[3])frames.x[0],
+                               .edges = (const uint32_t(*)[3])features.edges.corners,
+                               .faces = (const uint32_t(*)[3])features.faces.corners};
+    if (d > 0) {
+        measure(source->name, &world, &frames, &input, d, options);
+    } else {
+        measure_shares(source, &world, &frames, &input, options);
+    }
+    peers_swept_deinit(&features);
+    bench_world_deinit(&world);
+    bench_frames_deinit(&frames);
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_options options;
+    int exit_status;
+    bench_team_environment(argv);
+    if (!bench_begin("near", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    if (!peer) {
+        bench_skip("ipc-toolkit", "configure was not told where it is");
+    }
+    struct bench_scene scene;
+    for (unsigned i = 0;
+         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
+        measure_scene(&scene, 0, &options);
+        bench_scene_free(&scene);
+    }
+    if (bench_is_wanted(&options, "needles")) {
+        memset(&scene, 0, sizeof scene);
+        scene.name = "needles";
+        bench_make_needles(&scene, options.smoke);
+        measure_scene(&scene, 2, &options);
+        bench_scene_free(&scene);
+    }
+    return bench_end();
+}

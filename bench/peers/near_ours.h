@@ -1,0 +1,29 @@
+/* near_ours.h - what the engine says is near, under the names of the libraries.
+ *
+ * Room:     bench/peers. May include: near_judge.h, bench, engine headers.
+ * Does:     ask a resident scene for pairs, closest features and bounds of vertices, and
+ *           keep the answers.
+ * Threads:  one asks; a team answers.
+ */
+#ifndef NEAR_OURS_H
+#define NEAR_OURS_H
+
+#include "near_judge.h"
+#include "resident.h"
+
+struct near_ours {
+    struct near_answers answers;
+    struct near_bracket *brackets; /* of each pair */
+};
+
+/* Settings of a question, by the method `wide`. */
+struct eng_near_settings near_ours_settings(enum pccd_near_what what, double d,
+                                            uint32_t threads);
+
+/* The world has made a step by the method `paper`, and stands at the start of `frames` or
+ * at its end; it stands at the start afterwards. */
+void near_ours_ask(struct near_ours *ours, struct bench_world *world,
+                   const struct bench_frames *frames, double d);
+void near_ours_free(struct near_ours *ours);
+
+#endif
