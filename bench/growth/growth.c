@@ -2,8 +2,9 @@
  *
  * Room:     bench; engine headers.
  * Does:     step stacks of layers of 1 K to 10 M triangles, as many contacts a triangle
- *           in each; step two sheets of one size of which more and more passes through
- *           the other. A line of CSV each: size.csv and contacts.csv.
+ *           in each, and ask what is near where they stand; step two sheets of one size
+ *           of which more and more passes through the other. A line of CSV each: size.csv
+ *           and contacts.csv.
  * Does not: fit or draw: fit.awk and *.gp do.
  * Threads:  one, but for the team of --threads.
  */
@@ -28,6 +29,7 @@
 #define REGISTERED   2u  /* times, for the least */
 #define WARM_UP      2u
 #define STEPS        5u
+#define NEAR         0.05 /* of a square's side: what is nearer than that is asked for */
 #define CROSSING     361u /* vertices on a side: 518 400 triangles in two sheets */
 
 struct options {
@@ -48,6 +50,9 @@ struct growth {
      * what the steps leave for the next, records above all. What the process has grown
      * by. */
     double registered_bytes, scene_bytes, records_bytes, process_bytes;
+    /* The closest features of what is near at new positions: time; how many; what the
+     * engine holds for that beside all the above. */
+    double near_ms, near_features, near_bytes;
 };
 
 static double process_bytes(void)
@@ -94,6 +99,31 @@ static void keep_step(struct growth *growth, const struct eng_step_result *resul
     growth->contacts = (double)result->count;
 }
 
+/* The scene goes to and fro between two frames. */
+static void measure_near(struct growth *growth, struct bench_world *world,
+                         const struct bench_frames *frames,
+                         const struct eng_step_settings *step, uint32_t turns)
+{
+    struct eng_near_settings settings = {
+        .step = *step, .what = PCCD_NEAR_FEATURES, .distance = NEAR, .end = 1};
+    struct eng_near_result near;
+    struct eng_step_result result;
+    double bytes_before = (double)eng_alloc_bytes();
+    for (uint32_t i = 0; i < turns; i++) {
+        uint64_t begin_ns = common_now_ns();
+        bench_world_near(world, frames, true, &settings, &near);
+        if (i > 0 || turns == 1) {
+            keep_least(&growth->near_ms, common_now_ns() - begin_ns);
+        }
+        bench_check(near.incomplete == PCCD_COMPLETE, frames->scene->name, "incomplete");
+        if (i + 1 < turns) {
+            bench_world_step(world, frames, step, &result);
+        }
+    }
+    growth->near_features = (double)near.count;
+    growth->near_bytes = (double)eng_alloc_bytes() - bytes_before;
+}
+
 static struct growth measure(const struct bench_scene *scene, enum pccd_method method,
                              const struct options *options)
 {
@@ -136,6 +166,7 @@ static struct growth measure(const struct bench_scene *scene, enum pccd_method m
     growth.records_bytes = (double)eng_step_memory_bytes(world.scene);
     growth.scene_bytes = (double)eng_alloc_bytes() - bytes_before - growth.records_bytes;
     growth.process_bytes = process_bytes() - process_before;
+    measure_near(&growth, &world, &frames, &settings, steps);
     bench_world_deinit(&world);
     bench_frames_deinit(&frames);
     return growth;
@@ -154,7 +185,8 @@ static FILE *begin(const struct options *options, const char *name)
     }
     fputs("method,threads,triangles,contacts,candidates,box_tests,register_ms,"
           "register_kernel_ms,step_ms,refit_ms,traversal_ms,tests_ms,merge_ms,"
-          "registered_bytes,scene_bytes,records_bytes,process_bytes\n",
+          "registered_bytes,scene_bytes,records_bytes,process_bytes,near_ms,"
+          "near_features,near_bytes\n",
           csv);
     return csv;
 }
@@ -165,17 +197,20 @@ static void write_row(FILE *csv, const char *method, const struct growth *growth
     const struct growth *g = growth;
     fprintf(csv,
             "%s,%u,%.0f,%.0f,%.0f,%.0f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.4f,%.0f,%.0f,%.0f,"
-            "%.0f\n",
+            "%.0f,%.4f,%.0f,%.0f\n",
             method, options->threads, g->triangles, g->contacts, g->candidates,
             g->box_tests, g->register_ms, g->register_kernel_ms, g->step_ms, g->refit_ms,
             g->traversal_ms, g->tests_ms, g->merge_ms, g->registered_bytes,
-            g->scene_bytes, g->records_bytes, g->process_bytes);
+            g->scene_bytes, g->records_bytes, g->process_bytes, g->near_ms,
+            g->near_features, g->near_bytes);
     fflush(csv);
     printf("%-6s %9.0f triangles %8.0f contacts: register %9.2f ms, step %9.3f ms; "
-           "bytes a triangle: %4.0f registered, %4.0f resident, and %4.0f of answers\n",
+           "bytes a triangle: %4.0f registered, %4.0f resident, and %4.0f of answers; "
+           "%8.0f features near: %9.3f ms, %4.0f bytes a triangle\n",
            method, g->triangles, g->contacts, g->register_ms, g->step_ms,
            g->registered_bytes / g->triangles, g->scene_bytes / g->triangles,
-           g->records_bytes / g->triangles);
+           g->records_bytes / g->triangles, g->near_features, g->near_ms,
+           g->near_bytes / g->triangles);
     fflush(stdout);
 }
 

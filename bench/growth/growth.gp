@@ -36,6 +36,8 @@ plot rows('size.csv', 'wide') using 'triangles':'register_ms' with linespoints l
         title 'step (' . slope('step_ms', 'triangles') . ')', \
     '' using 'triangles':'refit_ms' with linespoints lw 2 pt 7 \
         title 'refit (' . slope('refit_ms', 'triangles') . ')', \
+    '' using 'triangles':'near_ms' with linespoints lw 2 pt 7 \
+        title 'closest features near (' . slope('near_ms', 'triangles') . ')', \
     rows('size.csv', 'paper') using 'triangles':'step_ms' with linespoints dt 2 pt 6 \
         title 'step, method paper'
 

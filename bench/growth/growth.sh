@@ -53,7 +53,8 @@ fit() {
 
 fit_all() {
     echo "quantity,against,exponent,points,factor"
-    for quantity in register_ms step_ms refit_ms box_tests candidates scene_bytes; do
+    for quantity in register_ms step_ms refit_ms box_tests candidates scene_bytes near_ms \
+        near_bytes; do
         fit size triangles $quantity wide 0 || return
     done
     fit contacts contacts step_ms wide 1 || return

@@ -22,6 +22,13 @@ awk -F, 'NR > 1 && $1 == "wide" { rows++; least = !least || $3 < least ? $3 : le
     "$work/out/size.csv" >"$work/log"
 tap_result $? growth__has_alike_scenes_of_each_size "$work/log"
 
+# If this failed, answers about what is near would not be measured, or be empty.
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    { rows++; if (!($at["near_ms"] > 0 && $at["near_features"] > 0.01 * $at["triangles"] &&
+            $at["near_bytes"] > 0)) { print; bad = 1 } }
+    END { exit bad || rows == 0 }' "$work/out/size.csv" >"$work/log"
+tap_result $? growth__asks_what_is_near "$work/log"
+
 # If this failed, an exponent would not be that of the points.
 {
     echo "way,x,y"
