@@ -12,9 +12,17 @@
 
 enum { STEP, INGEST, REFIT, DETECTION, MERGE, REST, HAND_OVERS, RATIO, QUANTITIES };
 
-static void step(struct bench_world *world, const struct bench_frames *frames,
-                 const struct eng_affinity *affinity, const struct model_way *way,
-                 struct eng_step_result *result)
+/* What steps and questions about what is near have in common. */
+struct outcome {
+    struct pccd_step_times times;
+    uint64_t hash[2];
+    uint32_t threads;
+    const struct eng_thread_record *thread_records;
+};
+
+static struct outcome step(struct bench_world *world, const struct bench_frames *frames,
+                           const struct model_question *question,
+                           const struct model_way *way)
 {
     struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
     settings.method = way->method;
@@ -23,11 +31,28 @@ static void step(struct bench_world *world, const struct bench_frames *frames,
     settings.tuning.scheduler = way->scheduler;
     settings.tuning.high_level = way->high_level;
     settings.tuning.refit = way->refit;
-    settings.affinity = affinity;
-    bench_world_step(world, frames, &settings, result);
+    settings.affinity = question->affinity;
+    if (question->distance >= 0) {
+        struct eng_near_settings asked = {.step = settings,
+                                          .what = PCCD_NEAR_PAIRS,
+                                          .distance = question->distance,
+                                          .end = 1};
+        struct eng_near_result near;
+        struct eng_step_result away;
+        bench_world_step(world, frames, &settings, &away); /* boxes are to be made */
+        bench_world_near(world, frames, true, &asked, &near);
+        return (struct outcome){
+            near.times, {near.hash[0], near.hash[1]}, near.threads, near.thread_records};
+    }
+    struct eng_step_result result;
+    bench_world_step(world, frames, &settings, &result);
+    return (struct outcome){result.times,
+                            {result.hash[0], result.hash[1]},
+                            result.threads,
+                            result.thread_records};
 }
 
-static void keep(struct bench_samples *samples, const struct eng_step_result *result,
+static void keep(struct bench_samples *samples, const struct outcome *result,
                  double first_step)
 {
     const struct pccd_step_times *t = &result->times;
@@ -48,7 +73,7 @@ static void keep(struct bench_samples *samples, const struct eng_step_result *re
 }
 
 bool model_measure(struct bench_world *world, const struct bench_frames *frames,
-                   const struct eng_affinity *affinity, const struct model_way *ways,
+                   const struct model_question *question, const struct model_way *ways,
                    uint32_t way_count, uint32_t turns, struct model_measured *measured)
 {
     struct bench_samples samples[MODEL_MEASURED_MAX][QUANTITIES];
@@ -58,8 +83,7 @@ bool model_measure(struct bench_world *world, const struct bench_frames *frames,
     for (uint32_t turn = 0; turn <= turns; turn++) {
         double first_step = 0;
         for (uint32_t i = 0; i < way_count; i++) {
-            struct eng_step_result result;
-            step(world, frames, affinity, &ways[i], &result);
+            struct outcome result = step(world, frames, question, &ways[i]);
             if (turn == 0 && i == 0) {
                 hash[0] = result.hash[0];
                 hash[1] = result.hash[1];

@@ -1,9 +1,9 @@
 /* bench/model/measure.h - measures real steps, to compare the model's predictions with.
  *
  * Room:     bench/model; engine headers.
- * Does:     run the same step by one thread and by each scheduler with more threads, in
- *           turns, so that other work on the machine hits all of them; give medians. The
- *           serial parts of a step are taken from here.
+ * Does:     run the same step, or question about what is near, by one thread and by each
+ *           scheduler with more threads, in turns, so that other work on the machine hits
+ *           all of them; give medians. The serial parts of a step are taken from here.
  * Threads:  the engine's team.
  */
 #ifndef MODEL_MEASURE_H
@@ -23,6 +23,12 @@ struct model_way {
     enum pccd_method method; /* wide: by stealing */
 };
 
+/* What is asked, by every way. */
+struct model_question {
+    const struct eng_affinity *affinity;
+    double distance; /* >= 0: pairs that near, where the step begins; < 0: contacts */
+};
+
 /* Nanoseconds. The parts are minima: other work on the machine only adds to them. */
 struct model_measured {
     struct model_way way;
@@ -37,10 +43,10 @@ struct model_measured {
     double rest; /* of the step: none of the four */
 };
 
-/* `ways[0]` is by one thread. The step of `frames` again and again. The answers'
+/* `ways[0]` is by one thread. The same question again and again. The answers'
  * hashes must agree: returns whether they do. */
 bool model_measure(struct bench_world *world, const struct bench_frames *frames,
-                   const struct eng_affinity *affinity, const struct model_way *ways,
+                   const struct model_question *question, const struct model_way *ways,
                    uint32_t way_count, uint32_t turns, struct model_measured *measured);
 
 #endif

@@ -1,10 +1,11 @@
 /* bench/model/model.c - how a step would scale on a machine with more processors.
  *
  * Room:     bench/model.
- * Does:     record what every task of a real step costs, measure what it costs that
- *           threads meet, replay both schedulers of the method paper and the method wide
- *           for 1 to 64 threads, check the replay against itself and against steps
- *           measured here, write CSV for the figures.
+ * Does:     record what every task of a real step costs, or of a question about what is
+ *           near (--near), measure what it costs that threads meet, replay both
+ *           schedulers of the method paper and the method wide for 1 to 64 threads, check
+ *           the replay against itself and against steps measured here, write CSV for the
+ *           figures.
  * Threads:  one, but for the steps that are measured.
  */
 #include <math.h>
@@ -17,6 +18,7 @@
 #include "schedule_paper.h"
 #include "sim.h"
 #include "table.h"
+#include "world.h"
 
 #define VALIDATE_MAX 7
 
@@ -34,6 +36,7 @@ struct options {
     uint32_t grain[2]; /* of work stealing: units, pairs */
     uint32_t turns;    /* of measured steps */
     uint32_t passes;   /* of recordings */
+    double near;       /* share of the diagonal: what is that near; < 0: contacts */
 };
 
 #define COUNTS "1,2,3,4,5,6,7,8,10,12,14,16,20,24,28,32,40,48,56,64"
@@ -202,6 +205,17 @@ static void replay(struct run *run)
     }
 }
 
+/* As eng_near asks the team, in the frame that its boxes have. */
+static struct eng_near_query query_of(const struct eng_scene *scene, double distance)
+{
+    return (struct eng_near_query){.what = PCCD_NEAR_PAIRS,
+                                   .kinds = 1u << PCCD_VF | 1u << PCCD_EE,
+                                   .end = 1,
+                                   .distance = distance,
+                                   .growth =
+                                       eng_near_growth(distance, scene->framing.scale)};
+}
+
 static void model_method(struct run *run, const struct bench_frames *frames,
                          enum pccd_method method)
 {
@@ -219,12 +233,17 @@ static void model_method(struct run *run, const struct bench_frames *frames,
         }
     }
     run->measured_count = count;
+    struct model_question question = {
+        run->affinity,
+        run->options->near < 0 ? -1 : run->options->near * bench_frames_diagonal(frames)};
     bench_world_init(&world, frames, NULL);
-    bench_check(model_measure(&world, frames, run->affinity, ways, count,
-                              run->options->turns, run->measured),
+    bench_check(model_measure(&world, frames, &question, ways, count, run->options->turns,
+                              run->measured),
                 run->name, "all ways give the same answer");
+    struct eng_near_query query = query_of(world.scene, question.distance);
     run->record = (struct model_record){.scene = world.scene,
                                         .method = method,
+                                        .near = question.distance < 0 ? NULL : &query,
                                         .passes = run->options->passes,
                                         .clock_ns = run->machine->clock,
                                         .unit_grain = run->options->grain[0],
@@ -284,7 +303,7 @@ static void model_all(struct run *run)
                            : !is_modelled(options, name)) {
             continue;
         }
-        bool has_fifth = !options->smoke && !options->sequences_only;
+        bool has_fifth = !options->smoke && !options->sequences_only && options->near < 0;
         for (int fifth = 0; fifth < (has_fifth ? 2 : 1); fifth++) {
             if (options->fifth_only && fifth == 0) {
                 continue;
@@ -293,7 +312,8 @@ static void model_all(struct run *run)
                 bench_skip(name, "no frames in $PCCD_DATA");
                 break;
             }
-            snprintf(run->name, sizeof run->name, "%s%s", name, fifth ? "/5" : "");
+            snprintf(run->name, sizeof run->name, "%s%s%s", name, fifth ? "/5" : "",
+                     options->near < 0 ? "" : " near");
             bench_frames_init(&frames, &scene, scene.hard_frame);
             if (fifth) {
                 take_fifth(&frames);
@@ -354,6 +374,11 @@ static bool parse_number(const char *argument, struct options *options)
     if (strncmp(argument, "--grain=", length) == 0) {
         return numbers(value, 2, UINT32_MAX, options->grain, 2) == 2;
     }
+    if (strncmp(argument, "--near=", length) == 0) {
+        char *end;
+        options->near = strtod(value, &end);
+        return end != value && *end == '\0' && options->near >= 0 && options->near <= 1;
+    }
     if (strncmp(argument, "--passes=", length) == 0) {
         return numbers(value, 1, 99, &options->passes, 1) == 1;
     }
@@ -370,7 +395,8 @@ static bool parse(int argc, char **argv, struct options *options)
                                 .validate_count = 1,
                                 .grain = {ENG_STEAL_UNIT_GRAIN, ENG_STEAL_PAIR_GRAIN},
                                 .turns = 9,
-                                .passes = 5};
+                                .passes = 5,
+                                .near = -1};
     options->count_count =
         numbers(COUNTS, 1, MODEL_THREADS_MAX, options->counts, MODEL_THREADS_MAX);
     for (int i = 1; i < argc; i++) {
@@ -413,7 +439,7 @@ int main(int argc, char **argv)
             "usage: model [--smoke] [--fifth] [--sequences] [--wide] [--into=FOLDER]\n"
             "    [--threads=N,...]\n"
             "    [--validate-threads=N,...] [--grain=UNIT,PAIR] [--passes=N]\n"
-            "    [--turns=N] [SCENE]\n");
+            "    [--turns=N] [--near=SHARE] [SCENE]\n");
         return 2;
     }
     if (!bench_begin("model", 1, argv, &none, &exit_status)) {

@@ -234,7 +234,7 @@ void model_division_init(struct model_division *division,
         model_merge_init(&division->merge, record, threads);
         return;
     }
-    model_walker_init(&walker, record->scene);
+    model_walker_init(&walker, record->scene, record->near);
     division->walker = &walker;
     record_high(division, record);
     division->walker = NULL;
@@ -270,7 +270,7 @@ void model_record_init(struct model_record *record)
         bench_alloc(eng_trees_of(scene)->node_capacity, sizeof *record->unit_of);
     memset(record->unit_of, 0xff,
            eng_trees_of(scene)->node_capacity * sizeof *record->unit_of);
-    model_walker_init(walker, scene);
+    model_walker_init(walker, scene, record->near);
     walk_units(record, walker, &units[0]); /* caches and pool */
     for (uint32_t pass = 0; pass < passes; pass++) {
         walk_units(record, walker, &units[pass]);

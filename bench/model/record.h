@@ -38,6 +38,7 @@ struct model_wide {
 struct model_record {
     struct eng_scene *scene;
     enum pccd_method method; /* paper: all but `wide`; wide: that, and what to merge */
+    const struct eng_near_query *near; /* NULL: contacts are looked for */
     struct model_wide wide;
     uint32_t passes; /* medians are over so many */
     double clock_ns;

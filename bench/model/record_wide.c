@@ -157,7 +157,7 @@ void model_wide_init(struct model_record *record)
     struct stack stack = {NULL, 0, 0};
     struct model_tasks again = {NULL, 0, 0};
     record->wide.dealt = bench_alloc(ENG_DEQUE_MAX, sizeof *record->wide.dealt);
-    model_walker_init(&record->walker, record->scene);
+    model_walker_init(&record->walker, record->scene, record->near);
     walk(record, &again, &stack); /* caches and pool */
     for (uint32_t pass = 0; pass < record->passes; pass++) {
         walk(record, &passes[pass], &stack);
@@ -184,7 +184,7 @@ uint32_t *model_wide_owners(const struct model_record *record, uint32_t threads)
                             .workers = workers,
                             .count = threads,
                             .method = &eng_method_wide};
-    model_walker_init(&walker, record->scene);
+    model_walker_init(&walker, record->scene, record->near);
     workers[0] = enter(&walker);
     for (uint32_t t = 1; t < threads; t++) {
         workers[t] = eng_alloc(1, sizeof *workers[t]);

@@ -25,4 +25,9 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; columns = NF; next }
           exit bad > 0 || kinds != 4 }' "$work/model.csv" >"$work/log"
 tap_result $? model__writes_a_row_for_each_way_and_number "$work/log"
 
+# If this failed, the replay of a question about what is near would lose work or add some.
+"$top_builddir/bench/model/model" --smoke --near=0.01 --into="$work" >"$work/log" 2>&1 &&
+    [ "$(grep -c '^cloth-20k near,' "$work/model.csv")" -eq 80 ]
+tap_result $? model__agrees_with_itself_about_what_is_near "$work/log"
+
 tap_end

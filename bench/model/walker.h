@@ -9,6 +9,7 @@
 #ifndef MODEL_WALKER_H
 #define MODEL_WALKER_H
 
+#include "near_query.h"
 #include "step.h"
 #include "worker.h"
 
@@ -20,7 +21,9 @@ struct model_walker {
     struct eng_scene *scene;
 };
 
-void model_walker_init(struct model_walker *walker, struct eng_scene *scene);
+/* `near`: what is looked for in the place of contacts; NULL: contacts are. */
+void model_walker_init(struct model_walker *walker, struct eng_scene *scene,
+                       const struct eng_near_query *near);
 void model_walker_deinit(struct model_walker *walker);
 
 /* Forget what was found; worker and scene are as at the start of a step, so that regions
