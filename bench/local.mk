@@ -111,7 +111,7 @@ dist_check_SCRIPTS += bench/tables.sh
 TESTS += bench/smoke.sh bench/compare_smoke.sh
 dist_check_SCRIPTS += bench/smoke.sh bench/compare_smoke.sh
 EXTRA_DIST += bench/README.md bench/compare bench/python.py bench/counted/README.md \
-    bench/growth/README.md bench/model/README.md bench/peers/README.md \
+    bench/growth/README.md bench/model/README.md bench/peers/NEAR.md bench/peers/README.md \
     bench/redis/README.md
 
 # Python beside C.
