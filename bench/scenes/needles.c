@@ -2,9 +2,9 @@
  *
  * Room:     bench/scenes. May include: tests/support/prng.h.
  * Does:     lay pairs of triangles of length 1 and a width of 1e-8 on a grid, each pair
- *           far from all others; the two of every other pair are nearly parallel. What
- *           doubles find of such features may be any number; all 6 VF and 9 EE pairs of
- *           two are nearer than 2.
+ *           far from all others; the two of every other pair are nearly parallel, and they
+ *           begin from 0.3 down to 3e-5 beside each other. A normal of such a triangle has
+ *           half of its bits left. All 6 VF and 9 EE pairs of two are nearer than 2.
  * Threads:  one.
  */
 #include <math.h>
@@ -48,10 +48,11 @@ static void draw_pair(struct prng *prng, const double at[3], bool parallel,
 {
     double u[3];
     double beside[3];
+    double gap = 0.3 * pow(10, prng_between(prng, -4, 0));
     draw_direction(prng, u);
     draw_needle(prng, at, u, x);
     for (int k = 0; k < 3; k++) {
-        beside[k] = at[k] + prng_between(prng, -0.3, 0.3);
+        beside[k] = at[k] + prng_between(prng, -gap, gap);
         u[k] += prng_between(prng, -WIDTH, WIDTH);
     }
     if (!parallel) {
