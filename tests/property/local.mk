@@ -6,7 +6,6 @@ property_names = \
     tests/property/test_eng_plays \
     tests/property/test_eng_standing \
     tests/property/test_eng_rigid \
-    tests/property/test_eng_near \
     tests/property/test_eng_near_oracle
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
@@ -47,10 +46,6 @@ tests_property_test_eng_rigid_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_rigid_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_rigid_LDADD = $(PROPERTY_LDADD)
 
-tests_property_test_eng_near_SOURCES = tests/property/test_eng_near.c
-tests_property_test_eng_near_CPPFLAGS = $(PROPERTY_CPPFLAGS)
-tests_property_test_eng_near_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
-tests_property_test_eng_near_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracle.c \
     tests/property/near_judge.c \

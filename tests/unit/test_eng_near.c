@@ -281,6 +281,87 @@ static void near__refuses_settings_out_of_range(void **state)
     near_kit_end(&kit);
 }
 
+/* Strips of triangles along x, from one place to another. */
+static void lay(double x[12][3], double from, double to)
+{
+    for (uint32_t i = 0; i < 12; i++) {
+        x[i][0] = from + (to - from) * (i / 2) / 5;
+        x[i][1] = i % 2;
+        x[i][2] = 0;
+    }
+}
+
+static void add_strip(struct near_kit *kit, double from, double to)
+{
+    double x[12][3];
+    uint32_t triangles[10][3];
+    lay(x, from, to);
+    for (uint32_t i = 0; i < 10; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            triangles[i][k] = i + k;
+        }
+    }
+    near_kit_add(
+        kit, kit_mesh((const double(*)[3])x, 12, (const uint32_t(*)[3])triangles, 10));
+}
+
+/* If it failed: where a scene is so sparse that gaps between its objects are shortened,
+ * an object that shrinks would seem to leave its neighbour behind. */
+static void near__finds_what_lies_beside_what_shrinks(void **state)
+{
+    (void)state;
+    for (uint32_t m = 0; m < WAY_METHODS; m++) {
+        struct near_kit kit;
+        struct eng_step_settings step = ENG_STEP_SETTINGS_DEFAULT;
+        struct eng_step_result stepped;
+        double x[12][3];
+        near_kit_begin(&kit);
+        add_strip(&kit, 0, 10);
+        add_strip(&kit, 11, 11.5);
+        add_strip(&kit, 1e9, 1e9 + 10);
+        step.method = way_methods[m];
+        eng_stage_begin(kit.scene);
+        lay(x, 0, 1);
+        eng_stage_x1(kit.scene, kit.idx[0], PCCD_FORMAT_F64, 0, 12, x);
+        lay(x, 2, 2.5);
+        eng_stage_x1(kit.scene, kit.idx[1], PCCD_FORMAT_F64, 0, 12, x);
+        assert_int_equal(eng_step(kit.scene, &step, &stepped), PCCD_OK);
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        settings.step.method = way_methods[m];
+        settings.distance = 1;
+        settings.end = 1;
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        uint64_t between = 0;
+        for (uint64_t i = 0; i < result.count; i++) {
+            const struct pccd_near *record = near_kit_record(&result, i);
+            between += record->object_a != record->object_b;
+        }
+        assert_true(between > 0);
+        near_kit_end(&kit);
+    }
+}
+
+/* If it failed: a distance larger than the whole scene would find less than a smaller
+ * one, as it is beyond the numbers that boxes are compared in. */
+static void near__of_any_distance_finds_all_pairs(void **state)
+{
+    (void)state;
+    for (uint32_t m = 0; m < WAY_METHODS; m++) {
+        struct near_kit kit;
+        setup(&kit, 1000);
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+        settings.step.method = way_methods[m];
+        settings.end = 1;
+        for (settings.distance = 2e3; settings.distance < 1e18; settings.distance *= 30) {
+            struct eng_near_result result = near_kit_ask(&kit, &settings);
+            /* 3 vertices and 2 faces, 4 and 1, 3 edges and 5; within the floor 2 vertices
+             * and faces, and a pair of edges on either side. */
+            assert_int_equal(result.count, 3 * 2 + 4 + 3 * 5 + 2 + 2);
+        }
+        near_kit_end(&kit);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +373,8 @@ int main(void)
         cmocka_unit_test(near__goes_by_no_staging_that_is_given_up),
         cmocka_unit_test(near__leaves_the_answer_of_the_last_step),
         cmocka_unit_test(near__asked_once_more_allocates_nothing),
+        cmocka_unit_test(near__finds_what_lies_beside_what_shrinks),
+        cmocka_unit_test(near__of_any_distance_finds_all_pairs),
         cmocka_unit_test(near__refuses_settings_out_of_range),
     };
     return cmocka_run_group_tests_name("eng_near", tests, NULL, NULL);
