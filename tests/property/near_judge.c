@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "hash.h"
+#include "oracle_features.h"
 #include "oracle_near.h"
 
 /* The player's scene at one end of its last step, objects by increasing id. */
@@ -179,8 +179,7 @@ static const char *check_numbers(const struct eng_near_result *result)
     if (result->distance_min != least || result->distance_max != greatest) {
         return "the least or the greatest distance";
     }
-    eng_hash_end(eng_hash_records(records, result->count, sizeof *records), result->count,
-                 hash);
+    near_hash(records, result->count, sizeof *records, hash);
     return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash" : NULL;
 }
 
@@ -208,43 +207,48 @@ static const char *check_records(const struct oracle_nears *nears, bool is_limit
 
 /* ---- bounds ------------------------------------------------------------------------ */
 
+static const char *compare_bounds(const struct eng_vertex_bound *want, uint64_t count,
+                                  const struct eng_near_result *result)
+{
+    const double *given = result->records;
+    uint64_t hash[2];
+    if (result->count != count || result->record_bytes != sizeof *given) {
+        return "the number of bounds";
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        if (given[i] != want[i].bound) {
+            return "a bound";
+        }
+    }
+    near_hash(want, count, sizeof *want, hash);
+    return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash of the bounds" : NULL;
+}
+
 static const char *check_bounds(const struct moment *moment, const struct truth *truth,
                                 const struct eng_near_settings *settings,
                                 const struct eng_near_result *result,
                                 struct near_sums *sums)
 {
-    const double *given = result->records;
-    uint64_t at = 0;
-    eng_hash_sum sum = 0;
-    uint64_t hash[2];
+    struct eng_vertex_bound *want = NULL;
+    uint64_t all = 0;
     for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
         uint32_t id = moment->objects[i].object_id;
         uint32_t count = moment->objects[i].vertex_count;
         if (settings->objects[0] != 0 && settings->objects[0] != id) {
             continue;
         }
-        if (at + count > result->count) {
-            return "there are too few bounds";
-        }
-        double *bounds = calloc(count + 1, sizeof *bounds);
+        double *bounds = oracle_grow(NULL, (count + 1) * sizeof *bounds);
+        want = oracle_grow(want, (all + count + 1) * sizeof *want);
         oracle_near_bounds(&moment->oracle, &truth->pairs, i, settings->distance, bounds);
-        bool is_same = memcmp(bounds, given + at, count * sizeof *bounds) == 0;
         for (uint32_t v = 0; v < count; v++) {
-            struct eng_vertex_bound bound = {id, v, bounds[v]};
-            sum += eng_hash_records(&bound, 1, sizeof bound);
+            want[all++] = (struct eng_vertex_bound){id, v, bounds[v]};
             sums->bounds += bounds[v] < settings->distance;
         }
         free(bounds);
-        at += count;
-        if (!is_same) {
-            return "a bound";
-        }
     }
-    if (at != result->count) {
-        return "there are too many bounds";
-    }
-    eng_hash_end(sum, at, hash);
-    return memcmp(hash, result->hash, sizeof hash) != 0 ? "the hash of the bounds" : NULL;
+    const char *wrong = compare_bounds(want, all, result);
+    free(want);
+    return wrong;
 }
 
 /* ---- the whole --------------------------------------------------------------------- */

@@ -14,6 +14,14 @@
 
 #include <cmocka.h>
 
+#include "hash.h"
+
+void near_hash(const void *records, uint64_t count, uint32_t record_bytes,
+               uint64_t hash[2])
+{
+    eng_hash_end(eng_hash_records(records, count, record_bytes), count, hash);
+}
+
 void near_keep(const struct eng_near_result *result, struct near_answer *answer)
 {
     size_t bytes = result->count * result->record_bytes;

@@ -19,6 +19,10 @@ struct near_answer {
     void *records;
 };
 
+/* Version 2 of the hash of an answer with these records. */
+void near_hash(const void *records, uint64_t count, uint32_t record_bytes,
+               uint64_t hash[2]);
+
 void near_keep(const struct eng_near_result *result, struct near_answer *answer);
 void near_free(struct near_answer *answer);
 
