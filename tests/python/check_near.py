@@ -4,13 +4,35 @@ Room:     tests/python. Needs PCCD_DAEMON, set by make check.
 Does:     distances that are known, bounds of vertices, pages beside those of steps.
 """
 
+import struct
+import tempfile
 import unittest
 
 import numpy as np
 
 import pccd
 from check_client import Case
-from support import TENT, Scene, dropped
+from support import TENT, TENT_TRIANGLES, Scene, dropped
+
+
+HEAD, CHUNK = struct.Struct("<8sII"), struct.Struct("<IHHQQQQQ")
+FEATURE_NEAR = 8
+FRAME, MOVE, TUNING, NEAR, NEAR_ANSWER, NEAR_RECORDS = 7, 18, 19, 20, 21, 22
+
+
+def chunks(path):
+    """Features of a recording that is not compressed, and its chunks: (kind, step or
+    first word, payload)."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at, found = HEAD.size, []
+    while at < len(data):
+        _, kind, encoding, size, stored, *_ = CHUNK.unpack_from(data, at)
+        assert encoding == 0 and size == stored
+        payload = data[at + CHUNK.size:at + CHUNK.size + size]
+        found.append((kind, struct.unpack_from("<Q", payload)[0], payload))
+        at += CHUNK.size + (stored + 7) // 8 * 8
+    return HEAD.unpack_from(data)[2], found
 
 
 class Near(Case):
@@ -83,6 +105,53 @@ class Near(Case):
         self.assertTrue(np.all(records["d_lo"] <= 0.05))
         order = records[["kind", "object_a", "feature_a", "object_b", "feature_b"]]
         self.assertTrue(np.array_equal(order, np.sort(order)))
+
+    # If this failed, a recording would leave out what was asked and answered, or have it
+    # at another time than the daemon.
+    def test_near__is_recorded_in_its_turn(self):
+        for name in (None, "recorded"):
+            client, other = self.connect(), self.connect()
+            with tempfile.TemporaryDirectory() as folder:
+                shared = {"name": name, "share": pccd.Share.OPEN} if name else {}
+                scene = client.scene_create(**shared)
+                client.record_start(f"{folder}/near.rec", contacts=True, level=-1)
+                tent = client.scene_add(scene, client.mesh_create(TENT, TENT_TRIANGLES))
+                down = pccd.Motions()
+                down.x1(tent, dropped(0.5))
+                client.near(scene, distance=1.0).release()
+                if name:
+                    self.move_by_near(other, other.scene_create(**shared))
+                client.near(scene, pccd.NearWhat.VERTICES, 0.5, 0, down,
+                            tuning="still=anew").release()
+                client.step_x1(scene, tent, TENT).release()
+                self.assertEqual(client.record_stop().status, 0)
+                features, found = chunks(f"{folder}/near.rec")
+            self.assertTrue(features & FEATURE_NEAR)
+            order = [(kind, step) for kind, step, _ in found
+                     if kind in (FRAME, MOVE, NEAR)]
+            moved = [(MOVE, 0)] if name else []
+            self.assertEqual(order, [(NEAR, 1), *moved, (NEAR, 2), (FRAME, 3)])
+            asked = {step: payload for kind, step, payload in found if kind == NEAR}
+            self.assertEqual(struct.unpack_from("<8I2d", asked[1], 8),
+                             (scene, 0, 0, 1, 0, 0, 0, 0, 1.0, 0.0))
+            self.assertEqual(struct.unpack_from("<8I2d", asked[2], 8),
+                             (scene, 1, 2, 0, 0, 0, 0, 0, 0.5, 0.0))
+            self.assertEqual(len(asked[1]), 64)
+            self.assertGreater(len(asked[2]), 64 + 32 + TENT.nbytes - 1)
+            at = [kind for kind, *_ in found].index(TUNING)
+            self.assertEqual(found[at + 1][:2], (NEAR, 2))
+            self.assertEqual([step for kind, step, _ in found if kind == NEAR_ANSWER],
+                             [1, 2])
+            sizes = [len(payload) for kind, _, payload in found if kind == NEAR_RECORDS]
+            self.assertEqual(sizes, [32 + 64, 32 + (2 if name else 1) * 6 * 8])
+
+    def move_by_near(self, client, scene):
+        """Another member's question, which brings a tent of its own far away."""
+        tent = client.scene_add(scene, client.mesh_create(TENT + 90, TENT_TRIANGLES))
+        away = pccd.Motions()
+        away.x1(tent, TENT + np.float32(95))
+        client.near(scene, distance=0.5, motions=away).release()
+        client.near(scene, distance=0.5).release()
 
     # If this failed, an answer would be waited for that has come, or a frame be lost.
     def test_near__is_asked_without_waiting(self):
