@@ -50,3 +50,27 @@ bool zoo_adds_heaps(struct zoo_cage *cage)
 {
     return ask(cage, HOG_ADD, 1000000, 100000);
 }
+
+#define EVERYWHERE 1e18
+
+/* Asks what is near, and means everything: each pair of features of a large scene is
+ * within that distance. */
+bool zoo_asks_for_everything(struct zoo_cage *cage)
+{
+    static const enum pccd_near_what whats[] = {PCCD_NEAR_VERTICES, PCCD_NEAR_PAIRS};
+    struct proto_SCENE_NEAR_request near = {.end = 1, .distance = EVERYWHERE};
+    struct proto_SCENE_NEAR_result answer;
+
+    EXPECT(cage, test_hog_open(&hog, cage->socket, HOG_FAN, cage->patient ? 1000 : 300));
+    near.scene = hog.scene;
+    for (size_t i = 0; i < sizeof whats / sizeof whats[0]; i++) {
+        near.what = whats[i];
+        EXPECT(cage,
+               test_raw_call(&hog.raw, PROTO_METHOD_SCENE_NEAR, &near, &answer) == 0);
+        EXPECT(cage, answer.incomplete != PCCD_INCOMPLETE_DEADLINE &&
+                         answer.incomplete != PCCD_INCOMPLETE_CANCELLED);
+        EXPECT(cage, answer.total > 2 * (uint64_t)hog.triangles);
+    }
+    test_hog_close(&hog);
+    return true;
+}
