@@ -6,6 +6,7 @@ property_names = \
     tests/property/test_eng_plays \
     tests/property/test_eng_standing \
     tests/property/test_eng_rigid \
+    tests/property/test_eng_near \
     tests/property/test_eng_near_oracle
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
@@ -53,3 +54,8 @@ tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracl
 tests_property_test_eng_near_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_oracle_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_near_SOURCES = tests/property/test_eng_near.c
+tests_property_test_eng_near_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_near_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_near_LDADD = $(PROPERTY_LDADD)
