@@ -32,14 +32,26 @@ static bool is_length(double length)
     return length >= 0 && length <= 1e18;
 }
 
+/* Of those that the question looks at. */
+static bool lengths_are_valid(const struct eng_near_settings *settings)
+{
+    switch (settings->what) {
+    case PCCD_NEAR_CROSSINGS:
+    case PCCD_NEAR_DEPTH:
+        return true;
+    case PCCD_NEAR_NEAREST:
+        return (is_length(settings->distance) || settings->distance == INFINITY) &&
+               is_length(settings->gap);
+    default:
+        return is_length(settings->distance);
+    }
+}
+
 static bool settings_are_valid(const struct eng_near_settings *settings)
 {
     const struct eng_step_settings *step = &settings->step;
-    bool is_nearest = settings->what == PCCD_NEAR_NEAREST;
     return settings->what < PCCD_NEAR_COUNT && settings->end <= 1 &&
-           (is_length(settings->distance) ||
-            (is_nearest && settings->distance == INFINITY)) &&
-           is_length(settings->gap) && step->method < PCCD_METHOD_COUNT &&
+           lengths_are_valid(settings) && step->method < PCCD_METHOD_COUNT &&
            step->threads >= 1 && step->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            step->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
            step->tuning.refit < ENG_REFIT_COUNT;
@@ -59,11 +71,12 @@ static uint32_t kinds_for(enum pccd_near_what what)
 
 static struct eng_near_query query_of(const struct eng_near_settings *settings)
 {
-    bool crosses = settings->what == PCCD_NEAR_CROSSINGS;
+    bool is_none =
+        settings->what == PCCD_NEAR_CROSSINGS || settings->what == PCCD_NEAR_DEPTH;
     return (struct eng_near_query){.what = settings->what,
                                    .kinds = kinds_for(settings->what),
                                    .end = settings->end,
-                                   .distance = crosses ? 0 : settings->distance};
+                                   .distance = is_none ? 0 : settings->distance};
 }
 
 /* ---- bounds by vertex -------------------------------------------------------------- */

@@ -278,6 +278,9 @@ static void near__refuses_settings_out_of_range(void **state)
         assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_INVAL);
     }
     assert_int_equal(ask_pairs(&kit, 0.5, 1).count, 1);
+    struct eng_near_settings crossings = near_kit_settings(PCCD_NEAR_CROSSINGS);
+    crossings.distance = NAN; /* not looked at */
+    assert_int_equal(eng_near(kit.scene, &crossings, &result), PCCD_OK);
     near_kit_end(&kit);
 }
 
