@@ -75,9 +75,9 @@ int srv_frame_page(struct srv_request *request, uint64_t first,
                                         scene->answer.total, scene->answer.incomplete};
     struct srv_records_page page;
     PCCD_ASSERT(scene->has_answer);
+    *answer = scene->answer; /* also of a step without a page: others hear of it */
     int status = srv_records_write(request, &records, first, &page);
     if (status == 0) {
-        *answer = scene->answer;
         SRV_RECORDS_PAGE(answer, &page);
     }
     return status;
