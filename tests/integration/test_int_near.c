@@ -490,7 +490,7 @@ static void near__refuses_by_name(void **state)
          PCCD_E_HANDLE, "is not in the scene"},
         {ASKED(.what = PCCD_NEAR_NEAREST, .object_a = crossing->object, .object_b = 5),
          PCCD_E_HANDLE, "object_b 0x5 is not in the scene"},
-        {ASKED(.what = PCCD_NEAR_DEPTH), PCCD_E_INVAL, "is not closed: faces"},
+        {ASKED(.what = PCCD_NEAR_DEPTH), PCCD_E_INVAL, "run along the edge"},
     };
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

@@ -71,9 +71,9 @@ static int explain(struct srv_request *request, int status,
     if (status == PCCD_E_INVAL && near->open_object != 0) {
         return proto_error_set(
             &request->error, status,
-            "the mesh of object 0x%x is not closed: faces that run from vertex %u to %u: "
-            "%u, and back: %u",
-            near->open_object, near->open_edge[0], near->open_edge[1], near->open_runs[0],
+            "the mesh of object 0x%x is not closed: %u of its faces run along the edge "
+            "from vertex %u to %u, and %u back",
+            near->open_object, near->open_runs[0], near->open_edge[0], near->open_edge[1],
             near->open_runs[1]);
     }
     return proto_error_set(&request->error, status, "scene.near: %s",
