@@ -117,53 +117,44 @@ static void name_vertices(const struct eng_near_name *name, const struct point p
     }
 }
 
-/* Where a vertex's foot is along an edge: as of two edges, one without a length. */
-static double position_along(const struct eng_scene *scene, uint32_t end,
-                             struct eng_distances *distances, uint32_t vertex,
-                             const uint32_t edge[2])
+/* Where the foot is along the pair's edge, or along a side of its face, from the first of
+ * the two ends in the order of the pair: what is said of the pair, as that is a function
+ * of the vertex and the edge alone. It is a multiple of 2^-32, halves to even, so that 1
+ * less it is the position from the other end. */
+static double position_along(const struct eng_near_name *name,
+                             const struct eng_distance *distance, uint32_t side)
 {
-    static const uint8_t ranks[4] = {0, 1, 2, 3};
-    const double(*from)[3] =
-        (const double(*)[3])scene->x[end == 1 ? scene->now : 1 - scene->now];
-    struct eng_distance found;
-    double x[4][3];
-    memcpy(x[0], from[vertex], sizeof x[0]);
-    memcpy(x[1], from[vertex], sizeof x[1]);
-    memcpy(x[2], from[edge[0]], sizeof x[2]);
-    memcpy(x[3], from[edge[1]], sizeof x[3]);
-    eng_distance_find(distances, PCCD_EE, (const double(*)[3])x, ranks, &found);
-    return found.param[1];
+    if (name->pair.kind == PCCD_EE) {
+        return distance->param[side];
+    }
+    uint32_t corners = distance->points >> 1; /* the lowest bit is the vertex's */
+    return distance->param[corners == 3 ? 0 : 1];
 }
 
 /* A vertex and an edge: the two points of one side are the edge's. */
-static void name_edge(const struct eng_scene *scene, uint32_t end,
-                      struct eng_distances *distances, const struct eng_near_name *name,
-                      const struct point points[3], struct pccd_pair *closest,
-                      struct eng_distance *at)
+static void name_edge(const struct eng_scene *scene, const struct eng_near_name *name,
+                      const struct eng_distance *distance, const struct point points[3],
+                      struct pccd_pair *closest, struct eng_distance *at)
 {
     bool is_first = points[0].side != points[1].side; /* the vertex is of a */
     const struct point *vertex = &points[is_first ? 0 : 2];
     const struct point *ends = &points[is_first ? 1 : 0];
-    assert(ends[0].side == ends[1].side && vertex->side != ends[0].side);
-    const struct eng_object *object = &scene->objects[name->object[ends[0].side]];
-    uint32_t edge = edge_between(object->mesh, ends[0].local, ends[1].local);
-    const uint32_t *local = object->mesh->edges[edge];
-    const uint32_t of_edge[2] = {object->vertices.first + local[0],
-                                 object->vertices.first + local[1]};
-    uint32_t of_vertex =
-        scene->objects[name->object[vertex->side]].vertices.first + vertex->local;
+    uint32_t side = ends[0].side;
+    assert(side == ends[1].side && vertex->side != side);
+    const struct eng_mesh *mesh = scene->objects[name->object[side]].mesh;
+    uint32_t edge = edge_between(mesh, ends[0].local, ends[1].local);
     *closest = (struct pccd_pair){PCCD_VE, id_of(name, vertex->side), vertex->local,
-                                  id_of(name, ends[0].side), edge};
+                                  id_of(name, side), edge};
+    double position = position_along(name, distance, side);
     at->param[0] = 0;
-    at->param[1] = position_along(scene, end, distances, of_vertex, of_edge);
+    /* The points are in the order of the pair's feature, the edge begins at the lower. */
+    at->param[1] = ends[0].local < ends[1].local ? position : 1 - position;
     if (!is_first) {
         turn(at);
     }
 }
 
-void eng_closest_features(const struct eng_scene *scene, uint32_t end,
-                          struct eng_distances *distances,
-                          const struct eng_near_name *name,
+void eng_closest_features(const struct eng_scene *scene, const struct eng_near_name *name,
                           const struct eng_distance *distance, struct pccd_pair *closest,
                           struct eng_distance *at)
 {
@@ -177,7 +168,7 @@ void eng_closest_features(const struct eng_scene *scene, uint32_t end,
         break;
     case ENG_NEAREST_VE:
         list_points(scene, name, distance->points, points);
-        name_edge(scene, end, distances, name, points, closest, at);
+        name_edge(scene, name, distance, points, closest, at);
         break;
     default: /* all points of the pair */
         assert((uint32_t)distance->type == name->pair.kind);

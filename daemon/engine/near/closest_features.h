@@ -1,7 +1,7 @@
 /* daemon/engine/near/closest_features.h - from a pair that is near to the two features
  * between which its distance is.
  *
- * Room:     engine. May include: distance.h, near_name.h, world.h.
+ * Room:     engine. May include: near_name.h, nearest.h, world.h.
  * Does:     name them as records do: a vertex and a face, two edges, a vertex and an
  *           edge, or two vertices; and say of these what is said of the pair.
  * Threads:  [team].
@@ -13,8 +13,8 @@
 #ifndef ENG_CLOSEST_FEATURES_H
 #define ENG_CLOSEST_FEATURES_H
 
-#include "distance.h"
 #include "near_name.h"
+#include "nearest.h"
 #include "world.h"
 
 /* The vertices of a pair, of a, then of b, by their numbers in the scene; returns how
@@ -22,11 +22,9 @@
 uint32_t eng_closest_points(const struct eng_scene *scene,
                             const struct eng_near_name *name, uint32_t vertex[5]);
 
-/* The closest features of a pair of VF or EE whose distance is known, at an end of the
- * step, and theirs: a function of their own points. */
-void eng_closest_features(const struct eng_scene *scene, uint32_t end,
-                          struct eng_distances *distances,
-                          const struct eng_near_name *name,
+/* The closest features of a pair of VF or EE whose distance is known, and theirs: a
+ * function of their own points. */
+void eng_closest_features(const struct eng_scene *scene, const struct eng_near_name *name,
                           const struct eng_distance *distance, struct pccd_pair *closest,
                           struct eng_distance *at);
 

@@ -110,9 +110,7 @@ static void keep_features(struct eng_worker *worker, const struct eng_near_name 
 {
     struct pccd_pair closest;
     struct eng_distance at;
-    eng_closest_features(worker->scene, worker->settings->near->end,
-                         &eng_near_work_of(worker)->distances, name, distance, &closest,
-                         &at);
+    eng_closest_features(worker->scene, name, distance, &closest, &at);
     keep_record(worker, &closest, &at);
 }
 
