@@ -279,6 +279,8 @@ static void frames__stay_where_little_moves(void **state)
     struct ground grounds[2]; /* the second makes everything anew */
     struct eng_step_result results[2];
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    uint32_t kept = 0; /* steps that kept boxes */
+    bool was_new = false;
     (void)state;
     settings.method = PCCD_METHOD_WIDE;
     ground_init(&grounds[0], &layout);
@@ -301,9 +303,15 @@ static void frames__stay_where_little_moves(void **state)
         assert_int_equal(results[0].count, results[1].count);
         assert_memory_equal(results[0].hash, results[1].hash, sizeof results[0].hash);
         assert_int_equal(results[1].counters.still_features, 0);
-        assert_true((number != 3 && number < 9) ||
+        /* A step that puts a new order of the features in place, when the clock says
+         * that it pays, makes all boxes anew; the next may make whole numbers of them. */
+        bool is_new = results[0].counters.swaps > 0;
+        assert_true((number != 3 && number < 9) || is_new || was_new ||
                     results[0].counters.still_features > 0);
+        was_new = is_new;
+        kept += results[0].counters.still_features > 0;
     }
+    assert_true(kept > 0);
     eng_scene_free(grounds[0].scene);
     eng_scene_free(grounds[1].scene);
 }
