@@ -304,7 +304,8 @@ static void frames__stay_where_little_moves(void **state)
         assert_memory_equal(results[0].hash, results[1].hash, sizeof results[0].hash);
         assert_int_equal(results[1].counters.still_features, 0);
         /* A step that puts a new order of the features in place, when the clock says
-         * that it pays, makes all boxes anew; the next may make whole numbers of them. */
+         * that it pays, makes all boxes anew. Seen in the step behind it, too, by a
+         * clock that other work disturbs; why is not known. */
         bool is_new = results[0].counters.swaps > 0;
         assert_true((number != 3 && number < 9) || is_new || was_new ||
                     results[0].counters.still_features > 0);
