@@ -136,7 +136,7 @@ static void footprint__of_wide_is_as_promised(void **state)
         assert_true(i == 0 || bytes == before);
         assert_true(i < 4 || eng_alloc_count() == allocs);
     }
-    assert_int_equal(quantised, 2); /* pairs are those of floats */
+    assert_int_equal(quantised, 3); /* pairs are those of floats */
     check_account(&cloth);
     print_message("# wide: %.1f bytes a triangle\n", bytes / TRIANGLES);
     eng_scene_free(cloth.scene);

@@ -34,6 +34,7 @@ struct fixture {
     struct kit_random random;
     uint32_t objects[OBJECTS_MAX];
     uint32_t count;
+    double thrown; /* how far a vertex of the first object is thrown in the next step */
 };
 
 static void add(struct fixture *f, struct eng_mesh *mesh)
@@ -82,6 +83,7 @@ static void shake(struct fixture *f, double by)
             x0[k / 3][k % 3] = x + kit_between(&f->random, -by, by) / 8;
             x1[k / 3][k % 3] = x + kit_between(&f->random, -by, by);
         }
+        x1[0][0] += i == 0 ? f->thrown : 0;
         assert_int_equal(
             eng_stage_x0x1(f->scene, f->objects[i], PCCD_FORMAT_F64, 0, count, x0, x1),
             PCCD_OK);
@@ -372,7 +374,7 @@ static void look_at_times(struct fixture *f, bool yes)
 static void check_candidates(const struct eng_wide *wide, bool in_time, uint64_t found,
                              uint64_t expected)
 {
-    uint64_t more = eng_wide_has_quantised(wide) ? expected / 50 + 4 : 0;
+    uint64_t more = eng_wide_has_quantised(wide) ? expected / 20 : 0;
     assert_true(found <= expected + more);
     assert_true(found >= expected || in_time);
 }
@@ -385,17 +387,19 @@ static void wide__answers_as_paper_does(void **state)
     struct fixture *f = *state;
     uint64_t records = 0;
     uint32_t quantised = 0;
+    uint32_t floats = 0;
     for (uint32_t round = 0; round < 5 * MODES; round++) {
         enum pccd_mode mode = (enum pccd_mode)(round % MODES);
         bool in_time = round / MODES % 2;
         struct kit_random random = f->random;
         look_at_times(f, in_time);
-        if (round % 3 == 0) { /* no boxes in whole numbers: they follow the last step */
-            eng_wide_of(f->scene)->boxes_are_old = true;
-        }
+        /* No boxes in whole numbers: it goes farther than the last step let expect. */
+        f->thrown = round % 3 == 1 ? 12 : 0;
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
         struct eng_step_result wide = step(f, mode, PCCD_METHOD_WIDE);
-        quantised += eng_wide_has_quantised(eng_wide_of(f->scene));
+        bool is_quantised = eng_wide_has_quantised(eng_wide_of(f->scene));
+        quantised += is_quantised;
+        floats += !is_quantised && mode == PCCD_MODE_ALL;
         f->random = random;
         shake(f, round < MODES ? 0.01 : SHAKEN_BY);
         struct eng_step_result paper = step(f, mode, PCCD_METHOD_PAPER);
@@ -418,7 +422,7 @@ static void wide__answers_as_paper_does(void **state)
         records += wide.count;
     }
     assert_true(records > 10000);
-    assert_true(quantised >= 5);
+    assert_true(quantised >= 5 && floats >= 1);
 }
 
 /* If a task were lost or done twice, or a box read before it was made, the answer would

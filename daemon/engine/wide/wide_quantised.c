@@ -88,28 +88,56 @@ static float cells_of(const struct eng_extents *box,
     return most;
 }
 
-static bool features_are_large(const struct eng_wide_tree *tree,
+/* The same of a block of edges that has no box yet, from where they are at t = 0. */
+static float cells_of_edges(const struct eng_wide *wide, const struct eng_scene *scene,
+                            uint32_t block, const struct eng_quantising *quantising)
+{
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_EDGES];
+    const double(*x)[3] = (const double(*)[3])scene->x[1 - scene->now];
+    double low[3] = {INFINITY, INFINITY, INFINITY};
+    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < 2 * ENG_WIDE; i++) {
+        uint32_t slot = tree->corner[i / ENG_WIDE][block * ENG_WIDE + i % ENG_WIDE];
+        uint64_t owner = wide->points[slot].word0;
+        for (int k = 0; owner != ENG_WIDE_NOBODY && k < 3; k++) {
+            low[k] = fmin(low[k], x[(uint32_t)owner][k]);
+            high[k] = fmax(high[k], x[(uint32_t)owner][k]);
+        }
+    }
+    float most = -1;
+    for (int k = 0; k < 3; k++) {
+        double side = (high[k] - low[k]) * scene->framing.scale;
+        most = fmaxf(most, (float)side * quantising->scale[k]);
+    }
+    return most;
+}
+
+/* Do the boxes of the last step have the scale that those of this one get? */
+static bool have_kept_scale(const struct eng_wide *wide, const struct eng_scene *scene)
+{
+    return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
+}
+
+/* By the boxes of the last step, if they tell, as a rule. */
+static bool features_are_large(const struct eng_wide *wide, const struct eng_scene *scene,
                                const struct eng_quantising *quantising)
 {
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_EDGES];
+    bool has_boxes = have_kept_scale(wide, scene);
     uint32_t count = tree->block_count[0];
     uint32_t samples = count < SAMPLES ? count : SAMPLES;
     float sum = 0;
     float seen = 0;
     for (uint32_t i = 0; i < samples; i++) {
-        float cells = cells_of(&tree->boxes[(uint64_t)count * i / samples], quantising);
+        uint32_t block = (uint32_t)((uint64_t)count * i / samples);
+        float cells = has_boxes ? cells_of(&tree->boxes[block], quantising)
+                                : cells_of_edges(wide, scene, block, quantising);
         if (cells >= 0) {
             sum += fminf(cells, CELLS_MAX);
             seen += 1;
         }
     }
     return seen > 0 && sum >= CELLS_MIN * seen;
-}
-
-/* Did the boxes of the last step have the scale that those of this one get? Then their
- * sizes tell how large features are. */
-static bool has_kept_scale(const struct eng_wide *wide, const struct eng_scene *scene)
-{
-    return !wide->boxes_are_old && wide->frame_scale == scene->framing.scale;
 }
 
 /* Are both ends of what moves so far within the numbers that no rounding leads out? */
@@ -148,9 +176,8 @@ bool eng_wide_quantised_choose(struct eng_wide *wide, const struct eng_scene *sc
     struct eng_quantising quantising = {{0}, {0}, {0}};
     atomic_store_explicit(&wide->left_quantised, false, memory_order_relaxed);
     atomic_store_explicit(&wide->farthest, 0, memory_order_relaxed);
-    wide->makes_quantised =
-        may && has_kept_scale(wide, scene) && quantising_of(wide, scene, &quantising) &&
-        features_are_large(&wide->trees[PCCD_TREE_EDGES], &quantising);
+    wide->makes_quantised = may && quantising_of(wide, scene, &quantising) &&
+                            features_are_large(wide, scene, &quantising);
     wide->quantising = quantising;
     return is_current && !were_quantised && !wide->makes_quantised;
 }

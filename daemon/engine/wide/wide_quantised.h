@@ -2,8 +2,9 @@
  * (quantised.h), and how large a cell is.
  *
  * Room:     engine. May include: wide.h.
- * Does:     decide from where the scene was in the last step whether the boxes of its
- *           features are compared as numbers of 16 bits, and what a number stands for.
+ * Does:     decide from the boxes of the last step, or from where a scene without such
+ *           boxes begins, whether the boxes of its features are compared as numbers of 16
+ *           bits, and what a number stands for.
  * Threads:  as marked.
  */
 #ifndef ENG_WIDE_QUANTISED_H
