@@ -39,6 +39,10 @@ struct eng_join {
      * stand for themselves: NULL. Pairs that share one are left out. */
     const uint32_t *a_corner[3];
     const uint32_t *b_corner[3];
+    /* Masks, by block: bit k is set if the box in lane k moves. Pairs of boxes of which
+     * neither does are left out. NULL: none are; so for ENG_JOIN_SWEPT. */
+    const uint16_t *a_moving;
+    const uint16_t *b_moving;
     enum eng_join_boxes boxes;
     uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */
@@ -49,6 +53,8 @@ struct eng_join {
                              * axes are left out, too */
     uint64_t tests;         /* counts: one box against a block */
     uint64_t apart_in_time; /* counts: pairs left out for in_time */
+    uint64_t still;         /* counts: pairs left out as neither moves; a box that has
+                             * none but such with a block is one */
 };
 
 /* Pairs that the boxes of two blocks make at most. */

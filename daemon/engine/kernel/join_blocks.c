@@ -19,6 +19,7 @@
 #include "begin.h"
 #include "lanes_pack.h"
 #include "meeting.h"
+#include "movers.h"
 #include "reach.h"
 #include "overlap.h"
 #include "quantised.h"
@@ -315,6 +316,9 @@ ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
     uint32_t selves;
     look_at_corners(job, &sides, wants);
     uint32_t count = list_boxes(round, &sides, pairs, self, rule, until, &selves);
+    if (job->a_moving) {
+        count = keep_moving_boxes(job, round, count);
+    }
     uint32_t found = test_boxes(round, &sides, count, wants, rule, until);
     job->tests += pairs + count;
     if (self) {
@@ -510,6 +514,7 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
                          uint32_t *out_b, uint32_t room)
 {
     if (job->boxes == ENG_JOIN_SWEPT) {
+        assert(!job->a_moving);
         return join_swept(job, round, may_be_self, wants, out_a, out_b, room);
     }
     uint32_t count = write_pairs(job, round, out_a, out_b, room);
@@ -520,6 +525,9 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
         round->first_b = round->b[0] / ENG_WIDE * ENG_WIDE;
         bool self = may_be_self && job->a == job->b && round->first_a == round->first_b;
         round->end = find(job, round, pairs, self, wants);
+        if (job->a_moving) {
+            round->end = keep_moving_lanes(job, round, round->end);
+        }
         round->next = 0;
         count += write_pairs(job, round, out_a + count, out_b + count, room - count);
     }

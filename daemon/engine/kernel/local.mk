@@ -33,6 +33,7 @@ kernel_sources = \
     daemon/engine/kernel/marks.h \
     daemon/engine/kernel/measure.c \
     daemon/engine/kernel/meeting.h \
+    daemon/engine/kernel/movers.h \
     daemon/engine/kernel/make_quantised.c \
     daemon/engine/kernel/quantised.h \
     daemon/engine/kernel/reach.h \

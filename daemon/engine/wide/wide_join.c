@@ -14,7 +14,6 @@
 
 #include "wide_owner.h"
 #include "wide_quantised.h"
-#include "wide_still.h"
 
 /* Joins of two blocks between two looks: some 200 us. */
 #define JOINS_PER_LOOK 1024u
@@ -31,9 +30,7 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     uint32_t farthest = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
     join->kernels = wide->kernels;
     join->owners = NULL;
-    join->moving = NULL;
     join->kinds = (1u << PCCD_KIND_COUNT) - 1;
-    join->still = 0;
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
@@ -65,6 +62,19 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     }
     for (uint32_t level = 0; level < wide->level_count; level++) {
         join->lists[level].count = 0;
+    }
+}
+
+void eng_wide_join_prune(struct eng_wide_join *join, const struct eng_wide *wide)
+{
+    assert(wide->has_moving);
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];
+        const struct eng_wide_tree *b = &wide->trees[eng_wide_tree_of(kind, 1)];
+        for (uint32_t level = 0; level < wide->level_count; level++) {
+            join->jobs[kind][level].a_moving = a->moving + a->first[level];
+            join->jobs[kind][level].b_moving = b->moving + b->first[level];
+        }
     }
 }
 
@@ -116,44 +126,6 @@ static void flush(struct eng_wide_join *join, enum pccd_kind kind)
     assert(join->chunks[kind].count == 0);
 }
 
-/* Of the pairs a[count], b[count] of features, those of which one moves at least. */
-static uint32_t keep_moving_features(struct eng_wide_join *join, enum pccd_kind kind,
-                                     uint32_t *a, uint32_t *b, uint32_t count)
-{
-    const struct eng_wide_tree *tree_a = &join->moving->trees[eng_wide_tree_of(kind, 0)];
-    const struct eng_wide_tree *tree_b = &join->moving->trees[eng_wide_tree_of(kind, 1)];
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t slot_a = a[i];
-        uint32_t slot_b = b[i];
-        a[kept] = slot_a;
-        b[kept] = slot_b;
-        kept += eng_wide_slot_moves(tree_a, slot_a) | eng_wide_slot_moves(tree_b, slot_b);
-    }
-    join->still += count - kept;
-    return kept;
-}
-
-/* The same of nodes of a level. */
-static uint32_t keep_moving_nodes(struct eng_wide_join *join, enum pccd_kind kind,
-                                  uint32_t level, uint32_t *a, uint32_t *b,
-                                  uint32_t count)
-{
-    const struct eng_wide_tree *tree_a = &join->moving->trees[eng_wide_tree_of(kind, 0)];
-    const struct eng_wide_tree *tree_b = &join->moving->trees[eng_wide_tree_of(kind, 1)];
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t node_a = a[i];
-        uint32_t node_b = b[i];
-        a[kept] = node_a;
-        b[kept] = node_b;
-        kept += eng_wide_moves(tree_a, level, node_a) ||
-                eng_wide_moves(tree_b, level, node_b);
-    }
-    join->still += count - kept;
-    return kept;
-}
-
 /* Pairs of blocks of features, of one pair of nodes. */
 static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
                           const uint32_t *a, const uint32_t *b, uint32_t count)
@@ -166,10 +138,8 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
         uint32_t room = ENG_CHUNK_MAX - chunk->count;
-        uint32_t more =
-            join->kernels->join_features[kind](job, round, out_a, out_b, room);
         chunk->count +=
-            join->moving ? keep_moving_features(join, kind, out_a, out_b, more) : more;
+            join->kernels->join_features[kind](job, round, out_a, out_b, room);
         if (eng_join_has_ended(round) || join->stopped) {
             return;
         }
@@ -177,15 +147,10 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     }
 }
 
-/* Roots that may not meet, or stand: of all other pairs that has been seen to (keep). */
+/* Roots may not meet: of all other pairs that has been seen to (keep). */
 static bool is_allowed(const struct eng_wide_join *join, enum pccd_kind kind,
                        uint32_t level, uint32_t n, uint32_t m)
 {
-    if (join->moving &&
-        !eng_wide_moves(&join->moving->trees[eng_wide_tree_of(kind, 0)], level, n) &&
-        !eng_wide_moves(&join->moving->trees[eng_wide_tree_of(kind, 1)], level, m)) {
-        return false;
-    }
     return !join->owners || eng_wide_owners_allow(join->owners, kind, level, n, m);
 }
 
@@ -206,10 +171,6 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint3
     if (join->owners) {
         below->count = eng_wide_owners_keep(join->owners, kind, level, n, m, below->a,
                                             below->b, below->count);
-    }
-    if (join->moving) {
-        below->count =
-            keep_moving_nodes(join, kind, level - 1, below->a, below->b, below->count);
     }
 }
 
@@ -277,4 +238,15 @@ uint64_t eng_wide_join_tests(const struct eng_wide_join *join)
         }
     }
     return tests;
+}
+
+uint64_t eng_wide_join_still(const struct eng_wide_join *join)
+{
+    uint64_t still = 0;
+    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
+            still += join->jobs[kind][level].still;
+        }
+    }
+    return still;
 }

@@ -33,8 +33,6 @@ struct eng_wide_list {
 struct eng_wide_join {
     const struct eng_kernels *kernels;
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
-    const struct eng_wide
-        *moving;    /* pairs of which neither moves are left out; or NULL */
     uint32_t kinds; /* bit k: pairs of kind k are looked for; those of contacts */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
@@ -46,7 +44,6 @@ struct eng_wide_join {
     uint32_t looked;                   /* joins since the last look */
     uint64_t pairs;                    /* pairs of nodes refined */
     uint64_t below[COMMON_KIND_COUNT]; /* pairs of nodes that they led to */
-    uint64_t still;                    /* pairs that were left out as neither moves */
     struct eng_join jobs[COMMON_KIND_COUNT][ENG_WIDE_LEVELS_MAX];
     struct eng_wide_list lists[ENG_WIDE_LEVELS_MAX];
     struct eng_join_round round;
@@ -54,10 +51,13 @@ struct eng_wide_join {
 };
 
 /* Get ready for the trees as they are; owner, flush and look are set by the caller, and
- * `owners` and `moving` where pairs are to be left out. Boxes are ENG_JOIN_SWEPT if
- * the refit made them so, else ENG_JOIN_MOVING. */
+ * `owners` where pairs are to be left out. Boxes are ENG_JOIN_SWEPT if the refit made
+ * them so, else ENG_JOIN_MOVING. */
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes);
+
+/* Leave out pairs of which neither moves: what does is marked (wide_still.h). */
+void eng_wide_join_prune(struct eng_wide_join *join, const struct eng_wide *wide);
 
 /* Begun with ENG_JOIN_AT: of the kinds that are asked for, leave out what is certainly
  * farther apart than the distance, along an axis, at that end of the step. */
@@ -88,5 +88,8 @@ uint64_t eng_wide_join_nodes_apart(const struct eng_wide_join *join, enum pccd_k
 
 /* Boxes tested against a block so far. */
 uint64_t eng_wide_join_tests(const struct eng_wide_join *join);
+
+/* Pairs left out so far as neither moves. */
+uint64_t eng_wide_join_still(const struct eng_wide_join *join);
 
 #endif

@@ -34,14 +34,7 @@ void eng_wide_still_mark_above(struct eng_wide *wide);
 /* Features whose boxes were kept. [compute] */
 uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene);
 
-/* Does anything below a block move? */
-static inline bool eng_wide_moves(const struct eng_wide_tree *tree, uint32_t level,
-                                  uint32_t block)
-{
-    return tree->moving[tree->first[level] + block] != 0;
-}
-
-/* Does a feature? */
+/* Does a feature move? */
 static inline bool eng_wide_slot_moves(const struct eng_wide_tree *tree, uint32_t slot)
 {
     return tree->moving[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;

@@ -335,7 +335,9 @@ void eng_wide_work_begin(struct eng_worker *worker)
         eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->settings->near);
     }
     work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
-    work->join.moving = worker->prunes ? eng_wide_of(worker->scene) : NULL;
+    if (worker->prunes) {
+        eng_wide_join_prune(&work->join, eng_wide_of(worker->scene));
+    }
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool in_time =
             worker->settings->mode != PCCD_MODE_PAIRS && !worker->settings->near;
@@ -356,5 +358,5 @@ void eng_wide_work_end(struct eng_worker *worker)
     const struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     worker->record.box_tests = eng_wide_join_tests(join);
     worker->record.pairs = join->pairs;
-    worker->tally.still_pairs = join->still;
+    worker->tally.still_pairs = eng_wide_join_still(join);
 }
