@@ -51,5 +51,8 @@ int srv_records_write(struct srv_request *request, const struct srv_records *rec
 /* The same of the scene's last answer to a step. [compute] */
 int srv_frame_page(struct srv_request *request, uint64_t first,
                    struct proto_FRAME_SUBMIT_result *answer);
+/* And of its last answer about what is near. [compute] */
+int srv_near_page(struct srv_request *request, uint64_t first,
+                  struct proto_SCENE_NEAR_result *answer);
 
 #endif

@@ -1,4 +1,4 @@
-/* handlers_near.c - scene.near and near.fetch.
+/* handlers_near.c - scene.near.
  *
  * Room:     service. See call.h, stepping.h, frame.h.
  * Does:     check what is asked on [loop]; move what the request moves, and ask the
@@ -26,10 +26,6 @@
 
 #define DISTANCE_MAX  1e18
 #define DISTANCE_NONE 2e18 /* distance_min of no records */
-
-static_assert(sizeof(struct proto_SCENE_NEAR_result) ==
-                  sizeof(struct proto_NEAR_FETCH_result),
-              "both answer alike");
 
 static uint32_t record_bytes_of(uint32_t what)
 {
@@ -185,23 +181,6 @@ static int move_early(struct srv_request *request)
     return 0;
 }
 
-/* The records from `first` on, as many as fit. [compute] */
-static int write_page(struct srv_request *request, uint64_t first,
-                      struct proto_SCENE_NEAR_result *answer)
-{
-    const struct srv_scene *scene = request->plan.scene;
-    const struct srv_records records = {scene->near_records, scene->near.record_bytes,
-                                        scene->near.total, scene->near.incomplete};
-    struct srv_records_page page;
-    PCCD_ASSERT(scene->has_near);
-    int status = srv_records_write(request, &records, first, &page);
-    if (status == 0) {
-        *answer = scene->near;
-        SRV_RECORDS_PAGE(answer, &page);
-    }
-    return status;
-}
-
 static int work_near(struct srv_request *request)
 {
     struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
@@ -217,7 +196,7 @@ static int work_near(struct srv_request *request)
         return status;
     }
     uint64_t copy_ns = common_now_ns();
-    status = write_page(request, 0, answer);
+    status = srv_near_page(request, 0, answer);
     uint64_t end_ns = common_now_ns();
     answer->ns_queue = request->begin_ns - request->arrival_ns;
     answer->ns_merge += end_ns - copy_ns;
@@ -347,59 +326,5 @@ int srv_on_SCENE_NEAR(struct srv_call *call)
         .answer_early = answer_near_early,
         .replies = scene->shared == NULL,
         .deadline_ns = srv_stepping_deadline(request->deadline_ns, call->arrival_ns)};
-    return srv_request_start(call, &plan);
-}
-
-/* ---- further pages ----------------------------------------------------------------- */
-
-static int work_near_fetch(struct srv_request *request)
-{
-    const struct proto_NEAR_FETCH_request *fetch = &request->params.NEAR_FETCH;
-    const struct srv_scene *scene = request->plan.scene;
-    uint64_t start_ns = common_now_ns();
-    if (!scene->has_near) {
-        return proto_error_set(&request->error, PCCD_E_STATE,
-                               "scene 0x%x has no answer to scene.near: none since it "
-                               "changed",
-                               fetch->scene);
-    }
-    bool is_own = scene->near_asker == request->session->id;
-    if (!is_own || fetch->step != scene->near.step) {
-        return proto_error_set(&request->error, PCCD_E_STATE,
-                               "the answer to scene.near %llu is gone, %s scene.near "
-                               "%llu has been answered since",
-                               (unsigned long long)fetch->step,
-                               is_own ? "this session's" : "another session's",
-                               (unsigned long long)scene->near.step);
-    }
-    if (fetch->cursor > scene->near.total) {
-        return proto_error_set(&request->error, PCCD_E_INVAL,
-                               "cursor %llu is beyond the answer's %llu records",
-                               (unsigned long long)fetch->cursor,
-                               (unsigned long long)scene->near.total);
-    }
-    struct proto_SCENE_NEAR_result answer;
-    int status = write_page(request, fetch->cursor, &answer);
-    if (status == 0) {
-        answer.ns_queue = start_ns - request->arrival_ns;
-        memcpy(&request->result.NEAR_FETCH, &answer, sizeof answer);
-    }
-    return status;
-}
-
-int srv_on_NEAR_FETCH(struct srv_call *call)
-{
-    uint32_t handle = call->params.NEAR_FETCH.scene;
-    struct srv_scene *scene = srv_handles_get(&call->session->scenes, handle);
-    struct srv_ring *ring = NULL;
-    if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_HANDLE, "there is no scene 0x%x",
-                               handle);
-    }
-    int status = srv_admit_ring(call, &ring);
-    if (status != 0) {
-        return status;
-    }
-    struct srv_plan plan = {.work = work_near_fetch, .ring = ring, .scene = scene};
     return srv_request_start(call, &plan);
 }
