@@ -101,32 +101,100 @@ static int begin_drive(struct player *player, struct ctl_error *error)
     return drive_begin(&player->drive, &player->world, error);
 }
 
-/* The daemon's answer to a step. */
-static int repeat(struct player *player, const struct record_view *view,
-                  const struct record_frame *frame, const uint8_t *slot,
-                  struct play_step *step, struct ctl_error *error)
+/* ---- asking again ------------------------------------------------------------------ */
+
+/* Records of an answer: a daemon's, or those that were recorded. */
+struct found {
+    const void *records; /* NULL: none */
+    uint64_t count;
+    bool is_whole; /* all of them */
+};
+
+/* How it is asked again: as then, but for what the caller wants otherwise. */
+static void choose_how(struct player *player, uint32_t *method, uint32_t *threads,
+                       uint64_t *deadline_ns)
 {
-    struct record_frame asked = *frame;
-    /* A hash of another version is computed from the records. */
-    bool collects =
-        player->settings.needs_records || step->hash_version != PCCD_HASH_VERSION;
-    asked.deadline_ns = 0; /* would end it anywhere */
+    *deadline_ns = 0; /* would end it anywhere */
     if (player->settings.method != PCCD_METHOD_DEFAULT) {
-        asked.method = player->settings.method;
+        *method = player->settings.method;
         player->drive.tuning[0] = '\0';
     }
     if (player->settings.threads != 0) {
-        asked.threads = player->settings.threads;
+        *threads = player->settings.threads;
     }
+}
+
+/* What was asked then of a daemon now, when its time has come. The one of frame and near
+ * that is not NULL. */
+static int ask_again(struct player *player, const struct record_view *view,
+                     const struct record_frame *frame, const struct record_near *near,
+                     const uint8_t *slot, bool collects, struct found *found,
+                     struct ctl_error *error)
+{
+    const struct drive *drive = &player->drive;
     if (player->settings.at_recorded_pace) {
         keep_pace(player, view->time_ns);
     }
-    if (player->settings.is_traced) {
-        step_trace_begin(&player->trace, player->drive.client);
+    if (player->settings.is_traced && frame != NULL) {
+        step_trace_begin(&player->trace, drive->client);
     }
     uint64_t begin_ns = common_now_ns();
-    int status = drive_step(&player->drive, &asked, slot, collects, error);
+    int status = frame != NULL ? drive_step(&player->drive, frame, slot, collects, error)
+                               : drive_near(&player->drive, near, slot, collects, error);
     player->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
+    *found = (struct found){.records = NULL};
+    if (status == PCCD_OK && collects && drive->answer.status == PCCD_OK) {
+        *found = (struct found){drive->records, drive->record_count,
+                                drive->record_count == drive->answer.total};
+    }
+    return status;
+}
+
+/* The records that were recorded. */
+static int recall(struct player *player, uint64_t number, bool is_answered,
+                  struct found *found, struct ctl_error *error)
+{
+    *found = (struct found){.records = NULL};
+    int status =
+        answers_records(&player->answers, &player->pages, number, &player->records,
+                        &player->record_room, &found->count, &found->is_whole, error);
+    if (status == PCCD_OK && is_answered && found->count > 0) {
+        found->records = player->records;
+    }
+    return status;
+}
+
+static void show_records(struct play_step *step, uint32_t mode, const struct found *found)
+{
+    step->count = found->count;
+    step->is_whole = found->is_whole;
+    step->contacts = mode == PCCD_MODE_PAIRS ? NULL : found->records;
+    step->pairs = mode == PCCD_MODE_PAIRS ? found->records : NULL;
+}
+
+static void show_near_records(struct play_near *near, uint32_t what,
+                              const struct found *found)
+{
+    near->count = found->count;
+    near->is_whole = found->is_whole;
+    near->records = what == PCCD_NEAR_VERTICES ? NULL : found->records;
+    near->bounds = what == PCCD_NEAR_VERTICES ? found->records : NULL;
+}
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+/* The daemon's answer to a step. */
+static int repeat_step(struct player *player, const struct record_view *view,
+                       const uint8_t *slot, struct play_step *step,
+                       struct ctl_error *error)
+{
+    struct record_frame asked = *step->frame;
+    struct found found;
+    /* A hash of another version is computed from the records. */
+    bool collects =
+        player->settings.needs_records || step->hash_version != PCCD_HASH_VERSION;
+    choose_how(player, &asked.method, &asked.threads, &asked.deadline_ns);
+    int status = ask_again(player, view, &asked, NULL, slot, collects, &found, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -136,27 +204,16 @@ static int repeat(struct player *player, const struct record_view *view,
     }
     step->client = player->drive.client;
     step->answer = &player->drive.answer;
-    if (collects && step->answer->status == PCCD_OK) {
-        bool has_pairs = step->answer->mode == PCCD_MODE_PAIRS;
-        step->count = player->drive.record_count;
-        step->is_whole = step->count == step->answer->total;
-        step->contacts = has_pairs ? NULL : player->drive.records;
-        step->pairs = has_pairs ? player->drive.records : NULL;
-    }
+    show_records(step, (uint32_t)step->answer->mode, &found);
     return PCCD_OK;
 }
 
-/* The records that were recorded. */
-static int recall(struct player *player, struct play_step *step, struct ctl_error *error)
+static int recall_step(struct player *player, struct play_step *step,
+                       struct ctl_error *error)
 {
-    int status =
-        answers_records(&player->answers, &player->pages, step->number, &player->records,
-                        &player->record_room, &step->count, &step->is_whole, error);
-    if (status == PCCD_OK && step->recorded != NULL && step->count > 0) {
-        bool has_pairs = step->recorded->mode == PCCD_MODE_PAIRS;
-        step->contacts = has_pairs ? NULL : player->records;
-        step->pairs = has_pairs ? player->records : NULL;
-    }
+    struct found found;
+    int status = recall(player, step->number, step->recorded != NULL, &found, error);
+    show_records(step, step->recorded != NULL ? step->recorded->mode : 0, &found);
     return status;
 }
 
@@ -171,8 +228,8 @@ static int show_step(struct player *player, const struct record_view *view,
                              .hash_version = record_reader_hash_version(&player->reader)};
     step.has_other_pairs = asks_daemon && frame->mode == PCCD_MODE_PAIRS &&
                            (player->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
-    int status = asks_daemon ? repeat(player, view, frame, slot, &step, error)
-                             : recall(player, &step, error);
+    int status = asks_daemon ? repeat_step(player, view, slot, &step, error)
+                             : recall_step(player, &step, error);
     int result = step.answer != NULL     ? step.answer->status
                  : step.recorded != NULL ? step.recorded->status
                                          : PCCD_OK;
@@ -231,47 +288,23 @@ static int repeat_near(struct player *player, const struct record_view *view,
                        struct ctl_error *error)
 {
     struct record_near asked = *near->asked;
+    struct found found;
     bool collects = player->settings.needs_records && player->settings.show_near != NULL;
-    asked.deadline_ns = 0; /* would end it anywhere */
-    if (player->settings.method != PCCD_METHOD_DEFAULT) {
-        asked.method = player->settings.method;
-        player->drive.tuning[0] = '\0';
+    choose_how(player, &asked.method, &asked.threads, &asked.deadline_ns);
+    int status = ask_again(player, view, NULL, &asked, slot, collects, &found, error);
+    if (status == PCCD_OK) {
+        near->answer = &player->drive.answer;
+        show_near_records(near, (uint32_t)near->answer->what, &found);
     }
-    if (player->settings.threads != 0) {
-        asked.threads = player->settings.threads;
-    }
-    if (player->settings.at_recorded_pace) {
-        keep_pace(player, view->time_ns);
-    }
-    uint64_t begin_ns = common_now_ns();
-    int status = drive_near(&player->drive, &asked, slot, collects, error);
-    player->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
-    if (status != PCCD_OK) {
-        return status;
-    }
-    near->answer = &player->drive.answer;
-    if (collects && near->answer->status == PCCD_OK) {
-        bool has_bounds = near->answer->what == PCCD_NEAR_VERTICES;
-        near->count = player->drive.record_count;
-        near->is_whole = near->count == near->answer->total;
-        near->records = has_bounds ? NULL : player->drive.records;
-        near->bounds = has_bounds ? player->drive.records : NULL;
-    }
-    return PCCD_OK;
+    return status;
 }
 
-/* The records that were recorded. */
 static int recall_near(struct player *player, struct play_near *near,
                        struct ctl_error *error)
 {
-    int status =
-        answers_records(&player->answers, &player->pages, near->number, &player->records,
-                        &player->record_room, &near->count, &near->is_whole, error);
-    if (status == PCCD_OK && near->recorded != NULL && near->count > 0) {
-        bool has_bounds = near->recorded->what == PCCD_NEAR_VERTICES;
-        near->records = has_bounds ? NULL : player->records;
-        near->bounds = has_bounds ? player->records : NULL;
-    }
+    struct found found;
+    int status = recall(player, near->number, near->recorded != NULL, &found, error);
+    show_near_records(near, near->recorded != NULL ? near->recorded->what : 0, &found);
     return status;
 }
 
@@ -413,27 +446,26 @@ static int judge_range(const struct player *player, struct ctl_error *error)
                      settings->path, player->summary->frames, player->summary->last_step);
 }
 
+static bool is_last_choice(const struct play_settings *settings, int32_t status,
+                           uint64_t step)
+{
+    return status == PCCD_OK && step >= settings->first &&
+           (settings->last == 0 || step <= settings->last);
+}
+
 /* The range becomes its last step, or its last question about what is near if these are
  * shown, that was answered with success. */
 static void choose_last(struct player *player)
 {
     struct play_settings *settings = &player->settings;
+    const struct answers *answers = &player->answers;
     bool is_near = settings->show_near != NULL;
-    for (size_t i = player->answers.near_count; i > 0 && is_near && settings->only_last;
-         i--) {
-        const struct record_near_answer *answer = &player->answers.nears[i - 1];
-        if (answer->status == PCCD_OK && answer->step >= settings->first &&
-            (settings->last == 0 || answer->step <= settings->last)) {
-            settings->first = settings->last = answer->step;
-            return;
-        }
-    }
-    for (size_t i = player->answers.count; i > 0 && settings->only_last && !is_near;
-         i--) {
-        const struct record_answer *answer = &player->answers.items[i - 1];
-        if (answer->status == PCCD_OK && answer->step >= settings->first &&
-            (settings->last == 0 || answer->step <= settings->last)) {
-            settings->first = settings->last = answer->step;
+    for (size_t i = is_near ? answers->near_count : answers->count; i > 0; i--) {
+        uint64_t step = is_near ? answers->nears[i - 1].step : answers->items[i - 1].step;
+        int32_t status =
+            is_near ? answers->nears[i - 1].status : answers->items[i - 1].status;
+        if (is_last_choice(settings, status, step)) {
+            settings->first = settings->last = step;
             return;
         }
     }
@@ -460,7 +492,9 @@ static int open_all(struct player *player, struct ctl_error *error)
     player->summary->end_reason = player->reader.end_reason;
     player->summary->ending_offset = player->reader.offset;
     record_reader_seek(&player->reader, RECORD_HEAD_BYTES);
-    choose_last(player);
+    if (player->settings.only_last) {
+        choose_last(player);
+    }
     return status == PCCD_E_NOMEM ? ctl_error_set(error, status, "%s", damage.text)
                                   : PCCD_OK;
 }
