@@ -14,6 +14,8 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "error.h"
+#include "pccd_types.h"
 #include "shown.h"
 #include "terminal.h"
 
@@ -28,6 +30,21 @@ int ctl_complain(const char *format, ...)
     va_end(arguments);
     fprintf(stderr, "pccdctl: %s\n", tool_shown(text));
     return CTL_FAILED;
+}
+
+void ctl_error_tell(const struct ctl_error *error)
+{
+    if (error->text[0] != '\0') {
+        ctl_complain("%s", error->text);
+    }
+}
+
+enum ctl_exit ctl_exit_of(int status, bool is_right)
+{
+    return status == PCCD_E_NODAEMON ? CTL_NO_DAEMON
+           : status != PCCD_OK       ? CTL_FAILED
+           : is_right                ? CTL_DONE
+                                     : CTL_NEGATIVE;
 }
 
 uint64_t ctl_option_count(const struct argp_state *state, const char *name,

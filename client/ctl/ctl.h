@@ -10,7 +10,10 @@
 #define CTL_H
 
 #include <argp.h>
+#include <stdbool.h>
 #include <stdint.h>
+
+struct ctl_error;
 
 /* X(name, "what it does"), in the order of the help text. */
 #define CTL_COMMANDS(X)                                                                  \
@@ -57,6 +60,12 @@ CTL_COMMANDS(CTL_PROTOTYPE)
 /* One line on stderr, after "pccdctl: ". What could control a terminal, as a name may, is
  * written as \xNN. Returns CTL_FAILED. */
 int ctl_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* The error, unless its text is empty: then it was told where it was found. */
+void ctl_error_tell(const struct ctl_error *error);
+/* What a command ends with that did its work with this status; whether that was found
+ * right. */
+enum ctl_exit ctl_exit_of(int status, bool is_right);
 
 /* An option's number; ends the program with a usage message when it is none or out of
  * range. `name` is the option's, for the message. */

@@ -12,48 +12,32 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ask_options.h"
 #include "check_run.h"
 #include "ctl.h"
-#include "link.h"
 #include "names.h"
 #include "progress.h"
 #include "shown.h"
 #include "trace_file.h"
 
-#define REPEATS_MAX     1000000u
-#define THREADS_MAX     1024u
-#define TOLERANCE_MIN   1e-12
-#define DEADLINE_MS_MAX 3600000u
+#define TOLERANCE_MIN 1e-12
 
 enum {
     OPTION_MODE = 256 + 64,
-    OPTION_JSON,
     OPTION_CONTACTS,
-    OPTION_THREADS,
-    OPTION_METHOD,
-    OPTION_TUNING,
     OPTION_QUALITY,
     OPTION_REBUILD_RATIO,
-    OPTION_REPEAT,
     OPTION_TOLERANCE,
-    OPTION_DEADLINE,
-    OPTION_RESULT_BYTES,
     OPTION_TRACE,
     OPTION_MIN_US,
     OPTION_EVENTS
 };
 
 struct check_options {
-    struct ctl_link link;
+    struct ask_options ask; /* its CSV: of contacts */
     struct pccd_step_settings settings;
     struct pccd_scene_settings scene_settings;
-    bool is_json;
-    bool has_repeats;
-    uint32_t repeats;
-    const char *contacts; /* NULL = none wanted */
     struct trace_options trace;
-    char **paths; /* ours */
-    uint32_t path_count;
 };
 
 static const struct argp_option option_list[] = {
@@ -61,20 +45,10 @@ static const struct argp_option option_list[] = {
      "all (every contact, the default), first (the earliest), any (yes or no), pairs "
      "(the pairs that no axis separates)",
      0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {"contacts", OPTION_CONTACTS, "FILE", 0,
      "Write the contacts as CSV; - is the standard output, and the report then goes to "
      "the "
      "standard error",
-     0},
-    {"threads", OPTION_THREADS, "N", 0,
-     "Use at most N threads (default: the daemon decides)", 0},
-    {"method", OPTION_METHOD, "default|paper|wide", 0,
-     "Method that finds the candidates: default, paper or wide; the answer is the same",
-     0},
-    {"tuning", OPTION_TUNING, "STRING", 0,
-     "How threads share the work, such as scheduler=paper,refit=paper (default: the "
-     "daemon decides)",
      0},
     {"quality", OPTION_QUALITY, "median|sah", 0,
      "Method paper: build hierarchies by median (the default) or sah", 0},
@@ -82,18 +56,8 @@ static const struct argp_option option_list[] = {
      "Method paper: rebuild a subtree when its box has less than R times the volume of "
      "its two halves, 0 (never) to 1 (default: 0.9)",
      0},
-    {"repeat", OPTION_REPEAT, "N", 0,
-     "Time N more runs of each step after the first and report medians (default: 1 for "
-     "two "
-     "files, 0 for more)",
-     0},
     {"tolerance", OPTION_TOLERANCE, "T", 0,
      "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
-    {"deadline", OPTION_DEADLINE, "MS", 0,
-     "End a step after MS milliseconds; its answer may then be incomplete", 0},
-    {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
-     "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
-     0},
     {"trace", OPTION_TRACE, "FILE", 0,
      "Record what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
@@ -105,14 +69,13 @@ static const struct argp_option option_list[] = {
     {0},
 };
 
-/* The enum value whose name is `text`, below `count`. */
 static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
-    if (options->path_count < 2) {
+    if (options->ask.path_count < 2) {
         tool_misused(state, "two files at least: the mesh before and after the step");
     }
-    if (options->contacts != NULL && options->settings.mode == PCCD_MODE_ANY) {
+    if (options->ask.csv != NULL && options->settings.mode == PCCD_MODE_ANY) {
         tool_misused(state, "--contacts: mode any gives no contacts");
     }
     if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
@@ -147,23 +110,17 @@ static error_t parse_trace(int key, char *text, const struct argp_state *state)
     return 0;
 }
 
-/* The options that choose one of several ways; none of them changes the answer but
- * --mode. */
-static error_t parse_choice(int key, char *text, const struct argp_state *state)
+static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct check_options *options = state->input;
     struct pccd_step_settings *settings = &options->settings;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->ask;
+        break;
     case OPTION_MODE:
         settings->mode = (enum pccd_mode)ctl_option_name(
             state, "mode", text, common_mode_names, PCCD_MODE_COUNT);
-        break;
-    case OPTION_METHOD:
-        settings->method = (enum pccd_method)ctl_option_name(
-            state, "method", text, common_method_names, PCCD_METHOD_COUNT);
-        break;
-    case OPTION_TUNING:
-        settings->tuning = text;
         break;
     case OPTION_QUALITY:
         options->scene_settings.quality = (enum pccd_quality)ctl_option_name(
@@ -174,60 +131,23 @@ static error_t parse_choice(int key, char *text, const struct argp_state *state)
         options->scene_settings.rebuild_ratio = ratio == 0.0 ? -1.0 : ratio;
         break;
     }
+    case OPTION_CONTACTS:
+        options->ask.csv = text;
+        break;
+    case OPTION_TOLERANCE:
+        settings->tolerance =
+            ctl_option_real(state, "tolerance", text, TOLERANCE_MIN, 1.0);
+        break;
+    case ARGP_KEY_END:
+        check_usage(state, options);
+        break;
     default:
         return parse_trace(key, text, state);
     }
     return 0;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct check_options *options = state->input;
-    struct pccd_step_settings *settings = &options->settings;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        break;
-    case OPTION_JSON:
-        options->is_json = true;
-        break;
-    case OPTION_CONTACTS:
-        options->contacts = text;
-        break;
-    case OPTION_THREADS:
-        settings->threads =
-            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
-        break;
-    case OPTION_REPEAT:
-        options->repeats =
-            (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
-        options->has_repeats = true;
-        break;
-    case OPTION_TOLERANCE:
-        settings->tolerance =
-            ctl_option_real(state, "tolerance", text, TOLERANCE_MIN, 1.0);
-        break;
-    case OPTION_DEADLINE:
-        settings->deadline_ns =
-            ctl_option_count(state, "deadline", text, 1, DEADLINE_MS_MAX) * 1000000u;
-        break;
-    case OPTION_RESULT_BYTES:
-        options->link.result_bytes =
-            ctl_option_count(state, "result-bytes", text, 65536, (uint64_t)1 << 40);
-        break;
-    case ARGP_KEY_ARG:
-        options->paths[options->path_count++] = text;
-        break;
-    case ARGP_KEY_END:
-        check_usage(state, options);
-        break;
-    default:
-        return parse_choice(key, text, state);
-    }
-    return 0;
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ask_options_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_check = {
     .options = option_list,
     .parser = parse,
@@ -259,7 +179,7 @@ struct check {
 /* Read frame `index` beside the one before, and let both have one format. */
 static int read_frame(struct check *check, uint32_t index, struct ctl_error *error)
 {
-    char **paths = check->options->paths;
+    char **paths = check->options->ask.paths;
     struct ctl_mesh *frame = &check->frames[index % 2];
     struct ctl_mesh *before = &check->frames[(index + 1) % 2];
     ctl_mesh_deinit(frame);
@@ -280,7 +200,7 @@ static int read_frame(struct check *check, uint32_t index, struct ctl_error *err
 static int walk(struct check *check, struct ctl_error *error)
 {
     const struct check_options *options = check->options;
-    uint32_t step_count = options->path_count - 1;
+    uint32_t step_count = options->ask.path_count - 1;
     bool is_sequence = step_count > 1;
     int status = PCCD_OK;
     progress_begin(&check->progress, "runs",
@@ -289,8 +209,8 @@ static int walk(struct check *check, struct ctl_error *error)
     check->run.progress = &check->progress;
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         struct report_step *step = &check->steps[i - 1];
-        step->from = options->paths[i - 1];
-        step->to = options->paths[i];
+        step->from = options->ask.paths[i - 1];
+        step->to = options->ask.paths[i];
         if (i > 1) {
             status = read_frame(check, i, error);
         }
@@ -298,7 +218,7 @@ static int walk(struct check *check, struct ctl_error *error)
             status = check_run_step(&check->run, &check->frames[(i + 1) % 2],
                                     &check->frames[i % 2], i, &check->csv, step, error);
         }
-        if (status == PCCD_OK && is_sequence && !options->is_json) {
+        if (status == PCCD_OK && is_sequence && !options->ask.is_json) {
             progress_clear(&check->progress);
             report_print_line(check->report, i, step);
         }
@@ -339,13 +259,17 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status != PCCD_OK) {
         return status;
     }
-    if (ctl_link_open(&options->link, &run->client) != CTL_DONE) {
+    if (ctl_link_open(&options->ask.link, &run->client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
     run->settings = options->settings;
+    run->settings.threads = options->ask.threads;
+    run->settings.method = options->ask.method;
+    run->settings.tuning = options->ask.tuning;
+    run->settings.deadline_ns = options->ask.deadline_ns;
     run->mesh.settings = options->scene_settings;
-    status = check_run_begin(run, &check->frames[0], options->contacts != NULL, error);
-    if (status == PCCD_OK && options->contacts != NULL) {
+    status = check_run_begin(run, &check->frames[0], options->ask.csv != NULL, error);
+    if (status == PCCD_OK && options->ask.csv != NULL) {
         /* The first frame's faces go when the third frame comes, so the CSV has its own.
          */
         size_t bytes = check->frames[0].triangle_count * sizeof *check->csv.triangles;
@@ -356,11 +280,11 @@ static int check_all(struct check *check, struct ctl_error *error)
         memcpy(triangles, check->frames[0].triangles, bytes);
         check->csv.triangles = triangles;
         check->csv.edges = run->edges;
-        check->csv.has_step = options->path_count > 2;
-        check->csv.path = options->contacts;
+        check->csv.has_step = options->ask.path_count > 2;
+        check->csv.path = options->ask.csv;
         status = contacts_csv_open(&check->csv, error);
     }
-    if (status == PCCD_OK && !options->is_json) {
+    if (status == PCCD_OK && !options->ask.is_json) {
         report_print_mesh(check->report, &run->mesh);
     }
     return status != PCCD_OK ? status : walk_recorded(check, error);
@@ -368,18 +292,18 @@ static int check_all(struct check *check, struct ctl_error *error)
 
 static int report_all(struct check *check, struct ctl_error *error)
 {
-    uint32_t step_count = check->options->path_count - 1;
-    if (check->options->is_json &&
+    uint32_t step_count = check->options->ask.path_count - 1;
+    if (check->options->ask.is_json &&
         !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
                              "the JSON report could not be written");
     }
-    if (!check->options->is_json && step_count == 1) {
+    if (!check->options->ask.is_json && step_count == 1) {
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
     }
     if (check->options->trace.path != NULL) {
-        trace_file_report(&check->trace, check->options->is_json ? stderr : check->report,
-                          false);
+        trace_file_report(&check->trace,
+                          check->options->ask.is_json ? stderr : check->report, false);
     }
     return PCCD_OK;
 }
@@ -388,14 +312,11 @@ static int run_check(const struct check_options *options)
 {
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
-    struct check check = {.options = options, .report = stdout};
-    uint32_t default_repeats = options->path_count == 2 ? 1 : 0;
+    struct check check = {.options = options, .report = ask_report_to(&options->ask)};
+    uint32_t default_repeats = options->ask.path_count == 2 ? 1 : 0;
     int status, closed;
-    check.run.repeats = options->has_repeats ? options->repeats : default_repeats;
-    if (options->contacts != NULL && strcmp(options->contacts, "-") == 0) {
-        check.report = stderr;
-    }
-    check.steps = calloc(options->path_count - 1, sizeof *check.steps);
+    check.run.repeats = options->ask.has_repeats ? options->ask.repeats : default_repeats;
+    check.steps = calloc(options->ask.path_count - 1, sizeof *check.steps);
     if (check.steps == NULL) {
         status = ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
     } else {
@@ -405,36 +326,22 @@ static int run_check(const struct check_options *options)
         status = report_all(&check, &error);
     }
     closed = contacts_csv_close(&check.csv, status == PCCD_OK, &close_error);
-    /* An empty text: the fault was told where it was found. */
-    if (status != PCCD_OK && error.text[0] != '\0') {
-        ctl_complain("%s", error.text);
-    } else if (status == PCCD_OK && closed != PCCD_OK) {
-        ctl_complain("%s", close_error.text);
-    }
     check_run_deinit(&check.run);
     pccd_close(check.run.client);
     ctl_mesh_deinit(&check.frames[0]);
     ctl_mesh_deinit(&check.frames[1]);
     free((void *)check.csv.triangles);
     free(check.steps);
-    if (status == PCCD_E_NODAEMON) {
-        return CTL_NO_DAEMON;
-    }
-    return status == PCCD_OK && closed == PCCD_OK ? CTL_DONE : CTL_FAILED;
+    return ask_end(status, &error, closed, &close_error);
 }
 
 int ctl_cmd_check(int argc, char **argv)
 {
-    struct check_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV},
-                                    .settings = PCCD_STEP_SETTINGS_INIT};
-    int status = CTL_FAILED;
-    options.paths = malloc((size_t)argc * sizeof *options.paths);
-    if (options.paths == NULL) {
-        status = ctl_complain("out of memory");
-    } else if (argp_parse(&ctl_argp_check, argc, argv, 0, NULL, &options) == 0) {
+    struct check_options options = {.settings = PCCD_STEP_SETTINGS_INIT};
+    int status = ask_options_read(&options.ask, &ctl_argp_check, argc, argv, &options);
+    if (status == CTL_DONE) {
         status = run_check(&options);
     }
-    free(options.paths);
-    ctl_link_deinit(&options.link);
+    ask_options_deinit(&options.ask);
     return status;
 }

@@ -311,15 +311,12 @@ static int run_demo(const struct demo_options *options)
         printf("picture     %s\n", tool_shown(options->output));
     }
     whole_file_discard(&file);
-    if (status != PCCD_OK && error.text[0] != '\0') {
-        ctl_complain("%s", error.text);
+    if (status != PCCD_OK) {
+        ctl_error_tell(&error);
     }
     demo->hold.client = client;
     tear_down(demo);
-    if (status == PCCD_E_NODAEMON) {
-        return CTL_NO_DAEMON;
-    }
-    return status == PCCD_OK ? CTL_DONE : CTL_FAILED;
+    return (int)ctl_exit_of(status, true);
 }
 
 int ctl_cmd_demo(int argc, char **argv)

@@ -122,9 +122,9 @@ int ctl_cmd_export(int argc, char **argv)
         play_options_warn(&export.options.play, &summary);
         still_report(&still, export.path, export.options.is_json);
     } else {
-        play_complain(&error);
+        ctl_error_tell(&error);
     }
     still_deinit(&still);
     play_options_deinit(&export.options);
-    return play_exit(status, true);
+    return ctl_exit_of(status, true);
 }

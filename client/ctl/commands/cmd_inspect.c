@@ -245,8 +245,8 @@ int ctl_cmd_inspect(int argc, char **argv)
     whole_file_discard(&file);
     inspect_deinit(&inspect);
     if (status != PCCD_OK) {
-        play_complain(&error);
+        ctl_error_tell(&error);
     }
     play_options_deinit(&command.options);
-    return play_exit(status, true);
+    return ctl_exit_of(status, true);
 }

@@ -7,44 +7,24 @@
  * Source:   near_run.h, near_report.h, near_csv.h.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "ask_options.h"
 #include "ctl.h"
-#include "link.h"
 #include "names.h"
 #include "near_csv.h"
 #include "near_report.h"
 #include "near_run.h"
 #include "shown.h"
 
-#define DISTANCE_MAX    1e18
-#define REPEATS_MAX     1000000u
-#define THREADS_MAX     1024u
-#define DEADLINE_MS_MAX 3600000u
+#define DISTANCE_MAX 1e18
 
-enum {
-    OPTION_DISTANCE = 256 + 64,
-    OPTION_WHAT,
-    OPTION_GAP,
-    OPTION_JSON,
-    OPTION_CSV,
-    OPTION_THREADS,
-    OPTION_METHOD,
-    OPTION_TUNING,
-    OPTION_REPEAT,
-    OPTION_DEADLINE,
-    OPTION_RESULT_BYTES
-};
+enum { OPTION_DISTANCE = 256 + 64, OPTION_WHAT, OPTION_GAP, OPTION_CSV };
 
 struct near_options {
-    struct ctl_link link;
+    struct ask_options ask;
     struct pccd_near_settings settings;
-    bool has_distance, has_gap, is_json;
-    uint32_t repeats;
-    const char *csv; /* NULL: none wanted */
-    char **paths;    /* ours */
-    uint32_t path_count;
+    bool has_distance, has_gap;
 };
 
 static const struct argp_option option_list[] = {
@@ -63,26 +43,10 @@ static const struct argp_option option_list[] = {
      0},
     {"gap", OPTION_GAP, "G", 0,
      "nearest: end early, with a pair that is farther by at most G than the nearest", 0},
-    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
     {"csv", OPTION_CSV, "FILE", 0,
      "Write every record as CSV; - is the standard output, and the report then goes to "
      "the "
      "standard error",
-     0},
-    {"threads", OPTION_THREADS, "N", 0,
-     "Use at most N threads (default: the daemon decides)", 0},
-    {"method", OPTION_METHOD, "default|paper|wide", 0,
-     "Method that finds the candidates: default, paper or wide; the answer is the same",
-     0},
-    {"tuning", OPTION_TUNING, "STRING", 0,
-     "How threads share the work, such as scheduler=paper (default: the daemon decides)",
-     0},
-    {"repeat", OPTION_REPEAT, "N", 0,
-     "Time N more runs after the first and report medians (default: 1)", 0},
-    {"deadline", OPTION_DEADLINE, "MS", 0,
-     "End after MS milliseconds; the answer may then be incomplete", 0},
-    {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
-     "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
      0},
     {0},
 };
@@ -90,7 +54,7 @@ static const struct argp_option option_list[] = {
 static void check_usage(const struct argp_state *state, struct near_options *options)
 {
     enum pccd_near_what what = options->settings.what;
-    if (options->path_count == 0) {
+    if (options->ask.path_count == 0) {
         tool_misused(state, "one file at least: each is an object");
     }
     if (!options->has_distance && what <= PCCD_NEAR_VERTICES) {
@@ -102,7 +66,7 @@ static void check_usage(const struct argp_state *state, struct near_options *opt
     if (options->has_gap && what != PCCD_NEAR_NEAREST) {
         tool_misused(state, "--gap is of --what nearest");
     }
-    if (options->path_count == 1 && what == PCCD_NEAR_NEAREST) {
+    if (options->ask.path_count == 1 && what == PCCD_NEAR_NEAREST) {
         tool_misused(state, "--what nearest: two files at least");
     }
     if (!options->has_distance && what == PCCD_NEAR_NEAREST) {
@@ -110,12 +74,14 @@ static void check_usage(const struct argp_state *state, struct near_options *opt
     }
 }
 
-/* What is asked. */
-static error_t parse_question(int key, char *text, const struct argp_state *state)
+static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct near_options *options = state->input;
     struct pccd_near_settings *settings = &options->settings;
     switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->ask;
+        break;
     case OPTION_DISTANCE:
         settings->distance = ctl_option_real(state, "distance", text, 0.0, DISTANCE_MAX);
         options->has_distance = true;
@@ -128,15 +94,11 @@ static error_t parse_question(int key, char *text, const struct argp_state *stat
         settings->what = (enum pccd_near_what)ctl_option_name(
             state, "what", text, common_near_names, PCCD_NEAR_COUNT);
         break;
-    case OPTION_METHOD:
-        settings->method = (enum pccd_method)ctl_option_name(
-            state, "method", text, common_method_names, PCCD_METHOD_COUNT);
+    case OPTION_CSV:
+        options->ask.csv = text;
         break;
-    case OPTION_TUNING:
-        if (strlen(text) >= sizeof settings->tuning) {
-            tool_misused(state, "--tuning: longer than %d bytes", PCCD_TUNING_BYTES - 1);
-        }
-        strcpy(settings->tuning, text);
+    case ARGP_KEY_END:
+        check_usage(state, options);
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -144,48 +106,7 @@ static error_t parse_question(int key, char *text, const struct argp_state *stat
     return 0;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    struct near_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        break;
-    case OPTION_JSON:
-        options->is_json = true;
-        break;
-    case OPTION_CSV:
-        options->csv = text;
-        break;
-    case OPTION_THREADS:
-        options->settings.threads =
-            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
-        break;
-    case OPTION_REPEAT:
-        options->repeats =
-            (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
-        break;
-    case OPTION_DEADLINE:
-        options->settings.deadline_ns =
-            ctl_option_count(state, "deadline", text, 1, DEADLINE_MS_MAX) * 1000000u;
-        break;
-    case OPTION_RESULT_BYTES:
-        options->link.result_bytes =
-            ctl_option_count(state, "result-bytes", text, 65536, (uint64_t)1 << 40);
-        break;
-    case ARGP_KEY_ARG:
-        options->paths[options->path_count++] = text;
-        break;
-    case ARGP_KEY_END:
-        check_usage(state, options);
-        break;
-    default:
-        return parse_question(key, text, state);
-    }
-    return 0;
-}
-
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+static const struct argp_child children[] = {{&ask_options_argp, 0, NULL, 0}, {0}};
 const struct argp ctl_argp_near = {
     .options = option_list,
     .parser = parse,
@@ -205,20 +126,20 @@ const struct argp ctl_argp_near = {
 static int ask(struct near_run *near, const struct near_options *options,
                struct near_csv *csv, struct ctl_error *error)
 {
-    int status = near_run_read(near, options->paths, options->path_count, error);
+    const struct ask_options *asked = &options->ask;
+    int status = near_run_read(near, asked->paths, asked->path_count, error);
     if (status != PCCD_OK) {
         return status; /* before a daemon is asked for: a bad file costs nothing else */
     }
-    if (ctl_link_open(&options->link, &near->run.client) != CTL_DONE) {
+    if (ctl_link_open(&asked->link, &near->run.client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
     status = near_csv_open(csv, error);
     if (status == PCCD_OK) {
-        status = near_run_begin(near, options->csv != NULL, error);
+        status = near_run_begin(near, asked->csv != NULL, error);
     }
     return status == PCCD_OK
-               ? near_run_ask(near, options->csv != NULL ? near_csv_page : NULL, csv,
-                              error)
+               ? near_run_ask(near, asked->csv != NULL ? near_csv_page : NULL, csv, error)
                : status;
 }
 
@@ -226,45 +147,37 @@ static int run_near(const struct near_options *options)
 {
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
-    struct near_run near = {.run = {.repeats = options->repeats},
-                            .settings = options->settings};
-    struct near_csv csv = {.path = options->csv, .near = &near};
-    FILE *to = options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;
+    struct near_run near = {
+        .run = {.repeats = options->ask.has_repeats ? options->ask.repeats : 1},
+        .settings = options->settings};
+    struct near_csv csv = {.path = options->ask.csv, .near = &near};
+    FILE *to = ask_report_to(&options->ask);
+    near.settings.threads = options->ask.threads;
+    near.settings.method = options->ask.method;
+    near.settings.deadline_ns = options->ask.deadline_ns;
+    if (options->ask.tuning != NULL) {
+        strcpy(near.settings.tuning, options->ask.tuning);
+    }
     int status = ask(&near, options, &csv, &error);
-    if (status == PCCD_OK && !options->is_json) {
+    if (status == PCCD_OK && !options->ask.is_json) {
         near_report_print(to, &near);
     } else if (status == PCCD_OK && !near_report_json(to, &near)) {
         status =
             ctl_error_set(&error, PCCD_E_SYSTEM, "the JSON report could not be written");
     }
     int closed = near_csv_close(&csv, status == PCCD_OK, &close_error);
-    /* An empty text: the fault was told where it was found. */
-    if (status != PCCD_OK && error.text[0] != '\0') {
-        ctl_complain("%s", error.text);
-    } else if (status == PCCD_OK && closed != PCCD_OK) {
-        ctl_complain("%s", close_error.text);
-    }
     pccd_close(near.run.client);
     near_run_deinit(&near);
-    if (status == PCCD_E_NODAEMON) {
-        return CTL_NO_DAEMON;
-    }
-    return status == PCCD_OK && closed == PCCD_OK ? CTL_DONE : CTL_FAILED;
+    return ask_end(status, &error, closed, &close_error);
 }
 
 int ctl_cmd_near(int argc, char **argv)
 {
-    struct near_options options = {.link = {.policy = CTL_LINK_PRIVATE_UNLESS_ENV},
-                                   .settings = PCCD_NEAR_SETTINGS_INIT,
-                                   .repeats = 1};
-    int status = CTL_FAILED;
-    options.paths = malloc((size_t)argc * sizeof *options.paths);
-    if (options.paths == NULL) {
-        status = ctl_complain("out of memory");
-    } else if (argp_parse(&ctl_argp_near, argc, argv, 0, NULL, &options) == 0) {
+    struct near_options options = {.settings = PCCD_NEAR_SETTINGS_INIT};
+    int status = ask_options_read(&options.ask, &ctl_argp_near, argc, argv, &options);
+    if (status == CTL_DONE) {
         status = run_near(&options);
     }
-    free(options.paths);
-    ctl_link_deinit(&options.link);
+    ask_options_deinit(&options.ask);
     return status;
 }

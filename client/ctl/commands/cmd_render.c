@@ -391,9 +391,9 @@ int ctl_cmd_render(int argc, char **argv)
         play_options_warn(&render.options.play, &summary);
         still_report(&still, render.path, render.options.is_json);
     } else {
-        play_complain(&error);
+        ctl_error_tell(&error);
     }
     still_deinit(&still);
     play_options_deinit(&render.options);
-    return play_exit(status, true);
+    return ctl_exit_of(status, true);
 }

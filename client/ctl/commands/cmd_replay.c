@@ -318,8 +318,8 @@ int ctl_cmd_replay(int argc, char **argv)
         }
     }
     if (status != PCCD_OK) {
-        play_complain(&error);
+        ctl_error_tell(&error);
     }
     play_options_deinit(&replay.options);
-    return play_exit(status, replay.differ == 0);
+    return ctl_exit_of(status, replay.differ == 0);
 }

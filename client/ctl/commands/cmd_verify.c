@@ -259,8 +259,8 @@ int ctl_cmd_verify(int argc, char **argv)
         }
     }
     if (status != PCCD_OK) {
-        play_complain(&error);
+        ctl_error_tell(&error);
     }
     play_options_deinit(&verification.options);
-    return play_exit(status, !verification.has_failed);
+    return ctl_exit_of(status, !verification.has_failed);
 }

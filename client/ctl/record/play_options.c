@@ -137,18 +137,3 @@ void play_options_warn(const struct play_settings *settings,
                      settings->path);
     }
 }
-
-void play_complain(const struct ctl_error *error)
-{
-    if (error->text[0] != '\0') { /* else it has been told where it was found */
-        ctl_complain("%s", error->text);
-    }
-}
-
-int play_exit(int status, bool is_right)
-{
-    return status == PCCD_E_NODAEMON ? CTL_NO_DAEMON
-           : status != PCCD_OK       ? CTL_FAILED
-           : is_right                ? CTL_DONE
-                                     : CTL_NEGATIVE;
-}

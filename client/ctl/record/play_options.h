@@ -30,8 +30,4 @@ void play_options_deinit(struct play_options *options);
 void play_options_warn(const struct play_settings *settings,
                        const struct play_summary *summary);
 
-/* The error, and the exit status that a command ends with. */
-void play_complain(const struct ctl_error *error);
-int play_exit(int status, bool is_right);
-
 #endif

@@ -1,0 +1,145 @@
+/* client/ctl/check/ask_options.c - options of the commands that ask about files.
+ *
+ * Room:     client/ctl.
+ * Does:     parse them; end what was asked.
+ * Does not: read the files.
+ * Threads:  one.
+ * Source:   ask_options.h.
+ */
+#include "ask_options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "ctl.h"
+#include "names.h"
+#include "shown.h"
+
+#define REPEATS_MAX      1000000u
+#define THREADS_MAX      1024u
+#define DEADLINE_MS_MAX  3600000u
+#define RESULT_BYTES_MIN 65536u
+#define RESULT_BYTES_MAX ((uint64_t)1 << 40)
+
+enum {
+    OPTION_JSON = 256 + 96,
+    OPTION_THREADS,
+    OPTION_METHOD,
+    OPTION_TUNING,
+    OPTION_REPEAT,
+    OPTION_DEADLINE,
+    OPTION_RESULT_BYTES
+};
+
+static const struct argp_option option_list[] = {
+    {"json", OPTION_JSON, NULL, 0, "One JSON object instead of text", 0},
+    {"threads", OPTION_THREADS, "N", 0,
+     "Use at most N threads (default: the daemon decides)", 0},
+    {"method", OPTION_METHOD, "default|paper|wide", 0,
+     "Method that finds the candidates: default, paper or wide; the answer is the same",
+     0},
+    {"tuning", OPTION_TUNING, "STRING", 0,
+     "How threads share the work, such as scheduler=paper,refit=paper (default: the "
+     "daemon decides)",
+     0},
+    {"repeat", OPTION_REPEAT, "N", 0,
+     "Time N more runs after the first and report medians (default: 1; 0 for each step "
+     "of several)",
+     0},
+    {"deadline", OPTION_DEADLINE, "MS", 0,
+     "End after MS milliseconds; the answer may then be incomplete", 0},
+    {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
+     "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
+     0},
+    {0},
+};
+
+/* How it is computed; none of that changes the answer but the deadline. */
+static error_t parse_how(int key, char *text, const struct argp_state *state)
+{
+    struct ask_options *options = state->input;
+    switch (key) {
+    case OPTION_THREADS:
+        options->threads =
+            (uint32_t)ctl_option_count(state, "threads", text, 1, THREADS_MAX);
+        return 0;
+    case OPTION_METHOD:
+        options->method = (enum pccd_method)ctl_option_name(
+            state, "method", text, common_method_names, PCCD_METHOD_COUNT);
+        return 0;
+    case OPTION_TUNING:
+        if (strlen(text) >= PCCD_TUNING_BYTES) {
+            tool_misused(state, "--tuning: longer than %d bytes", PCCD_TUNING_BYTES - 1);
+        }
+        options->tuning = text;
+        return 0;
+    case OPTION_DEADLINE:
+        options->deadline_ns =
+            ctl_option_count(state, "deadline", text, 1, DEADLINE_MS_MAX) * 1000000u;
+        return 0;
+    case OPTION_RESULT_BYTES:
+        options->link.result_bytes = ctl_option_count(state, "result-bytes", text,
+                                                      RESULT_BYTES_MIN, RESULT_BYTES_MAX);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct ask_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->link;
+        return 0;
+    case OPTION_JSON:
+        options->is_json = true;
+        return 0;
+    case OPTION_REPEAT:
+        options->repeats =
+            (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
+        options->has_repeats = true;
+        return 0;
+    case ARGP_KEY_ARG:
+        options->paths[options->path_count++] = text;
+        return 0;
+    default:
+        return parse_how(key, text, state);
+    }
+}
+
+static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp ask_options_argp = {
+    .options = option_list, .parser = parse, .children = children};
+
+int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
+                     char **argv, void *input)
+{
+    options->link.policy = CTL_LINK_PRIVATE_UNLESS_ENV;
+    options->paths = malloc((size_t)argc * sizeof *options->paths);
+    if (options->paths == NULL) {
+        return ctl_complain("out of memory");
+    }
+    return argp_parse(argp, argc, argv, 0, NULL, input) == 0 ? CTL_DONE : CTL_FAILED;
+}
+
+void ask_options_deinit(struct ask_options *options)
+{
+    free(options->paths);
+    ctl_link_deinit(&options->link);
+}
+
+FILE *ask_report_to(const struct ask_options *options)
+{
+    return options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;
+}
+
+int ask_end(int status, const struct ctl_error *error, int closed,
+            const struct ctl_error *close_error)
+{
+    if (status != PCCD_OK || closed != PCCD_OK) {
+        ctl_error_tell(status != PCCD_OK ? error : close_error);
+    }
+    return (int)ctl_exit_of(status != PCCD_OK ? status : closed, true);
+}

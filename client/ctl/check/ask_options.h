@@ -1,0 +1,50 @@
+/* client/ctl/check/ask_options.h - what pccdctl check and pccdctl near have in common.
+ *
+ * Room:     client/ctl. May include: ctl.h, error.h, link.h, pccd.h.
+ * Does:     provide the files, --json, --threads, --method, --tuning, --repeat,
+ *           --deadline, --result-bytes and the daemon's options; say where the report
+ *           goes, and end the command.
+ * Does not: know what is asked.
+ * Threads:  one.
+ */
+#ifndef CTL_ASK_OPTIONS_H
+#define CTL_ASK_OPTIONS_H
+
+#include <argp.h>
+#include <stdio.h>
+
+#include "error.h"
+#include "link.h"
+
+struct ask_options {
+    struct ctl_link link;
+    enum pccd_method method;
+    uint32_t threads; /* 0: the daemon decides */
+    uint64_t deadline_ns;
+    const char *tuning; /* NULL: the daemon decides; fits into PCCD_TUNING_BYTES */
+    bool is_json;
+    bool has_repeats;
+    uint32_t repeats;
+    const char *csv; /* records go there, too; the command's option; NULL: nowhere */
+    char **paths;    /* ours */
+    uint32_t path_count;
+};
+
+/* An argp child without a heading; its input is a struct ask_options. It takes the
+ * arguments. */
+extern const struct argp ask_options_argp;
+
+/* Read a command line, into `input` of which `options` are a part. Returns an exit
+ * status; wrong usage ends the program. */
+int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
+                     char **argv, void *input);
+void ask_options_deinit(struct ask_options *options);
+
+/* The standard output, unless that is the CSV's. */
+FILE *ask_report_to(const struct ask_options *options);
+/* Tell what went wrong first: the work, or else the end of the CSV. Returns the exit
+ * status. */
+int ask_end(int status, const struct ctl_error *error, int closed,
+            const struct ctl_error *close_error);
+
+#endif
