@@ -5,12 +5,16 @@ noinst_LTLIBRARIES += liboracle.la
 liboracle_la_SOURCES = \
     client/oracle/oracle.c \
     client/oracle/oracle.h \
+    client/oracle/oracle_candidates.c \
+    client/oracle/oracle_candidates.h \
     client/oracle/oracle_distance.c \
     client/oracle/oracle_distance.h \
     client/oracle/oracle_features.c \
     client/oracle/oracle_features.h \
     client/oracle/oracle_near.c \
     client/oracle/oracle_near.h \
+    client/oracle/oracle_objects.c \
+    client/oracle/oracle_objects.h \
     client/oracle/oracle_inside.c \
     client/oracle/oracle_inside.h \
     client/oracle/oracle_scene.c \

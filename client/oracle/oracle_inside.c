@@ -160,6 +160,18 @@ static bool add(struct integers *n, const double p[3], const double *const corne
     return true;
 }
 
+/* Is p[0] in the box of the others? Else it is not on their triangle. */
+static bool is_in_box(const double p[4][3])
+{
+    for (int k = 0; k < 3; k++) {
+        if ((p[0][k] < p[1][k] && p[0][k] < p[2][k] && p[0][k] < p[3][k]) ||
+            (p[0][k] > p[1][k] && p[0][k] > p[2][k] && p[0][k] > p[3][k])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool oracle_winding(const double point[3], const double (*x)[3],
                     const uint32_t (*triangles)[3], uint32_t triangle_count,
                     int64_t *winding)
@@ -175,7 +187,8 @@ bool oracle_winding(const double point[3], const double (*x)[3],
             p[2][k] = x[triangles[i][1]][k];
             p[3][k] = x[triangles[i][2]][k];
         }
-        if (oracle_distance_within(ORACLE_VF, (const double(*)[3])p, 0)) {
+        if (is_in_box((const double(*)[3])p) &&
+            oracle_distance_within(ORACLE_VF, (const double(*)[3])p, 0)) {
             return false;
         }
     }

@@ -10,206 +10,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "oracle_candidates.h"
 #include "oracle_features.h"
 
-/* Squares of lengths below that may lose their last bits. */
-#define SQUARES_FROM 1e-100
-
-/* More than rounding takes off a difference, a square or a sum of three. */
-#define A_LITTLE (1 + 0x1p-40)
-
-/* Two features that boxes do not keep apart, in the order of their record. */
-struct candidate {
-    const struct oracle_feature *a;
-    const struct oracle_feature *b;
-};
-
-struct candidates {
-    struct candidate *items;
-    size_t count;
-    size_t capacity;
-};
-
-static bool anything(const void *context, uint32_t a, uint32_t b)
-{
-    (void)context;
-    (void)a;
-    (void)b;
-    return true;
-}
-
-/* ---- pairs of boxes ---------------------------------------------------------------- */
-
-static bool boxes_are_apart(const struct oracle_feature *a,
-                            const struct oracle_feature *b, double distance)
-{
-    double sum = 0;
-    for (int k = 0; k < 3; k++) {
-        double up = a->lo[k] - b->hi[k];
-        double down = b->lo[k] - a->hi[k];
-        double gap = up > down ? up : down;
-        if (gap > 0 && gap > distance * A_LITTLE) {
-            return true;
-        }
-        sum += gap > 0 ? gap * gap : 0;
-    }
-    return distance > SQUARES_FROM && sum > distance * distance * A_LITTLE;
-}
-
-static bool is_after(const struct oracle_moment *moment, const struct oracle_feature *a,
-                     const struct oracle_feature *b)
-{
-    uint32_t id_a = moment->objects[a->object].object_id;
-    uint32_t id_b = moment->objects[b->object].object_id;
-    return id_a != id_b ? id_a > id_b : a->index > b->index;
-}
-
-static void consider(const struct oracle_moment *moment, const struct oracle_feature *a,
-                     const struct oracle_feature *b, double distance,
-                     struct candidates *candidates)
-{
-    if (boxes_are_apart(a, b, distance) || oracle_features_share_vertex(a, b)) {
-        return;
-    }
-    if (candidates->count == candidates->capacity) {
-        candidates->capacity = candidates->capacity ? 2 * candidates->capacity : 1024;
-        candidates->items = oracle_grow(candidates->items,
-                                        candidates->capacity * sizeof *candidates->items);
-    }
-    bool is_turned = a->points == b->points && is_after(moment, a, b);
-    candidates->items[candidates->count++] =
-        is_turned ? (struct candidate){b, a} : (struct candidate){a, b};
-}
-
-static void find_candidates(const struct oracle_moment *moment,
-                            const struct oracle_features *left,
-                            const struct oracle_features *right, double distance,
-                            struct candidates *candidates)
-{
-    bool (*may_meet)(const void *, uint32_t, uint32_t) =
-        moment->may_meet ? moment->may_meet : anything;
-    bool is_one = left == right;
-    uint32_t count = moment->object_count;
-    bool *meets = oracle_grow(NULL, (size_t)count * count + 1);
-    for (uint32_t i = 0; i < count * count; i++) {
-        meets[i] = may_meet(moment->context, moment->objects[i / count].object_id,
-                            moment->objects[i % count].object_id);
-    }
-    for (size_t i = 0; i < left->count; i++) {
-        const struct oracle_feature *a = &left->items[i];
-        for (size_t j = is_one ? i + 1 : 0; j < right->count; j++) {
-            const struct oracle_feature *b = &right->items[j];
-            if (meets[(size_t)a->object * count + b->object]) {
-                consider(moment, a, b, distance, candidates);
-            }
-        }
-    }
-    free(meets);
-}
-
-/* ---- records ----------------------------------------------------------------------- */
-
-static int compare_nears(const void *a, const void *b)
-{
-    const struct pccd_near *l = &((const struct oracle_near *)a)->record;
-    const struct pccd_near *r = &((const struct oracle_near *)b)->record;
-    const uint32_t left[5] = {l->kind, l->object_a, l->feature_a, l->object_b,
-                              l->feature_b};
-    const uint32_t right[5] = {r->kind, r->object_a, r->feature_a, r->object_b,
-                               r->feature_b};
-    for (int i = 0; i < 5; i++) {
-        if (left[i] != right[i]) {
-            return left[i] < right[i] ? -1 : 1;
-        }
-    }
-    return 0;
-}
-
-static struct oracle_near *push(struct oracle_nears *nears)
-{
-    if ((nears->count & (nears->count - 1)) == 0) { /* grow at powers of two */
-        nears->items =
-            oracle_grow(nears->items, (2 * nears->count + 1) * sizeof *nears->items);
-    }
-    memset(&nears->items[nears->count], 0, sizeof *nears->items);
-    return &nears->items[nears->count++];
-}
-
-static void sort(struct oracle_nears *nears)
-{
-    if (nears->count > 0) {
-        qsort(nears->items, nears->count, sizeof *nears->items, compare_nears);
-    }
-}
-
-static void name(const struct oracle_moment *moment, uint32_t kind,
-                 const struct candidate *candidate, struct oracle_near *near)
-{
-    near->object[0] = candidate->a->object;
-    near->object[1] = candidate->b->object;
-    near->record.kind = kind;
-    near->record.object_a = moment->objects[near->object[0]].object_id;
-    near->record.feature_a = candidate->a->index;
-    near->record.object_b = moment->objects[near->object[1]].object_id;
-    near->record.feature_b = candidate->b->index;
-    near->record.count = 1;
-}
-
-static void write_distance(const struct oracle_distance *distance,
-                           struct oracle_near *near)
-{
-    near->points = distance->points;
-    near->record.flags = (uint32_t)distance->type << 8;
-    near->record.d_lo = distance->lo;
-    near->record.d_hi = distance->hi;
-    for (int i = 0; i < 2; i++) {
-        near->record.param[i] = (float)distance->param[i];
-    }
-    for (int i = 0; i < 3; i++) {
-        near->record.direction[i] = (float)distance->direction[i];
-    }
-}
-
-/* Points of a candidate, and the order of (object, vertex); of one that is there twice,
- * the first comes first. */
-static void load(const struct oracle_moment *moment, const struct candidate *candidate,
-                 double p[5][3], uint8_t rank[5])
-{
-    uint64_t key[5];
-    uint32_t count = 0;
-    for (int side = 0; side < 2; side++) {
-        const struct oracle_feature *feature = side == 0 ? candidate->a : candidate->b;
-        const struct oracle_object *object = &moment->objects[feature->object];
-        for (uint32_t i = 0; i < feature->points; i++) {
-            memcpy(p[count], object->x1[feature->v[i]], sizeof p[count]);
-            key[count++] = (uint64_t)object->object_id << 32 | feature->v[i];
-        }
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        rank[i] = 0;
-        for (uint32_t k = 0; k < count; k++) {
-            rank[i] =
-                (uint8_t)(rank[i] + (key[k] < key[i] || (key[k] == key[i] && k < i)));
-        }
-    }
-}
-
 static void decide_pairs(const struct oracle_moment *moment, enum oracle_kind kind,
-                         const struct candidates *candidates, double distance,
+                         const struct oracle_candidates *candidates, double distance,
                          struct oracle_nears *pairs)
 {
     for (size_t i = 0; i < candidates->count; i++) {
         double p[5][3];
         uint8_t rank[5];
         struct oracle_distance found;
-        load(moment, &candidates->items[i], p, rank);
+        oracle_candidate_load(moment, &candidates->items[i], p, rank);
         pairs->queries++;
         if (oracle_distance_within(kind, (const double(*)[3])p, distance)) {
-            struct oracle_near *near = push(pairs);
+            struct oracle_near *near = oracle_nears_add(pairs);
             oracle_distance_find(kind, (const double(*)[3])p, rank, &found);
-            name(moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE, &candidates->items[i],
-                 near);
-            write_distance(&found, near);
+            oracle_candidate_name(moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE,
+                                  &candidates->items[i], near);
+            oracle_near_write(&found, near);
         }
     }
 }
@@ -218,21 +37,23 @@ bool oracle_near_pairs(const struct oracle_moment *moment, double distance,
                        uint64_t queries_max, struct oracle_nears *pairs)
 {
     struct oracle_features of_points[3];
-    struct candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
+    struct oracle_candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
     memset(pairs, 0, sizeof *pairs);
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_list(moment->objects, moment->object_count, i + 1, &of_points[i]);
     }
-    find_candidates(moment, &of_points[0], &of_points[2], distance, &candidates[0]);
-    find_candidates(moment, &of_points[1], &of_points[1], distance, &candidates[1]);
+    oracle_candidates_find(moment, &of_points[0], &of_points[2], distance,
+                           &candidates[0]);
+    oracle_candidates_find(moment, &of_points[1], &of_points[1], distance,
+                           &candidates[1]);
     bool is_little = candidates[0].count + candidates[1].count <= queries_max;
     if (is_little) {
         decide_pairs(moment, ORACLE_VF, &candidates[0], distance, pairs);
         decide_pairs(moment, ORACLE_EE, &candidates[1], distance, pairs);
-        sort(pairs);
+        oracle_nears_sort(pairs);
     }
-    free(candidates[0].items);
-    free(candidates[1].items);
+    oracle_candidates_deinit(&candidates[0]);
+    oracle_candidates_deinit(&candidates[1]);
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_deinit(&of_points[i]);
     }
@@ -244,23 +65,24 @@ bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_
 {
     struct oracle_features edges;
     struct oracle_features faces;
-    struct candidates candidates = {NULL, 0, 0};
+    struct oracle_candidates candidates = {NULL, 0, 0};
     memset(crossings, 0, sizeof *crossings);
     oracle_features_list(moment->objects, moment->object_count, 2, &edges);
     oracle_features_list(moment->objects, moment->object_count, 3, &faces);
-    find_candidates(moment, &edges, &faces, 0, &candidates);
+    oracle_candidates_find(moment, &edges, &faces, 0, &candidates);
     bool is_little = candidates.count <= queries_max;
     for (size_t i = 0; is_little && i < candidates.count; i++) {
         double p[5][3];
         uint8_t rank[5];
-        load(moment, &candidates.items[i], p, rank);
+        oracle_candidate_load(moment, &candidates.items[i], p, rank);
         crossings->queries++;
         if (oracle_crosses((const double(*)[3])p)) {
-            name(moment, PCCD_EF, &candidates.items[i], push(crossings));
+            oracle_candidate_name(moment, PCCD_EF, &candidates.items[i],
+                                  oracle_nears_add(crossings));
         }
     }
-    sort(crossings);
-    free(candidates.items);
+    oracle_nears_sort(crossings);
+    oracle_candidates_deinit(&candidates);
     oracle_features_deinit(&edges);
     oracle_features_deinit(&faces);
     return is_little;
@@ -378,7 +200,7 @@ static void measure(const struct oracle_moment *moment, const struct edges *edge
     oracle_distance_find(ORACLE_EE, (const double(*)[3])p, rank, &found);
     assert((uint32_t)found.type == near->record.kind);
     found.param[0] = 0; /* of the edge without a length */
-    write_distance(&found, near);
+    oracle_near_write(&found, near);
 }
 
 static void name_closest(const struct oracle_moment *moment, const struct edges *edges,
@@ -431,14 +253,14 @@ void oracle_near_features(const struct oracle_moment *moment,
     struct edges edges = list_edges(moment);
     memset(features, 0, sizeof *features);
     for (size_t i = 0; i < pairs->count; i++) {
-        name_closest(moment, &edges, &pairs->items[i], push(features));
+        name_closest(moment, &edges, &pairs->items[i], oracle_nears_add(features));
     }
-    sort(features);
+    oracle_nears_sort(features);
     size_t kept = 0;
     for (size_t i = 0; i < features->count; i++) {
         struct oracle_near *near = &features->items[i];
         struct oracle_near *last = kept > 0 ? &features->items[kept - 1] : NULL;
-        if (last && compare_nears(last, near) == 0) {
+        if (last && oracle_near_compare(last, near) == 0) {
             near->record.count = ++last->record.count;
             assert(memcmp(&last->record, &near->record, sizeof near->record) == 0);
         } else {

@@ -38,6 +38,7 @@ struct oracle_nears {
     struct oracle_near *items; /* in canonical order */
     size_t count;
     uint64_t queries; /* pairs that were given to exact arithmetic */
+    uint64_t ties;    /* oracle_objects.h: pairs as near as the one that was kept */
 };
 
 /* All functions end the process where memory ends. The caller frees what they give with
@@ -62,6 +63,9 @@ bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_
 void oracle_near_bounds(const struct oracle_moment *moment,
                         const struct oracle_nears *pairs, uint32_t at, double distance,
                         double *bounds);
+
+/* Canonical order of struct oracle_near, as qsort wants it. */
+int oracle_near_compare(const void *a, const void *b);
 
 void oracle_nears_deinit(struct oracle_nears *nears);
 

@@ -2,8 +2,8 @@
  * and replay find that.
  *
  * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record questions of every sort that verify checks, two of which move the
- *           scene; forge the recording in ways that leave it whole; have it judged.
+ * Does:     record questions of every sort, two of which move the scene; forge the
+ *           recording in ways that leave it whole; have it judged.
  * Threads:  one.
  */
 #include <math.h>
@@ -31,6 +31,11 @@ static const double floor_x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 static const double needle_x[3][3] = {{.25, .25, .5}, {.25, .25, 3}, {.375, .25, 3}};
 static const uint32_t face[1][3] = {{0, 1, 2}};
 
+/* Two tetrahedra, a corner of each in the other. */
+static const double closed_x[2][4][3] = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}},
+                                         {{.5, .5, .5}, {5, 1, 1}, {1, 5, 1}, {1, 1, 5}}};
+static const uint32_t closed_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
 static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what what,
                uint32_t end, const struct pccd_motion *motion)
 {
@@ -38,10 +43,32 @@ static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what w
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings.what = what;
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
+    settings.gap = what == PCCD_NEAR_NEAREST && end == 1 ? 0 : .125; /* else no use */
     settings.end = end;
     int status = pccd_near(client, scene, motion, motion != NULL, &settings, &answer);
     pccd_answer_release(client, &answer);
     return status == 0 && answer.total > 0 ? 0 : -1;
+}
+
+/* What is asked of objects two by two. */
+static int ask_two(struct pccd_client *client)
+{
+    uint32_t scene, mesh, object;
+    if (pccd_scene_create(client, NULL, &scene) != 0) {
+        return -1;
+    }
+    for (int i = 0; i < 2; i++) {
+        if (pccd_mesh_create(client, closed_x[i], PCCD_FORMAT_F64, 4, closed_faces, 4,
+                             &mesh, NULL) != 0 ||
+            pccd_scene_add(client, scene, mesh, &object) != 0) {
+            return -1;
+        }
+    }
+    return ask(client, scene, PCCD_NEAR_NEAREST, 1, NULL) != 0 ||
+                   ask(client, scene, PCCD_NEAR_NEAREST, 0, NULL) != 0 ||
+                   ask(client, scene, PCCD_NEAR_DEPTH, 1, NULL) != 0
+               ? -1
+               : 0;
 }
 
 static int set_up(void **state)
@@ -77,7 +104,7 @@ static int set_up(void **state)
         return -1;
     }
     x1[0][2] = .75;
-    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion) != 0 ||
+    if (ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion) != 0 || ask_two(client) != 0 ||
         pccd_step(client, scene, NULL, 0, NULL, &answer) != 0) {
         return -1;
     }
@@ -97,15 +124,35 @@ static int tear_down(void **state)
 /* ---- forging ----------------------------------------------------------------------- */
 
 enum forgery {
-    FORGE_DISTANCE, /* one unit in the last place of a record's d_hi */
-    FORGE_PARAM,    /* and of a weight */
-    FORGE_BOUND,    /* and of a vertex's bound */
-    FORGE_MISSING,  /* the last record left out */
-    FORGE_VERDICT,  /* free of intersections, and it is not */
+    FORGE_DISTANCE,  /* one unit in the last place of a record's d_hi */
+    FORGE_PARAM,     /* and of a weight */
+    FORGE_BOUND,     /* and of a vertex's bound */
+    FORGE_MISSING,   /* the last record left out */
+    FORGE_VERDICT,   /* free of intersections, and it is not */
+    FORGE_NEAREST,   /* another vertex is the nearest */
+    FORGE_GAP,       /* likewise, with a gap */
+    FORGE_DEPTH,     /* another vertex is inside */
+    FORGE_CROSSINGS, /* one edge more passes through a face, of closed meshes */
     FORGE_MOTION, /* the first question moved the needle, and the answer does not know */
     FORGE_COUNT,
     FORGE_HASH = FORGE_COUNT
 };
+
+/* What a forgery needs the question to be. */
+static bool is_about(enum forgery forgery, const struct record_near *asked)
+{
+    switch (forgery) {
+    case FORGE_NEAREST:
+        return asked->what == PCCD_NEAR_NEAREST && asked->gap == 0;
+    case FORGE_GAP:
+        return asked->what == PCCD_NEAR_NEAREST && asked->gap > 0;
+    case FORGE_DEPTH:
+    case FORGE_CROSSINGS:
+        return asked->what == PCCD_NEAR_DEPTH;
+    default:
+        return true;
+    }
+}
 
 /* Whether the chunk was forged. */
 static bool forge_records(enum forgery forgery, uint8_t *payload)
@@ -128,6 +175,9 @@ static bool forge_records(enum forgery forgery, uint8_t *payload)
         record.d_hi = nextafter(record.d_hi, 2);
     } else if (forgery == FORGE_PARAM) {
         record.param[0] = nextafterf(record.param[0], 2);
+    } else if (forgery == FORGE_NEAREST || forgery == FORGE_GAP ||
+               forgery == FORGE_DEPTH) {
+        record.feature_a ^= 1;
     } else {
         return false;
     }
@@ -143,6 +193,8 @@ static bool forge_answer(enum forgery forgery, uint8_t *payload)
         answer.total--;
     } else if (forgery == FORGE_VERDICT && answer.what == PCCD_NEAR_CROSSINGS) {
         answer.verdict = PCCD_VERDICT_NO;
+    } else if (forgery == FORGE_CROSSINGS) {
+        answer.crossings++;
     } else if (forgery == FORGE_HASH) {
         answer.hash[1] ^= 1;
     } else {
@@ -173,6 +225,7 @@ static void forge(enum forgery forgery)
     struct record_writer writer = {.fd = -1};
     struct record_reader reader;
     struct record_view view;
+    struct record_near asked = {0}; /* the last question, which the next answer is to */
     bool is_done = false, is_short = false;
     int got;
 
@@ -193,7 +246,11 @@ static void forge(enum forgery forgery)
             bytes -= head.record_bytes;
             memcpy(copy, &head, sizeof head);
             is_short = true;
-        } else if (!is_done) {
+        }
+        if (view.kind == RECORD_NEAR) {
+            memcpy(&asked, copy, sizeof asked);
+        }
+        if (!is_done && is_about(forgery, &asked)) {
             is_done = view.kind == RECORD_NEAR_RECORDS  ? forge_records(forgery, copy)
                       : view.kind == RECORD_NEAR_ANSWER ? forge_answer(forgery, copy)
                       : view.kind == RECORD_NEAR && forgery == FORGE_MOTION
@@ -224,11 +281,11 @@ static void verify__passes_what_is_near(void **state)
     (void)state;
     assert_int_equal(test_ctl("verify", "", honest, said, sizeof said), 0);
     assert_non_null(strstr(said, "PASS: 1 step"));
-    assert_non_null(strstr(said, "5 questions about what is near with "));
+    assert_non_null(strstr(said, "8 questions about what is near with "));
     assert_null(strstr(said, "not checked"));
     assert_int_equal(
         test_ctl("verify", "--repeat --method paper", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "5 questions about what is near with "));
+    assert_non_null(strstr(said, "8 questions about what is near with "));
 }
 
 /* If this failed, a daemon that is wrong about distances would be trusted. */
@@ -240,6 +297,10 @@ static void verify__shows_what_is_wrong_of_what_is_near(void **state)
         [FORGE_BOUND] = "bound 0.",
         [FORGE_MISSING] = "it is missing",
         [FORGE_VERDICT] = "something intersects or touches, and it says no",
+        [FORGE_NEAREST] = ", exact: ",
+        [FORGE_GAP] = "its numbers are not those of its pair",
+        [FORGE_DEPTH] = ", exact: ",
+        [FORGE_CROSSINGS] = "edges pass through faces, exact: ",
         [FORGE_MOTION] = "what is near: record "};
     char said[4096];
 
@@ -263,12 +324,12 @@ static void replay__compares_what_is_near(void **state)
 
     (void)state;
     assert_int_equal(test_ctl("replay", "", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "6 the same, 0 not"));
+    assert_non_null(strstr(said, "8 the same, 0 not")); /* with a gap any pair is right */
     forge(FORGE_HASH);
     assert_int_equal(test_ctl("replay", "", forged, said, sizeof said), 1);
     assert_non_null(strstr(said, "what is near, question 1 has another hash"));
     assert_int_equal(test_ctl("replay", "--steps 2..", forged, said, sizeof said), 0);
-    assert_non_null(strstr(said, "5 the same, 0 not"));
+    assert_non_null(strstr(said, "7 the same, 0 not"));
 }
 
 int main(void)

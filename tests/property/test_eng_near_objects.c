@@ -24,8 +24,7 @@
 #include "clock.h"
 #include "eng_way.h"
 #include "near_kit.h"
-#include "oracle_distance.h"
-#include "oracle_inside.h"
+#include "oracle_objects.h"
 
 #define SCENES      150
 #define ASKED       4u
@@ -48,9 +47,6 @@ struct shape {
     uint32_t points;
     uint32_t face_count;
     uint32_t faces[20][3];
-    uint32_t edge_count;
-    uint32_t edges[60][2];
-    bool is_used[POINTS_MAX];
     double x[2][POINTS_MAX][3]; /* at both ends */
 };
 
@@ -126,14 +122,6 @@ static void make(struct play *play, struct shape *shape, bool is_closed)
     }
     shape->mesh = kit_mesh((const double(*)[3])x, shape->points,
                            (const uint32_t(*)[3])shape->faces, shape->face_count);
-    struct eng_mesh_info info;
-    eng_mesh_get_info(shape->mesh, &info);
-    shape->edge_count = info.edge_count;
-    memcpy(shape->edges, eng_mesh_edges(shape->mesh),
-           info.edge_count * sizeof shape->edges[0]);
-    for (uint32_t i = 0; i < 3 * shape->face_count; i++) {
-        shape->is_used[shape->faces[i / 3][i % 3]] = true;
-    }
     near_kit_add(&play->kit, shape->mesh);
 }
 
@@ -151,134 +139,47 @@ static void move(struct play *play)
 
 /* ---- the truth ------------------------------------------------------------------ */
 
-/* A pair as records name it, with its points. */
 struct truth {
-    bool is_made;
-    enum oracle_kind kind;
-    struct pccd_pair name;
-    uint8_t rank[4];
-    double p[4][3];
+    struct oracle_object objects[OBJECTS_MAX];
+    struct oracle_moment moment;
+    struct oracle_nears nears;
 };
 
-static void set_point(const struct play *play, struct truth *truth, int i,
-                      uint32_t object, uint32_t v)
+/* The scene as the oracle takes it. Ids of objects are their places + 1 (near_kit.h). */
+static void begin_truth(const struct play *play, struct truth *truth)
 {
-    memcpy(truth->p[i], play->shapes[object].x[play->end][v], sizeof truth->p[i]);
+    for (uint32_t i = 0; i < play->kit.count; i++) {
+        const struct shape *shape = &play->shapes[i];
+        const double(*x)[3] = (const double(*)[3])shape->x[play->end];
+        truth->objects[i] =
+            (struct oracle_object){.object_id = i + 1,
+                                   .vertex_count = shape->points,
+                                   .triangle_count = shape->face_count,
+                                   .x0 = x,
+                                   .x1 = x,
+                                   .triangles = (const uint32_t(*)[3])shape->faces};
+    }
+    truth->moment = (struct oracle_moment){truth->objects, play->kit.count, NULL, NULL};
 }
 
-/* Ranks by (object, vertex), as the points were set. */
-static void set_ranks(struct truth *truth, const uint32_t object[4], const uint32_t v[4])
+/* All of it, and nothing else. */
+static void compare(const struct play *play, const struct eng_near_result *result,
+                    struct truth *truth)
 {
-    for (int i = 0; i < 4; i++) {
-        truth->rank[i] = 0;
-        for (int j = 0; j < 4; j++) {
-            bool is_less = object[j] != object[i] ? object[j] < object[i]
-                           : v[j] != v[i]         ? v[j] < v[i]
-                                                  : j < i;
-            truth->rank[i] = (uint8_t)(truth->rank[i] + is_less);
-        }
+    for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
+        const struct pccd_near *is = near_kit_record(result, i);
+        const struct pccd_near *must_be = &truth->nears.items[i].record;
+        must(play,
+             is->kind == must_be->kind && is->object_a == must_be->object_a &&
+                 is->feature_a == must_be->feature_a &&
+                 is->object_b == must_be->object_b && is->feature_b == must_be->feature_b,
+             "another pair is nearer, or a vertex is not inside");
+        must(play, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
+        sums.touching += is->d_hi == 0;
     }
-}
-
-static struct truth vf(const struct play *play, uint32_t a, uint32_t v, uint32_t b,
-                       uint32_t f)
-{
-    const uint32_t *corner = play->shapes[b].faces[f];
-    struct truth truth = {true, ORACLE_VF, {PCCD_VF, a + 1, v, b + 1, f}, {0}, {{0}}};
-    set_point(play, &truth, 0, a, v);
-    for (int k = 0; k < 3; k++) {
-        set_point(play, &truth, 1 + k, b, corner[k]);
-    }
-    set_ranks(&truth, (const uint32_t[4]){a, b, b, b},
-              (const uint32_t[4]){v, corner[0], corner[1], corner[2]});
-    return truth;
-}
-
-static struct truth ee(const struct play *play, uint32_t a, uint32_t e, uint32_t b,
-                       uint32_t f)
-{
-    const uint32_t *of_a = play->shapes[a].edges[e];
-    const uint32_t *of_b = play->shapes[b].edges[f];
-    struct truth truth = {true, ORACLE_EE, {PCCD_EE, a + 1, e, b + 1, f}, {0}, {{0}}};
-    for (int k = 0; k < 2; k++) {
-        set_point(play, &truth, k, a, of_a[k]);
-        set_point(play, &truth, 2 + k, b, of_b[k]);
-    }
-    set_ranks(&truth, (const uint32_t[4]){a, a, b, b},
-              (const uint32_t[4]){of_a[0], of_a[1], of_b[0], of_b[1]});
-    return truth;
-}
-
-/* Looked at in canonical order, so the first of equals stays. */
-static void look(struct truth *best, struct truth truth)
-{
-    int sign = best->is_made
-                   ? oracle_distance_compare(truth.kind, (const double(*)[3])truth.p,
-                                             best->kind, (const double(*)[3])best->p)
-                   : -1;
-    sums.ties += sign == 0;
-    if (sign < 0) {
-        *best = truth;
-    }
-}
-
-static struct truth nearest_of(const struct play *play, uint32_t a, uint32_t b)
-{
-    struct truth best = {0};
-    for (int turned = 0; turned < 2; turned++) {
-        uint32_t of_vertex = turned ? b : a;
-        uint32_t of_face = turned ? a : b;
-        for (uint32_t v = 0; v < play->shapes[of_vertex].points; v++) {
-            for (uint32_t f = 0; play->shapes[of_vertex].is_used[v] &&
-                                 f < play->shapes[of_face].face_count;
-                 f++) {
-                look(&best, vf(play, of_vertex, v, of_face, f));
-            }
-        }
-    }
-    for (uint32_t e = 0; e < play->shapes[a].edge_count; e++) {
-        for (uint32_t f = 0; f < play->shapes[b].edge_count; f++) {
-            look(&best, ee(play, a, e, b, f));
-        }
-    }
-    return best;
-}
-
-static bool is_record(const struct truth *truth, const struct pccd_near *record)
-{
-    struct oracle_distance distance;
-    oracle_distance_find(truth->kind, (const double(*)[3])truth->p, truth->rank,
-                         &distance);
-    bool is_same = record->kind == truth->name.kind &&
-                   record->object_a == truth->name.object_a &&
-                   record->feature_a == truth->name.feature_a &&
-                   record->object_b == truth->name.object_b &&
-                   record->feature_b == truth->name.feature_b &&
-                   record->d_lo == distance.lo && record->d_hi == distance.hi &&
-                   record->count == 1 && (record->flags & 0xffu) == 0 &&
-                   PCCD_NEAR_TYPE(record->flags) == (uint32_t)distance.type;
-    for (int i = 0; i < 2; i++) {
-        is_same = is_same && record->param[i] == (float)distance.param[i];
-    }
-    for (int k = 0; k < 3; k++) {
-        is_same = is_same && record->direction[k] == (float)distance.direction[k];
-    }
-    sums.touching += distance.hi == 0;
-    return is_same;
-}
-
-static const struct pccd_near *record_of(const struct eng_near_result *result,
-                                         const struct pccd_pair *name)
-{
-    for (uint64_t i = 0; i < result->count; i++) {
-        const struct pccd_near *record = near_kit_record(result, i);
-        if (record->kind == name->kind && record->object_a == name->object_a &&
-            record->feature_a == name->feature_a && record->object_b == name->object_b &&
-            record->feature_b == name->feature_b) {
-            return record;
-        }
-    }
-    return NULL;
+    must(play, result->count == truth->nears.count, "there are too many or too few");
+    sums.ties += truth->nears.ties;
+    oracle_nears_deinit(&truth->nears);
 }
 
 /* ---- questions ------------------------------------------------------------------ */
@@ -299,94 +200,35 @@ static struct eng_near_result ask(struct play *play, enum pccd_near_what what,
 
 static void check_nearest(struct play *play)
 {
+    static const uint32_t all[2] = {0, 0};
     double distance =
         draw(play, 2) == 0 ? INFINITY : play->scale * (double)draw(play, 3) * 0.5;
     struct eng_near_result result = ask(play, PCCD_NEAR_NEAREST, distance);
-    uint64_t count = 0;
-    for (uint32_t a = 0; a < play->kit.count; a++) {
-        for (uint32_t b = a + 1; b < play->kit.count; b++) {
-            struct truth truth = nearest_of(play, a, b);
-            const struct pccd_near *record = record_of(&result, &truth.name);
-            bool is_within =
-                distance == INFINITY ||
-                oracle_distance_within(truth.kind, (const double(*)[3])truth.p, distance);
-            must(play, is_within == (record != NULL), "another pair is the nearest");
-            must(play, !record || is_record(&truth, record), "a number is wrong");
-            count += is_within;
-        }
-    }
-    must(play, result.count == count, "there are records of nothing");
-    sums.nearest += count;
-}
-
-static struct truth face_of(const struct play *play, uint32_t a, uint32_t v, uint32_t b)
-{
-    struct truth best = {0};
-    for (uint32_t f = 0; f < play->shapes[b].face_count; f++) {
-        look(&best, vf(play, a, v, b, f));
-    }
-    return best;
-}
-
-/* Edges of an object that pass through faces of another. */
-static uint64_t crossings_of(const struct play *play, uint32_t a, uint32_t b)
-{
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < play->shapes[a].edge_count; i++) {
-        for (uint32_t f = 0; f < play->shapes[b].face_count; f++) {
-            double p[5][3];
-            for (int k = 0; k < 2; k++) {
-                memcpy(p[k], play->shapes[a].x[play->end][play->shapes[a].edges[i][k]],
-                       sizeof p[k]);
-            }
-            for (int k = 0; k < 3; k++) {
-                memcpy(p[2 + k],
-                       play->shapes[b].x[play->end][play->shapes[b].faces[f][k]],
-                       sizeof p[k]);
-            }
-            count += oracle_crosses((const double(*)[3])p);
-        }
-    }
-    return count;
+    struct truth truth;
+    begin_truth(play, &truth);
+    assert_true(
+        oracle_objects_nearest(&truth.moment, all, distance, UINT64_MAX, &truth.nears));
+    compare(play, &result, &truth);
+    sums.nearest += result.count;
 }
 
 static void check_depth(struct play *play)
 {
+    static const uint32_t all[2] = {0, 0};
     struct eng_near_result result = ask(play, PCCD_NEAR_DEPTH, 0);
-    uint64_t count = 0;
-    uint64_t crossings = 0;
-    for (uint32_t i = 0; i < play->kit.count * play->kit.count; i++) {
-        uint32_t a = i / play->kit.count;
-        uint32_t b = i % play->kit.count;
-        crossings += a != b ? crossings_of(play, a, b) : 0;
-    }
+    struct truth truth;
+    uint64_t crossings;
+    begin_truth(play, &truth);
+    assert_true(
+        oracle_objects_depth(&truth.moment, all, UINT64_MAX, &truth.nears, &crossings));
+    compare(play, &result, &truth);
     must(play, result.crossings == crossings, "other edges pass through");
     sums.crossings += crossings;
-    for (uint32_t i = 0; i < play->kit.count * play->kit.count * POINTS_MAX; i++) {
-        uint32_t v = i % POINTS_MAX;
-        uint32_t a = i / POINTS_MAX % play->kit.count;
-        uint32_t b = i / POINTS_MAX / play->kit.count;
-        const struct shape *shape = &play->shapes[b];
-        int64_t winding;
-        if (a == b || v >= play->shapes[a].points) {
-            continue;
-        }
-        bool is_inside = oracle_winding(play->shapes[a].x[play->end][v],
-                                        (const double(*)[3])shape->x[play->end],
-                                        (const uint32_t(*)[3])shape->faces,
-                                        shape->face_count, &winding) &&
-                         winding != 0;
-        if (is_inside) {
-            struct truth truth = face_of(play, a, v, b);
-            const struct pccd_near *record = record_of(&result, &truth.name);
-            must(play, record != NULL, "a vertex inside has not that record");
-            must(play, is_record(&truth, record), "a number is wrong");
-        }
-        count += is_inside;
-        sums.outside += !is_inside;
+    sums.inside += result.count;
+    for (uint32_t i = 0; i < play->kit.count; i++) {
+        sums.outside += play->shapes[i].points * (play->kit.count - 1);
     }
-    must(play, result.count == count, "there are records of nothing");
-    sums.inside += count;
+    sums.outside -= result.count;
 }
 
 static void live(uint64_t seed)

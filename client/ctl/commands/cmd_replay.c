@@ -185,7 +185,7 @@ static int compare_near(void *context, const struct play_near *near,
     }
     /* With a gap any pair within it is right. */
     if (!is_complete(then->incomplete) ||
-        !is_complete((uint32_t)near->answer->incomplete) || near->asked->gap > 0) {
+        !is_complete((uint32_t)near->answer->incomplete) || play_has_gap(near->asked)) {
         replay->incomplete++;
         return PCCD_OK;
     }

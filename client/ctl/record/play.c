@@ -50,6 +50,11 @@ bool play_is_repeatable(int status)
            status == PCCD_E_INDEX;
 }
 
+bool play_has_gap(const struct record_near *asked)
+{
+    return asked->what == PCCD_NEAR_NEAREST && asked->gap > 0;
+}
+
 void play_hash(const struct play_step *step, uint64_t hash[2])
 {
     const struct pccd_answer *answer = step->answer;

@@ -96,6 +96,9 @@ int play(const struct play_settings *settings, play_fn show, void *context,
  * the two can be compared. */
 void play_hash(const struct play_step *step, uint64_t hash[2]);
 
+/* Whether any pair that is near enough is a right answer, so that there is no hash. */
+bool play_has_gap(const struct record_near *asked);
+
 /* Whether a step that failed so fails again. */
 bool play_is_repeatable(int status);
 

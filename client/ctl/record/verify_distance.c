@@ -3,10 +3,9 @@
  * Room:     client/ctl.
  * Does:     find everything that is near by trying all pairs with exact arithmetic, and
  *           compare each byte of the answer with that.
- * Does not: check what is nearest, depths, and answers that are not whole: they are
- *           counted.
+ * Does not: check answers that are not whole: they are counted.
  * Threads:  one.
- * Source:   verify.h; oracle_near.h.
+ * Source:   verify.h; oracle_near.h, oracle_objects.h.
  */
 #include <inttypes.h>
 #include <math.h>
@@ -17,6 +16,7 @@
 #include "answer_hash.h"
 #include "kinds.h"
 #include "oracle_near.h"
+#include "oracle_objects.h"
 #include "verify.h"
 
 #define DECISIONS_MAX 4000000u /* exact ones for one answer: a minute */
@@ -74,6 +74,9 @@ static bool check_sums(struct judge *judge)
     double least = 2e18, greatest = 0;
     record_answer_hash(PCCD_HASH_VERSION, near->records, near->count,
                        sizeof *near->records, hash);
+    if (play_has_gap(near->asked)) {
+        memset(hash, 0, sizeof hash);
+    }
     for (uint64_t i = 0; i < near->count; i++) {
         least = fmin(least, near->records[i].d_lo);
         greatest = fmax(greatest, near->records[i].d_hi);
@@ -157,6 +160,19 @@ static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
     return at == near->count || wrong(judge, "there is no such vertex", at);
 }
 
+/* How many edges pass through faces. */
+static bool check_count(struct judge *judge, uint64_t crossings)
+{
+    const struct play_near *near = judge->near;
+    char what[120];
+    uint64_t said =
+        near->answer != NULL ? near->answer->crossings : near->recorded->crossings;
+    (void)snprintf(what, sizeof what,
+                   "%" PRIu64 " edges pass through faces, exact: %" PRIu64, said,
+                   crossings);
+    return said == crossings || wrong(judge, what, near->count);
+}
+
 /* NO only where nothing crosses and nothing touches. */
 static bool check_crossings(struct judge *judge, const struct oracle_nears *crossings,
                             const struct oracle_nears *touching)
@@ -171,8 +187,72 @@ static bool check_crossings(struct judge *judge, const struct oracle_nears *cros
                                 : "nothing intersects or touches, and it says yes",
                      near->count);
     }
-    return check_records(judge, crossings);
+    return check_count(judge, crossings->count) && check_records(judge, crossings);
 }
+
+/* ---- objects two by two ------------------------------------------------------------ */
+
+static bool are_of_one_pair(const struct pccd_near *a, const struct pccd_near *b)
+{
+    return (a->object_a == b->object_a && a->object_b == b->object_b) ||
+           (a->object_a == b->object_b && a->object_b == b->object_a);
+}
+
+/* With a gap: of each two objects that have a nearest pair some pair, which is its own
+ * numbers long, and no farther than the nearest by more than the gap. */
+static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth)
+{
+    const struct play_near *near = judge->near;
+    for (uint64_t i = 0; i < near->count; i++) {
+        const struct pccd_near *is = &near->records[i];
+        struct oracle_near must, before;
+        size_t at = 0;
+        while (at < truth->count && !are_of_one_pair(is, &truth->items[at].record)) {
+            at++;
+        }
+        if (at == truth->count || !oracle_objects_measure(&judge->moment, is, &must)) {
+            return wrong(judge, "it names no pair of two objects that are near", i);
+        }
+        must.record.flags |= (uint32_t)PCCD_NEAR_GAP;
+        if (memcmp(is, &must.record, sizeof *is) != 0) {
+            return wrong(judge, "its numbers are not those of its pair", i);
+        }
+        if (is->d_lo > truth->items[at].record.d_hi + near->asked->gap ||
+            is->d_lo > near->asked->distance) {
+            return wrong(judge, "another pair is nearer by more than the gap", i);
+        }
+        before.record = near->records[i > 0 ? i - 1 : 0];
+        if (i > 0 && oracle_near_compare(&before, &must) >= 0) {
+            return wrong(judge, "it does not come after the one before", i);
+        }
+    }
+    return near->count == truth->count
+               ? check_sums(judge)
+               : wrong(judge, "two objects have no pair, or more than one", near->count);
+}
+
+/* As check. */
+static int check_objects(struct judge *judge)
+{
+    const struct record_near *asked = judge->near->asked;
+    struct oracle_nears truth = {.count = 0};
+    uint64_t crossings = 0;
+    int is_right = -1;
+    if (asked->what == PCCD_NEAR_DEPTH) {
+        if (oracle_objects_depth(&judge->moment, asked->objects, DECISIONS_MAX, &truth,
+                                 &crossings)) {
+            is_right = check_count(judge, crossings) && check_records(judge, &truth);
+        }
+    } else if (oracle_objects_nearest(&judge->moment, asked->objects, asked->distance,
+                                      DECISIONS_MAX, &truth)) {
+        is_right = play_has_gap(asked) ? check_with_gap(judge, &truth)
+                                       : check_records(judge, &truth);
+    }
+    oracle_nears_deinit(&truth);
+    return is_right;
+}
+
+/* ---- the question ------------------------------------------------------------------ */
 
 /* 1: right, 0: wrong, -1: too much to decide. */
 static int check(struct judge *judge)
@@ -181,6 +261,9 @@ static int check(struct judge *judge)
     bool crosses = asked->what == PCCD_NEAR_CROSSINGS;
     struct oracle_nears pairs = {.count = 0}, more = {.count = 0};
     int is_right = -1;
+    if (asked->what == PCCD_NEAR_NEAREST || asked->what == PCCD_NEAR_DEPTH) {
+        return check_objects(judge);
+    }
     if (!oracle_near_pairs(&judge->moment, crosses ? 0 : asked->distance, DECISIONS_MAX,
                            &pairs)) {
         return -1;
@@ -202,7 +285,6 @@ static int check(struct judge *judge)
 
 static bool can_check(const struct play_near *near)
 {
-    uint32_t what = near->asked->what;
     int answered = near->answer != NULL     ? near->answer->status
                    : near->recorded != NULL ? near->recorded->status
                                             : PCCD_E_STATE;
@@ -211,8 +293,7 @@ static bool can_check(const struct play_near *near)
     }
     uint32_t incomplete = near->answer != NULL ? (uint32_t)near->answer->incomplete
                                                : near->recorded->incomplete;
-    return near->is_whole && incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
-           what != PCCD_NEAR_NEAREST && what != PCCD_NEAR_DEPTH;
+    return near->is_whole && incomplete <= PCCD_INCOMPLETE_RESULT_FULL;
 }
 
 int verify_distances(const struct play_near *near, struct verify_counts *counts,

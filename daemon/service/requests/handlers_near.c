@@ -212,6 +212,7 @@ static void say_nothing(const struct proto_SCENE_NEAR_request *asked,
 {
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result nothing;
+    bool has_gap = asked->what == PCCD_NEAR_NEAREST && asked->gap > 0.0;
     settings.method = (enum pccd_method)asked->method;
     eng_step_nothing(&settings, &nothing);
     const struct eng_near_result near = {
@@ -220,8 +221,7 @@ static void say_nothing(const struct proto_SCENE_NEAR_request *asked,
         .incomplete = why,
         .verdict = PCCD_VERDICT_NONE,
         .distance_min = DISTANCE_NONE,
-        .hash = {asked->gap > 0.0 ? 0 : nothing.hash[0],
-                 asked->gap > 0.0 ? 0 : nothing.hash[1]},
+        .hash = {has_gap ? 0 : nothing.hash[0], has_gap ? 0 : nothing.hash[1]},
         .threads = nothing.threads,
     };
     describe(&near, answer);

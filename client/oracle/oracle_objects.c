@@ -1,0 +1,329 @@
+/* oracle_objects.c - what is near of objects two by two, by brute force.
+ *
+ * Room:     client/oracle.
+ * Does:     take two objects out of the scene, list what no boxes keep apart, then
+ *           compare pairs exactly.
+ * Threads:  [any].
+ */
+#include "oracle_objects.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "oracle_candidates.h"
+#include "oracle_features.h"
+#include "oracle_inside.h"
+
+/* More than rounding takes off a difference, a square or a sum of three, or than squares
+ * lose that are too small for doubles. */
+#define A_LITTLE      (1 + 0x1p-40)
+#define A_LITTLE_MORE 1e-100
+
+/* ---- two objects ------------------------------------------------------------------- */
+
+struct two {
+    uint32_t at[2]; /* indices into the scene's objects */
+    struct oracle_object objects[2];
+    struct oracle_moment moment;         /* of these two alone */
+    struct oracle_features of_points[3]; /* [points - 1] */
+};
+
+static bool are_different(const void *context, uint32_t a, uint32_t b)
+{
+    (void)context;
+    return a != b;
+}
+
+static void two_init(struct two *two, const struct oracle_moment *moment, uint32_t a,
+                     uint32_t b)
+{
+    two->at[0] = a;
+    two->at[1] = b;
+    two->objects[0] = moment->objects[a];
+    two->objects[1] = moment->objects[b];
+    two->moment = (struct oracle_moment){two->objects, 2, are_different, NULL};
+    for (uint32_t i = 0; i < 3; i++) {
+        oracle_features_list(two->objects, 2, i + 1, &two->of_points[i]);
+    }
+}
+
+static void two_deinit(struct two *two)
+{
+    for (uint32_t i = 0; i < 3; i++) {
+        oracle_features_deinit(&two->of_points[i]);
+    }
+}
+
+static bool is_asked(const struct oracle_moment *moment, const uint32_t asked[2],
+                     uint32_t a, uint32_t b)
+{
+    uint32_t id_a = moment->objects[a].object_id;
+    uint32_t id_b = moment->objects[b].object_id;
+    if (asked[0] != 0 && asked[1] != 0) {
+        return (id_a == asked[0] && id_b == asked[1]) ||
+               (id_a == asked[1] && id_b == asked[0]);
+    }
+    uint32_t only = asked[0] != 0 ? asked[0] : asked[1];
+    return (only == 0 || id_a == only || id_b == only) &&
+           (!moment->may_meet || moment->may_meet(moment->context, id_a, id_b));
+}
+
+/* The least distance of a vertex of `vertices` and one of the second object, or more; the
+ * features that they belong to are not farther apart. */
+static double reach_of(const struct two *two, const struct oracle_feature *vertices,
+                       size_t count)
+{
+    const struct oracle_features *others = &two->of_points[0];
+    double least = INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t j = 0; j < others->count; j++) {
+            double sum = 0;
+            for (int k = 0; k < 3; k++) {
+                double w = vertices[i].lo[k] - others->items[j].lo[k];
+                sum += w * w;
+            }
+            if (vertices[i].object != others->items[j].object && sum < least) {
+                least = sum;
+            }
+        }
+    }
+    return sqrt(least) * A_LITTLE + A_LITTLE_MORE;
+}
+
+/* ---- the nearest of pairs ---------------------------------------------------------- */
+
+struct best {
+    bool is_made;
+    enum oracle_kind kind;
+    double p[5][3];
+    uint8_t rank[5];
+    struct oracle_near near;
+};
+
+/* Below, equal or above zero as the candidate is to the best so far, which it becomes if
+ * it is nearer, or as near and before in canonical order. */
+static int look(const struct two *two, enum oracle_kind kind,
+                const struct oracle_candidate *candidate, struct best *best)
+{
+    struct best other = {.is_made = true, .kind = kind};
+    oracle_candidate_load(&two->moment, candidate, other.p, other.rank);
+    oracle_candidate_name(&two->moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE, candidate,
+                          &other.near);
+    int sign = best->is_made
+                   ? oracle_distance_compare(kind, (const double(*)[3])other.p,
+                                             best->kind, (const double(*)[3])best->p)
+                   : -1;
+    if (sign < 0 || (sign == 0 && oracle_near_compare(&other.near, &best->near) < 0)) {
+        *best = other;
+    }
+    return sign;
+}
+
+/* The best of vertices and faces, and of edges unless a vertex alone is looked at. false:
+ * that is too much. */
+static bool look_at_all(struct two *two, const struct oracle_features *vertices,
+                        bool with_edges, double reach, uint64_t queries_max,
+                        struct oracle_nears *nears, struct best *best)
+{
+    struct oracle_candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
+    memset(best, 0, sizeof *best);
+    oracle_candidates_find(&two->moment, vertices, &two->of_points[2], reach,
+                           &candidates[0]);
+    if (with_edges) {
+        oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[1],
+                               reach, &candidates[1]);
+    }
+    nears->queries += candidates[0].count + candidates[1].count;
+    bool is_little = nears->queries <= queries_max;
+    for (int kind = 0; kind < 2; kind++) {
+        for (size_t i = 0; is_little && i < candidates[kind].count; i++) {
+            int sign = look(two, kind == 0 ? ORACLE_VF : ORACLE_EE,
+                            &candidates[kind].items[i], best);
+            nears->ties += sign == 0;
+        }
+        oracle_candidates_deinit(&candidates[kind]);
+    }
+    return is_little;
+}
+
+static void write_best(const struct two *two, struct best *best)
+{
+    struct oracle_distance found;
+    oracle_distance_find(best->kind, (const double(*)[3])best->p, best->rank, &found);
+    oracle_near_write(&found, &best->near);
+    for (int i = 0; i < 2; i++) {
+        best->near.object[i] = two->at[best->near.object[i]];
+    }
+}
+
+static void add_best(const struct two *two, struct best *best, struct oracle_nears *nears)
+{
+    write_best(two, best);
+    *oracle_nears_add(nears) = best->near;
+}
+
+/* ---- nearest ----------------------------------------------------------------------- */
+
+static bool add_nearest(struct two *two, double distance, uint64_t queries_max,
+                        struct oracle_nears *nears)
+{
+    const struct oracle_features *vertices = &two->of_points[0];
+    double reach = fmin(distance, reach_of(two, vertices->items, vertices->count));
+    struct best best;
+    if (!look_at_all(two, vertices, true, reach, queries_max, nears, &best)) {
+        return false;
+    }
+    if (best.is_made &&
+        (isinf(distance) ||
+         oracle_distance_within(best.kind, (const double(*)[3])best.p, distance))) {
+        add_best(two, &best, nears);
+    }
+    return true;
+}
+
+bool oracle_objects_nearest(const struct oracle_moment *moment, const uint32_t asked[2],
+                            double distance, uint64_t queries_max,
+                            struct oracle_nears *nears)
+{
+    bool is_little = true;
+    memset(nears, 0, sizeof *nears);
+    for (uint32_t a = 0; a < moment->object_count; a++) {
+        for (uint32_t b = a + 1; is_little && b < moment->object_count; b++) {
+            struct two two;
+            if (is_asked(moment, asked, a, b)) {
+                two_init(&two, moment, a, b);
+                is_little = add_nearest(&two, distance, queries_max, nears);
+                two_deinit(&two);
+            }
+        }
+    }
+    oracle_nears_sort(nears);
+    if (!is_little) {
+        oracle_nears_deinit(nears);
+    }
+    return is_little;
+}
+
+/* ---- depth ------------------------------------------------------------------------- */
+
+static bool is_in_box(const struct oracle_object *object, const double x[3])
+{
+    double lo[3] = {INFINITY, INFINITY, INFINITY};
+    double hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t v = 0; v < object->vertex_count; v++) {
+        for (int k = 0; k < 3; k++) {
+            lo[k] = fmin(lo[k], object->x1[v][k]);
+            hi[k] = fmax(hi[k], object->x1[v][k]);
+        }
+    }
+    return x[0] >= lo[0] && x[0] <= hi[0] && x[1] >= lo[1] && x[1] <= hi[1] &&
+           x[2] >= lo[2] && x[2] <= hi[2];
+}
+
+/* A vertex of one of the two, if it is inside the other. */
+static bool add_depth(struct two *two, struct oracle_feature *vertex,
+                      uint64_t queries_max, struct oracle_nears *nears)
+{
+    const struct oracle_object *other = &two->objects[1 - vertex->object];
+    const struct oracle_features one = {vertex, 1, 1};
+    struct best best;
+    int64_t winding;
+    if (!is_in_box(other, vertex->lo)) {
+        return true;
+    }
+    nears->queries += other->triangle_count;
+    if (nears->queries > queries_max) {
+        return false;
+    }
+    if (!oracle_winding(vertex->lo, other->x1, other->triangles, other->triangle_count,
+                        &winding) ||
+        winding == 0) {
+        return true;
+    }
+    if (!look_at_all(two, &one, false, reach_of(two, vertex, 1), queries_max, nears,
+                     &best)) {
+        return false;
+    }
+    add_best(two, &best, nears);
+    return true;
+}
+
+bool oracle_objects_depth(const struct oracle_moment *moment, const uint32_t asked[2],
+                          uint64_t queries_max, struct oracle_nears *nears,
+                          uint64_t *crossings)
+{
+    bool is_little = true;
+    memset(nears, 0, sizeof *nears);
+    *crossings = 0;
+    for (uint32_t a = 0; a < moment->object_count; a++) {
+        for (uint32_t b = a + 1; is_little && b < moment->object_count; b++) {
+            struct oracle_nears through;
+            struct two two;
+            if (!is_asked(moment, asked, a, b)) {
+                continue;
+            }
+            two_init(&two, moment, a, b);
+            is_little = oracle_near_crossings(&two.moment, queries_max, &through);
+            *crossings += through.count;
+            oracle_nears_deinit(&through);
+            for (size_t i = 0; is_little && i < two.of_points[0].count; i++) {
+                is_little =
+                    add_depth(&two, &two.of_points[0].items[i], queries_max, nears);
+            }
+            two_deinit(&two);
+        }
+    }
+    oracle_nears_sort(nears);
+    if (!is_little) {
+        oracle_nears_deinit(nears);
+    }
+    return is_little;
+}
+
+/* ---- one pair ---------------------------------------------------------------------- */
+
+static uint32_t place_of(const struct oracle_moment *moment, uint32_t id)
+{
+    uint32_t i = 0;
+    while (i < moment->object_count && moment->objects[i].object_id != id) {
+        i++;
+    }
+    return i;
+}
+
+static const struct oracle_feature *feature_of(const struct oracle_features *features,
+                                               uint32_t object, uint32_t index)
+{
+    for (size_t i = 0; i < features->count; i++) {
+        if (features->items[i].object == object && features->items[i].index == index) {
+            return &features->items[i];
+        }
+    }
+    return NULL;
+}
+
+bool oracle_objects_measure(const struct oracle_moment *moment,
+                            const struct pccd_near *named, struct oracle_near *near)
+{
+    uint32_t a = place_of(moment, named->object_a);
+    uint32_t b = place_of(moment, named->object_b);
+    bool is_vf = named->kind == PCCD_VF;
+    struct two two;
+    if (a == moment->object_count || b == moment->object_count || a == b ||
+        (!is_vf && (named->kind != PCCD_EE || named->object_a > named->object_b))) {
+        return false;
+    }
+    two_init(&two, moment, a, b);
+    const struct oracle_candidate candidate = {
+        feature_of(&two.of_points[is_vf ? 0 : 1], 0, named->feature_a),
+        feature_of(&two.of_points[is_vf ? 2 : 1], 1, named->feature_b)};
+    struct best best = {.is_made = false};
+    if (candidate.a && candidate.b) {
+        (void)look(&two, is_vf ? ORACLE_VF : ORACLE_EE, &candidate, &best);
+        write_best(&two, &best);
+        *near = best.near;
+    }
+    two_deinit(&two);
+    return best.is_made;
+}
