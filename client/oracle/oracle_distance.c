@@ -473,29 +473,37 @@ bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double 
     return is_within;
 }
 
-/* Sign of det[x[j] - x[i], x[k] - x[i], x[l] - x[i]]. */
-static int side(struct problem *problem, int i, int j, int k, int l)
+/* det[x[j] - x[i], x[k] - x[i], x[l] - x[i]] */
+static void set_side(struct problem *problem, mpz_t det, int i, int j, int k, int l)
 {
     mpz_t m[3][3];
-    mpz_t det;
     mpz_t product;
-    mpz_inits(det, product, NULL);
+    mpz_init(product);
     for (int row = 0; row < 3; row++) {
         vec_init(m[row]);
     }
     between(problem, m[0], j, i);
     between(problem, m[1], k, i);
     between(problem, m[2], l, i);
+    mpz_set_ui(det, 0);
     for (int axis = 0; axis < 3; axis++) {
         mpz_mul(product, m[1][(axis + 1) % 3], m[2][(axis + 2) % 3]);
         mpz_submul(product, m[1][(axis + 2) % 3], m[2][(axis + 1) % 3]);
         mpz_addmul(det, product, m[0][axis]);
     }
-    int sign = mpz_sgn(det);
     for (int row = 0; row < 3; row++) {
         vec_clear(m[row]);
     }
-    mpz_clears(det, product, NULL);
+    mpz_clear(product);
+}
+
+static int side(struct problem *problem, int i, int j, int k, int l)
+{
+    mpz_t det;
+    mpz_init(det);
+    set_side(problem, det, i, j, k, l);
+    int sign = mpz_sgn(det);
+    mpz_clear(det);
     return sign;
 }
 
@@ -511,4 +519,22 @@ bool oracle_crosses(const double p[5][3])
                    side(&problem, 0, 1, 4, 2) == turn;
     problem_clear(&problem);
     return crosses;
+}
+
+double oracle_crossing(const double p[5][3])
+{
+    struct problem problem;
+    mpz_t first;
+    mpz_t second;
+    problem_init(&problem, ORACLE_EE, p, 5);
+    mpz_inits(first, second, NULL);
+    set_side(&problem, first, 2, 3, 4, 0);
+    set_side(&problem, second, 2, 3, 4, 1);
+    mpz_abs(first, first);
+    mpz_abs(second, second);
+    mpz_add(second, second, first);
+    double position = round_ratio(first, second);
+    mpz_clears(first, second, NULL);
+    problem_clear(&problem);
+    return position;
 }

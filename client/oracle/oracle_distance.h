@@ -59,5 +59,8 @@ int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
 /* Do the ends p[0], p[1] of an edge lie strictly on different sides of the plane of the
  * triangle p[2..4], and does the edge pass strictly through its inside? */
 bool oracle_crosses(const double p[5][3]);
+/* Of an edge that does: how far along it that is, 0 at p[0], 1 at p[1]: the nearest
+ * multiple of 2^-32, halves to even. */
+double oracle_crossing(const double p[5][3]);
 
 #endif

@@ -77,8 +77,9 @@ bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_
         oracle_candidate_load(moment, &candidates.items[i], p, rank);
         crossings->queries++;
         if (oracle_crosses((const double(*)[3])p)) {
-            oracle_candidate_name(moment, PCCD_EF, &candidates.items[i],
-                                  oracle_nears_add(crossings));
+            struct oracle_near *near = oracle_nears_add(crossings);
+            oracle_candidate_name(moment, PCCD_EF, &candidates.items[i], near);
+            near->record.param[0] = (float)oracle_crossing((const double(*)[3])p);
         }
     }
     oracle_nears_sort(crossings);

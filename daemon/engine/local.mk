@@ -44,6 +44,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/batch.h \
     daemon/engine/elementary/closest.c \
     daemon/engine/elementary/closest.h \
+    daemon/engine/elementary/crossing.c \
+    daemon/engine/elementary/crossing.h \
     daemon/engine/elementary/direction.c \
     daemon/engine/elementary/direction.h \
     daemon/engine/elementary/distance.c \
@@ -80,6 +82,7 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/root_sign.h \
     daemon/engine/elementary/separate.c \
     daemon/engine/elementary/separate.h \
+    daemon/engine/elementary/side.h \
     daemon/engine/elementary/solve.c \
     daemon/engine/elementary/solve.h \
     daemon/engine/elementary/solvers.c \

@@ -102,6 +102,20 @@ static uint32_t order_objects(struct eng_near_memory *memory,
     return count;
 }
 
+static int reserve_order(struct eng_near_memory *memory, const struct eng_scene *scene)
+{
+    if (scene->object_count > memory->order_capacity) {
+        uint64_t *order = eng_alloc(scene->object_count, sizeof *order);
+        if (!order) {
+            return PCCD_E_NOMEM;
+        }
+        eng_free(memory->order);
+        memory->order = order;
+        memory->order_capacity = scene->object_count;
+    }
+    return PCCD_OK;
+}
+
 static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
                           uint32_t only)
 {
@@ -115,14 +129,9 @@ static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene
         memory->bounds = bounds;
         memory->bound_capacity = vertices;
     }
-    if (scene->object_count > memory->order_capacity) {
-        uint64_t *order = eng_alloc(scene->object_count, sizeof *order);
-        if (!order) {
-            return PCCD_E_NOMEM;
-        }
-        eng_free(memory->order);
-        memory->order = order;
-        memory->order_capacity = scene->object_count;
+    int status = reserve_order(memory, scene);
+    if (status != PCCD_OK) {
+        return status;
     }
     if (only != 0 && order_objects(memory, scene, only) == 0) {
         return PCCD_E_HANDLE;
@@ -162,6 +171,51 @@ static void write_bounds(struct eng_near_memory *memory, const struct eng_scene 
     }
     memory->records.count = result->count;
     eng_hash_end(sum, result->count, result->hash);
+}
+
+/* ---- where edges pass through ------------------------------------------------------ */
+
+/* The object of that id; `order` has it. */
+static const struct eng_object *object_of(const struct eng_scene *scene,
+                                          const uint64_t *order, uint32_t count,
+                                          uint32_t id)
+{
+    uint32_t low = 0;
+    while (count > 1) {
+        uint32_t half = count / 2;
+        low += (uint32_t)(order[low + half] >> 32) <= id ? half : 0;
+        count -= half;
+    }
+    return &scene->objects[(uint32_t)order[low]];
+}
+
+/* Each record's position along its edge. One thread: it takes some 0.2 us for each. */
+static void place_crossings(struct eng_near_memory *memory, const struct eng_team *team,
+                            uint32_t end)
+{
+    const struct eng_scene *scene = team->scene;
+    const double(*x)[3] =
+        (const double(*)[3])scene->x[end == 1 ? scene->now : 1 - scene->now];
+    struct eng_distances *distances = &eng_near_work_of(team->workers[0])->distances;
+    struct pccd_near *near = (struct pccd_near *)(void *)memory->records.data;
+    uint32_t objects = order_objects(memory, scene, 0);
+    for (uint64_t i = 0; i < memory->records.count; i++) {
+        const struct eng_object *a =
+            object_of(scene, memory->order, objects, near[i].object_a);
+        const struct eng_object *b =
+            object_of(scene, memory->order, objects, near[i].object_b);
+        const uint32_t *edge = a->mesh->edges[near[i].feature_a];
+        const uint32_t *face = b->mesh->triangles[near[i].feature_b].v;
+        double points[5][3];
+        for (int k = 0; k < 5; k++) {
+            memcpy(points[k],
+                   k < 2 ? x[a->vertices.first + edge[k]]
+                         : x[b->vertices.first + face[k - 2]],
+                   sizeof points[k]);
+        }
+        near[i].param[0] =
+            (float)eng_distance_crossing(distances, (const double(*)[3])points);
+    }
 }
 
 /* ---- the answer -------------------------------------------------------------------- */
@@ -213,12 +267,17 @@ static enum pccd_verdict verdict_of(const struct eng_team *team,
 
 static void answer_records(struct eng_near_memory *memory,
                            const struct eng_counts *counts, const struct eng_team *team,
-                           struct eng_near_result *result)
+                           uint32_t end, struct eng_near_result *result)
 {
     struct eng_records *records = &memory->records;
     eng_hash_sum sum = counts->hash;
     if (result->what == PCCD_NEAR_FEATURES) {
         merge_features(records);
+    }
+    if (result->what == PCCD_NEAR_CROSSINGS) {
+        place_crossings(memory, team, end);
+    }
+    if (result->what == PCCD_NEAR_FEATURES || result->what == PCCD_NEAR_CROSSINGS) {
         sum = eng_hash_records(records->data, records->count, sizeof(struct pccd_near));
     }
     result->count = records->count;
@@ -271,7 +330,7 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
     if (result->what == PCCD_NEAR_VERTICES) {
         answer_bounds(&memory->near, team, settings, result);
     } else {
-        answer_records(&memory->near, &counts, team, result);
+        answer_records(&memory->near, &counts, team, settings->end, result);
     }
     result->records = memory->near.records.data;
     eng_pool_reset(&memory->pool, team->count);
@@ -334,6 +393,9 @@ static int reserve(struct eng_team *team, const struct eng_near_settings *settin
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_near_work_reserve(team->workers[i]);
+    }
+    if (status == PCCD_OK && query->what == PCCD_NEAR_CROSSINGS) {
+        status = reserve_order(memory, team->scene);
     }
     if (status == PCCD_OK && query->what == PCCD_NEAR_VERTICES) {
         status = reserve_bounds(memory, team->scene, settings->objects[0]);

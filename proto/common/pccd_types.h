@@ -152,7 +152,9 @@ enum pccd_near_flag {
  *             where it has no more. EF: 0.
  * param       where: VF weights of the face's second and third vertex; EE positions along
  *             edge a and edge b, 0 at the lower vertex index; VE the second: position
- *             along the edge; VV and EF zeros.
+ *             along the edge; VV zeros; EF the first: where along edge a it passes
+ *             through the face. Before they become floats: the nearest multiples of
+ *             2^-32.
  * direction   unit, from feature b to feature a; zeros at distance 0, and of EF. */
 struct pccd_near {
     uint32_t kind;      /* enum pccd_kind or enum pccd_near_kind */

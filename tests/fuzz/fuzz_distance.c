@@ -319,8 +319,12 @@ static const char *judge(struct fuzz_distance_run *run,
             oracle_distance_within((enum oracle_kind)made->kind, x, made->d)) {
         what = "within d";
     }
-    if (eng_distance_crosses(&run->distances, x) != oracle_crosses(x)) {
+    bool crosses = oracle_crosses(x);
+    if (eng_distance_crosses(&run->distances, x) != crosses) {
         what = "crosses";
+    }
+    if (crosses && eng_distance_crossing(&run->distances, x) != oracle_crossing(x)) {
+        what = "where it crosses";
     }
     return what;
 }

@@ -118,6 +118,33 @@ static bool crosses(double x0, double y0, double z0, double x1, double y1, doubl
     return answer;
 }
 
+/* Where an edge passes through a face in the plane z = 0, by every stage. */
+static void expect_crossing(double z0, double z1, double position)
+{
+    const double x[5][3] = {{1, 1, z0}, {1, 1, z1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+    const double turned[5][3] = {{1, 1, z0}, {1, 1, z1}, {0, 0, 0}, {0, 4, 0}, {4, 0, 0}};
+    for (int first = 0; first < ENG_DISTANCE_STAGES; first++) {
+        distances.first = (enum eng_distance_stage)first;
+        assert_true(eng_distance_crossing(&distances, x) == position);
+        assert_true(eng_distance_crossing(&distances, turned) == position);
+    }
+}
+
+/* If it failed: whoever pulls two surfaces apart would begin in the wrong place, or in
+ * another one after an update of the processor. */
+static void crossing__is_at_the_nearest_multiple(void **state)
+{
+    (void)state;
+    expect_crossing(1, -1, .5);
+    expect_crossing(-1, 3, .25);
+    expect_crossing(1, -2, 1431655765 * 0x1p-32);   /* a third: 0x55555555.55.. */
+    expect_crossing(1, -(0x1p33 - 1), 0);           /* half of a multiple: to even */
+    expect_crossing(3, -(0x1p33 - 3), 2 * 0x1p-32); /* one and a half */
+    expect_crossing(0x1p33 - 1, -1, 1);             /* near the other end */
+    expect_crossing(0x1p-1000, -0x1p-1001, 2863311531 * 0x1p-32);
+    expect_crossing(1e18, -1e-300, 1);
+}
+
 /* If it failed: an edge that only touches would count as passing through, or one that
  * passes through as touching. */
 static void crossing__is_strict(void **state)
@@ -140,6 +167,7 @@ int main(void)
         cmocka_unit_test(distance__to_a_degenerate_face_takes_the_least_ranks),
         cmocka_unit_test(distance__of_edges_is_at_ends_where_they_are_parallel),
         cmocka_unit_test(crossing__is_strict),
+        cmocka_unit_test(crossing__is_at_the_nearest_multiple),
     };
     if (eng_distances_init(&distances) != PCCD_OK) {
         return 1;

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "crossing.h"
 #include "distance_quick.h"
 #include "distance_rule.h"
 
@@ -149,6 +150,23 @@ bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3])
         bool answer = eng_crossing_rule(&distances->numbers);
         if (is_decided(distances, stage)) {
             return answer;
+        }
+    }
+}
+
+double eng_distance_crossing(struct eng_distances *distances, const double x[5][3])
+{
+    double position;
+    if (may_be_quick(distances) && eng_crossing_quickly(x, &position)) {
+        distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
+        return position;
+    }
+    enum eng_distance_stage stage = slow_stage(distances);
+    for (;; stage++) {
+        begin(distances, stage, x, 5);
+        position = eng_crossing_position(&distances->numbers);
+        if (is_decided(distances, stage)) {
+            return position;
         }
     }
 }

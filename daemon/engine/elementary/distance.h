@@ -53,5 +53,8 @@ void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
 /* Do the ends x[0], x[1] of an edge lie strictly on different sides of the plane of the
  * face x[2], x[3], x[4], and does the edge pass strictly through its inside? */
 bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3]);
+/* Of one that does: the nearest multiple of 2^-32 to the position along it where it
+ * passes through, halves to even: 0 at x[0], 1 at x[1]. */
+double eng_distance_crossing(struct eng_distances *distances, const double x[5][3]);
 
 #endif

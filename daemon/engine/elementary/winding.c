@@ -9,12 +9,10 @@
 #include <assert.h>
 #include <math.h>
 
-#include "query.h"
-#include "vec.h"
+#include "side.h"
 
 /* Products of differences of coordinates: what each is off by (BOUNDS.md). */
 #define TURN_ERROR (4.5 * ENG_U)
-#define SIDE_ERROR (16 * ENG_U)
 #define LOST       0x1p-900
 
 static enum eng_sign sign_of(double x)
@@ -100,19 +98,9 @@ static enum eng_sign slow_side(struct ray *ray)
 
 static enum eng_sign side_of(struct ray *ray)
 {
-    double w[3];
-    double u[3];
-    double v[3];
-    double n[3];
-    eng_sub(w, ray->x[0], ray->x[1]);
-    eng_sub(u, ray->x[2], ray->x[1]);
-    eng_sub(v, ray->x[3], ray->x[1]);
-    eng_cross(n, u, v);
-    double side = eng_dot(w, n);
-    double size = fabs(w[0]) * (fabs(u[1] * v[2]) + fabs(u[2] * v[1])) +
-                  fabs(w[1]) * (fabs(u[2] * v[0]) + fabs(u[0] * v[2])) +
-                  fabs(w[2]) * (fabs(u[0] * v[1]) + fabs(u[1] * v[0]));
-    return fabs(side) > SIDE_ERROR * size + LOST ? sign_of(side) : slow_side(ray);
+    double error;
+    double side = eng_side(ray->x[0], ray->x[1], ray->x[2], ray->x[3], &error);
+    return fabs(side) > error ? sign_of(side) : slow_side(ray);
 }
 
 enum eng_sign eng_winding(struct eng_numbers *numbers, const double p[3],
