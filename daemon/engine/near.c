@@ -220,8 +220,9 @@ static void place_crossings(struct eng_near_memory *memory, const struct eng_tea
 
 /* ---- the answer -------------------------------------------------------------------- */
 
-/* Records of one name, which are neighbours and the same, become one that counts them. */
-static void merge_features(struct eng_records *records)
+/* Records of one name, which are neighbours and the same, become one that counts them. Of
+ * the first in order the last name may have had more: then it is left out. */
+static void merge_features(struct eng_records *records, bool is_limited)
 {
     struct pccd_near *near = (struct pccd_near *)(void *)records->data;
     uint64_t kept = 0;
@@ -235,7 +236,7 @@ static void merge_features(struct eng_records *records)
             near[kept++] = near[i];
         }
     }
-    records->count = kept;
+    records->count = kept - (is_limited && kept > 0);
 }
 
 static void count_records(const struct eng_records *records,
@@ -272,7 +273,7 @@ static void answer_records(struct eng_near_memory *memory,
     struct eng_records *records = &memory->records;
     eng_hash_sum sum = counts->hash;
     if (result->what == PCCD_NEAR_FEATURES) {
-        merge_features(records);
+        merge_features(records, result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT);
     }
     if (result->what == PCCD_NEAR_CROSSINGS) {
         place_crossings(memory, team, end);

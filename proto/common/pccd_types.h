@@ -167,7 +167,8 @@ struct pccd_near {
     double d_hi;
     float param[2];
     float direction[3];
-    uint32_t count; /* FEATURES: records of PAIRS that have it; else 1 */
+    uint32_t count; /* FEATURES: records of PAIRS that have it, so far if a deadline or a
+                       cancel ended the answer; else 1 */
 };
 
 /* Flags of a contact. */

@@ -115,19 +115,17 @@ static void tell(const char *whose, const struct pccd_near *near)
                   (double)near->direction[2], near->count);
 }
 
-/* The first records of the truth, as many as there are; in the last one of an answer that
- * was cut, fewer pairs may have been counted. */
+/* The first records of the truth, as many as there are. */
 static const char *check_first(const struct oracle_nears *nears,
-                               const struct eng_near_result *result, bool is_cut)
+                               const struct eng_near_result *result)
 {
     const struct pccd_near *records = result->records;
     for (uint64_t i = 0; i < result->count; i++) {
         const struct pccd_near *want = &nears->items[i].record;
-        bool is_last = is_cut && i == result->count - 1;
         if (i >= nears->count) {
             return "there are too many records";
         }
-        if (!are_same(&records[i], want, !is_last) || records[i].count > want->count) {
+        if (!are_same(&records[i], want, true)) {
             tell("is", &records[i]);
             tell("must be", want);
             return are_same(&records[i], want, false) ? "what a record counts"
@@ -192,11 +190,11 @@ static const char *check_records(const struct oracle_nears *nears, bool is_limit
     }
     switch (result->incomplete) {
     case PCCD_COMPLETE:
-        wrong = check_first(nears, result, false);
+        wrong = check_first(nears, result);
         wrong = !wrong && result->count != nears->count ? "records are missing" : wrong;
         break;
     case PCCD_INCOMPLETE_CONTACT_LIMIT:
-        wrong = check_first(nears, result, true);
+        wrong = check_first(nears, result);
         wrong = !wrong && !is_limited ? "it says that there are too many" : wrong;
         break;
     default:
