@@ -61,6 +61,35 @@ ENG_INLINE eng_fi eng_fi_max_halves(eng_fi a, eng_fi b)
 #endif
 }
 
+/* Of each half: `grown`, but INT16_MIN where a is that. */
+ENG_INLINE eng_fi eng_fi_keep_least_halves(eng_fi a, eng_fi grown)
+{
+#if ENG_VECTOR_BYTES == 64
+    const __m512i least = _mm512_set1_epi16(INT16_MIN);
+    return (eng_fi)_mm512_mask_mov_epi16(
+        (__m512i)grown, _mm512_cmpeq_epi16_mask((__m512i)a, least), least);
+#elif ENG_VECTOR_BYTES == 32
+    const __m256i least = _mm256_set1_epi16(INT16_MIN);
+    return (eng_fi)_mm256_blendv_epi8((__m256i)grown, least,
+                                      _mm256_cmpeq_epi16((__m256i)a, least));
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    const __m128i least = _mm_set1_epi16(INT16_MIN);
+    __m128i is_least = _mm_cmpeq_epi16((__m128i)a, least);
+    return (eng_fi)_mm_or_si128(_mm_and_si128(is_least, least),
+                                _mm_andnot_si128(is_least, (__m128i)grown));
+#elif defined __ARM_NEON && ENG_VECTOR_BYTES == 16
+    const int16x8_t least = vdupq_n_s16(INT16_MIN);
+    return (eng_fi)vbslq_s16(vceqq_s16((int16x8_t)a, least), least, (int16x8_t)grown);
+#else
+    for (uint32_t i = 0; i < ENG_F_LANES; i++) {
+        int32_t low = (int16_t)a[i] == INT16_MIN ? INT16_MIN : (int16_t)grown[i];
+        int32_t high = a[i] >> 16 == INT16_MIN ? INT16_MIN : grown[i] >> 16;
+        a[i] = (int32_t)((uint32_t)high << 16 | (uint16_t)low);
+    }
+    return a;
+#endif
+}
+
 /* a w / 2^15 of each half, the nearest, up where two are; 0 <= w. */
 ENG_INLINE eng_fi eng_fi_weigh_halves(eng_fi a, int16_t w)
 {

@@ -20,9 +20,9 @@
 #include "lanes_pack.h"
 #include "meeting.h"
 #include "movers.h"
-#include "reach.h"
 #include "overlap.h"
 #include "quantised.h"
+#include "reach.h"
 #include "still.h"
 #include "table.h"
 
@@ -88,6 +88,10 @@ ENG_INLINE void make_a_ready(const struct eng_join *job, struct eng_join_round *
 {
     const bool is_near = rule == RULE_QUANTISED_NEAR;
     const struct quantised_weights weights = quantised_weights_at(job->t_end);
+    struct quantised_more more;
+    if (is_near && job->boxes == ENG_JOIN_AT) {
+        more = quantised_more_of(job->cells);
+    }
     for (uint32_t used = blocks_of(round->a + round->count, count); used != 0;
          used &= used - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(used);
@@ -95,7 +99,7 @@ ENG_INLINE void make_a_ready(const struct eng_join *job, struct eng_join_round *
         if (rule == RULE_NEAR && job->boxes == ENG_JOIN_AT) {
             rows_at_end(&job->a[first + i], job->end, job->growth, &ready->near);
         } else if (is_near && job->boxes == ENG_JOIN_AT) {
-            quantised_rows_grown(&job->a_quantised[first + i], job->end, job->cells,
+            quantised_rows_grown(&job->a_quantised[first + i], job->end, &more,
                                  &ready->quantised);
         } else if (rule == RULE_NEAR) {
             near_rows(&job->a[first + i], job->t_end, true, &ready->near);

@@ -91,20 +91,43 @@ ENG_INLINE void quantised_rows_until(const struct eng_quantised_block *block,
 
 /* ---- at one end of the step, for what is within a distance ------------------------- */
 
+/* Cells along an axis, for both halves: from INT16_MIN to INT16_MAX it takes three. */
+struct quantised_more {
+    uint32_t part[3][3];
+};
+
+ENG_INLINE struct quantised_more quantised_more_of(const int32_t cells[3])
+{
+    struct quantised_more more;
+    for (int axis = 0; axis < 3; axis++) {
+        int32_t left = cells[axis] < UINT16_MAX ? cells[axis] : UINT16_MAX;
+        for (int i = 0; i < 3; i++) {
+            int32_t part = left < INT16_MAX ? left : INT16_MAX;
+            more.part[axis][i] = (uint32_t)part << 16 | (uint32_t)part;
+            left -= part;
+        }
+    }
+    return more;
+}
+
 /* The rows there, larger by some cells along each axis. No box stays none. A sum that is
  * cut to INT16_MAX keeps its sign beside the least that there is. */
 ENG_INLINE void quantised_rows_grown(const struct eng_quantised_block *block,
-                                     uint32_t end, const int32_t cells[3],
+                                     uint32_t end, const struct quantised_more *more,
                                      struct eng_quantised_block *grown)
 {
+#pragma GCC unroll 3
     for (uint32_t axis = 0; axis < 3; axis++) {
-        int16_t q[2 * ENG_WIDE];
-        memcpy(q, block->row[end][axis], sizeof q);
-        for (uint32_t i = 0; i < 2 * ENG_WIDE; i++) {
-            int32_t more = q[i] == INT16_MIN ? INT16_MIN : q[i] + cells[axis];
-            q[i] = (int16_t)(more < INT16_MAX ? more : INT16_MAX);
+        for (uint32_t at = 0; at < ENG_WIDE; at += ENG_F_LANES) {
+            eng_fi q = eng_fi_load(block->row[end][axis] + at);
+            eng_fi sum = q;
+#pragma GCC unroll 3
+            for (int i = 0; i < 3; i++) {
+                sum = eng_fi_add_halves(sum, eng_fi_all(more->part[axis][i]));
+            }
+            sum = eng_fi_keep_least_halves(q, sum);
+            memcpy(grown->row[0][axis] + at, &sum, sizeof sum);
         }
-        memcpy(grown->row[0][axis], q, sizeof q);
     }
 }
 
