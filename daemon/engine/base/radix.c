@@ -1,13 +1,18 @@
 /* daemon/engine/base/radix.c - a stable radix sort.
  *
  * Room:     engine.
- * Does:     least significant digit first, 8 bits a pass or a little less; few items are
- *           inserted.
+ * Does:     least significant digit first, 8 or 9 bits a pass or a little less; few items
+ *           are inserted.
  * Threads:  [any].
  */
 #include "radix.h"
 
 #include <string.h>
+
+/* Bits of a digit: of more items wider ones, as a pass costs more than its counters. */
+#define DIGIT_MAX 9u
+#define DIGIT_FEW 8u
+#define FEW_ITEMS 512u
 
 /* Items that are sorted sooner by insertion than by passes. */
 #define INSERTION_MAX 24u
@@ -28,14 +33,15 @@ static void insert_all(struct eng_radix_key *items, size_t count)
 static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, size_t count,
                  unsigned shift, unsigned bits)
 {
-    size_t offset[256] = {0};
+    uint32_t offset[1u << DIGIT_MAX];
     uint64_t mask = ((uint64_t)1 << bits) - 1;
+    memset(offset, 0, (mask + 1) * sizeof *offset);
     for (size_t i = 0; i < count; i++) {
         offset[from[i].key >> shift & mask]++;
     }
-    size_t sum = 0;
+    uint32_t sum = 0;
     for (size_t d = 0; d <= mask; d++) {
-        size_t n = offset[d];
+        uint32_t n = offset[d];
         offset[d] = sum;
         sum += n;
     }
@@ -61,7 +67,8 @@ struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
     /* Digits of one size between the first and the last bit that differ. */
     unsigned low = (unsigned)__builtin_ctzll(differ);
     unsigned bits = 64 - (unsigned)__builtin_clzll(differ) - low;
-    unsigned digits = (bits + 7) / 8;
+    unsigned most = count < FEW_ITEMS ? DIGIT_FEW : DIGIT_MAX;
+    unsigned digits = (bits + most - 1) / most;
     unsigned size = (bits + digits - 1) / digits;
     for (unsigned digit = 0; digit < digits; digit++) {
         unsigned shift = low + digit * size;
