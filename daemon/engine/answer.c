@@ -165,7 +165,7 @@ int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *te
     for (uint32_t i = 0; i < team->count; i++) {
         overflowed |= team->workers[i]->found.overflowed;
     }
-    overflowed |= merge->kept < merge->total;
+    overflowed |= merge->is_cut;
     if (eng_merge_is_given_up(merge)) {
         *incomplete = PCCD_INCOMPLETE_CANCELLED;
     }

@@ -173,83 +173,29 @@ static void write_bounds(struct eng_near_memory *memory, const struct eng_scene 
     eng_hash_end(sum, result->count, result->hash);
 }
 
-/* ---- where edges pass through ------------------------------------------------------ */
-
-/* The object of that id; `order` has it. */
-static const struct eng_object *object_of(const struct eng_scene *scene,
-                                          const uint64_t *order, uint32_t count,
-                                          uint32_t id)
-{
-    uint32_t low = 0;
-    while (count > 1) {
-        uint32_t half = count / 2;
-        low += (uint32_t)(order[low + half] >> 32) <= id ? half : 0;
-        count -= half;
-    }
-    return &scene->objects[(uint32_t)order[low]];
-}
-
-/* Each record's position along its edge. One thread: it takes some 0.2 us for each. */
-static void place_crossings(struct eng_near_memory *memory, const struct eng_team *team,
-                            uint32_t end)
-{
-    const struct eng_scene *scene = team->scene;
-    const double(*x)[3] =
-        (const double(*)[3])scene->x[end == 1 ? scene->now : 1 - scene->now];
-    struct eng_distances *distances = &eng_near_work_of(team->workers[0])->distances;
-    struct pccd_near *near = (struct pccd_near *)(void *)memory->records.data;
-    uint32_t objects = order_objects(memory, scene, 0);
-    for (uint64_t i = 0; i < memory->records.count; i++) {
-        const struct eng_object *a =
-            object_of(scene, memory->order, objects, near[i].object_a);
-        const struct eng_object *b =
-            object_of(scene, memory->order, objects, near[i].object_b);
-        const uint32_t *edge = a->mesh->edges[near[i].feature_a];
-        const uint32_t *face = b->mesh->triangles[near[i].feature_b].v;
-        double points[5][3];
-        for (int k = 0; k < 5; k++) {
-            memcpy(points[k],
-                   k < 2 ? x[a->vertices.first + edge[k]]
-                         : x[b->vertices.first + face[k - 2]],
-                   sizeof points[k]);
-        }
-        near[i].param[0] =
-            (float)eng_distance_crossing(distances, (const double(*)[3])points);
-    }
-}
-
 /* ---- the answer -------------------------------------------------------------------- */
-
-/* Records of one name, which are neighbours and the same, become one that counts them. Of
- * the first in order the last name may have had more: then it is left out. */
-static void merge_features(struct eng_records *records, bool is_limited)
-{
-    struct pccd_near *near = (struct pccd_near *)(void *)records->data;
-    uint64_t kept = 0;
-    for (uint64_t i = 0; i < records->count; i++) {
-        struct pccd_near *last = kept > 0 ? &near[kept - 1] : NULL;
-        if (last && last->kind == near[i].kind && last->object_a == near[i].object_a &&
-            last->feature_a == near[i].feature_a && last->object_b == near[i].object_b &&
-            last->feature_b == near[i].feature_b) {
-            last->count++;
-        } else {
-            near[kept++] = near[i];
-        }
-    }
-    records->count = kept - (is_limited && kept > 0);
-}
 
 static void count_records(const struct eng_records *records,
                           struct eng_near_result *result)
 {
     const struct pccd_near *near = (const struct pccd_near *)(const void *)records->data;
     memset(result->counts, 0, sizeof result->counts);
-    result->distance_min = NOTHING_NEAR;
-    result->distance_max = 0;
     for (uint64_t i = 0; i < records->count; i++) {
         result->counts[near[i].kind]++;
         result->distance_min = fmin(result->distance_min, near[i].d_lo);
         result->distance_max = fmax(result->distance_max, near[i].d_hi);
+    }
+}
+
+/* What the workers have seen is in the answer, if that is complete. */
+static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
+                   struct eng_near_result *result)
+{
+    memcpy(result->counts, counts->kind, sizeof result->counts);
+    for (uint32_t i = 0; i < team->count; i++) {
+        const struct eng_near_work *work = eng_near_work_of(team->workers[i]);
+        result->distance_min = fmin(result->distance_min, work->least);
+        result->distance_max = fmax(result->distance_max, work->greatest);
     }
 }
 
@@ -268,22 +214,16 @@ static enum pccd_verdict verdict_of(const struct eng_team *team,
 
 static void answer_records(struct eng_near_memory *memory,
                            const struct eng_counts *counts, const struct eng_team *team,
-                           uint32_t end, struct eng_near_result *result)
+                           struct eng_near_result *result)
 {
     struct eng_records *records = &memory->records;
-    eng_hash_sum sum = counts->hash;
-    if (result->what == PCCD_NEAR_FEATURES) {
-        merge_features(records, result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT);
-    }
-    if (result->what == PCCD_NEAR_CROSSINGS) {
-        place_crossings(memory, team, end);
-    }
-    if (result->what == PCCD_NEAR_FEATURES || result->what == PCCD_NEAR_CROSSINGS) {
-        sum = eng_hash_records(records->data, records->count, sizeof(struct pccd_near));
-    }
     result->count = records->count;
-    count_records(records, result);
-    eng_hash_end(sum, result->count, result->hash);
+    if (is_by_objects(result->what) || result->incomplete != PCCD_COMPLETE) {
+        count_records(records, result);
+    } else {
+        sum_up(team, counts, result);
+    }
+    eng_hash_end(counts->hash, result->count, result->hash);
     if (result->what == PCCD_NEAR_DEPTH) {
         result->crossings = eng_near_objects_crossings(&memory->objects);
     }
@@ -301,7 +241,8 @@ static void answer_records(struct eng_near_memory *memory,
     }
 }
 
-static void answer_bounds(struct eng_near_memory *memory, const struct eng_team *team,
+static void answer_bounds(struct eng_near_memory *memory, const struct eng_counts *counts,
+                          const struct eng_team *team,
                           const struct eng_near_settings *settings,
                           struct eng_near_result *result)
 {
@@ -310,11 +251,7 @@ static void answer_bounds(struct eng_near_memory *memory, const struct eng_team 
         eng_hash_end(0, 0, result->hash);
         return;
     }
-    for (uint32_t i = 0; i < team->count; i++) {
-        const struct eng_near_work *work = eng_near_work_of(team->workers[i]);
-        result->distance_min = fmin(result->distance_min, work->least);
-        result->distance_max = fmax(result->distance_max, work->greatest);
-    }
+    sum_up(team, counts, result);
     write_bounds(memory, team->scene, settings, result);
 }
 
@@ -329,9 +266,9 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
         counts = (struct eng_counts){.toi_first = 2};
     }
     if (result->what == PCCD_NEAR_VERTICES) {
-        answer_bounds(&memory->near, team, settings, result);
+        answer_bounds(&memory->near, &counts, team, settings, result);
     } else {
-        answer_records(&memory->near, &counts, team, settings->end, result);
+        answer_records(&memory->near, &counts, team, result);
     }
     result->records = memory->near.records.data;
     eng_pool_reset(&memory->pool, team->count);

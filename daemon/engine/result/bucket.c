@@ -58,6 +58,34 @@ static void gather_contacts(struct pccd_contact *to, const struct eng_radix_key 
     }
 }
 
+static bool have_one_name(const struct pccd_contact *a, const struct pccd_contact *b)
+{
+    return a->kind == b->kind && a->object_a == b->object_a &&
+           a->feature_a == b->feature_a && a->object_b == b->object_b &&
+           a->feature_b == b->feature_b;
+}
+
+/* Of neighbours with one name the first. Returns how many there are. */
+static uint32_t gather_folded(struct pccd_contact *to, const struct eng_radix_key *items,
+                              size_t count, struct eng_counts *counts)
+{
+    uint32_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        const struct pccd_contact *next = (const void *)(uintptr_t)items[i].index;
+        if (i + AHEAD < count) {
+            __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
+        }
+        if (kept > 0 && have_one_name(&to[kept - 1], next)) {
+            to[kept - 1].reserved += next->reserved;
+            continue;
+        }
+        memcpy(&to[kept++], next, sizeof *next);
+        counts->kind[next->kind]++;
+        counts->toi_first = next->toi < counts->toi_first ? next->toi : counts->toi_first;
+    }
+    return kept;
+}
+
 static void gather_pairs(struct pccd_pair *to, const struct eng_radix_key *items,
                          size_t count, struct eng_counts *counts)
 {
@@ -104,6 +132,9 @@ void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *c
     uint32_t begin;
     uint32_t count;
     struct eng_radix_key *items = collect(merge, b, &begin, &count);
+    if (merge->folds) {
+        merge->folded[b] = (struct eng_merge_fold){begin, 0};
+    }
     if (count == 0 || begin >= merge->kept) {
         return;
     }
@@ -113,7 +144,10 @@ void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *c
     unsigned char *to = merge->out->data + (size_t)begin * merge->out->record_bytes;
     uintptr_t place = ((uintptr_t)to + 7) & ~(uintptr_t)7;
     sort_items(merge, items, (struct eng_radix_key *)place, count, 0);
-    if (merge->out->record_bytes == sizeof(struct pccd_pair)) {
+    if (merge->folds) {
+        kept = gather_folded((struct pccd_contact *)(void *)to, items, kept, counts);
+        merge->folded[b].count = (uint32_t)kept;
+    } else if (merge->out->record_bytes == sizeof(struct pccd_pair)) {
         gather_pairs((struct pccd_pair *)(void *)to, items, kept, counts);
     } else {
         gather_contacts((struct pccd_contact *)(void *)to, items, kept, counts);

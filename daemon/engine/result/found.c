@@ -66,12 +66,10 @@ static void refill(struct eng_found *found, const unsigned char *sorted, uint64_
         }
     }
     found->count = count;
-    found->cut_at = eng_name_of(sorted - found->record_bytes, found->record_bytes);
-    found->is_cut = true;
-    found->overflowed = true;
 }
 
-/* Keep the first `limit` records in order. PCCD_E_NOMEM: all stay. */
+/* Fold the records, if that is to be, and keep the first `limit` in order. PCCD_E_NOMEM:
+ * all stay. */
 static int cut(struct eng_found *found)
 {
     struct eng_found *const lists[1] = {found};
@@ -85,6 +83,12 @@ static int cut(struct eng_found *found)
     }
     if (status == PCCD_OK) {
         refill(found, sorted.data, sorted.count);
+    }
+    if (status == PCCD_OK && merge.is_cut) {
+        const unsigned char *end = sorted.data + sorted.count * found->record_bytes;
+        found->cut_at = eng_name_of(end - found->record_bytes, found->record_bytes);
+        found->is_cut = true;
+        found->overflowed = true;
     }
     eng_records_deinit(&sorted);
     eng_merge_deinit(&merge);

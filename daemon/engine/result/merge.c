@@ -49,6 +49,7 @@ void eng_merge_deinit(struct eng_merge *merge)
     eng_free(merge->shares);
     eng_free(merge->samples);
     eng_free(merge->items);
+    eng_free(merge->folded);
     eng_merge_init(merge);
 }
 
@@ -65,7 +66,8 @@ uint64_t eng_merge_bytes(const struct eng_merge *merge)
            (merge->share_capacity == 0
                 ? 0
                 : (uint64_t)merge->share_capacity * samples_of(merge->share_capacity) *
-                      sizeof *merge->samples);
+                      sizeof *merge->samples) +
+           (merge->folded ? ENG_SPLIT_BUCKETS_MAX * sizeof *merge->folded : 0);
 }
 
 static int reserve_shares(struct eng_merge *merge, uint32_t count)
@@ -96,6 +98,12 @@ static int reserve_scratch(struct eng_merge *merge)
     if (merge->total > UINT32_MAX) {
         return PCCD_E_NOMEM;
     }
+    if (merge->folds && !merge->folded) {
+        merge->folded = eng_alloc(ENG_SPLIT_BUCKETS_MAX, sizeof *merge->folded);
+        if (!merge->folded) {
+            return PCCD_E_NOMEM;
+        }
+    }
     if (merge->total > merge->capacity) {
         uint64_t capacity = merge->total + merge->total / 2;
         struct eng_radix_key *items = eng_alloc(capacity, SCRATCH_BYTES);
@@ -123,6 +131,8 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
         merge->shares[i].found = lists[i];
     }
     merge->threads = count;
+    merge->folds = lists[0]->folds;
+    merge->is_cut = false;
     merge->out = out;
     merge->state = ENG_MERGE_OPEN;
     merge->begin_ns = 0;
@@ -221,7 +231,8 @@ static int plan(struct eng_merge *merge)
             eng_name_range_add(&range, &share->found->range.high);
         }
     }
-    merge->kept = merge->total < found->limit ? merge->total : found->limit;
+    bool is_all = merge->folds || merge->total < found->limit;
+    merge->kept = is_all ? merge->total : found->limit;
     merge->out->record_bytes = found->record_bytes;
     merge->out->count = 0;
     merge->splitters.buckets = 0;
@@ -343,6 +354,34 @@ static void merge_alone(struct eng_merge *merge)
     }
 }
 
+/* Of what was folded: the buckets move together. Of more than the limit the first ones
+ * are kept and counted anew. */
+static void close_up(struct eng_merge *merge, struct eng_counts *counts)
+{
+    uint64_t limit = merge->shares[0].found->limit;
+    struct pccd_contact *records = (struct pccd_contact *)(void *)merge->out->data;
+    uint64_t end = 0;
+    for (uint32_t b = 0; b < merge->splitters.buckets; b++) {
+        const struct eng_merge_fold *part = &merge->folded[b];
+        if (part->first != end && part->count > 0) {
+            memmove(records + end, records + part->first, part->count * sizeof *records);
+        }
+        end += part->count;
+    }
+    merge->out->count = end;
+    merge->is_cut = end > limit;
+    if (merge->is_cut) {
+        merge->out->count = limit;
+        *counts = no_counts;
+        counts->hash = eng_hash_records(records, limit, sizeof *records);
+        for (uint64_t i = 0; i < limit; i++) {
+            counts->kind[records[i].kind]++;
+            counts->toi_first =
+                records[i].toi < counts->toi_first ? records[i].toi : counts->toi_first;
+        }
+    }
+}
+
 int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
 {
     assert(merge->out); /* begun */
@@ -357,6 +396,7 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
         return PCCD_OK;
     }
     merge->out->count = merge->kept;
+    merge->is_cut = merge->kept < merge->total;
     for (uint32_t t = 0; t < merge->threads; t++) {
         const struct eng_counts *part = &merge->shares[t].counts;
         for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
@@ -367,6 +407,9 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
         counts->hash += part->hash;
         counts->toi_first =
             part->toi_first < counts->toi_first ? part->toi_first : counts->toi_first;
+    }
+    if (merge->folds) {
+        close_up(merge, counts);
     }
     return PCCD_OK;
 }

@@ -37,6 +37,12 @@ struct eng_merge_share {
     uint32_t begin[ENG_SPLIT_BUCKETS_MAX + 1]; /* of its part of each bucket */
 };
 
+/* What a bucket has become: records that begin at `first` in the answer. */
+struct eng_merge_fold {
+    uint32_t first;
+    uint32_t count;
+};
+
 enum eng_merge_state {
     ENG_MERGE_OPEN = 0, /* nothing done */
     ENG_MERGE_SMALL,    /* left to one thread */
@@ -53,13 +59,16 @@ struct eng_merge {
     enum eng_merge_state state;
     uint64_t begin_ns; /* when the last list came */
     uint64_t total;    /* records in the lists */
-    uint64_t kept;     /* of these, in the answer */
+    uint64_t kept;     /* of these, in the answer; before they are folded */
+    bool folds;        /* the lists do */
+    bool is_cut;       /* after the end: there were more than the limit */
     struct eng_order order;
     struct eng_splitters splitters;
     /* Scratch, one allocation of `capacity` records. */
-    struct eng_radix_key *items; /* list by list, each by buckets */
-    struct eng_radix_key *other; /* bucket by bucket */
-    uint16_t *buckets;           /* of the items before they are divided */
+    struct eng_radix_key *items;   /* list by list, each by buckets */
+    struct eng_radix_key *other;   /* bucket by bucket */
+    uint16_t *buckets;             /* of the items before they are divided */
+    struct eng_merge_fold *folded; /* if it folds: [ENG_SPLIT_BUCKETS_MAX] */
     uint64_t capacity;
     const atomic_bool *cancel; /* set by any thread: give the merge up; may be NULL */
     _Alignas(128) atomic_bool is_given_up;

@@ -22,7 +22,9 @@ struct eng_found {
     uint64_t count;
     struct eng_name_range range; /* of their names, or wider */
     uint64_t limit;              /* of the answer: of more, the first in order are kept */
-    bool is_cut;                 /* there were more; none after `cut_at` is kept */
+    bool folds;  /* set after begin: records of one name become one whose `reserved`, the
+                 * count of a near, is the sum of theirs; else false */
+    bool is_cut; /* there were more; none after `cut_at` is kept */
     struct eng_name cut_at;
     bool overflowed; /* more came than were kept */
 };

@@ -12,6 +12,7 @@
 
 #include "aabb.h"
 #include "kernel.h"
+#include "near_query.h"
 
 /* By this much more than the tolerance a contact may begin after its toi. */
 #define BEGINS_LATER 0x1p-48
@@ -57,6 +58,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                     settings->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
                                                       : sizeof(struct pccd_contact),
                     settings->contact_max);
+    worker->found.folds = settings->near && settings->near->what == PCCD_NEAR_FEATURES;
 }
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
