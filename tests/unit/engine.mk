@@ -47,6 +47,7 @@ ENG_TESTS = \
     tests/unit/test_eng_stage \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_sieve \
+    tests/unit/test_eng_sieve_near \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_nearest \
     tests/unit/test_eng_plane \
@@ -176,6 +177,10 @@ tests_unit_test_eng_filter_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_sieve_SOURCES = tests/unit/test_eng_sieve.c
 tests_unit_test_eng_sieve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_sieve_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_sieve_near_SOURCES = tests/unit/test_eng_sieve_near.c
+tests_unit_test_eng_sieve_near_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_sieve_near_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_exact_SOURCES = tests/unit/test_eng_exact.c
 tests_unit_test_eng_exact_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

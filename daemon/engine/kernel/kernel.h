@@ -160,6 +160,12 @@ struct eng_kernels {
 
     /* Distances of pairs at one end of the step, 0 or 1: VF and EE. */
 
+    /* Of pairs of marks, like `sift`: those stay that are not certainly farther apart
+     * than `reach`, in cells of the grid, 0 .. 2^31; of PCCD_EF, those whose edge is not
+     * certainly on one side of the plane of the face. */
+    uint32_t (*sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
+                          float reach, uint32_t *a, uint32_t *b, uint32_t count);
+
     /* Write the pairs 0 .. count-1 that are not certainly farther apart than d, by their
      * boxes and by the planes across both, to kept[count]; returns how many. */
     uint32_t (*beyond)(enum pccd_kind kind, const struct eng_point *points,

@@ -3,7 +3,8 @@
  * Room:     engine.
  * Does:     what filter.c does, from points on a grid: twice as many pairs at a time, at
  *           margins that hold what the grid and the floats round off. Leaves in a while
- *           only where features are small beside the grid.
+ *           only where features are small beside the grid. The same of what is near at
+ *           one end, and of edges that pass through faces there.
  * Threads:  [any].
  * Source:   query.h; the margins are derived in BOUNDS.md.
  */
@@ -26,6 +27,11 @@ ENG_INLINE struct vector cross(struct vector a, struct vector b)
 ENG_INLINE struct vector add(struct vector a, struct vector b)
 {
     return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+ENG_INLINE struct vector minus(struct vector a, struct vector b)
+{
+    return (struct vector){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
 ENG_INLINE eng_f dot(struct vector a, struct vector b)
@@ -333,4 +339,196 @@ uint32_t ENG_KERNEL(sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t
                           uint32_t *b, uint32_t count)
 {
     return kind == PCCD_VF ? sift_vf(sieve, a, b, count) : sift_ee(sieve, a, b, count);
+}
+
+/* ---- at one end of the step -------------------------------------------------------- */
+
+/* Of whole numbers below 2^31, so that squares of products of three fit a float. */
+#define SMALLER 0x1p-16f
+
+ENG_INLINE struct vector smaller(struct eng_g g)
+{
+    return (struct vector){rounded(g.x) * SMALLER, rounded(g.y) * SMALLER,
+                           rounded(g.z) * SMALLER};
+}
+
+ENG_INLINE struct eng_g less(struct eng_g a, struct eng_g b)
+{
+    return (struct eng_g){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+/* More than the largest coordinate, on the grid and off it. */
+ENG_INLINE eng_f size_of(struct vector a)
+{
+    return eng_f_max_abs(eng_f_max_abs(a.x, a.y), a.z) + 2 * SMALLER;
+}
+
+/* What is across two differences of these sizes. */
+struct normal {
+    struct vector n;
+    eng_f size_u, size_v;
+};
+
+ENG_INLINE struct normal normal_of(struct vector u, struct vector v)
+{
+    return (struct normal){cross(u, v), size_of(u), size_of(v)};
+}
+
+/* More than the error of w . n. */
+ENG_INLINE eng_f height_error(struct vector w, const struct normal *normal)
+{
+    eng_f a = size_of(w);
+    eng_f b = normal->size_u;
+    eng_f c = normal->size_v;
+    return 64 * U24 * (a * b * c) + 7 * SMALLER * (a * b + (a + b) * c);
+}
+
+/* More than the square of the length of the true one. */
+ENG_INLINE eng_f square_most(const struct normal *normal)
+{
+    const struct vector n = normal->n;
+    eng_f b = normal->size_u;
+    eng_f c = normal->size_v;
+    eng_f error = 10 * U24 * (b * c) + 3 * SMALLER * (b + c);
+    eng_f size = eng_f_max_abs(eng_f_max_abs(n.x, n.y), n.z);
+    return dot(n, n) + error * (6 * size + 3 * error);
+}
+
+/* Are the boxes around the features certainly farther apart than the root of `square`? */
+ENG_INLINE eng_fm boxes_beyond(enum pccd_kind kind, const struct eng_g d[3], eng_f square)
+{
+    const eng_fi zero = {0};
+    eng_f sum = rounded(zero);
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; axis++) {
+        eng_fi x[3];
+        eng_fi gaps[2];
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; k++) {
+            x[k] = coordinate(d[k], axis);
+        }
+        gaps_of(kind, x, gaps);
+        eng_f gap = rounded(eng_fi_max(eng_fi_max(gaps[0], gaps[1]) - 2, zero)) * SMALLER;
+        sum += gap * gap;
+    }
+    return eng_f_less(square, sum);
+}
+
+/* Are the planes through the features, across both? */
+ENG_INLINE eng_fm planes_beyond(enum pccd_kind kind, const struct eng_g d[3],
+                                eng_f square)
+{
+    const eng_f zero = {0};
+    bool is_vf = kind == PCCD_VF;
+    struct vector u = smaller(is_vf ? less(d[1], d[0]) : d[0]);
+    struct vector v = smaller(is_vf ? less(d[2], d[0]) : less(d[2], d[1]));
+    struct vector w = smaller(is_vf ? d[0] : d[1]);
+    struct normal normal = normal_of(u, v);
+    eng_f height = eng_f_max_abs(dot(w, normal.n), zero) - height_error(w, &normal);
+    return eng_fm_and(eng_f_less(zero, height),
+                      eng_f_less(square * square_most(&normal), height * height));
+}
+
+/* Are they along the way from the middle of one to that of the other? */
+ENG_INLINE eng_fm middles_beyond(enum pccd_kind kind, const struct eng_g d[3],
+                                 eng_f square)
+{
+    const eng_f zero = {0};
+    struct vector p[3];
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; k++) {
+        p[k] = smaller(d[k]);
+    }
+    struct vector both = add(p[1], p[2]);
+    struct vector way = kind == PCCD_VF ? add(both, p[0]) : minus(both, p[0]);
+    eng_f along = dot(way, p[0]);
+    eng_f gap = eng_f_min(dot(way, p[1]), dot(way, p[2]));
+    if (kind == PCCD_VF) {
+        gap = eng_f_min(gap, along);
+    } else {
+        gap -= eng_f_max(along, zero);
+    }
+    eng_f size =
+        eng_f_max_abs(eng_f_max_abs(size_of(p[0]), size_of(p[1])), size_of(p[2]));
+    gap -= size_of(way) * (8 * SMALLER + 32 * U24 * size);
+    return eng_fm_and(eng_f_less(zero, gap),
+                      eng_f_less(square * dot(way, way), gap * gap));
+}
+
+/* Certainly farther apart than `reach`, in cells? */
+ENG_INLINE uint32_t beyond(enum pccd_kind kind, const struct eng_sieve *sieve,
+                           const uint32_t *a, const uint32_t *b, uint32_t end,
+                           eng_f reach)
+{
+    struct eng_g d[2][3];
+    eng_f square = reach * reach * SLACK;
+    eng_marks_load(kind, sieve, a, b, d);
+    eng_fm boxes = boxes_beyond(kind, d[end], square);
+    eng_fm planes = planes_beyond(kind, d[end], square);
+    return eng_fm_bits(
+        eng_fm_or(boxes, eng_fm_or(planes, middles_beyond(kind, d[end], square))));
+}
+
+/* Are both ends of the edge certainly on one side of the plane through the face? */
+ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
+                          const uint32_t *b, uint32_t end)
+{
+    struct eng_g d[2][2][3]; /* from an end of the edge to the corners */
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; i++) {
+        uint32_t vertex[ENG_F_LANES];
+        for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
+            vertex[lane] = sieve->a_corner[i][a[lane]];
+        }
+        eng_marks_load(PCCD_VF, sieve, vertex, b, d[i]);
+    }
+    struct vector first = smaller(d[0][end][0]);
+    struct vector second = smaller(d[1][end][0]);
+    struct normal normal = normal_of(smaller(less(d[0][end][1], d[0][end][0])),
+                                     smaller(less(d[0][end][2], d[0][end][0])));
+    eng_f height[2] = {dot(first, normal.n), dot(second, normal.n)};
+    eng_f error[2] = {height_error(first, &normal), height_error(second, &normal)};
+    eng_fm above =
+        eng_fm_and(eng_f_less(error[0], height[0]), eng_f_less(error[1], height[1]));
+    eng_fm below =
+        eng_fm_and(eng_f_less(height[0], -error[0]), eng_f_less(height[1], -error[1]));
+    return eng_fm_bits(eng_fm_or(above, below));
+}
+
+ENG_INLINE uint32_t sift_near(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
+                              float reach, uint32_t *a, uint32_t *b, uint32_t count)
+{
+    uint32_t kept = 0;
+    /* Nothing that is multiplied by it falls below the range of floats. */
+    eng_f scaled = eng_f_max(eng_f_all(reach * SMALLER), eng_f_all(0x1p-40f));
+    for (uint32_t i = 0; i < count; i += ENG_F_LANES) {
+        uint32_t n = count - i < ENG_F_LANES ? count - i : ENG_F_LANES;
+        uint32_t full[2][ENG_F_LANES];
+        const uint32_t *a_in = a + i;
+        const uint32_t *b_in = b + i;
+        if (n < ENG_F_LANES) {
+            fill(a_in, b_in, n, full);
+            a_in = full[0];
+            b_in = full[1];
+        }
+        uint32_t out = kind == PCCD_EF
+                           ? aside(sieve, a_in, b_in, end)
+                           : beyond((enum pccd_kind)kind, sieve, a_in, b_in, end, scaled);
+        kept += eng_keep_both(a + kept, b + kept, a + i, b + i,
+                              ~out & ENG_F_ALL >> (ENG_F_LANES - n));
+    }
+    return kept;
+}
+
+/* The end, as a constant of the code. */
+#define SIFT_NEAR(kind)                                                                  \
+    (end == 0 ? sift_near(kind, sieve, 0, reach, a, b, count)                            \
+              : sift_near(kind, sieve, 1, reach, a, b, count))
+
+uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
+                               float reach, uint32_t *a, uint32_t *b, uint32_t count)
+{
+    return kind == PCCD_VF   ? SIFT_NEAR(PCCD_VF)
+           : kind == PCCD_EE ? SIFT_NEAR(PCCD_EE)
+                             : SIFT_NEAR(PCCD_EF);
 }

@@ -30,6 +30,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
 #undef JOIN_FEATURES
         .apart = ENG_KERNEL(apart),
     .sift = ENG_KERNEL(sift),
+    .sift_near = ENG_KERNEL(sift_near),
     .filter = ENG_KERNEL(filter),
     .bracket = ENG_KERNEL(bracket),
     .beyond = ENG_KERNEL(beyond),

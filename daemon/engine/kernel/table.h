@@ -20,6 +20,8 @@ uint32_t ENG_KERNEL(filter)(enum pccd_kind kind, const struct eng_point *points,
                             uint32_t count, uint32_t *kept);
 uint32_t ENG_KERNEL(sift)(enum pccd_kind kind, struct eng_sieve *sieve, uint32_t *a,
                           uint32_t *b, uint32_t count);
+uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
+                               float reach, uint32_t *a, uint32_t *b, uint32_t count);
 
 void ENG_KERNEL(bound_positions)(const double (*x)[3], size_t count,
                                  struct eng_bounds *bounds);
