@@ -253,7 +253,6 @@ libengine_la_SOURCES = \
     daemon/engine/near/near_search.h \
     daemon/engine/near/near_warm.c \
     daemon/engine/near/near_warm.h \
-    daemon/engine/near/near_name.h \
     daemon/engine/near/near_work.c \
     daemon/engine/near/near_work.h \
     daemon/engine/brief.c \

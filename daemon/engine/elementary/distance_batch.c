@@ -64,6 +64,14 @@ static void ask(const struct eng_distance_question *question,
     batch->index[(*found)++] = pair;
 }
 
+static uint32_t all_of(uint32_t count, uint32_t *pairs)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        pairs[i] = i;
+    }
+    return count;
+}
+
 uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                  const struct eng_distance_question *question,
                                  const struct eng_point *points,
@@ -77,8 +85,10 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                .found = batch->found,
                                .vague = batch->vague,
                                .open = batch->open};
-    uint32_t left = kernels->beyond(question->kind, points, quads, count, question->end,
-                                    question->distance, batch->left);
+    uint32_t left = question->is_sifted
+                        ? all_of(count, batch->left)
+                        : kernels->beyond(question->kind, points, quads, count,
+                                          question->end, question->distance, batch->left);
     kernels->measure(question->kind, points, quads, batch->left, left, question->end,
                      question->distance, &out);
     uint32_t found = out.near_count;

@@ -1,7 +1,7 @@
 /* daemon/engine/near/closest_features.h - from a pair that is near to the two features
  * between which its distance is.
  *
- * Room:     engine. May include: near_name.h, nearest.h, world.h.
+ * Room:     engine. May include: kernel.h, nearest.h, world.h.
  * Does:     name them as records do: a vertex and a face, two edges, a vertex and an
  *           edge, or two vertices; and say of these what is said of the pair.
  * Threads:  [team].
@@ -13,18 +13,14 @@
 #ifndef ENG_CLOSEST_FEATURES_H
 #define ENG_CLOSEST_FEATURES_H
 
-#include "near_name.h"
+#include "kernel.h"
 #include "nearest.h"
 #include "world.h"
 
-/* The vertices of a pair, of a, then of b, by their numbers in the scene; returns how
- * many: at most 5. */
-uint32_t eng_closest_points(const struct eng_scene *scene,
-                            const struct eng_near_name *name, uint32_t vertex[5]);
-
 /* The closest features of a pair of VF or EE whose distance is known, and theirs: a
- * function of their own points. */
-void eng_closest_features(const struct eng_scene *scene, const struct eng_near_name *name,
+ * function of their own points. all: the pair's, with the words of near_work.h. */
+void eng_closest_features(const struct eng_scene *scene, const struct pccd_pair *pair,
+                          const struct eng_point *const all[4],
                           const struct eng_distance *distance, struct pccd_pair *closest,
                           struct eng_distance *at);
 

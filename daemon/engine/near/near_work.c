@@ -7,7 +7,6 @@
 #include "near_work.h"
 
 #include <assert.h>
-#include <math.h>
 #include <string.h>
 
 #include "closest_features.h"
@@ -105,12 +104,13 @@ static void keep_record(struct eng_worker *worker, const struct pccd_pair *name,
     }
 }
 
-static void keep_features(struct eng_worker *worker, const struct eng_near_name *name,
+static void keep_features(struct eng_worker *worker, const struct pccd_pair *pair,
+                          const struct eng_point *const all[4],
                           const struct eng_distance *distance)
 {
     struct pccd_pair closest;
     struct eng_distance at;
-    eng_closest_features(worker->scene, name, distance, &closest, &at);
+    eng_closest_features(worker->scene, pair, all, distance, &closest, &at);
     keep_record(worker, &closest, &at);
 }
 
@@ -124,48 +124,26 @@ static void keep_bound(_Atomic uint64_t *bound, uint64_t bits)
     }
 }
 
-static void keep_bounds(struct eng_worker *worker, const struct eng_near_name *name,
+static void keep_bounds(struct eng_worker *worker, const struct eng_point *const all[4],
                         double length)
 {
-    uint32_t vertex[5];
     uint64_t bits;
-    uint32_t count = eng_closest_points(worker->scene, name, vertex);
     memcpy(&bits, &length, sizeof bits);
-    for (uint32_t i = 0; i < count; i++) {
-        keep_bound(&worker->settings->near->bounds[vertex[i]], bits);
-    }
-}
-
-static void keep(struct eng_worker *worker, const struct eng_near_name *name,
-                 const struct eng_distance *distance)
-{
-    struct eng_near_work *work = eng_near_work_of(worker);
-    work->least = fmin(work->least, distance->lo);
-    work->greatest = fmax(work->greatest, distance->hi);
-    switch (worker->settings->near->what) {
-    case PCCD_NEAR_PAIRS:
-        keep_record(worker, &name->pair, distance);
-        break;
-    case PCCD_NEAR_FEATURES:
-        keep_features(worker, name, distance);
-        break;
-    case PCCD_NEAR_VERTICES:
-        keep_bounds(worker, name, distance->lo);
-        break;
-    default:
-        assert(false);
+    for (uint32_t i = 0; i < 4; i++) {
+        keep_bound(&worker->settings->near->bounds[(uint32_t)all[i]->word0], bits);
     }
 }
 
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, eng_near_name_fn name)
+                   uint32_t count, bool is_sifted, eng_near_name_fn name)
 {
     const struct eng_near_query *near = worker->settings->near;
     struct eng_near_work *work = eng_near_work_of(worker);
     const struct eng_distance_question question = {.kind = kind,
                                                    .end = near->end,
                                                    .distance = near->distance,
+                                                   .is_sifted = is_sifted,
                                                    .wanted = wanted_for(near->what)};
     worker->record.tests += count;
     uint32_t found = eng_distance_batch_test(worker->kernels, &question, points, quads,
@@ -176,9 +154,22 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
         return;
     }
     for (uint32_t i = 0; i < found; i++) {
-        struct eng_near_name named;
-        name(worker, kind, work->batch.index[i], &named);
-        keep(worker, &named, &work->batch.found[i]);
+        const struct eng_distance *distance = &work->batch.found[i];
+        const uint32_t *quad = quads[work->batch.index[i]];
+        const struct eng_point *const all[4] = {&points[quad[0]], &points[quad[1]],
+                                                &points[quad[2]], &points[quad[3]]};
+        work->least = distance->lo < work->least ? distance->lo : work->least;
+        work->greatest = distance->hi > work->greatest ? distance->hi : work->greatest;
+        if (near->what == PCCD_NEAR_VERTICES) {
+            keep_bounds(worker, all, distance->lo);
+            continue;
+        }
+        struct pccd_pair pair = name(worker, kind, work->batch.index[i]);
+        if (near->what == PCCD_NEAR_FEATURES) {
+            keep_features(worker, &pair, all, distance);
+        } else {
+            keep_record(worker, &pair, distance);
+        }
     }
 }
 
@@ -192,9 +183,10 @@ void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
         eng_distance_batch_cross(worker->kernels, worker->settings->near->end, points,
                                  fives, count, &work->distances, &work->batch);
     worker->tally.survivors += found;
+    work->least = found > 0 ? 0 : work->least;
     for (uint32_t i = 0; i < found; i++) {
-        struct eng_near_name named;
-        name(worker, (enum pccd_kind)PCCD_EF, work->batch.index[i], &named);
-        keep_record(worker, &named.pair, &nothing);
+        struct pccd_pair pair =
+            name(worker, (enum pccd_kind)PCCD_EF, work->batch.index[i]);
+        keep_record(worker, &pair, &nothing);
     }
 }

@@ -1,6 +1,6 @@
 /* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
  *
- * Room:     engine. May include: distance_batch.h, near_name.h, near_query.h, worker.h,
+ * Room:     engine. May include: distance_batch.h, near_query.h, worker.h,
  *           world.h.
  * Does:     hold the scratch of distances and what the thread has found so far, besides
  *           its records; make records of pairs that are near, as they were asked for.
@@ -11,7 +11,6 @@
 #define ENG_NEAR_WORK_H
 
 #include "distance_batch.h"
-#include "near_name.h"
 #include "near_query.h"
 #include "worker.h"
 #include "world.h"
@@ -39,14 +38,16 @@ uint64_t eng_near_work_bytes(const struct eng_worker *worker);
 void eng_near_work_begin(struct eng_worker *worker);
 
 /* The name of candidate `i` of those at hand. */
-typedef void (*eng_near_name_fn)(const struct eng_worker *worker, enum pccd_kind kind,
-                                 uint32_t i, struct eng_near_name *name);
+typedef struct pccd_pair (*eng_near_name_fn)(const struct eng_worker *worker,
+                                             enum pccd_kind kind, uint32_t i);
 
 /* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
- * keep what is near. */
+ * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of the
+ * object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32 | the
+ * vertex's in its mesh. */
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, eng_near_name_fn name);
+                   uint32_t count, bool is_sifted, eng_near_name_fn name);
 
 /* The same of candidates of EF: the ends of the edge, the corners of the face. */
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,

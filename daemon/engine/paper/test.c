@@ -131,28 +131,19 @@ static void test_group(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* The name of candidate `at` of the chunk. */
-static void name_at(const struct eng_worker *worker, enum pccd_kind kind, uint32_t at,
-                    struct eng_near_name *name)
+/* The name of candidate `i` of the group that is being tested. */
+static struct pccd_pair name_near(const struct eng_worker *worker, enum pccd_kind kind,
+                                  uint32_t i)
 {
-    const struct eng_trees *trees = eng_trees_of(worker->scene);
     const struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
-    const uint32_t *points = common_kinds[kind].points;
-    name->pair = name_of(worker->scene, kind, chunk->a[at], chunk->b[at]);
-    name->object[0] = eng_feature_object(trees, points[0], chunk->a[at]);
-    name->object[1] = eng_feature_object(trees, points[1], chunk->b[at]);
+    uint32_t at = eng_paper_work_of(worker)->group_first + i;
+    return name_of(worker->scene, kind, chunk->a[at], chunk->b[at]);
 }
 
-/* Of the group that is being tested. */
-static void name_near(const struct eng_worker *worker, enum pccd_kind kind, uint32_t i,
-                      struct eng_near_name *name)
-{
-    name_at(worker, kind, eng_paper_work_of(worker)->group_first + i, name);
-}
-
-/* Ranks of the points, for distances that are equal. */
-static void rank_group(const struct eng_scene *scene, enum pccd_kind kind,
-                       const struct eng_chunk *chunk, uint32_t first, struct group *group)
+/* The words of the points: near_work.h. */
+static void name_points(const struct eng_scene *scene, enum pccd_kind kind,
+                        const struct eng_chunk *chunk, uint32_t first,
+                        struct group *group)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
     const uint32_t *points = common_kinds[kind].points;
@@ -161,10 +152,11 @@ static void rank_group(const struct eng_scene *scene, enum pccd_kind kind,
         eng_feature_vertices(trees, points[0], chunk->a[first + i], v);
         eng_feature_vertices(trees, points[1], chunk->b[first + i], v + points[0]);
         for (uint32_t k = 0; k < 4; k++) {
-            const struct eng_object *object =
-                &scene->objects[trees->vertices[v[k]].object];
-            group->points[4 * i + k].word1 =
-                (uint64_t)object->id << 32 | (v[k] - object->vertices.first);
+            uint32_t at = trees->vertices[v[k]].object;
+            const struct eng_object *object = &scene->objects[at];
+            struct eng_point *point = &group->points[4 * i + k];
+            point->word0 = (uint64_t)at << 32 | v[k];
+            point->word1 = (uint64_t)object->id << 32 | (v[k] - object->vertices.first);
         }
     }
 }
@@ -203,9 +195,9 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
         return;
     }
     load_group(worker->scene, kind, chunk, first, &group);
-    rank_group(worker->scene, kind, chunk, first, &group);
+    name_points(worker->scene, kind, chunk, first, &group);
     eng_near_test(worker, kind, group.points, (const uint32_t(*)[4])group.quads,
-                  group.count, name_near);
+                  group.count, false, name_near);
 }
 
 void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)

@@ -7,6 +7,7 @@
 #include "wide_test.h"
 
 #include <assert.h>
+#include <math.h>
 
 #include "finding.h"
 #include "memory.h"
@@ -207,46 +208,48 @@ static void test(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-static void name_near(const struct eng_worker *worker, enum pccd_kind kind, uint32_t i,
-                      struct eng_near_name *name)
+static struct pccd_pair name_near(const struct eng_worker *worker, enum pccd_kind kind,
+                                  uint32_t i)
 {
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    const struct eng_wide_work *work = eng_wide_work_of(worker);
-    const struct eng_wide_chunk *chunk = &work->join.chunks[kind];
-    const uint32_t *quad = work->quads[i];
-    uint32_t points_a = common_kinds[kind].points[0];
-    name->pair = name_of(wide, kind, chunk->a[i], chunk->b[i]);
-    name->object[0] = (uint32_t)(wide->points[quad[0]].word0 >> 32);
-    name->object[1] = (uint32_t)(wide->points[quad[points_a]].word0 >> 32);
+    const struct eng_wide_chunk *chunk = &eng_wide_work_of(worker)->join.chunks[kind];
+    return name_of(eng_wide_of(worker->scene), kind, chunk->a[i], chunk->b[i]);
 }
 
-static void name_crossing(const struct eng_worker *worker, enum pccd_kind kind,
-                          uint32_t i, struct eng_near_name *name)
+/* Those of a chunk stay that are not certainly too far apart. Returns whether that has
+ * left out so many that to look once more is not worth it. */
+static bool sift_near(struct eng_worker *worker, uint32_t kind,
+                      struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
-    const struct eng_wide_work *work = eng_wide_work_of(worker);
-    const struct eng_wide_chunk *chunk = &work->join.chunks[kind];
-    const uint32_t *five = work->fives[i];
-    name->pair = name_of(wide, kind, chunk->a[i], chunk->b[i]);
-    name->object[0] = (uint32_t)(wide->points[five[0]].word0 >> 32);
-    name->object[1] = (uint32_t)(wide->points[five[2]].word0 >> 32);
+    const struct eng_near_query *near = worker->settings->near;
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    double reach = near->growth * wide->grid.scale;
+    uint32_t count = chunk->count;
+    if (!eng_wide_has_marks(wide) || reach > ENG_GRID_REACH) {
+        return false;
+    }
+    float cells = nextafterf((float)reach, INFINITY);
+    chunk->count = work->join.kernels->sift_near(kind, &work->sieves[kind], near->end,
+                                                 cells, chunk->a, chunk->b, count);
+    return count - chunk->count >= count / FILTER_PAYS_FROM;
 }
 
 /* Edges that pass through faces. */
-static void cross(struct eng_worker *worker, const struct eng_wide_chunk *chunk)
+static void cross(struct eng_worker *worker, struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     struct eng_wide_work *work = eng_wide_work_of(worker);
+    (void)sift_near(worker, PCCD_EF, chunk);
     for (uint32_t i = 0; i < chunk->count; i++) {
         put_points(wide, PCCD_TREE_EDGES, chunk->a[i], work->fives[i]);
         put_points(wide, PCCD_TREE_FACES, chunk->b[i], work->fives[i] + 2);
     }
     eng_near_cross(worker, wide->points, (const uint32_t(*)[5])work->fives, chunk->count,
-                   name_crossing);
+                   name_near);
 }
 
 static void test_near(struct eng_worker *worker, enum pccd_kind kind,
-                      const struct eng_wide_chunk *chunk)
+                      struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     struct eng_wide_work *work = eng_wide_work_of(worker);
@@ -254,9 +257,10 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
         cross(worker, chunk);
         return;
     }
+    bool is_sifted = sift_near(worker, kind, chunk);
     make_quads(wide, kind, chunk, work->quads);
     eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
-                  chunk->count, name_near);
+                  chunk->count, is_sifted, name_near);
 }
 
 /* ---- chunks ------------------------------------------------------------------------ */
@@ -338,6 +342,9 @@ void eng_wide_work_begin(struct eng_worker *worker)
     if (worker->prunes) {
         eng_wide_join_prune(&work->join, eng_wide_of(worker->scene));
     }
+    for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
+    }
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool in_time =
             worker->settings->mode != PCCD_MODE_PAIRS && !worker->settings->near;
@@ -348,7 +355,6 @@ void eng_wide_work_begin(struct eng_worker *worker)
         }
         work->times[kind] = (struct eng_wide_times){0, 0};
         work->filters[kind] = (struct eng_wide_filters){0, 0};
-        work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
     }
     look(worker);
 }
