@@ -97,6 +97,50 @@ static void near__merges_pairs_to_their_features(void **state)
     near_kit_end(&kit);
 }
 
+/* Sheets above each other: each vertex of one is nearest to one of the other, by some 40
+ * pairs of their faces and edges. If it failed: an answer of few features would be cut
+ * because their pairs are many, or the last ones would be counted in part. */
+static void near__folds_features_before_it_cuts(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_sheet(40, 0));
+    near_kit_add(&kit, kit_sheet(40, 0x1p-10));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_FEATURES);
+    settings.distance = 0x1p-10;
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    uint64_t count = result.count;
+    uint64_t pairs = 0;
+    struct pccd_near *all = calloc(count, sizeof *all);
+    assert_non_null(all);
+    memcpy(all, result.records, count * sizeof *all);
+    for (uint64_t i = 0; i < count; i++) {
+        pairs += all[i].count;
+    }
+    assert_true(pairs > 10 * count && count > 1000);
+    for (uint32_t threads = 1; threads <= 2; threads++) {
+        settings.step.threads = threads;
+        settings.step.contact_max = count;
+        assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+        assert_int_equal(result.count, count);
+        assert_memory_equal(result.records, all, count * sizeof *all);
+        settings.step.contact_max = count / 3;
+        assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+        assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+        assert_int_equal(result.count, count / 3);
+        for (uint64_t i = 0; i < result.count; i++) {
+            const struct pccd_near *record = near_kit_record(&result, i);
+            assert_int_equal(record->kind, all[i].kind);
+            assert_int_equal(record->feature_a, all[i].feature_a);
+            assert_int_equal(record->count, all[i].count);
+        }
+    }
+    free(all);
+    near_kit_end(&kit);
+}
+
 /* If it failed: a vertex could move by more than is safe, or all would be held back by
  * what is near one of them. */
 static void near__bounds_the_points_of_pairs(void **state)
@@ -370,6 +414,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(near__has_what_is_exactly_that_far),
         cmocka_unit_test(near__merges_pairs_to_their_features),
+        cmocka_unit_test(near__folds_features_before_it_cuts),
         cmocka_unit_test(near__bounds_the_points_of_pairs),
         cmocka_unit_test(near__says_whether_anything_crosses_or_touches),
         cmocka_unit_test(near__is_of_the_end_that_was_asked_for),

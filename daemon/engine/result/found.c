@@ -103,7 +103,8 @@ static bool has_room(struct eng_found *found, const struct eng_name *name)
     if (found->limit == 0 || (is_full && cut(found) != PCCD_OK)) {
         return false;
     }
-    return !found->is_cut || eng_name_compare(name, &found->cut_at) < 0;
+    /* One more of the last name adds to its count. */
+    return !found->is_cut || eng_name_compare(name, &found->cut_at) < found->folds;
 }
 
 void *eng_found_add(struct eng_found *found, const struct pccd_pair *name)
