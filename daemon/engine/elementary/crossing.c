@@ -11,7 +11,8 @@
 
 #include "side.h"
 
-#define FIXED_BITS 32 /* of a position */
+/* The sum of it and at most 1 is rounded to a multiple of 2^-32. */
+#define TO_FIXED 0x1.8p20
 
 bool eng_crossing_quickly(const double x[5][3], double *position)
 {
@@ -24,10 +25,8 @@ bool eng_crossing_quickly(const double x[5][3], double *position)
     }
     double at = fabs(first) / apart;
     double off = 1.1 * fmax(error[0], error[1]) / apart + 4 * ENG_U;
-    double scaled = ldexp(at, FIXED_BITS);
-    double whole = nearbyint(scaled);
-    *position = ldexp(whole, -FIXED_BITS);
-    return fabs(scaled - whole) + 2 * ldexp(off, FIXED_BITS) < 0.5;
+    *position = (at + TO_FIXED) - TO_FIXED;
+    return fabs(at - *position) + 2 * off < 0x1p-33;
 }
 
 /* An end's side of the plane, or its opposite. */

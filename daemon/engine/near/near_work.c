@@ -173,20 +173,39 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
+/* Where along the edge it passes through the face, in a record's terms. */
+static struct eng_distance passage(struct eng_distances *distances, uint32_t end,
+                                   const struct eng_point *points, const uint32_t five[5])
+{
+    struct eng_distance at = {.type = ENG_NEAREST_VF};
+    double x[5][3];
+    for (int i = 0; i < 5; i++) {
+        const struct eng_point *point = &points[five[i]];
+        memcpy(x[i], end == 0 ? point->x0 : point->x1, sizeof x[i]);
+    }
+    at.param[0] = eng_distance_crossing(distances, (const double(*)[3])x);
+    return at;
+}
+
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
                     const uint32_t (*fives)[5], uint32_t count, eng_near_name_fn name)
 {
-    static const struct eng_distance nothing = {.type = ENG_NEAREST_VF};
     struct eng_near_work *work = eng_near_work_of(worker);
+    const uint64_t *integers = &work->distances.decided[ENG_DISTANCE_BY_INTEGERS];
+    uint32_t end = worker->settings->near->end;
     worker->record.tests += count;
-    uint32_t found =
-        eng_distance_batch_cross(worker->kernels, worker->settings->near->end, points,
-                                 fives, count, &work->distances, &work->batch);
+    uint32_t found = eng_distance_batch_cross(worker->kernels, end, points, fives, count,
+                                              &work->distances, &work->batch);
     worker->tally.survivors += found;
     work->least = found > 0 ? 0 : work->least;
     for (uint32_t i = 0; i < found; i++) {
-        struct pccd_pair pair =
-            name(worker, (enum pccd_kind)PCCD_EF, work->batch.index[i]);
-        keep_record(worker, &pair, &nothing);
+        uint64_t before = *integers;
+        uint32_t pair = work->batch.index[i];
+        struct pccd_pair named = name(worker, (enum pccd_kind)PCCD_EF, pair);
+        struct eng_distance at = passage(&work->distances, end, points, fives[pair]);
+        keep_record(worker, &named, &at);
+        if (*integers > before && eng_worker_should_stop(worker)) {
+            return;
+        }
     }
 }
