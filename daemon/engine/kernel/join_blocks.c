@@ -183,10 +183,10 @@ struct until {
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
  * where either is from sides->a and sides->b on, and which they are in their runs.
  * Returns how many. Of a run with itself, `self`, those of two blocks alone, and bits of
- * the other ones to *selves. */
-ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides *sides,
-                               uint32_t pairs, bool self, enum rule rule,
-                               struct until until, uint32_t *selves)
+ * the other ones to *selves. Nor those that stand, where all of the block does. */
+ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *round,
+                               const struct sides *sides, uint32_t pairs, bool self,
+                               enum rule rule, struct until until, uint32_t *selves)
 {
     const uint32_t stride = block_stride(is_plain(rule));
     uint32_t count = 0;
@@ -203,6 +203,9 @@ ENG_INLINE uint32_t list_boxes(struct eng_join_round *round, const struct sides 
             uint32_t is_one = n == m;
             *selves |= is_one << n;
             bits &= is_one - 1;
+        }
+        if (job->a_moving) {
+            bits = keep_moving_boxes(job, bits, sides->first_a + n, sides->first_b + m);
         }
         eng_pack16(round->place + count, bits, n * stride | m * stride << 16);
         count += eng_pack16(round->box + count, bits, n * ENG_WIDE | m << 8);
@@ -319,10 +322,7 @@ ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
     struct sides sides = make_ready(job, round, pairs, rule);
     uint32_t selves;
     look_at_corners(job, &sides, wants);
-    uint32_t count = list_boxes(round, &sides, pairs, self, rule, until, &selves);
-    if (job->a_moving) {
-        count = keep_moving_boxes(job, round, count);
-    }
+    uint32_t count = list_boxes(job, round, &sides, pairs, self, rule, until, &selves);
     uint32_t found = test_boxes(round, &sides, count, wants, rule, until);
     job->tests += pairs + count;
     if (self) {
