@@ -81,13 +81,13 @@ int main(void)
             memcpy(was, x, sizeof x);
         }
         settings.what = PCCD_NEAR_VERTICES;
-        ok(client, pccd_near(client, scene, NULL, 0, &settings, &answer));
+        ok(client, pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
         ok(client, answer.count != VERTICES);
         memcpy(bound, answer.vertex_bounds, sizeof bound);
         pccd_answer_release(client, &answer);
         held += move();
         settings.what = PCCD_NEAR_CROSSINGS;
-        ok(client, pccd_near(client, scene, &motion, 1, &settings, &answer));
+        ok(client, pccd_ask_near(client, scene, &motion, 1, &settings, &answer));
         ok(client, answer.incomplete != 0 || answer.total > 0);
         ok(client, answer.verdict != PCCD_VERDICT_NO);
         pccd_answer_release(client, &answer);

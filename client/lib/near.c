@@ -110,9 +110,9 @@ int pccd_frame_commit_near(struct pccd_frame *frame,
     return send_near(client, scene, slot, &known, step);
 }
 
-int pccd_near(struct pccd_client *client, uint32_t scene,
-              const struct pccd_motion *motions, uint32_t motion_count,
-              const struct pccd_near_settings *settings, struct pccd_answer *answer)
+int pccd_ask_near(struct pccd_client *client, uint32_t scene,
+                  const struct pccd_motion *motions, uint32_t motion_count,
+                  const struct pccd_near_settings *settings, struct pccd_answer *answer)
 {
     uint64_t step = 0;
     int status = client == NULL ? PCCD_E_INVAL : cli_answer_check(client, answer);

@@ -11,7 +11,7 @@
  *     settings.what = PCCD_NEAR_PAIRS;
  *     settings.distance = 0.01;
  *     struct pccd_answer answer = PCCD_ANSWER_INIT;
- *     pccd_near(client, scene, NULL, 0, &settings, &answer);
+ *     pccd_ask_near(client, scene, NULL, 0, &settings, &answer);
  *     use(answer.near, answer.count);
  *     pccd_answer_release(client, &answer);
  */
@@ -83,17 +83,10 @@ int pccd_submit_near(struct pccd_client *client, uint32_t scene,
 /* Publish a frame that was begun by pccd_frame_begin, and ask where it leads to. */
 int pccd_frame_commit_near(struct pccd_frame *frame,
                            const struct pccd_near_settings *settings, uint64_t *step);
-#if defined(__cplusplus) && defined(__GNUC__)
-#pragma GCC diagnostic push /* records have that name, too: struct pccd_near */
-#pragma GCC diagnostic ignored "-Wshadow"
-#endif
 /* pccd_submit_near and wait in one; like pccd_step. */
-int pccd_near(struct pccd_client *client, uint32_t scene,
+int pccd_ask_near(struct pccd_client *client, uint32_t scene,
               const struct pccd_motion *motions, uint32_t motion_count,
               const struct pccd_near_settings *settings, struct pccd_answer *answer);
-#if defined(__cplusplus) && defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop

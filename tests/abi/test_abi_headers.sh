@@ -47,6 +47,21 @@ for header in pccd.h pccd_near.h pccd_daemon.h pccd_trace.h pccd_types.h; do
     done
 done
 
+# If this failed, a type of ours would hide behind a function of its name, and a C++ program
+# would have to write struct before it.
+if [ -n "$cxx" ]; then
+    {
+        echo '#include <pccd.h>'
+        cat "$work"/include/*.h | sed -n 's/^struct \(pccd_[a-z0-9_]*\) {$/\1 *test_\1;/p'
+    } >"$work/names.cc"
+    # shellcheck disable=SC2086 # the flags are words
+    "$cxx" -std=c++11 $strict "$work/names.cc" >"$work/log" 2>&1 &&
+        [ "$(grep -c test_ "$work/names.cc")" -gt 20 ]
+    tap_result $? headers__name_types_as_nothing_else "$work/log"
+else
+    tap_skip headers__name_types_as_nothing_else "no C++ compiler"
+fi
+
 library=$top_builddir/.libs/libpccd.so
 map=$top_srcdir/client/lib/libpccd.map
 sed -n 's/^ *\(pccd_[a-z0-9_]*\);$/\1/p' "$map" | LC_ALL=C sort >"$work/map"

@@ -107,7 +107,7 @@ static struct whole ask(struct pccd_client *client, uint32_t scene,
 {
     struct pccd_answer page = PCCD_ANSWER_INIT;
 
-    good(client, pccd_near(client, scene, NULL, 0, settings, &page));
+    good(client, pccd_ask_near(client, scene, NULL, 0, settings, &page));
     return read_all(client, scene, &page);
 }
 
@@ -273,7 +273,7 @@ static void near__moves_and_asks_at_once(void **state)
                                            .format = PCCD_FORMAT_F32,
                                            .x1 = once.x};
         good(once.client,
-             pccd_near(once.client, once.scene, &motion, 1, &settings, &page));
+             pccd_ask_near(once.client, once.scene, &motion, 1, &settings, &page));
         expect_same(ask(apart.client, apart.scene, &settings),
                     read_all(once.client, once.scene, &page));
         settings.end = !settings.end; /* of the same movement, which is the last */
@@ -353,7 +353,7 @@ static void near__tells_how_deep_a_mesh_is_in_another(void **state)
         good(client, pccd_scene_add(client, scene, mesh, &objects[1]));
         const struct pccd_motion motion = {
             .object = objects[1], .count = 4, .m0 = still, .m1 = off};
-        good(client, pccd_near(client, scene, &motion, 1, &settings, &page));
+        good(client, pccd_ask_near(client, scene, &motion, 1, &settings, &page));
         wholes[i] = read_all(client, scene, &page);
         pccd_close(client);
     }
@@ -495,19 +495,19 @@ static void near__refuses_by_name(void **state)
 
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         int status =
-            pccd_near(client, crossing->scene, NULL, 0, &rows[i].settings, &answer);
+            pccd_ask_near(client, crossing->scene, NULL, 0, &rows[i].settings, &answer);
         if (status != rows[i].status ||
             strstr(pccd_error_text(client), rows[i].text) == NULL) {
             fail_msg("row %zu: %d, \"%s\"", i, status, pccd_error_text(client));
         }
     }
-    assert_int_equal(pccd_near(client, crossing->scene + 1, NULL, 0, NULL, &answer),
+    assert_int_equal(pccd_ask_near(client, crossing->scene + 1, NULL, 0, NULL, &answer),
                      PCCD_E_HANDLE);
-    assert_int_equal(pccd_near(client, crossing->scene, NULL, 1, NULL, &answer),
+    assert_int_equal(pccd_ask_near(client, crossing->scene, NULL, 1, NULL, &answer),
                      PCCD_E_INVAL);
-    assert_int_equal(pccd_near(client, crossing->scene, NULL, 0, NULL, NULL),
+    assert_int_equal(pccd_ask_near(client, crossing->scene, NULL, 0, NULL, NULL),
                      PCCD_E_INVAL);
-    assert_int_equal(pccd_near(NULL, crossing->scene, NULL, 0, NULL, &answer),
+    assert_int_equal(pccd_ask_near(NULL, crossing->scene, NULL, 0, NULL, &answer),
                      PCCD_E_INVAL);
     assert_true(test_crossing_turn(crossing));
 }
@@ -525,15 +525,18 @@ static void near__that_fails_moves_nothing(void **state)
 
     test_crossing_positions(x, -1);
     settings.object_a = crossing->object + 9;
-    assert_int_equal(pccd_near(client, crossing->scene, &motion, 1, &settings, &answer),
-                     PCCD_E_HANDLE);
+    assert_int_equal(
+        pccd_ask_near(client, crossing->scene, &motion, 1, &settings, &answer),
+        PCCD_E_HANDLE);
     settings.object_a = 0;
     x[1][2] = NAN;
-    assert_int_equal(pccd_near(client, crossing->scene, &motion, 1, &settings, &answer),
-                     PCCD_E_NOTFINITE);
+    assert_int_equal(
+        pccd_ask_near(client, crossing->scene, &motion, 1, &settings, &answer),
+        PCCD_E_NOTFINITE);
     motion.count = 4;
-    assert_int_equal(pccd_near(client, crossing->scene, &motion, 1, &settings, &answer),
-                     PCCD_E_SEGMENT);
+    assert_int_equal(
+        pccd_ask_near(client, crossing->scene, &motion, 1, &settings, &answer),
+        PCCD_E_SEGMENT);
     assert_true(test_crossing_turn(crossing)); /* from above to below, not along z = -1 */
 }
 
@@ -586,8 +589,8 @@ static void near__leaves_held_frames_where_they_are(void **state)
     settings.distance = 10;
     for (uint32_t moves = 0; moves < 2; moves++) { /* of either member */
         struct member *member = moves == 0 ? &obstacle : &cloth;
-        good(member->client,
-             pccd_near(member->client, member->scene, &stay, moves, &settings, &answer));
+        good(member->client, pccd_ask_near(member->client, member->scene, &stay, moves,
+                                           &settings, &answer));
         assert_true(answer.distance_min == 1);
         pccd_answer_release(member->client, &answer);
         assert_int_equal(pccd_wait(obstacle.client, step, 0, &answer), PCCD_E_AGAIN);
@@ -596,7 +599,8 @@ static void near__leaves_held_frames_where_they_are(void **state)
     assert_int_equal(answer.number, 1); /* no question was a step */
     pccd_answer_release(cloth.client, &answer);
     good(obstacle.client, pccd_wait(obstacle.client, step, -1, &answer));
-    good(cloth.client, pccd_near(cloth.client, cloth.scene, NULL, 0, &settings, &answer));
+    good(cloth.client,
+         pccd_ask_near(cloth.client, cloth.scene, NULL, 0, &settings, &answer));
     assert_true(answer.distance_min == 0.25);
     pccd_answer_release(cloth.client, &answer);
     pccd_close(cloth.client);
@@ -639,18 +643,18 @@ static void near__is_asked_by_every_member(void **state)
     good(reader.client, pccd_scene_join(reader.client, 0, "near read", &reader.scene));
     settings.distance = 1;
     good(reader.client,
-         pccd_near(reader.client, reader.scene, NULL, 0, &settings, &answer));
+         pccd_ask_near(reader.client, reader.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.total, 0); /* there is nothing but the triangle */
     const uint64_t number = answer.step;
     test_crossing_positions(x, 0);
     const struct pccd_motion motion = {
         .object = owner.object, .count = 3, .format = PCCD_FORMAT_F32, .x1 = x};
     assert_int_equal(
-        pccd_near(reader.client, reader.scene, &motion, 1, &settings, &answer),
+        pccd_ask_near(reader.client, reader.scene, &motion, 1, &settings, &answer),
         PCCD_E_ACCESS);
     assert_non_null(strstr(pccd_error_text(reader.client), "may only read"));
     good(owner.client,
-         pccd_near(owner.client, owner.scene, &motion, 1, &settings, &answer));
+         pccd_ask_near(owner.client, owner.scene, &motion, 1, &settings, &answer));
     assert_int_equal(pccd_fetch(reader.client, reader.scene, number, 0, &answer),
                      PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(reader.client), "another session's"));

@@ -157,13 +157,13 @@ static void near__ends_while_it_computes(void **state)
     settings.distance = FAR; /* 10^10 pairs */
     settings.deadline_ns = 50 * MS;
     begin_ms = test_now_ms();
-    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_true(answer.incomplete == PCCD_INCOMPLETE_DEADLINE ||
                 answer.incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT);
     pccd_answer_release(client, &answer);
     settings.what = PCCD_NEAR_VERTICES; /* none of which is proved then */
-    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(answer.total, 0);
     settings.deadline_ns = 0;
@@ -177,7 +177,7 @@ static void near__ends_while_it_computes(void **state)
     /* What the daemon lets anybody compute. */
     good(pccd_config_set(client, "step-max-ms", "50"));
     begin_ms = test_now_ms();
-    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(test_stat(client, "nears_incomplete"), 4);
@@ -193,13 +193,13 @@ static void near__keeps_the_first_records_at_the_limit(void **state)
     (void)state;
     start_with(NULL, SIDE_SMALL);
     settings.distance = 0.08;
-    good(pccd_near(client, grid.scene, NULL, 0, &settings, &whole));
+    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &whole));
     assert_int_equal(whole.incomplete, PCCD_COMPLETE);
     assert_true(whole.total > 4000);
     good(pccd_config_set(client, "contacts-max", "2000"));
     for (uint32_t threads = 1; threads < 3; threads++) {
         settings.threads = threads;
-        good(pccd_near(client, grid.scene, NULL, 0, &settings, &cut));
+        good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &cut));
         assert_int_equal(cut.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
         assert_int_equal(cut.total, 2000);
         assert_int_equal(cut.count, 2000);
@@ -222,7 +222,7 @@ static void near__is_bounded_by_the_users_memory(void **state)
     least = test_stat(client, "engine_bytes_now");
     settings.distance = FAR;
     for (int i = 0; i < 4; i++) {
-        status = pccd_near(client, grid.scene, NULL, 0, &settings, &answer);
+        status = pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer);
         if (status == 0) {
             assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
             pccd_answer_release(client, &answer);
@@ -232,7 +232,7 @@ static void near__is_bounded_by_the_users_memory(void **state)
         assert_true(test_stat(client, "engine_bytes_now") <= least + (24u << 20));
     }
     settings.distance = 0.02; /* and what fits is whole */
-    good(pccd_near(client, grid.scene, NULL, 0, &settings, &answer));
+    good(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer));
     assert_int_equal(answer.incomplete, PCCD_COMPLETE);
     assert_true(answer.total > 1000);
     pccd_answer_release(client, &answer);
@@ -251,7 +251,7 @@ static void kill_worker(void)
 static void ask_whole(const struct pccd_motion *motion, const settings_t *settings,
                       struct pccd_answer *answer)
 {
-    good(pccd_near(client, grid.scene, motion, motion != NULL, settings, answer));
+    good(pccd_ask_near(client, grid.scene, motion, motion != NULL, settings, answer));
     assert_int_equal(answer->incomplete, PCCD_COMPLETE);
     assert_int_equal(answer->count, answer->total);
     assert_true(answer->total > 1000);
@@ -311,7 +311,7 @@ static void near__knows_no_beginning_after_a_crash(void **state)
     good(pccd_step(client, grid.scene, &motion, 1, NULL, &answer));
     pccd_answer_release(client, &answer);
     kill_worker();
-    assert_int_equal(pccd_near(client, grid.scene, NULL, 0, &settings, &answer),
+    assert_int_equal(pccd_ask_near(client, grid.scene, NULL, 0, &settings, &answer),
                      PCCD_E_STATE);
     assert_non_null(strstr(pccd_error_text(client), "is not known"));
     settings.end = 1;
@@ -473,7 +473,7 @@ static void near__needs_a_daemon_that_knows_it(void **state)
     (void)state;
     false_start(speak_as_before);
     assert_int_equal(false_connect(&old), 0);
-    assert_int_equal(pccd_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
+    assert_int_equal(pccd_ask_near(old, 1, NULL, 0, NULL, &answer), PCCD_E_VERSION);
     assert_non_null(strstr(pccd_error_text(old), "scene.near: the daemon at"));
     pccd_close(old);
 }

@@ -45,7 +45,7 @@ static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what w
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
     settings.gap = what == PCCD_NEAR_NEAREST && end == 1 ? 0 : .125; /* else no use */
     settings.end = end;
-    int status = pccd_near(client, scene, motion, motion != NULL, &settings, &answer);
+    int status = pccd_ask_near(client, scene, motion, motion != NULL, &settings, &answer);
     pccd_answer_release(client, &answer);
     return status == 0 && answer.total > 0 ? 0 : -1;
 }

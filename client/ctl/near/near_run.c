@@ -98,7 +98,8 @@ static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
     const struct question *question = context;
     const struct near_run *near = question->near;
     (void)is_again;
-    return pccd_near(near->run.client, near->run.scene, NULL, 0, &near->settings, answer);
+    return pccd_ask_near(near->run.client, near->run.scene, NULL, 0, &near->settings,
+                         answer);
 }
 
 static void show_page(void *context, const struct pccd_answer *page)
