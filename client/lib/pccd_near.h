@@ -46,7 +46,7 @@ struct pccd_near_settings {
     double gap;      /* NEAREST: the pair may be another one if it is farther by at most
                         that, and the answer has no hash; 0: it is the nearest */
     uint32_t end;    /* 1 (the default): where the last step ended; 0: where it began.
-                        Before the first step both are the registered positions */
+                        Before the first step both are the registered positions; below */
     uint32_t object_a, object_b; /* NEAREST, DEPTH: these two objects, or one with all
                         others; VERTICES: object_a alone; 0: all */
     uint32_t threads;
@@ -73,6 +73,12 @@ struct pccd_near_settings {
  *     crossings DEPTH, CROSSINGS: edges that pass through faces
  *     verdict   CROSSINGS: NO: nothing crosses or touches: the state is free of
  *               intersections; YES: something does. Others: NONE
+ *
+ * Where the last step began (`end` 0) is not always known. A step or a question that
+ * fails while its positions are read, as by E_NOTFINITE, moves nothing; but the objects
+ * that it named count as if they had stood still: at both ends they are where they are.
+ * After the daemon has crashed, and this client has told another one where everything
+ * is, `end` 0 without motions is E_STATE until something moves again.
  *
  * Its pages are read by pccd_fetch, with its number, until the scene's next request about
  * what is near; the answer of the last step stays beside it. DEPTH of a mesh that is not

@@ -540,6 +540,44 @@ static void near__that_fails_moves_nothing(void **state)
     assert_true(test_crossing_turn(crossing)); /* from above to below, not along z = -1 */
 }
 
+static double distance_at(struct test_crossing *crossing, uint32_t end)
+{
+    settings_t settings = defaults;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    settings.what = PCCD_NEAR_NEAREST;
+    settings.distance = INFINITY;
+    settings.end = end;
+    good(crossing->client,
+         pccd_ask_near(crossing->client, crossing->scene, NULL, 0, &settings, &answer));
+    pccd_answer_release(crossing->client, &answer);
+    return answer.distance_min;
+}
+
+/* If it failed, half of a frame that was refused would be taken for where a step
+ * began. */
+static void near__forgets_the_beginning_when_a_step_fails(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    float x[3][3];
+
+    test_crossing_positions(x, -3);
+    good(crossing->client,
+         pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                      PCCD_FORMAT_F32, 3, NULL, &answer));
+    pccd_answer_release(crossing->client, &answer);
+    assert_true(distance_at(crossing, 0) == 1); /* as it was registered */
+    assert_true(distance_at(crossing, 1) == 3);
+    test_crossing_positions(x, -5);
+    x[2][1] = NAN;
+    assert_int_equal(pccd_step_x1(crossing->client, crossing->scene, crossing->object, x,
+                                  PCCD_FORMAT_F32, 3, NULL, &answer),
+                     PCCD_E_NOTFINITE);
+    assert_true(distance_at(crossing, 0) == 3);
+    assert_true(distance_at(crossing, 1) == 3);
+}
+
 /* ---- shared scenes ----------------------------------------------------------------- */
 
 /* One client in the scene, with a triangle or the floor in it. */
@@ -722,6 +760,7 @@ int main(void)
         cmocka_unit_test(near__leaves_steps_as_they_are),
         CROSSING(near__refuses_by_name),
         CROSSING(near__that_fails_moves_nothing),
+        CROSSING(near__forgets_the_beginning_when_a_step_fails),
         cmocka_unit_test(near__leaves_held_frames_where_they_are),
         cmocka_unit_test(near__is_asked_by_every_member),
         CROSSING(near__shows_in_counters_and_traces),
