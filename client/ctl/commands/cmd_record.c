@@ -294,10 +294,17 @@ static void report(const char *path, const struct record_command *command)
     if (status == PCCD_OK) {
         status = answers_read(&answers, &reader, &error);
     }
-    ctl_complain("%s: %" PRIu64 " %s, %" PRIu64 " %s, %zu %s%s%s", path, reader.bytes,
+    size_t answered = answers.count + answers.near_count;
+    char questions[64] = "";
+    if (answers.questions > 0) {
+        (void)snprintf(questions, sizeof questions, "%" PRIu64 " %s about what is near, ",
+                       answers.questions,
+                       proto_plural(answers.questions, "question", "questions"));
+    }
+    ctl_complain("%s: %" PRIu64 " %s, %" PRIu64 " %s, %s%zu %s%s%s", path, reader.bytes,
                  proto_plural(reader.bytes, "byte", "bytes"), answers.frames,
-                 proto_plural(answers.frames, "step", "steps"), answers.count,
-                 proto_plural(answers.count, "answer", "answers"),
+                 proto_plural(answers.frames, "step", "steps"), questions, answered,
+                 proto_plural(answered, "answer", "answers"),
                  status != PCCD_OK ? "; damaged " : "",
                  status != PCCD_OK ? reader.text : "");
     if (reader.end_reason == RECORD_FULL) {

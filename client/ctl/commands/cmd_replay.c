@@ -228,8 +228,13 @@ static void print_side(const struct replay *replay, const char *side, int status
 static void print_text(const struct replay *replay, const struct play_summary *summary)
 {
     const struct record_begin *begin = &summary->begin;
-    printf("recording   %" PRIu64 " %s by process %" PRIu32 ", libpccd %s, %s\n",
-           summary->frames, proto_plural(summary->frames, "step", "steps"), begin->pid,
+    printf("recording   %" PRIu64 " %s", summary->frames,
+           proto_plural(summary->frames, "step", "steps"));
+    if (summary->questions > 0) {
+        printf(", %" PRIu64 " %s about what is near", summary->questions,
+               proto_plural(summary->questions, "question", "questions"));
+    }
+    printf(" by process %" PRIu32 ", libpccd %s, %s\n", begin->pid,
            tool_shown_field(begin->library, sizeof begin->library),
            tool_shown_field(begin->cpu, sizeof begin->cpu));
     printf("compared    %" PRIu64 " %s in %.2f s: %" PRIu64 " the same, %" PRIu64
@@ -270,13 +275,13 @@ static json_t *side_json(const struct replay *replay, int status, uint64_t total
 static bool print_json(const struct replay *replay, const struct play_summary *summary)
 {
     json_t *all = json_pack(
-        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:b}", "steps",
-        (json_int_t)summary->frames, "compared", (json_int_t)replay->compared, "same",
-        (json_int_t)replay->same, "differ", (json_int_t)replay->differ, "unanswered",
-        (json_int_t)replay->unanswered, "incomplete", (json_int_t)replay->incomplete,
-        "other_pairs", (json_int_t)replay->other_pairs, "skipped",
-        (json_int_t)summary->skipped, "seconds", summary->seconds, "is_whole",
-        summary->ending == RECORD_ENDING_WHOLE);
+        "{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f, s:b}", "steps",
+        (json_int_t)summary->frames, "nears", (json_int_t)summary->questions, "compared",
+        (json_int_t)replay->compared, "same", (json_int_t)replay->same, "differ",
+        (json_int_t)replay->differ, "unanswered", (json_int_t)replay->unanswered,
+        "incomplete", (json_int_t)replay->incomplete, "other_pairs",
+        (json_int_t)replay->other_pairs, "skipped", (json_int_t)summary->skipped,
+        "seconds", summary->seconds, "is_whole", summary->ending == RECORD_ENDING_WHOLE);
     bool ok = all != NULL;
     if (ok && replay->differ > 0) {
         json_t *first = json_pack(
@@ -306,7 +311,7 @@ int ctl_cmd_replay(int argc, char **argv)
         return CTL_USAGE;
     }
     status = play(&replay.options.play, compare, &replay, &summary, &error);
-    if (summary.frames > 0 || status == PCCD_OK) {
+    if (summary.frames + summary.questions > 0 || status == PCCD_OK) {
         if (status == PCCD_OK || summary.ending != RECORD_ENDING_UNKNOWN) {
             play_options_warn(&replay.options.play,
                               &summary); /* else the error says it */

@@ -8,7 +8,9 @@
  */
 #include "near_run.h"
 
+#include <ctype.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -108,6 +110,23 @@ static void show_page(void *context, const struct pccd_answer *page)
     question->page(question->context, page);
 }
 
+/* The daemon names objects by handles, of which a user of files has never heard. */
+static void name_files(const struct near_run *near, struct ctl_error *error)
+{
+    for (uint32_t i = 0; i < near->object_count; i++) {
+        struct ctl_error named = {.text = ""};
+        char word[32];
+        int length =
+            snprintf(word, sizeof word, "object 0x%" PRIx32, near->objects[i].handle);
+        const char *at = strstr(error->text, word);
+        if (at != NULL && !isxdigit((unsigned char)at[length])) {
+            (void)ctl_error_set(&named, PCCD_OK, "%.*s%s%s", (int)(at - error->text),
+                                error->text, near->objects[i].path, at + length);
+            *error = named;
+        }
+    }
+}
+
 int near_run_ask(struct near_run *near,
                  void (*page)(void *context, const struct pccd_answer *page),
                  void *context, struct ctl_error *error)
@@ -117,7 +136,11 @@ int near_run_ask(struct near_run *near,
                                   .page = page != NULL ? show_page : NULL,
                                   .failed = "it was not answered",
                                   .context = &question};
-    return check_run_repeat(&near->run, &ask, 1, &near->step, error);
+    int status = check_run_repeat(&near->run, &ask, 1, &near->step, error);
+    if (status != PCCD_OK) {
+        name_files(near, error);
+    }
+    return status;
 }
 
 uint32_t near_run_place(const struct near_run *near, uint32_t handle)

@@ -61,6 +61,7 @@ static bool take_page(struct answers *answers, const struct record_view *view)
 static bool take(struct answers *answers, const struct record_view *view)
 {
     struct record_frame frame;
+    struct record_near near;
     switch (view->kind) {
     case RECORD_BEGIN:
         memcpy(&answers->begin, view->payload, sizeof answers->begin);
@@ -69,6 +70,11 @@ static bool take(struct answers *answers, const struct record_view *view)
         memcpy(&frame, view->payload, sizeof frame);
         answers->frames++;
         answers->last_step = frame.step;
+        return true;
+    case RECORD_NEAR:
+        memcpy(&near, view->payload, sizeof near);
+        answers->questions++;
+        answers->last_step = near.step;
         return true;
     case RECORD_ANSWER:
         if (!array_reserve((void **)&answers->items, answers->count, &answers->room,
@@ -97,8 +103,9 @@ int answers_read(struct answers *answers, struct record_reader *reader,
                  struct ctl_error *error)
 {
     const uint32_t kinds = 1u << RECORD_BEGIN | 1u << RECORD_FRAME | 1u << RECORD_ANSWER |
-                           1u << RECORD_RECORDS | 1u << RECORD_NEAR_ANSWER |
-                           1u << RECORD_NEAR_RECORDS | 1u << RECORD_END;
+                           1u << RECORD_RECORDS | 1u << RECORD_NEAR |
+                           1u << RECORD_NEAR_ANSWER | 1u << RECORD_NEAR_RECORDS |
+                           1u << RECORD_END;
     struct record_view view;
     int got;
     while ((got = record_reader_skim(reader, kinds, &view)) == 1) {

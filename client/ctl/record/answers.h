@@ -31,7 +31,8 @@ struct answers {
     struct answers_page *pages; /* by step and first; of steps and of what is near */
     size_t page_count, page_room;
     uint64_t frames;
-    uint64_t last_step; /* of the frames */
+    uint64_t questions; /* about what is near */
+    uint64_t last_step; /* number of a frame or a question */
 };
 
 /* All that the reader gives, from the beginning; it is at its end then. */

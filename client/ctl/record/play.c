@@ -448,7 +448,8 @@ static int judge_range(const struct player *player, struct ctl_error *error)
                : ctl_error_set(
                      error, PCCD_E_INVAL,
                      "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
-                     settings->path, player->summary->frames, player->summary->last_step);
+                     settings->path, player->summary->frames + player->summary->questions,
+                     player->summary->last_step);
 }
 
 static bool is_last_choice(const struct play_settings *settings, int32_t status,
@@ -491,6 +492,7 @@ static int open_all(struct player *player, struct ctl_error *error)
     status = answers_read(&player->answers, &player->reader, &damage);
     player->summary->begin = player->answers.begin;
     player->summary->frames = player->answers.frames;
+    player->summary->questions = player->answers.questions;
     player->summary->answers = player->answers.count;
     player->summary->last_step = player->answers.last_step;
     player->summary->ending = player->reader.ending;

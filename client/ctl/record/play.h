@@ -84,6 +84,7 @@ struct play_summary {
     uint32_t end_reason;    /* enum record_reason */
     uint64_t ending_offset; /* of the first byte that is not part of a whole chunk */
     uint64_t frames, answers, skipped; /* skipped: steps that then failed by chance */
+    uint64_t questions;                /* about what is near */
     uint64_t last_step;
     uint32_t daemon_pid; /* 0: none was asked */
     double seconds;      /* spent by the daemon's answers */
