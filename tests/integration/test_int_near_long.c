@@ -6,6 +6,7 @@
  *           connection that is lost, a daemon of before.
  * Threads:  one.
  */
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -28,6 +29,8 @@
 #define SIDE_CRASH  100u
 #define MS          1000000u
 #define GENEROUS_MS 2000 /* the aim is 2 ms, of a machine that is left alone */
+#define RING        200u /* two of that size: a second, and more */
+#define PI          3.14159265358979323846
 #define FAR         1e18 /* everything is within it */
 
 typedef struct pccd_near_settings settings_t;
@@ -181,6 +184,87 @@ static void near__ends_while_it_computes(void **state)
     assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
     assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
     assert_int_equal(test_stat(client, "nears_incomplete"), 4);
+}
+
+/* A closed ring of RING x RING vertices, of that thickness. */
+static uint32_t add_ring(uint32_t scene, double thickness)
+{
+    double(*x)[3] = malloc(RING * RING * sizeof *x);
+    uint32_t(*faces)[3] = malloc(2 * RING * RING * sizeof *faces);
+    uint32_t mesh = 0;
+    uint32_t object = 0;
+
+    assert_true(x != NULL && faces != NULL);
+    for (uint32_t i = 0; i < RING * RING; i++) {
+        uint32_t a = i / RING;
+        uint32_t b = i % RING;
+        double along = 2 * PI * a / RING;
+        double around = 2 * PI * b / RING;
+        double radius = 1 + thickness * cos(around);
+        uint32_t corner[4] = {i, (a + 1) % RING * RING + b,
+                              (a + 1) % RING * RING + (b + 1) % RING,
+                              a * RING + (b + 1) % RING};
+        memcpy(
+            x[i],
+            (double[]){radius * cos(along), radius * sin(along), thickness * sin(around)},
+            sizeof x[i]);
+        memcpy(faces[2 * i], (uint32_t[]){corner[0], corner[1], corner[2]},
+               sizeof *faces);
+        memcpy(faces[2 * i + 1], (uint32_t[]){corner[0], corner[2], corner[3]},
+               sizeof *faces);
+    }
+    good(pccd_mesh_create(client, x, PCCD_FORMAT_F64, RING * RING, faces, 2 * RING * RING,
+                          &mesh, NULL));
+    good(pccd_scene_add(client, scene, mesh, &object));
+    free(x);
+    free(faces);
+    return object;
+}
+
+/* If it failed, a question about two bodies that are everywhere as near could hold a
+ * daemon up for seconds, and so all who share it. */
+static void near__of_objects_ends_while_it_computes(void **state)
+{
+    static const enum pccd_near_what whats[2] = {PCCD_NEAR_NEAREST, PCCD_NEAR_DEPTH};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings_t settings = defaults;
+    uint64_t step = 0;
+    uint32_t scene = 0;
+
+    (void)state;
+    start_with(NULL, SIDE_SMALL);
+    good(pccd_scene_create(client, NULL, &scene));
+    (void)add_ring(scene, .5);
+    (void)add_ring(scene, .25); /* in the first, with the same middle */
+    settings.distance = INFINITY;
+    for (uint32_t i = 0; i < 4; i++) {
+        settings.what = whats[i / 2];
+        settings.threads = 1 + i % 2;
+        settings.deadline_ns = 10 * MS;
+        uint64_t begin_ms = test_now_ms();
+        good(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
+        assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
+        assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+        assert_true(answer.total < RING * RING); /* of DEPTH there would be so many */
+        pccd_answer_release(client, &answer);
+        settings.deadline_ns = 0;
+        good(pccd_submit_near(client, scene, NULL, 0, &settings, &step));
+        test_sleep_ms(10);
+        begin_ms = test_now_ms();
+        good(pccd_cancel(client, step));
+        good(pccd_wait(client, step, -1, &answer));
+        assert_true(test_now_ms() - begin_ms < GENEROUS_MS);
+        assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_CANCELLED);
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(test_stat(client, "nears_incomplete"), 8);
+    /* And whole they are long, or nothing was ended here. */
+    uint64_t begin_ms = test_now_ms();
+    good(pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
+    print_message("# depth in %u ms\n", (unsigned)(test_now_ms() - begin_ms));
+    assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+    assert_int_equal(answer.total, RING * RING);
+    pccd_answer_release(client, &answer);
 }
 
 /* If it failed, what is kept of too many records would be left to chance. */
@@ -484,6 +568,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         STOPPED(near__is_answered_at_its_deadline_and_cancel),
         STOPPED(near__ends_while_it_computes),
+        STOPPED(near__of_objects_ends_while_it_computes),
         STOPPED(near__keeps_the_first_records_at_the_limit),
         STOPPED(near__is_bounded_by_the_users_memory),
         STOPPED(near__has_the_same_bytes_after_a_crash),
