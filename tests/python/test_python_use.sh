@@ -31,6 +31,10 @@ run() {
 # If this failed, the first program that anybody tries would be wrong: it checks that no
 # vertex of the cloth gets into the sphere.
 run example__cloth_stays_outside "$python" "$top_srcdir/client/python/example_cloth.py"
+# If this failed, bounds of vertices would be of no use from Python, or not hold: it asks
+# after each move whether anything crosses or touches.
+run example__cloth_moves_by_bounds "$python" \
+    "$top_srcdir/client/python/example_cloth_near.py"
 run example__three_clients_share_a_scene "$python" "$top_srcdir/client/python/example_shared.py"
 
 # If this failed, the ten lines of README.md would not do what they say.
