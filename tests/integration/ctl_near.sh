@@ -166,6 +166,42 @@ ctl record -o near.rec --contacts -- "$PCCDCTL" near --distance 1 floor.obj abov
     [ "$(grep -c '<line x1' cross.svg)" -eq 2 ] && ! grep -q '>distance<' cross.svg
 report "a recording of it is replayed, verified and drawn"
 
+# Otherwise ParaView and Blender would show no line, or lines elsewhere.
+has_python() { command -v python3 >/dev/null; }
+if has_python; then
+    ctl record -o one.rec --contacts -- "$PCCDCTL" near --what nearest floor.obj above.obj &&
+        ctl export --near -o one.vtp one.rec && grep -q '1 record$' out &&
+        ctl export --near -o one.glb one.rec &&
+        fails 2 'no --time' export --near --time 0 -o x.glb one.rec &&
+        python3 - >>out 2>&1 <<'EOF'
+import base64, json, struct, xml.etree.ElementTree as tree
+piece = tree.parse('one.vtp').getroot().find('PolyData/Piece')
+def read(array): # as VTK does: length and values are one piece of base64
+    data = base64.b64decode(array.text, validate=True)[8:]
+    size, form = {'Float32': (4, 'f'), 'UInt32': (4, 'I'), 'Float64': (8, 'd')}[array.get('type')]
+    return struct.unpack('<%d%s' % (len(data) // size, form), data)
+points, lines, polys = [int(piece.get('NumberOf' + n)) for n in ('Points', 'Lines', 'Polys')]
+assert lines == 1 and polys == 2 and points == 8
+x = read(piece.find('Points/DataArray'))
+cells = {a.get('Name'): read(a) for a in piece.find('CellData')}
+assert len(cells['distance']) == len(cells['kind']) == 3 and cells['kind'][1:] == (8, 8)
+length = sum((a - b) ** 2 for a, b in zip(x[18:21], x[21:24])) ** .5
+assert length > 0 and abs(length - cells['distance'][0]) < 1e-6
+assert read(piece.find('Lines/DataArray')) == (6, 7)
+data = open('one.glb', 'rb').read()
+size, = struct.unpack('<I', data[12:16])
+gltf = json.loads(data[20:20 + size])
+assert gltf['extras']['near'] == 1 and gltf['meshes'][-1]['primitives'][0]['mode'] == 1
+at = gltf['accessors'][gltf['meshes'][-1]['primitives'][0]['attributes']['POSITION']]
+view = gltf['bufferViews'][at['bufferView']]
+begin = 28 + size + view['byteOffset']
+assert struct.unpack('<6f', data[begin:begin + 24]) == x[18:24]
+EOF
+    report "an exported answer has its lines"
+else
+    tap_skip "an exported answer has its lines" "no python3"
+fi
+
 # Otherwise a recording of a daemon's threads would have a hole where it computed that.
 "$PCCD_DAEMON" --socket "$dir/s" 2>log &
 daemon=$!

@@ -7,6 +7,7 @@
  * Source:   gltf.h, vtp.h.
  */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,19 +19,24 @@
 #include "still.h"
 #include "vtp.h"
 
-enum { OPTION_TIME = 256 + 64, OPTION_OUTPUT = 'o' };
+enum { OPTION_TIME = 256 + 64, OPTION_NEAR, OPTION_OUTPUT = 'o' };
 
 struct export
 {
     struct play_options options;
     const char *path;
-    double t;
+    double t; /* NAN: not given */
+    bool is_near;
 };
 
 static const struct argp_option option_list[] = {
     {"output", OPTION_OUTPUT, "FILE", 0,
      "Where it goes: FILE.glb is glTF 2.0, FILE.vtp VTK PolyData", 0},
     {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
+     0},
+    {"near", OPTION_NEAR, NULL, 0,
+     "Write, for contacts, what the last answered question about what is near has told: "
+     "lines between nearest points, and edges that cross",
      0},
     {0},
 };
@@ -57,7 +63,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_TIME:
         export->t = ctl_option_real(state, "time", text, 0, 1);
         return 0;
+    case OPTION_NEAR:
+        export->is_near = true;
+        return 0;
     case ARGP_KEY_END:
+        if (export->is_near && !isnan(export->t)) {
+            tool_misused(state, "--near is of one moment: no --time");
+        }
         if (export->path == NULL) {
             tool_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
         }
@@ -72,11 +84,11 @@ const struct argp ctl_argp_export = {
     .options = option_list,
     .parser = parse,
     .args_doc = "FILE",
-    .doc =
-        "Write a step of a recording, with its contacts, for other programs.\vWithout "
-        "--steps it is the last step that was answered, with --steps the last of the "
-        "range. The contacts are those of the recording, or of a daemon that repeats the "
-        "step.",
+    .doc = "Write a step of a recording, with its contacts, for other programs.\vWithout "
+           "--steps it is the last step that was answered, with --steps the last of the "
+           "range. With --near it is likewise a question about what is near. The "
+           "contacts are those of the recording, or of a daemon that repeats the "
+           "step.",
     .children = children};
 
 static int write_still(const struct export *export, const struct still *still,
@@ -102,7 +114,7 @@ static int write_still(const struct export *export, const struct still *still,
 
 int ctl_cmd_export(int argc, char **argv)
 {
-    struct export export = {.t = 1};
+    struct export export = {.t = NAN};
     struct still still;
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
@@ -113,8 +125,10 @@ int ctl_cmd_export(int argc, char **argv)
     if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
         return CTL_USAGE;
     }
-    int status = still_take(&export.options.play, &(struct still_at){.t = export.t},
-                            &still, &summary, &error);
+    const struct still_at at = {.t = isnan(export.t) ? 1 : export.t};
+    int status = export.is_near
+                     ? still_take_near(&export.options.play, &still, &summary, &error)
+                     : still_take(&export.options.play, &at, &still, &summary, &error);
     if (status == PCCD_OK) {
         status = write_still(&export, &still, &error);
     }

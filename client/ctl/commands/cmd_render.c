@@ -269,10 +269,7 @@ static struct picture_place place_of(const struct render *render,
 static bool make_marks(const struct still *still, struct picture_mark *marks,
                        struct picture_scale *scale)
 {
-    double greatest = 0;
-    for (uint64_t i = 0; i < still->line_count; i++) {
-        greatest = fmax(greatest, still->lines[i].distance);
-    }
+    double greatest = still_greatest(still);
     for (uint64_t i = 0; i < still->line_count; i++) {
         double share = greatest > 0 ? still->lines[i].distance / greatest : 0;
         memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);

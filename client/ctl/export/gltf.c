@@ -200,10 +200,47 @@ static void add_object(struct gltf *gltf, const struct still_object *object, uin
     free(x);
 }
 
+/* A primitive of coloured points, or of lines between two of them each. */
+static void add_coloured(struct gltf *gltf, const float (*x)[3],
+                         const float (*colours)[3], size_t count, bool has_lines,
+                         const char *name)
+{
+    static const float white[3] = {1, 1, 1};
+    add_material(gltf, white, false);
+    int positions = add_vectors(gltf, x, count, true);
+    int tints = add_vectors(gltf, colours, count, false);
+    add_node(gltf,
+             json_pack("{s:{s:i, s:i}, s:i, s:I}", "attributes", "POSITION", positions,
+                       "COLOR_0", tints, "mode", has_lines ? LINES : POINTS, "material",
+                       (json_int_t)json_array_size(gltf->materials) - 1),
+             name, NULL);
+}
+
+/* Lines between nearest points, by their shares of the greatest distance. */
+static void add_lines(struct gltf *gltf, const struct still *still)
+{
+    size_t count = 2 * still->line_count;
+    double greatest = still_greatest(still);
+    float(*x)[3] = malloc((count + 1) * sizeof *x);
+    float(*colours)[3] = malloc((count + 1) * sizeof *colours);
+    for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
+        const struct still_line *line = &still->lines[i / 2];
+        memcpy(x[i], line->ends[i % 2], sizeof *x);
+        colour_of_time(greatest > 0 ? line->distance / greatest : 0, colours[i]);
+    }
+    if (x == NULL || colours == NULL) {
+        gltf->has_memory = false;
+    } else {
+        add_coloured(gltf, (const float(*)[3])x, (const float(*)[3])colours, count, true,
+                     "near");
+    }
+    free(x);
+    free(colours);
+}
+
 /* Points, or lines of the normals' direction, in the colours of their times. */
 static void add_marks(struct gltf *gltf, const struct still *still, bool has_lines)
 {
-    static const float white[3] = {1, 1, 1};
     uint32_t each = has_lines ? 2 : 1;
     size_t count = still->contact_count * each;
     float(*x)[3] = malloc((count + 1) * sizeof *x);
@@ -219,15 +256,8 @@ static void add_marks(struct gltf *gltf, const struct still *still, bool has_lin
     if (x == NULL || colours == NULL) {
         gltf->has_memory = false;
     } else {
-        add_material(gltf, white, false);
-        int positions = add_vectors(gltf, (const float(*)[3])x, count, true);
-        int tints = add_vectors(gltf, (const float(*)[3])colours, count, false);
-        add_node(gltf,
-                 json_pack("{s:{s:i, s:i}, s:i, s:I}", "attributes", "POSITION",
-                           positions, "COLOR_0", tints, "mode",
-                           has_lines ? LINES : POINTS, "material",
-                           (json_int_t)json_array_size(gltf->materials) - 1),
-                 has_lines ? "contact normals" : "contacts", NULL);
+        add_coloured(gltf, (const float(*)[3])x, (const float(*)[3])colours, count,
+                     has_lines, has_lines ? "contact normals" : "contacts");
     }
     free(x);
     free(colours);
@@ -248,6 +278,10 @@ static json_t *describe(struct gltf *gltf, const struct still *still)
         "buffers", "byteLength", (json_int_t)gltf->count, "extras", "step",
         (json_int_t)still->step, "t", still->t, "contacts",
         (json_int_t)still->contact_count);
+    if (still->lines != NULL) {
+        json_object_set_new(json_object_get(all, "extras"), "near",
+                            json_integer((json_int_t)still->line_count));
+    }
     if (json_array_size(gltf->channels) > 0) {
         json_object_set_new(all, "animations",
                             json_pack("[{s:s, s:O, s:O}]", "name", "step", "channels",
@@ -308,6 +342,9 @@ int gltf_write(const struct still *still, FILE *to, const char *path,
     if (still->contact_count > 0) {
         add_marks(&gltf, still, false);
         add_marks(&gltf, still, true);
+    }
+    if (still->line_count > 0) {
+        add_lines(&gltf, still);
     }
     json_t *all = describe(&gltf, still);
     char *text = all != NULL ? json_dumps(all, JSON_COMPACT) : NULL;

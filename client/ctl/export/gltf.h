@@ -4,7 +4,7 @@
  * Room:     client/ctl. May include: still.h.
  * Does:     write a mesh for each object, with its motion as a morph target and an
  *           animation of one second; contacts as points coloured by time, their normals
- *           as lines.
+ *           as lines; what is near as lines coloured by distance.
  * Does not: need a library.
  * Threads:  one.
  * Source:   the glTF 2.0 specification, registry.khronos.org.

@@ -1,8 +1,9 @@
 /* client/ctl/export/vtp.c - a step as VTK XML PolyData.
  *
  * Room:     client/ctl.
- * Does:     points: vertices of all objects, then contacts; cells: contacts as vertices,
- *           then triangles; arrays in base64, as text is rounded.
+ * Does:     points: vertices of all objects, then contacts, then ends of lines; cells:
+ *           contacts as vertices, lines, then triangles; arrays in base64, as text is
+ *           rounded.
  * Does not: place contacts; see still.c.
  * Threads:  one.
  * Source:   vtp.h.
@@ -11,6 +12,7 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +24,7 @@
 struct vtp {
     const struct still *still;
     FILE *to;
-    uint64_t vertices, triangles, contacts;
+    uint64_t vertices, triangles, contacts, lines;
     uint64_t *bytes; /* of the array below: VTK wants both in one piece of base64 */
     void *scratch;   /* an array: 24 bytes for each point or cell */
     bool is_ok;
@@ -56,6 +58,11 @@ static void widen(struct vtp *vtp, uint64_t count)
     }
 }
 
+static uint64_t point_count(const struct vtp *vtp)
+{
+    return vtp->vertices + vtp->contacts + 2 * vtp->lines;
+}
+
 static void put_points(struct vtp *vtp)
 {
     float(*x)[3] = vtp->scratch;
@@ -67,8 +74,11 @@ static void put_points(struct vtp *vtp)
     for (uint64_t i = 0; i < vtp->contacts; i++) {
         memcpy(x[i], vtp->still->contacts[i].at, sizeof *x);
     }
+    for (uint64_t i = 0; i < vtp->lines; i++) {
+        memcpy(x[vtp->contacts + 2 * i], vtp->still->lines[i].ends, 2 * sizeof *x);
+    }
     fputs("<Points>\n", vtp->to);
-    uint64_t count = vtp->vertices + vtp->contacts;
+    uint64_t count = point_count(vtp);
     if (vtp->still->has_origin) {
         widen(vtp, count);
         put_array(vtp, "Float64", "Points", 3, count * sizeof(double[3]));
@@ -87,9 +97,8 @@ static void put_point_data(struct vtp *vtp)
         memcpy(motion, object->motion, object->vertex_count * sizeof *motion);
         motion += object->vertex_count;
     }
-    memset(motion, 0, vtp->contacts * sizeof *motion);
-    put_array(vtp, "Float32", "motion", 3,
-              (vtp->vertices + vtp->contacts) * sizeof(float[3]));
+    memset(motion, 0, (vtp->contacts + 2 * vtp->lines) * sizeof *motion);
+    put_array(vtp, "Float32", "motion", 3, point_count(vtp) * sizeof(float[3]));
     fputs("</PointData>\n", vtp->to);
 }
 
@@ -190,6 +199,25 @@ static void put_cell_data(struct vtp *vtp)
     fputs("</CellData>\n", vtp->to);
 }
 
+/* Of what is near: distances and kinds of lines; a triangle has no distance. */
+static void put_near_data(struct vtp *vtp)
+{
+    const struct still_line *lines = vtp->still->lines;
+    uint64_t count = vtp->lines + vtp->triangles;
+    double *distance = vtp->scratch;
+    uint32_t *kind = vtp->scratch;
+    fputs("<CellData Scalars=\"distance\">\n", vtp->to);
+    for (uint64_t i = 0; i < count; i++) {
+        distance[i] = i < vtp->lines ? lines[i].distance : NAN;
+    }
+    put_array(vtp, "Float64", "distance", 1, count * sizeof *distance);
+    for (uint64_t i = 0; i < count; i++) {
+        kind[i] = i < vtp->lines ? lines[i].kind : PCCD_KINDS_MAX;
+    }
+    put_array(vtp, "UInt32", "kind", 1, count * sizeof *kind);
+    fputs("</CellData>\n", vtp->to);
+}
+
 /* Ends of cells of `each` points. */
 static void put_offsets(struct vtp *vtp, uint64_t count, uint32_t each)
 {
@@ -210,6 +238,18 @@ static void put_contact_cells(struct vtp *vtp)
     put_array(vtp, "UInt32", "connectivity", 1, vtp->contacts * sizeof *points);
     put_offsets(vtp, vtp->contacts, 1);
     fputs("</Verts>\n", vtp->to);
+}
+
+static void put_line_cells(struct vtp *vtp)
+{
+    uint32_t *points = vtp->scratch;
+    for (uint64_t i = 0; i < 2 * vtp->lines; i++) {
+        points[i] = (uint32_t)(vtp->vertices + vtp->contacts + i);
+    }
+    fputs("<Lines>\n", vtp->to);
+    put_array(vtp, "UInt32", "connectivity", 1, 2 * vtp->lines * sizeof *points);
+    put_offsets(vtp, vtp->lines, 2);
+    fputs("</Lines>\n", vtp->to);
 }
 
 static void put_triangle_cells(struct vtp *vtp)
@@ -234,13 +274,16 @@ static void put_triangle_cells(struct vtp *vtp)
 int vtp_write(const struct still *still, FILE *to, const char *path,
               struct ctl_error *error)
 {
-    struct vtp vtp = {
-        .still = still, .to = to, .contacts = still->contact_count, .is_ok = true};
+    struct vtp vtp = {.still = still,
+                      .to = to,
+                      .contacts = still->contact_count,
+                      .lines = still->line_count,
+                      .is_ok = true};
     for (uint32_t o = 0; o < still->object_count; o++) {
         vtp.vertices += still->objects[o].vertex_count;
         vtp.triangles += still->objects[o].triangle_count;
     }
-    uint64_t most = vtp.vertices + vtp.triangles + vtp.contacts;
+    uint64_t most = point_count(&vtp) + vtp.triangles;
     if (most > UINT32_MAX / 3) {
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than 32-bit indices name",
                              path);
@@ -254,14 +297,20 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
             "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<!-- pccdctl export, "
             "step %" PRIu64 ", t = %g -->\n<PolyData>\n<Piece NumberOfPoints=\"%" PRIu64
-            "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+            "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"%" PRIu64
+            "\" NumberOfStrips=\"0\" "
             "NumberOfPolys=\"%" PRIu64 "\">\n",
-            still->step, still->t, vtp.vertices + vtp.contacts, vtp.contacts,
+            still->step, still->t, point_count(&vtp), vtp.contacts, vtp.lines,
             vtp.triangles);
     put_point_data(&vtp);
-    put_cell_data(&vtp);
+    if (still->lines != NULL) {
+        put_near_data(&vtp);
+    } else {
+        put_cell_data(&vtp);
+    }
     put_points(&vtp);
     put_contact_cells(&vtp);
+    put_line_cells(&vtp);
     put_triangle_cells(&vtp);
     fputs("</Piece>\n</PolyData>\n</VTKFile>\n", to);
     free(vtp.bytes);

@@ -383,6 +383,15 @@ int still_take_near(const struct play_settings *settings, struct still *still,
     return status;
 }
 
+double still_greatest(const struct still *still)
+{
+    double greatest = 0;
+    for (uint64_t i = 0; i < still->line_count; i++) {
+        greatest = fmax(greatest, still->lines[i].distance);
+    }
+    return greatest;
+}
+
 void still_report(const struct still *still, const char *path, bool is_json)
 {
     if (!is_json && still->lines != NULL) {

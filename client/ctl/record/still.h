@@ -67,6 +67,8 @@ int still_take(const struct play_settings *settings, const struct still_at *at,
  * for. Bounds of vertices are no lines. */
 int still_take_near(const struct play_settings *settings, struct still *still,
                     struct play_summary *summary, struct ctl_error *error);
+/* The greatest distance of its lines; 0: none. */
+double still_greatest(const struct still *still);
 /* What there is of it in the file `path`, on the standard output. */
 void still_report(const struct still *still, const char *path, bool is_json);
 void still_deinit(struct still *still);
