@@ -27,6 +27,9 @@
 /* For a machine that is busy with other things, too. */
 #define PATIENCE_MS 60000
 
+/* The sheet is 1 wide. */
+#define NEAR_DISTANCE 0.25
+
 /* Requests between two changes of a client that churns. */
 #define CHURN_EVERY 64u
 
@@ -295,6 +298,35 @@ static struct pccd_step_settings settings_of(const struct load_actor *actor,
     return settings;
 }
 
+/* By position, so that what a lone client was answered there is the truth. */
+static bool asks_near(const struct load_actor *actor, uint32_t from)
+{
+    return actor->load->settings.near && actor->kind != LOAD_SHARE && from % 2 == 1;
+}
+
+/* A question has one answer at a position, too. */
+static struct pccd_near_settings near_settings_of(const struct load_pending *pending)
+{
+    static const enum pccd_near_what whats[] = {PCCD_NEAR_VERTICES, PCCD_NEAR_NEAREST,
+                                                PCCD_NEAR_CROSSINGS, PCCD_NEAR_VERTICES};
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    settings.what = whats[pending->from / 2 % 4];
+    settings.distance = NEAR_DISTANCE;
+    settings.deadline_ns = pending->mischief == LOAD_DUE ? 1 : 0;
+    return settings;
+}
+
+static int commit(const struct load_actor *actor, struct pccd_frame *frame,
+                  struct load_pending *pending)
+{
+    if (pending->is_near) {
+        const struct pccd_near_settings near = near_settings_of(pending);
+        return pccd_frame_commit_near(frame, &near, &pending->step);
+    }
+    const struct pccd_step_settings settings = settings_of(actor, pending->mischief);
+    return pccd_frame_commit(frame, &settings, &pending->step);
+}
+
 /* The next request. PCCD_E_BUSY: later. */
 static int submit(struct load_actor *actor)
 {
@@ -304,7 +336,7 @@ static int submit(struct load_actor *actor)
                                      .mischief = mischief_of(actor),
                                      .due_ns = actor->pace.due_ns,
                                      .sent_ns = common_now_ns()};
-    struct pccd_step_settings settings = settings_of(actor, pending->mischief);
+    pending->is_near = asks_near(actor, pending->from);
     int status =
         shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
     if (status != 0) {
@@ -321,7 +353,7 @@ static int submit(struct load_actor *actor)
         pccd_frame_abort(&frame);
         return status;
     }
-    status = pccd_frame_commit(&frame, &settings, &pending->step);
+    status = commit(actor, &frame, pending);
     if (status != 0) {
         return status;
     }

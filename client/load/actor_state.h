@@ -34,6 +34,7 @@ struct load_pending {
     uint64_t step;
     uint32_t from; /* position; the next one is where it goes */
     enum load_mischief mischief;
+    bool is_near; /* it asks what is near there */
     uint64_t due_ns; /* in the open loop: when it should have been submitted */
     uint64_t sent_ns;
 };

@@ -23,6 +23,24 @@ static uint64_t add_bytes(uint64_t sum, const void *record, size_t bytes)
     return sum;
 }
 
+/* The same of what is near. Bounds name no object. */
+static uint64_t near_sum_of(const struct load_actor *actor,
+                            const struct pccd_answer *answer)
+{
+    uint64_t sum = answer->count;
+    for (uint64_t i = 0; i < answer->count; i++) {
+        if (answer->what == PCCD_NEAR_VERTICES) {
+            sum = add_bytes(sum, &answer->vertex_bounds[i], sizeof(double));
+            continue;
+        }
+        struct pccd_near near = answer->near[i];
+        near.object_a = near.object_a == actor->sheet;
+        near.object_b = near.object_b == actor->sheet;
+        sum = add_bytes(sum, &near, sizeof near);
+    }
+    return sum;
+}
+
 /* Over all records. Objects by whether they are the sheet: one that is made anew has
  * another number. */
 static uint64_t sum_of(const struct load_actor *actor, const struct pccd_answer *answer)
@@ -113,12 +131,15 @@ static void compare(struct load_actor *actor, const struct load_pending *pending
 {
     struct load_truth *truth = load_truth_of(actor->load, actor->number,
                                              actor->sheet < actor->floor, pending->from);
-    struct load_truth found = {{answer->hash[0], answer->hash[1]}, sum_of(actor, answer)};
+    struct load_truth found = {{answer->hash[0], answer->hash[1]},
+                               answer->is_near ? near_sum_of(actor, answer)
+                                               : sum_of(actor, answer)};
     if (is_without_records(actor, answer)) {
         found.sum = truth->sum;
     }
     actor->tally->answered++;
     actor->tally->records += answer->count;
+    actor->tally->nears += answer->is_near;
     if (actor->is_alone) {
         *truth = found;
         return;

@@ -45,6 +45,7 @@ struct load_settings {
     enum load_scene scene;
     uint32_t kinds;         /* which, a bit each; clients take them by turns */
     int mode;               /* enum pccd_mode of all steps; -1: by kind */
+    bool near;              /* every second request asks what is near where it leads */
     uint32_t minutes;       /* at least; 0: as long as the requests take */
     uint32_t seconds;       /* the same, in addition */
     uint32_t victims;       /* clients at a time that are there to be killed */

@@ -251,6 +251,11 @@ static const struct row rows[] = {
      take_kinds, AT(kinds), 0, 0, kind_names},
     {"mode", 0, "MODE", "of every step: all, first, any, pairs (default by kind)",
      take_mode, AT(mode), 0, 0, common_mode_names},
+    {"near", 0, NULL,
+     "every second request asks what is near where it leads, instead of a step: "
+     "vertices, "
+     "nearest and crossings by turns; not of kind share",
+     take_flag, AT(near), 0, 0, NULL},
     {"seed", 's', "N", "of the scenes (default 1)", take_u64, AT(seed), 0, 0x1p64, NULL},
 
     {.text = "Trouble"},

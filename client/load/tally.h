@@ -27,6 +27,7 @@
     X(broken, "connections that failed")                                                 \
     X(opened, "connections made")                                                        \
     X(remade, "scenes, meshes or objects made anew on purpose")                          \
+    X(nears, "answers that were checked, about what is near")                            \
     X(stalled, "times that a client stopped on purpose")                                 \
     X(measured, "answers whose latency counts: the warm-up's do not")                    \
     X(late, "of these, submitted a millisecond or more after they were due")             \

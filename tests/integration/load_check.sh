@@ -35,6 +35,12 @@ tap_result $? load__killed_clients_leave_nothing "$work/kills"
 load crashes --clients 20 --requests 100 --processes 2 --kill-worker 8 --kill-clients 40
 tap_result $? load__killed_workers_lose_nothing "$work/crashes"
 
+# If it failed, what is near would be answered wrongly among steps, under load or after a
+# crash, or the daemon would keep something of it.
+load near --near --clients 40 --requests 64 --processes 2 --kill-worker 3 --kill-clients 20 &&
+    awk '/^nears / { exit !($2 > 800) }' "$work/near"
+tap_result $? load__asks_what_is_near_between_steps "$work/near"
+
 # If it failed, answers would depend on how many clients there are, or on luck.
 load other --clients 120 --requests 16 --processes 1 --depth 1 &&
     grep '^checksum' "$work/crowd" >"$work/sum1" &&
