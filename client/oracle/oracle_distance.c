@@ -462,14 +462,27 @@ int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
 
 bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d)
 {
-    mpq_t left;
-    mpq_t right;
-    mpq_inits(left, right, NULL);
-    set_square(left, kind, p);
-    mpq_set_d(right, d);
-    mpq_mul(right, right, right);
-    bool is_within = mpq_cmp(left, right) <= 0;
-    mpq_clears(left, right, NULL);
+    static const uint8_t rank[4] = {0, 1, 2, 3};
+    struct problem problem;
+    mpz_t right;
+    int exponent;
+    double mantissa = frexp(d, &exponent);
+    problem_init(&problem, kind, p, 4);
+    add_ways(&problem);
+    struct way way = *shortest(&problem, rank);
+    /* gg 4^low / den^2 and (mantissa 2^exponent)^2, both times den^2. */
+    mpz_init_set_d(right, ldexp(mantissa, 53));
+    mpz_mul(right, right, way.den);
+    mpz_mul(right, right, right);
+    int more = exponent - 53 - problem.low;
+    if (more >= 0) {
+        mpz_mul_2exp(right, right, (mp_bitcnt_t)(2 * more));
+    } else {
+        mpz_mul_2exp(problem.x[0][0], way.gg, (mp_bitcnt_t)(-2 * more));
+    }
+    bool is_within = mpz_cmp(more >= 0 ? way.gg : problem.x[0][0], right) <= 0;
+    mpz_clear(right);
+    problem_clear(&problem);
     return is_within;
 }
 
@@ -512,11 +525,12 @@ bool oracle_crosses(const double p[5][3])
     struct problem problem;
     problem_init(&problem, ORACLE_EE, p, 5);
     int first = side(&problem, 2, 3, 4, 0);
-    int second = side(&problem, 2, 3, 4, 1);
-    int turn = side(&problem, 0, 1, 2, 3);
-    bool crosses = first * second < 0 && turn != 0 &&
-                   side(&problem, 0, 1, 3, 4) == turn &&
-                   side(&problem, 0, 1, 4, 2) == turn;
+    bool crosses = first != 0 && side(&problem, 2, 3, 4, 1) == -first;
+    if (crosses) {
+        int turn = side(&problem, 0, 1, 2, 3);
+        crosses = turn != 0 && side(&problem, 0, 1, 3, 4) == turn &&
+                  side(&problem, 0, 1, 4, 2) == turn;
+    }
     problem_clear(&problem);
     return crosses;
 }

@@ -12,8 +12,13 @@
 #include <string.h>
 
 #include "oracle_distance.h"
+#include "oracle_inside.h"
+#include "winding.h"
 
 #define FAILURES_MAX 10
+
+/* One case in so many is decided once more, by a later stage alone. */
+#define EXTRA_STAGE 4u
 
 static const char *const names[FUZZ_DISTANCE_FAMILIES] = {
     "random", "needle",   "parallel",   "foot",  "coincident", "far",
@@ -209,11 +214,17 @@ static void vary(struct prng *prng, struct fuzz_distance_case *made)
     made->d = ldexp(made->d, exponent);
 }
 
-void fuzz_distance_make(struct prng *prng, struct fuzz_distance_case *made)
+enum fuzz_distance_family fuzz_distance_family_some(struct prng *prng)
+{
+    return (enum fuzz_distance_family)prng_below(prng, FUZZ_DISTANCE_FAMILIES);
+}
+
+void fuzz_distance_make(struct prng *prng, enum fuzz_distance_family family,
+                        enum pccd_kind kind, struct fuzz_distance_case *made)
 {
     memset(made, 0, sizeof *made);
-    made->family = (enum fuzz_distance_family)prng_below(prng, FUZZ_DISTANCE_FAMILIES);
-    made->kind = prng_below(prng, 2) ? PCCD_VF : PCCD_EE;
+    made->family = family;
+    made->kind = kind;
     made->d = -1;
     switch (made->family) {
     case FUZZ_DISTANCE_NEEDLE:
@@ -294,16 +305,83 @@ const char *fuzz_distance_differ(const struct eng_distance *got,
                : NULL;
 }
 
-/* With the oracle's answer, which takes longest. */
-static const char *judge(struct fuzz_distance_run *run,
-                         const struct fuzz_distance_case *made,
-                         enum eng_distance_stage first, const struct oracle_distance *due)
+/* What the oracle says of a case. */
+struct truth {
+    struct oracle_distance due;
+    bool is_within; /* d, if there is one */
+    bool crosses;
+    bool is_on; /* x[0] is on the tetrahedron of the other four */
+    int64_t winding;
+};
+
+/* Every edge is run through in both directions. */
+static const uint32_t tetrahedron[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+
+static void find_truth(const struct fuzz_distance_case *made, struct truth *truth)
 {
     const double(*x)[3] = made->x;
+    enum oracle_kind kind = (enum oracle_kind)made->kind;
+    oracle_distance_find(kind, x, made->rank, &truth->due);
+    truth->crosses = oracle_crosses(x);
+    truth->is_on = !oracle_winding(x[0], x + 1, tetrahedron, 4, &truth->winding);
+}
+
+/* Once d is chosen; between the ends of the bracket the oracle is asked again. */
+static void find_whether_within(const struct fuzz_distance_case *made,
+                                struct truth *truth)
+{
+    const struct oracle_distance *due = &truth->due;
+    truth->is_within =
+        made->d >= due->hi ||
+        (made->d > due->lo &&
+         oracle_distance_within((enum oracle_kind)made->kind, made->x, made->d));
+}
+
+static bool is_winding_wrong(struct fuzz_distance_run *run,
+                             const struct fuzz_distance_case *made,
+                             const struct truth *truth)
+{
+    int64_t winding = 0;
+    for (int i = 0; i < 4; i++) {
+        double face[3][3];
+        for (int corner = 0; corner < 3; corner++) {
+            memcpy(face[corner], made->x[1 + tetrahedron[i][corner]], sizeof face[0]);
+        }
+        enum eng_sign sign =
+            eng_winding(&run->distances.numbers, made->x[0], (const double(*)[3])face);
+        if (sign == ENG_UNSURE) {
+            return !truth->is_on;
+        }
+        winding += (int64_t)sign;
+    }
+    return !truth->is_on && winding != truth->winding;
+}
+
+/* Of the engine's distance, found by stage `first` or a later one, which is counted. */
+static const char *judge_distance(struct fuzz_distance_run *run,
+                                  const struct fuzz_distance_case *made,
+                                  const struct truth *truth)
+{
     struct eng_distance got;
+    uint64_t before[ENG_DISTANCE_STAGES];
+    memcpy(before, run->distances.decided, sizeof before);
+    eng_distance_find(&run->distances, made->kind, made->x, made->rank, &got);
+    for (int i = 0;
+         i < ENG_DISTANCE_STAGES && run->distances.first == ENG_DISTANCE_BY_DOUBLES;
+         i++) {
+        run->stages[made->family][i] += run->distances.decided[i] - before[i];
+    }
+    return fuzz_distance_differ(&got, &truth->due);
+}
+
+static const char *judge(struct fuzz_distance_run *run,
+                         const struct fuzz_distance_case *made,
+                         enum eng_distance_stage first, const struct truth *truth)
+{
+    const double(*x)[3] = made->x;
+    const struct oracle_distance *due = &truth->due;
     run->distances.first = first;
-    eng_distance_find(&run->distances, made->kind, x, made->rank, &got);
-    const char *what = fuzz_distance_differ(&got, due);
+    const char *what = judge_distance(run, made, truth);
     /* The bracket says which of these are within. */
     double inner = due->lo < due->hi ? due->lo : nextafter(due->lo, -1);
     if (inner >= 0 && inner <= 1e18 &&
@@ -314,16 +392,14 @@ static const char *judge(struct fuzz_distance_run *run,
         !eng_distance_within(&run->distances, made->kind, x, due->hi)) {
         what = "not within the distance";
     }
-    if (made->d >= 0 &&
-        eng_distance_within(&run->distances, made->kind, x, made->d) !=
-            oracle_distance_within((enum oracle_kind)made->kind, x, made->d)) {
+    if (made->d >= 0 && eng_distance_within(&run->distances, made->kind, x, made->d) !=
+                            truth->is_within) {
         what = "within d";
     }
-    bool crosses = oracle_crosses(x);
-    if (eng_distance_crosses(&run->distances, x) != crosses) {
+    if (eng_distance_crosses(&run->distances, x) != truth->crosses) {
         what = "crosses";
     }
-    if (crosses && eng_distance_crossing(&run->distances, x) != oracle_crossing(x)) {
+    if (truth->crosses && eng_distance_crossing(&run->distances, x) != oracle_crossing(x)) {
         what = "where it crosses";
     }
     return what;
@@ -333,9 +409,11 @@ const char *fuzz_distance_judge(struct fuzz_distance_run *run,
                                 const struct fuzz_distance_case *made,
                                 enum eng_distance_stage first)
 {
-    struct oracle_distance due;
-    oracle_distance_find((enum oracle_kind)made->kind, made->x, made->rank, &due);
-    return judge(run, made, first, &due);
+    struct truth truth;
+    find_truth(made, &truth);
+    find_whether_within(made, &truth);
+    const char *what = judge(run, made, first, &truth);
+    return what == NULL && is_winding_wrong(run, made, &truth) ? "winding" : what;
 }
 
 static void print_case(FILE *log, const struct fuzz_distance_case *made,
@@ -349,51 +427,51 @@ static void print_case(FILE *log, const struct fuzz_distance_case *made,
     }
 }
 
-static void count_stages(struct fuzz_distance_run *run,
-                         const struct fuzz_distance_case *made)
+static void fail(struct fuzz_distance_run *run, const struct fuzz_distance_case *made,
+                 int first, const char *what)
 {
-    struct eng_distance got;
-    uint64_t before[ENG_DISTANCE_STAGES];
-    memcpy(before, run->distances.decided, sizeof before);
-    run->distances.first = ENG_DISTANCE_BY_DOUBLES;
-    eng_distance_find(&run->distances, made->kind, made->x, made->rank, &got);
-    for (int i = 0; i < ENG_DISTANCE_STAGES; i++) {
-        run->stages[made->family][i] += run->distances.decided[i] - before[i];
-    }
+    run->failures++;
+    print_case(run->log, made, (enum eng_distance_stage)first, what);
 }
 
 static void run_case(struct fuzz_distance_run *run, struct fuzz_distance_case *made)
 {
-    struct oracle_distance due;
-    oracle_distance_find((enum oracle_kind)made->kind, made->x, made->rank, &due);
+    struct truth truth;
+    find_truth(made, &truth);
     if (made->d < 0 && prng_below(&run->prng, 2)) { /* near the distance */
-        made->d = fmin(1e18, due.hi * (1 + integer(&run->prng, 4) * 0x1p-34));
+        made->d = fmin(1e18, truth.due.hi * (1 + integer(&run->prng, 4) * 0x1p-34));
     }
-    enum eng_distance_stage extra =
-        (enum eng_distance_stage)(1 + prng_below(&run->prng, ENG_DISTANCE_STAGES - 1));
+    find_whether_within(made, &truth);
+    int extra = prng_below(&run->prng, EXTRA_STAGE) == 0
+                    ? 1 + (int)prng_below(&run->prng, ENG_DISTANCE_STAGES - 1)
+                    : 0;
     for (int first = 0; first < ENG_DISTANCE_STAGES; first++) {
-        if (!run->all_stages && first != 0 && (enum eng_distance_stage)first != extra) {
+        if (!run->all_stages && first != 0 && first != extra) {
             continue;
         }
-        const char *what = judge(run, made, (enum eng_distance_stage)first, &due);
+        const char *what = judge(run, made, (enum eng_distance_stage)first, &truth);
         if (what) {
-            run->failures++;
-            print_case(run->log, made, (enum eng_distance_stage)first, what);
+            fail(run, made, first, what);
         }
     }
-    count_stages(run, made);
+    if (is_winding_wrong(run, made, &truth)) {
+        fail(run, made, 0, "winding");
+    }
     run->cases++;
     run->family_cases[made->family]++;
-    run->types[due.type]++;
-    run->within += made->d >= 0 && due.hi <= made->d;
-    run->crossings += oracle_crosses(made->x);
+    run->types[truth.due.type]++;
+    run->within += made->d >= 0 && truth.due.hi <= made->d;
+    run->crossings += truth.crosses;
+    run->inside += !truth.is_on && truth.winding != 0;
+    run->on_surface += truth.is_on;
 }
 
 void fuzz_distance_more(struct fuzz_distance_run *run, uint64_t count)
 {
     for (uint64_t i = 0; i < count && run->failures < FAILURES_MAX; i++) {
         struct fuzz_distance_case made;
-        fuzz_distance_make(&run->prng, &made);
+        enum fuzz_distance_family family = fuzz_distance_family_some(&run->prng);
+        fuzz_distance_make(&run->prng, family, i % 2 ? PCCD_VF : PCCD_EE, &made);
         run_case(run, &made);
     }
 }

@@ -2,7 +2,8 @@
  *
  * Room:     tests/fuzz. May include: engine headers, oracle, tests/support.
  * Does:     make pairs of features by families that are hard for one reason each, and
- *           compare every number of every answer, from every stage on.
+ *           compare every number of every answer, from every stage on; whether an edge
+ *           passes through a face, and whether a point is in a tetrahedron.
  * Threads:  one for one run.
  */
 #ifndef FUZZ_DISTANCE_H
@@ -48,13 +49,17 @@ struct fuzz_distance_run {
     uint64_t types[4];
     uint64_t within;
     uint64_t crossings;
+    uint64_t inside; /* x[0] in the tetrahedron of the other four */
+    uint64_t on_surface;
     uint64_t family_cases[FUZZ_DISTANCE_FAMILIES];
     /* Of the usual way: how many were decided by each stage. */
     uint64_t stages[FUZZ_DISTANCE_FAMILIES][ENG_DISTANCE_STAGES];
 };
 
 const char *fuzz_distance_name(enum fuzz_distance_family family);
-void fuzz_distance_make(struct prng *prng, struct fuzz_distance_case *made);
+enum fuzz_distance_family fuzz_distance_family_some(struct prng *prng);
+void fuzz_distance_make(struct prng *prng, enum fuzz_distance_family family,
+                        enum pccd_kind kind, struct fuzz_distance_case *made);
 
 void fuzz_distance_init(struct fuzz_distance_run *run, uint64_t seed, FILE *log);
 void fuzz_distance_deinit(struct fuzz_distance_run *run);

@@ -74,7 +74,8 @@ static void distance__is_exact_where_errors_are_below_the_least_double(void **st
     fuzz_distance_deinit(&run);
 }
 
-/* If it failed, a distance would be wrong, or depend on the stage that has found it. */
+/* If it failed, a distance, a crossing or what is inside would be wrong, or depend on the
+ * stage that has found it. */
 static void distance__is_exact_from_every_stage_on(void **state)
 {
     static struct fuzz_distance_run run;
@@ -90,6 +91,7 @@ static void distance__is_exact_from_every_stage_on(void **state)
     }
     assert_true(run.within > run.cases / 20 && run.within < run.cases / 2);
     assert_true(run.crossings > run.cases / 100);
+    assert_true(run.inside > run.cases / 100 && run.on_surface > run.cases / 100);
     fuzz_distance_deinit(&run);
 }
 
