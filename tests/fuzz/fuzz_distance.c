@@ -22,7 +22,7 @@
 
 static const char *const names[FUZZ_DISTANCE_FAMILIES] = {
     "random", "needle",   "parallel",   "foot",  "coincident", "far",
-    "powers", "denormal", "degenerate", "known", "grid"};
+    "powers", "denormal", "degenerate", "known", "grid",       "slender"};
 
 const char *fuzz_distance_name(enum fuzz_distance_family family)
 {
@@ -64,9 +64,9 @@ static void put_near_line(struct prng *prng, double x[5][3], int to, int from, i
     }
 }
 
-static void make_needle(struct prng *prng, double x[5][3])
+static void make_needle(struct prng *prng, uint64_t bits, double x[5][3])
 {
-    double width = ldexp(1, -(int)prng_below(prng, 54));
+    double width = ldexp(1, -(int)prng_below(prng, bits));
     make_random(prng, x);
     put_near_line(prng, x, 3, 1, 2, width);
     put_near_line(prng, x, 4, 2, 3, width);
@@ -228,7 +228,10 @@ void fuzz_distance_make(struct prng *prng, enum fuzz_distance_family family,
     made->d = -1;
     switch (made->family) {
     case FUZZ_DISTANCE_NEEDLE:
-        make_needle(prng, made->x);
+        make_needle(prng, 54, made->x);
+        break;
+    case FUZZ_DISTANCE_SLENDER:
+        make_needle(prng, 8, made->x);
         break;
     case FUZZ_DISTANCE_PARALLEL:
         make_parallel(prng, made->x);

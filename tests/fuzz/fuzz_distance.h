@@ -26,6 +26,7 @@ enum fuzz_distance_family {
     FUZZ_DISTANCE_DEGENERATE, /* segments and points for faces, points for edges */
     FUZZ_DISTANCE_KNOWN,      /* the distance is a double */
     FUZZ_DISTANCE_GRID,
+    FUZZ_DISTANCE_SLENDER, /* needles that lanes decide */
     FUZZ_DISTANCE_FAMILIES
 };
 

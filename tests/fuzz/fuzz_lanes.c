@@ -13,7 +13,11 @@
 #include <string.h>
 
 #include "distance_batch.h"
+#include "fuzz_sharp.h"
 #include "kernel.h"
+
+/* One chunk in so many is of cases that are about to be rounded otherwise. */
+#define SHARP_CHUNKS 256u
 
 #define WANTED (ENG_DISTANCE_WHOLE + 1)
 
@@ -72,6 +76,18 @@ static void make_cases(struct prng *prng, struct chunk *chunk)
     }
 }
 
+static void make_sharp_cases(struct fuzz_lanes_run *run, struct chunk *chunk)
+{
+    for (uint32_t i = 0; i < chunk->count; i += 2) {
+        struct fuzz_distance_case made[2];
+        fuzz_sharp_make(&run->prng, &run->distances, chunk->kind, made);
+        chunk->cases[i] = made[0];
+        if (i + 1 < chunk->count) {
+            chunk->cases[i + 1] = made[1];
+        }
+    }
+}
+
 /* Every point is somewhere else at the other end, and lies anywhere in the array. */
 static void place_points(struct prng *prng, struct chunk *chunk)
 {
@@ -119,7 +135,11 @@ static void make_chunk(struct fuzz_lanes_run *run, struct chunk *chunk)
     chunk->kind = prng_below(prng, 2) ? PCCD_VF : PCCD_EE;
     chunk->count = 1 + (uint32_t)prng_below(prng, FUZZ_LANES_MAX);
     chunk->end = (uint32_t)prng_below(prng, 2);
-    make_cases(prng, chunk);
+    if (run->is_sharp || prng_below(prng, SHARP_CHUNKS) == 0) {
+        make_sharp_cases(run, chunk);
+    } else {
+        make_cases(prng, chunk);
+    }
     place_points(prng, chunk);
     for (uint32_t i = 0; i < chunk->count; i++) {
         const struct fuzz_distance_case *made = &chunk->cases[i];

@@ -18,6 +18,7 @@ struct fuzz_lanes_run {
     struct prng prng;
     FILE *log; /* of failures */
     struct eng_distances distances;
+    bool is_sharp; /* all cases are those of fuzz_sharp.h; else some chunks' are */
     uint64_t chunks;
     uint64_t cases;
     uint64_t failures;

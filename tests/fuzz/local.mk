@@ -38,7 +38,9 @@ fuzz_distance_sources = \
     tests/fuzz/fuzz_distance.c \
     tests/fuzz/fuzz_distance.h \
     tests/fuzz/fuzz_lanes.c \
-    tests/fuzz/fuzz_lanes.h
+    tests/fuzz/fuzz_lanes.h \
+    tests/fuzz/fuzz_sharp.c \
+    tests/fuzz/fuzz_sharp.h
 
 check_PROGRAMS += tests/fuzz/distance tests/fuzz/test_eng_distance
 TESTS += tests/fuzz/test_eng_distance

@@ -135,6 +135,21 @@ static void distance__is_the_same_in_lanes(void **state)
     fuzz_lanes_deinit(&run);
 }
 
+/* If it failed, a margin of the lanes would be too small: a number of theirs, or whether
+ * a pair is within d, would not be that of exact arithmetic, beside the places where
+ * rounding changes. */
+static void distance__is_the_same_in_lanes_where_rounding_changes(void **state)
+{
+    static struct fuzz_lanes_run run;
+    (void)state;
+    fuzz_lanes_init(&run, prng_seed(), stderr);
+    run.is_sharp = true;
+    fuzz_lanes_more(&run, 400);
+    assert_int_equal(run.failures, 0);
+    assert_true(run.sure > 0 && run.vague > run.cases / 10);
+    fuzz_lanes_deinit(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -143,6 +158,7 @@ int main(void)
         cmocka_unit_test(distance__is_exact_from_every_stage_on),
         cmocka_unit_test(distance__is_decided_by_every_stage),
         cmocka_unit_test(distance__is_the_same_in_lanes),
+        cmocka_unit_test(distance__is_the_same_in_lanes_where_rounding_changes),
     };
     return cmocka_run_group_tests_name("eng_distance", tests, NULL, NULL);
 }
