@@ -60,9 +60,11 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/distance_rule.h \
     daemon/engine/elementary/exact.c \
     daemon/engine/elementary/exact.h \
+    daemon/engine/elementary/exact_leap.c \
     daemon/engine/elementary/exact_memory.c \
     daemon/engine/elementary/exact_roots.c \
     daemon/engine/elementary/exact_roots.h \
+    daemon/engine/elementary/exact_signs.c \
     daemon/engine/elementary/exact_span.c \
     daemon/engine/elementary/limbs.h \
     daemon/engine/elementary/motion.c \

@@ -13,7 +13,6 @@
 
 #include "oracle_distance.h"
 #include "oracle_inside.h"
-#include "winding.h"
 
 #define FAILURES_MAX 10
 

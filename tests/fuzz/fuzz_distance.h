@@ -13,6 +13,7 @@
 
 #include "distance.h"
 #include "prng.h"
+#include "winding.h"
 
 enum fuzz_distance_family {
     FUZZ_DISTANCE_RANDOM,

@@ -18,6 +18,8 @@
 #define ENG_EXACT_WORDS      40
 #define ENG_EXACT_CONDITIONS 5
 #define ENG_EXACT_EVENTS     4
+#define ENG_EXACT_PRODUCTS   5
+#define ENG_EXACT_VALUES     3
 
 /* Coordinates are integers below 2^ENG_EXACT_BITS: doubles below 2^60, times 2^1126, as
  * if denormal ones had 53 bits, too. */
@@ -59,6 +61,16 @@ struct eng_exact_event {
     struct eng_poly between; /* >= 0 where it is between the ends, if on the line */
 };
 
+/* What has been found out about roots of det over a span, the first ones in it, in the
+ * order in which every search comes to them: whether the conditions hold there, and which
+ * of the sides are 0. */
+struct eng_exact_known {
+    double l, r;
+    int count;
+    bool holds[ENG_POLY_TERMS];
+    bool is_zero[ENG_POLY_TERMS][ENG_EXACT_CONDITIONS];
+};
+
 /* A query and what is asked about it, see exact_span.c. */
 struct eng_exact_span {
     struct eng_exact_watch watch;
@@ -68,10 +80,15 @@ struct eng_exact_span {
     struct eng_residue_points residues; /* of x */
     struct eng_exact_form whole;        /* over the step */
     bool has_sides;                     /* whole.side is set */
+    struct eng_poly products[ENG_EXACT_PRODUCTS]; /* of p, b and c, over the step */
+    bool has_products;
+    struct eng_poly values[ENG_EXACT_VALUES]; /* p x c, b x p and n, each . n */
+    bool has_values[ENG_EXACT_VALUES];
     struct eng_exact_event events[ENG_EXACT_EVENTS];
     struct eng_exact_form part;  /* over the span, if that is shorter */
     struct eng_exact_form *form; /* one of these: over the span */
-    mpz_t l, width;              /* the span, times 2^time_k */
+    struct eng_exact_known known;
+    mpz_t l, width; /* the span, times 2^time_k */
     unsigned long time_k;
     mpz_t num;      /* interval at hand: [num, num + 1] / 2^k of the span */
     mpz_t end;      /* scratch */

@@ -62,6 +62,8 @@ static void place_polys(struct eng_exact_span *span, struct eng_limbs *limbs)
     place_all(span->c, 3, limbs, difference);
     place_form(&span->whole, limbs, X, 0);
     place_form(&span->part, limbs, P, 2);
+    place_all(span->products, ENG_EXACT_PRODUCTS, limbs, SIZE(3, M + 8, 0, 0));
+    place_all(span->values, ENG_EXACT_VALUES, limbs, SIZE(5, 4 * X + 32, 0, 0));
     place_events(span, limbs);
     eng_poly_place(&span->scratch, limbs, SIZE(5, 4 * P + 64, 2, 4 * P + 64));
     eng_poly_place(&span->root, limbs, SIZE(4, 6 * P + 96, 4, 12 * P + 192));

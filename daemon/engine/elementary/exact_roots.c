@@ -13,115 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- conditions -------------------------------------------------------------------- */
+/* ---- values ------------------------------------------------------------------------ */
 
 /* Which of span->condition are 0 at the root at hand, or have one sign throughout the
  * interval. */
 struct plains {
     bool is_plain[ENG_EXACT_CONDITIONS];
 };
-
-static int sign_at_left(struct eng_exact_span *span, const struct eng_poly *poly,
-                        unsigned long k)
-{
-    eng_poly_zoom(&span->sign, poly, span->num, k);
-    return eng_poly_sign_at_0(&span->sign);
-}
-
-/* The sides are parallel to n, so one coordinate tells their signs, where n has one that
- * is not 0. */
-bool eng_roots_hold_at_left(struct eng_exact_span *span,
-                            const struct eng_conditions *conditions, unsigned long k)
-{
-    int axis = 0;
-    int n = 1;
-    if (conditions->has_plane) {
-        n = sign_at_left(span, &span->form->n[0], k);
-        while (n == 0 && axis < 2) {
-            n = sign_at_left(span, &span->form->n[++axis], k);
-        }
-    }
-    for (int i = 0; n != 0 && i < conditions->count; i++) {
-        if (sign_at_left(span, &span->form->side[i][axis], k) * n < 0) {
-            return false;
-        }
-    }
-    return n != 0;
-}
-
-/* Signs of the coordinates of n at a root, 0 where they are not known. One is, if n is
- * not 0; which one is returned, else -1. */
-static int find_normal(struct eng_exact_span *span, const struct eng_root *root, int n[3])
-{
-    int found = -1;
-    for (int axis = 0; axis < 3; axis++) {
-        int sign;
-        bool is_plain = eng_poly_is_plain(&span->sign, &span->form->n[axis], span->num,
-                                          root->k, &sign);
-        n[axis] = is_plain ? sign : 0;
-        found = n[axis] != 0 ? axis : found;
-    }
-    for (int axis = 0; axis < 3 && found < 0; axis++) {
-        n[axis] = eng_root_sign_of(&span->root_sign, &span->form->n[axis], root);
-        found = n[axis] != 0 ? axis : -1;
-    }
-    return found;
-}
-
-/* Does some coordinate of a side tell its sign cheaply: it and that of n have no root in
- * the interval? */
-static bool is_side_plain(struct eng_exact_span *span, const struct eng_poly side[3],
-                          const int n[3], unsigned long k, int *sign)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        if (n[axis] != 0 &&
-            eng_poly_is_plain(&span->sign, &side[axis], span->num, k, sign)) {
-            *sign *= n[axis];
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Do the conditions hold at the only root in the interval at hand? */
-static bool hold_at_root(struct eng_exact_span *span,
-                         const struct eng_conditions *conditions, unsigned long k,
-                         struct plains *plains)
-{
-    int before = 0;
-    for (int i = 0; before == 0; i++) {
-        before = mpz_sgn(span->zoomed.c[i]);
-    }
-    const struct eng_root root = {&span->root, &span->num, k, before};
-    bool is_known[ENG_EXACT_CONDITIONS];
-    int n[3] = {1, 0, 0};
-    int axis = conditions->has_plane ? find_normal(span, &root, n) : 0;
-    if (axis < 0) {
-        return false;
-    }
-    for (int i = 0; i < conditions->count; i++) {
-        int sign;
-        is_known[i] = is_side_plain(span, span->form->side[i], n, k, &sign);
-        if (is_known[i] && sign < 0) {
-            return false;
-        }
-        plains->is_plain[i] = is_known[i] && sign == 0;
-    }
-    for (int i = 0; i < conditions->count; i++) {
-        if (is_known[i]) {
-            continue;
-        }
-        int sign = 0;
-        if (conditions->is_zero == NULL || !conditions->is_zero(span, i, &root)) {
-            sign = eng_root_sign_of(&span->root_sign, &span->form->side[i][axis], &root);
-        }
-        if (sign * n[axis] < 0) {
-            return false;
-        }
-        plains->is_plain[i] = sign == 0;
-    }
-    return true;
-}
 
 /* A root is found at which the conditions hold. */
 static void begin_values(struct eng_exact_span *span,
@@ -181,7 +79,7 @@ static bool are_plain(struct eng_exact_span *span,
 
 /* Numbers become longer with each zoom, so it waits until an interval's place takes this
  * many bits. */
-#define ZOOM_BITS 128ul
+#define ZOOM_BITS 64ul
 
 /* From now on only intervals within the one at hand are asked about. */
 static void zoom_values(struct eng_exact_span *span,
@@ -223,94 +121,6 @@ void eng_roots_found_at(struct eng_exact_span *span, unsigned long k, unsigned w
     to += number > 0 ? 0x1p-1022 : 0;
     span->found[0] = fmin(span->found[0], from);
     span->found[1] = fmin(span->found[1], to);
-}
-
-/* ---- leaps ------------------------------------------------------------------------- */
-
-/* Bisection takes a step a bit, and roots that are 2^-1000 from each other or from 0 take
- * a thousand. A leap goes down `stride` bits at a time: to the interval below the present
- * one in which the roots seem to be. It is right if that has as many sign variations as
- * the present one: variations of the parts of an interval, and roots where they meet, add
- * up to no more than its own, so all other parts have none. Bisection would come to the
- * same interval. (Abbott: Quadratic interval refinement for real roots, 2006.) */
-
-/* Bits at a time, at most: numbers grow by some times as many with each. */
-#define STRIDE_MAX 256ul
-
-/* num = floor(2^stride a / (a - b)), at most 2^stride - 1; false if a and b are not of
- * opposite signs. */
-static bool divide_between(mpz_t num, mpz_srcptr a, mpz_srcptr b, mpz_t scratch,
-                           unsigned long stride)
-{
-    if (mpz_sgn(a) * mpz_sgn(b) >= 0) {
-        return false;
-    }
-    mpz_sub(scratch, a, b);
-    mpz_mul_2exp(num, a, stride);
-    mpz_fdiv_q(num, num, scratch);
-    mpz_set_ui(scratch, 1);
-    mpz_mul_2exp(scratch, scratch, stride);
-    mpz_sub_ui(scratch, scratch, 1);
-    if (mpz_cmp(num, scratch) > 0) {
-        mpz_set(num, scratch);
-    }
-    return true;
-}
-
-/* Where one root would be if the polynomial were linear over the interval at hand; the
- * middle of two, if its slope were; the middle of three, where the slope of that is 0. */
-static bool guess(struct eng_exact_span *span, int variations, unsigned long stride)
-{
-    struct eng_poly *f = &span->zoomed;
-    mpz_ptr at_0 = f->scratch[0];
-    mpz_ptr at_1 = f->scratch[1];
-    mpz_set(at_0, f->c[variations - 1]);
-    mpz_set_ui(at_1, 0);
-    for (int i = variations - 1; i <= f->degree; i++) {
-        unsigned long factor = variations == 1   ? 1
-                               : variations == 2 ? (unsigned long)i
-                                                 : (unsigned long)(i * (i - 1) / 2);
-        mpz_addmul_ui(at_1, f->c[i], factor);
-    }
-    return divide_between(span->end, at_0, at_1, f->scratch[2], stride);
-}
-
-/* Is part number span->end of 2^stride that which has all the variations? Then it becomes
- * the interval at hand, and span->zoomed is of it. */
-static bool leap_to(struct eng_exact_span *span, int variations, unsigned long stride)
-{
-    int sign;
-    eng_poly_zoom(&span->zoomed, &span->base, span->end, stride);
-    /* A root at its left end has been looked at if the interval at hand begins there. */
-    if ((mpz_sgn(span->end) != 0 && eng_poly_sign_at_0(&span->zoomed) == 0) ||
-        eng_poly_variations(&span->zoomed, &sign) != variations) {
-        return false;
-    }
-    mpz_mul_2exp(span->num, span->num, stride);
-    mpz_add(span->num, span->num, span->end);
-    return true;
-}
-
-/* Where it is guessed to be, next to that, first, or last. */
-static bool leap(struct eng_exact_span *span, int variations, unsigned long stride)
-{
-    if (guess(span, variations, stride)) {
-        if (leap_to(span, variations, stride)) {
-            return true;
-        }
-        mpz_sub_ui(span->end, span->end, 1);
-        if (mpz_sgn(span->end) >= 0 && leap_to(span, variations, stride)) {
-            return true;
-        }
-    }
-    mpz_set_ui(span->end, 0);
-    if (leap_to(span, variations, stride)) {
-        return true;
-    }
-    mpz_set_ui(span->end, 1);
-    mpz_mul_2exp(span->end, span->end, stride);
-    mpz_sub_ui(span->end, span->end, 1);
-    return leap_to(span, variations, stride);
 }
 
 /* ---- roots ------------------------------------------------------------------------- */
@@ -410,10 +220,10 @@ static void refine(struct eng_exact_span *span, int variations, unsigned long *k
     }
     assert(*k < ENG_EXACT_DEPTH);
     most = most < ENG_EXACT_DEPTH - *k ? most : ENG_EXACT_DEPTH - *k;
-    if (most > 1 && leap(span, variations, most)) {
+    if (most > 1 && eng_roots_leap(span, variations, most)) {
         *k += most;
         set_bottom(span, *k);
-        *stride = *stride < STRIDE_MAX ? *stride * 2 : STRIDE_MAX;
+        *stride = *stride < ENG_STRIDE_MAX ? *stride * 2 : ENG_STRIDE_MAX;
         return;
     }
     mpz_set_ui(span->end, 0);
@@ -467,6 +277,7 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
     bool is_found = false; /* the interval at hand has one root, which satisfies */
     unsigned long k = 0;
     unsigned long stride = 2;
+    int roots_seen = 0;
     unsigned long undecided = 0; /* k of the last interval around it that was not plain */
     span->chain_count = 0;
     if (poly->degree < 1) {
@@ -494,7 +305,8 @@ bool eng_roots_satisfy(struct eng_exact_span *span, const struct eng_poly *poly,
         }
         int roots = eng_poly_variations(&span->zoomed, &sign);
         if (roots == 1 && !is_found) {
-            is_found = hold_at_root(span, conditions, k, &plains);
+            is_found =
+                eng_roots_hold_at(span, conditions, roots_seen++, k, plains.is_plain);
             if (is_found && !span->wants_first) {
                 return true;
             }

@@ -33,6 +33,21 @@ struct eng_conditions {
 bool eng_roots_hold_at_left(struct eng_exact_span *span,
                             const struct eng_conditions *conditions, unsigned long k);
 
+/* Do they hold at the only root in the interval at hand, of which span->zoomed is, and
+ * which sides are 0 there? It is root number `number` to which this search comes. Whether
+ * there is a contact is asked first and then, of the same span, where it is: what the one
+ * search has computed the other knows. Uses span->base and span->before. */
+bool eng_roots_hold_at(struct eng_exact_span *span,
+                       const struct eng_conditions *conditions, int number,
+                       unsigned long k, bool is_zero[ENG_EXACT_CONDITIONS]);
+
+/* Bits at a time, at most: numbers grow by some times as many with each. */
+#define ENG_STRIDE_MAX 256ul
+
+/* From the interval of span->base, which has some sign variations, `stride` bits down, to
+ * one that has all of them. True: span->num and span->zoomed are of that. */
+bool eng_roots_leap(struct eng_exact_span *span, int variations, unsigned long stride);
+
 /* Something happens between num / 2^k and (num + `wide`) / 2^k. Rounded outward, and
  * merged with what was found before. */
 void eng_roots_found_at(struct eng_exact_span *span, unsigned long k, unsigned wide);

@@ -175,13 +175,67 @@ static bool keeps_its_sign(struct eng_poly *det)
            eng_poly_variations(det, &sign) == 0;
 }
 
+enum product { PB, PC, BB, BC, CC };
+
+enum value { BETA, GAMMA, WHOLE };
+
+/* Values over the step: beta n.n = (p x c) . (b x c), gamma n.n = (b x p) . (b x c) and
+ * n.n. As (a x b) . (c x d) = (a . c) (b . d) - (a . d) (b . c), two products of
+ * quadratics do for each. */
+static const struct eng_poly *whole_value(struct eng_exact_span *span, enum value value)
+{
+    static const enum product factors[ENG_EXACT_VALUES][4] = {[BETA] = {PB, CC, PC, BC},
+                                                              [GAMMA] = {BB, PC, BC, PB},
+                                                              [WHOLE] = {BB, CC, BC, BC}};
+    struct eng_poly *out = &span->values[value];
+    const struct eng_poly *products = span->products;
+    if (!span->has_products) {
+        dot(span, &span->products[PB], span->p, span->b);
+        dot(span, &span->products[PC], span->p, span->c);
+        dot(span, &span->products[BB], span->b, span->b);
+        dot(span, &span->products[BC], span->b, span->c);
+        dot(span, &span->products[CC], span->c, span->c);
+        span->has_products = true;
+    }
+    if (!span->has_values[value]) {
+        const enum product *factor = factors[value];
+        eng_poly_mul(out, &products[factor[0]], &products[factor[1]]);
+        eng_poly_mul(&span->scratch, &products[factor[2]], &products[factor[3]]);
+        eng_poly_sub(out, out, &span->scratch);
+        span->has_values[value] = true;
+    }
+    return out;
+}
+
+/* The same for each condition: 1 - beta and so on. */
+static void set_whole_value(struct eng_exact_span *span,
+                            const struct eng_conditions *conditions, int i)
+{
+    struct eng_poly *out = &span->condition[i];
+    if (i < 2) {
+        eng_poly_copy(out, whole_value(span, i == 0 ? BETA : GAMMA));
+        return;
+    }
+    eng_poly_copy(out, whole_value(span, WHOLE));
+    if (i < conditions->count && i == 2) {
+        eng_poly_sub(out, out, whole_value(span, BETA));
+    }
+    if (i < conditions->count && (i == 3 || span->query.kind == PCCD_VF)) {
+        eng_poly_sub(out, out, whole_value(span, GAMMA));
+    }
+}
+
 /* beta n.n, gamma n.n and so on, and n.n. */
 static void set_domain_value(struct eng_exact_span *span,
                              const struct eng_conditions *conditions, int i)
 {
     const struct eng_exact_form *form = span->form;
-    dot(span, &span->condition[i], i < conditions->count ? form->side[i] : form->n,
-        form->n);
+    if (form == &span->whole) {
+        set_whole_value(span, conditions, i);
+    } else { /* each coordinate over the span has a factor of its own */
+        dot(span, &span->condition[i], i < conditions->count ? form->side[i] : form->n,
+            form->n);
+    }
     eng_poly_shorten(&span->condition[i]);
 }
 
@@ -249,6 +303,9 @@ static void load(struct eng_exact_span *span, const struct eng_query *query)
     load_points(span);
     set_det(span, query->kind);
     span->has_sides = false;
+    span->has_products = false;
+    memset(span->has_values, 0, sizeof span->has_values);
+    span->known.count = 0;
     eng_residue_load(&span->residues, span->x);
     for (int i = 0; i < ENG_EXACT_EVENTS; i++) {
         span->events[i].is_loaded = false;
@@ -265,6 +322,11 @@ static void set_span(struct eng_exact_span *span, double l, double r)
     span->form = l == 0 && r == 1 ? &span->whole : &span->part;
     if (span->form == &span->part) {
         set_part(span, &span->part.det, &span->whole.det);
+    }
+    if (span->known.l != l || span->known.r != r) {
+        span->known.l = l;
+        span->known.r = r;
+        span->known.count = 0;
     }
 }
 

@@ -81,6 +81,14 @@ bool eng_residue_is_square_free(const struct eng_poly *poly)
     return a.degree == poly->degree && divisor_of(a, slope).degree == 0;
 }
 
+bool eng_residue_may_share_root(const struct eng_poly *a, const struct eng_poly *b)
+{
+    struct residue one = residue_of(a);
+    struct residue other = residue_of(b);
+    bool keeps_degree = one.degree == a->degree || other.degree == b->degree;
+    return !keeps_degree || divisor_of(one, other).degree != 0;
+}
+
 /* ---- a point and a line ------------------------------------------------------------ */
 
 void eng_residue_load(struct eng_residue_points *points, mpz_t x[2][4][3])

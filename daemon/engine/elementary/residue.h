@@ -24,6 +24,9 @@
 /* Has the polynomial, of degree 1 or more, certainly no root twice? */
 bool eng_residue_is_square_free(const struct eng_poly *poly);
 
+/* Is it not certain that they have no root in common? */
+bool eng_residue_may_share_root(const struct eng_poly *a, const struct eng_poly *b);
+
 /* Points at both ends of a span, [end][point][axis], modulo the prime. */
 struct eng_residue_points {
     uint64_t x[2][4][3];

@@ -14,6 +14,8 @@
 
 #include <assert.h>
 
+#include "residue.h"
+
 /* BOUNDS.md, "How long numbers become". */
 void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
                          size_t depth)
@@ -184,16 +186,21 @@ static bool look_at_root_of_g(struct eng_root_sign *s, const struct eng_root *ro
     return true;
 }
 
-/* With few bits, with more, with all. */
-static int sign_at_root_of_g(struct eng_root_sign *s, const struct eng_root *root,
-                             bool is_first)
+/* With few bits and with more; with all if it is wanted so, or if the polynomials may
+ * have a root in common, which no shorter interval would tell. */
+static bool sign_at_root_of_g(struct eng_root_sign *s, const struct eng_root *root,
+                              bool is_first, bool by_all_bits, int *sign)
 {
-    static const long bits[] = {128, 1024, ENG_BALL_ALL};
-    int sign = 0;
-    for (int i = 0; !look_at_root_of_g(s, root, is_first, bits[i], &sign); i++) {
-        assert(bits[i] < ENG_BALL_ALL);
+    if (look_at_root_of_g(s, root, is_first, 128, sign) ||
+        look_at_root_of_g(s, root, is_first, 1024, sign)) {
+        return true;
     }
-    return sign;
+    if (!by_all_bits && !eng_residue_may_share_root(root->poly, &s->g)) {
+        return false;
+    }
+    bool is_sure = look_at_root_of_g(s, root, is_first, ENG_BALL_ALL, sign);
+    assert(is_sure);
+    return is_sure;
 }
 
 /* g has the linear form c1 t + c0, c1 > 0. */
@@ -215,43 +222,52 @@ static int sign_at_left(const struct eng_poly *zoomed)
 }
 
 /* g has one or two roots in the interval, or is nearly 0 somewhere in it. */
-static int sign_of_quadratic(struct eng_root_sign *s, const struct eng_root *root)
+static bool sign_of_quadratic(struct eng_root_sign *s, const struct eng_root *root,
+                              bool by_all_bits, int *sign)
 {
-    int sign;
+    int f;
+    int throughout;
     eng_poly_zoom(&s->zoomed, &s->g, *root->num, root->k);
     bool is_first = sign_at_left(&s->zoomed) > 0;
-    if (eng_poly_variations(&s->zoomed, &sign) == 2) {
+    if (eng_poly_variations(&s->zoomed, &throughout) == 2) {
         int discriminant = look_at_slope(s);
         if (discriminant < 0) {
-            return 1;
+            *sign = 1;
+            return true;
         }
-        int f = sign_at_fraction(s, root->poly);
+        f = sign_at_fraction(s, root->poly);
         if (f == 0 || discriminant == 0) {
-            return f != 0 ? 1 : discriminant == 0 ? 0 : -1;
+            *sign = f != 0 ? 1 : discriminant == 0 ? 0 : -1;
+            return true;
         }
         is_first = f != root->before; /* the one on the side of a */
     }
-    int f = sign_at_root_of_g(s, root, is_first);
+    if (!sign_at_root_of_g(s, root, is_first, by_all_bits, &f)) {
+        return false;
+    }
     bool is_behind = f == root->before; /* a is behind the root of g */
-    return f == 0 ? 0 : is_behind == is_first ? -1 : 1;
+    *sign = f == 0 ? 0 : is_behind == is_first ? -1 : 1;
+    return true;
 }
 
-int eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
-                     const struct eng_root *root)
+bool eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
+                      const struct eng_root *root, bool by_all_bits, int *sign)
 {
-    int sign;
     assert(poly->degree <= 2);
     eng_poly_copy(&scratch->g, poly);
     eng_poly_shorten(&scratch->g);
-    if (eng_poly_is_plain(&scratch->zoomed, &scratch->g, *root->num, root->k, &sign)) {
-        return sign;
+    if (eng_poly_is_plain(&scratch->zoomed, &scratch->g, *root->num, root->k, sign)) {
+        return true;
     }
     int turn = mpz_sgn(scratch->g.c[poly->degree]);
     if (turn < 0) {
         eng_poly_negate(&scratch->g);
     }
     if (poly->degree == 1) {
-        return turn * sign_of_linear(scratch, root);
+        *sign = turn * sign_of_linear(scratch, root);
+        return true;
     }
-    return turn * sign_of_quadratic(scratch, root);
+    bool is_sure = sign_of_quadratic(scratch, root, by_all_bits, sign);
+    *sign *= turn;
+    return is_sure;
 }

@@ -4,7 +4,8 @@
  * Room:     engine. May include: ball.h, poly.h.
  * Does:     take the root as an interval around it, and give the sign of a polynomial of
  *           degree 2 or less there, in a fixed number of operations, even where the roots
- *           of the two nearly or exactly coincide.
+ *           of the two nearly or exactly coincide. Where they only nearly do, a shorter
+ *           interval may tell sooner.
  * Threads:  one thread for one scratch.
  */
 #ifndef ENG_ROOT_SIGN_H
@@ -35,8 +36,10 @@ struct eng_root_sign {
 void eng_root_sign_place(struct eng_root_sign *sign, struct eng_limbs *limbs, size_t bits,
                          size_t depth);
 
-/* The sign of `poly` (of degree 2 or less) at the root: -1, 0 or 1. */
-int eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
-                     const struct eng_root *root);
+/* *sign: of `poly` (of degree 2 or less) at the root: -1, 0 or 1. False: with few bits
+ * it is not sure; it is not 0, and in a short enough interval around the root `poly` has
+ * one sign. With `by_all_bits` the sign is always found. */
+bool eng_root_sign_of(struct eng_root_sign *scratch, const struct eng_poly *poly,
+                      const struct eng_root *root, bool by_all_bits, int *sign);
 
 #endif
