@@ -6,7 +6,8 @@
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
-bench_names = bench/distances bench/exact bench/kernels bench/roofline bench/ipc bench/connect
+bench_names = bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
+    bench/connect
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -61,6 +62,9 @@ bench_distances_LDADD = $(bench_engine_libs)
 bench_exact_SOURCES = bench/exact.c $(bench_engine_sources)
 bench_exact_CPPFLAGS = $(bench_engine_cppflags)
 bench_exact_LDADD = $(bench_engine_libs)
+bench_slowest_SOURCES = bench/slowest.c $(bench_engine_sources)
+bench_slowest_CPPFLAGS = $(bench_engine_cppflags)
+bench_slowest_LDADD = $(bench_engine_libs)
 
 bench_kernels_SOURCES = \
     bench/gather.c \
