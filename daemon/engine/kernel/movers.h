@@ -4,8 +4,8 @@
  * Does:     leave what stands out of a round (join.h).
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
- * Boxes are left out where they are bits, as each of them one by one would take a tenth of
- * what it is to compare them; lanes by a pass over the list, which is in the first cache.
+ * Boxes are left out where they are bits: one by one they would take a tenth of what
+ * it is to compare them. Lanes are by a pass over the list, which is in the first cache.
  */
 #ifndef ENG_MOVERS_H
 #define ENG_MOVERS_H

@@ -147,10 +147,14 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     }
 }
 
-/* Roots may not meet: of all other pairs that has been seen to (keep). */
+/* Roots that may not meet, or stand: of all other pairs that has been seen to (keep). */
 static bool is_allowed(const struct eng_wide_join *join, enum pccd_kind kind,
                        uint32_t level, uint32_t n, uint32_t m)
 {
+    const struct eng_join *job = &join->jobs[kind][level];
+    if (job->a_moving && job->a_moving[n] == 0 && job->b_moving[m] == 0) {
+        return false;
+    }
     return !join->owners || eng_wide_owners_allow(join->owners, kind, level, n, m);
 }
 
