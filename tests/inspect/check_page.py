@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 from browser import Browser, is_here
-from scene import FRAMES, NAME, Scene, positions
+from scene import FRAMES, NAME, Scene, pccdctl, positions
 
 SPACE, ENTER, RIGHT, HOME = " ", "\ue007", "\ue014", "\ue011"
 READY = "return document.body.classList.contains('ready')"
@@ -324,6 +324,52 @@ class Phone(InBrowser):
                 browser.run(SET, "step", "0")
                 browser.frames()
                 self.assertEqual(browser.run("return pccd.state.values.index"), 0)
+                self.assertEqual(browser.said(), [])
+
+
+LINES = """
+    const {lines} = pccd.data.step(0);
+    const {origin} = pccd.data.meta;
+    return [Array.from(lines.ends, (x, i) => x + origin[i % 3]),
+      ...lines.distance, ...lines.kind];"""
+FLOOR = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+NEEDLE = "v .25 .25 {}\nv .25 .25 3\nv .375 .5 3\nf 1 2 3\n"
+
+
+@unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
+class Near(unittest.TestCase):
+    """Questions about what is near, of which a program asked nothing else."""
+
+    # If it failed, what a solver asks before each iteration could not be looked at.
+    def test_lines__are_between_nearest_points_or_edges_that_cross(self):
+        cases = (("nearest", 0.5, [.25, .25, .5, .25, .25, 0], 0.5, 0),
+                 ("crossings", -1, [.25, .25, -1, .25, .25, 3], 0, 4))
+        for what, height, ends, distance, kind in cases:
+            with self.subTest(what=what), tempfile.TemporaryDirectory() as folder, \
+                    Browser(folder) as browser:
+                for name, text in (("floor", FLOOR), ("needle", NEEDLE.format(height))):
+                    with open(os.path.join(folder, f"{name}.obj"), "w") as file:
+                        file.write(text)
+                pccdctl("record", "-o", "near.rec", "--", os.environ["PCCDCTL"], "near",
+                        "--what", what, "--repeat", "0", "needle.obj", "floor.obj",
+                        folder=folder)
+                pccdctl("inspect", "near.rec", "-o", "near.html", folder=folder)
+                browser.open(os.path.join(folder, "near.html"))
+                browser.wait(READY)
+                browser.frames()
+                found = browser.run(LINES)
+                lines = browser.run("return pccd.state.values.lines")
+                self.assertEqual(lines, 1 if kind == 0 else len(found[0]) // 6)
+                self.assertGreaterEqual(lines, 1)
+                self.assertEqual(found[0][:6], ends)
+                self.assertEqual((found[1], found[-1]), (distance, kind))
+                self.assertIn(what, browser.run(TEXT, "caption"))
+                self.assertIn("answers as recorded", browser.run(TEXT, "chips"))
+                self.assertEqual(browser.run(TEXT, "total-what"), f"near: {what}")
+                self.assertGreater(browser.run(COLOURS, "view"), 20)
+                if "PCCD_PICTURES" in os.environ:
+                    browser.picture(os.path.join(os.environ["PCCD_PICTURES"],
+                                                 f"inspect-{what}.png"))
                 self.assertEqual(browser.said(), [])
 
 

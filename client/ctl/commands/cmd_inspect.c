@@ -193,7 +193,8 @@ static int write_page(struct command *command, struct whole_file *file,
         status = ctl_error_set(error, PCCD_E_INVAL,
                                "%s holds no such step; it has %" PRIu64 ", the last "
                                "%" PRIu64,
-                               play_settings->path, summary->frames, summary->last_step);
+                               play_settings->path, summary->frames + summary->questions,
+                               summary->last_step);
     }
     if (status == PCCD_OK) {
         status = inspect_finish(inspect, base_name(play_settings->path), summary, error);
@@ -216,6 +217,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
+    command.options.play.show_near = inspect_near;
     if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
         return CTL_USAGE;
     }

@@ -127,6 +127,22 @@ static const char *compare(const struct play_step *step)
                : "other";
 }
 
+/* The same of a question; with a gap any pair will do. */
+static const char *compare_near(const struct play_near *near)
+{
+    const struct record_near_answer *then = near->recorded;
+    const struct pccd_answer *now = near->answer;
+    if (then == NULL || play_has_gap(near->asked) ||
+        (then->status == PCCD_OK &&
+         (!is_complete(then->incomplete) || !is_complete((uint32_t)now->incomplete)))) {
+        return "none";
+    }
+    return then->status == now->status &&
+                   memcmp(then->hash, now->hash, sizeof then->hash) == 0
+               ? "same"
+               : "other";
+}
+
 /* ---- steps ------------------------------------------------------------------------- */
 
 /* A picture squares lengths in single precision, and squares that: 1, or near `size`. */
@@ -170,7 +186,8 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set_count(object, "scene", step->scene->handle, &ok);
     set_name(object, "recorded", compared, &ok);
     set(object, "answer", answer_of(step->answer, &ok), &ok);
-    set(object, "objects", inspect_pack_objects(inspect, step->scene, meshes), &ok);
+    set(object, "objects",
+        inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
     set(object, "boxes", inspect_pack_boxes(inspect, step), &ok);
     set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
@@ -209,6 +226,86 @@ static int keep(struct inspect *inspect, uint64_t number, json_t *step, json_t *
     return status;
 }
 
+/* What is packed of a step or of a question, if the memory was enough for it. */
+static int add(struct inspect *inspect, uint64_t number, json_t *object, json_t *meshes,
+               struct ctl_error *error)
+{
+    int status =
+        object != NULL ? keep(inspect, number, object, meshes, error) : no_memory(error);
+    json_decref(object);
+    json_decref(meshes);
+    return status;
+}
+
+/* Whether one more is shown. */
+static bool is_chosen(struct inspect *inspect, const struct registry_scene *scene)
+{
+    if (inspect->seen++ % inspect->settings.every != 0) {
+        inspect->left_out++;
+        return false;
+    }
+    if (!inspect->has_origin) {
+        choose_origin(inspect, scene);
+    }
+    bytes_empty(&inspect->data);
+    return true;
+}
+
+/* As a step in which nothing moves, with lines in the place of contacts. */
+static json_t *describe_near(struct inspect *inspect, const struct play_near *near,
+                             const char *compared, json_t *meshes)
+{
+    bool ok = true;
+    json_t *object = json_object();
+    enum inspect_moment moment = near->asked->end == 0 ? INSPECT_BEGIN : INSPECT_END;
+    json_t *answer = answer_of(near->answer, &ok);
+    set_count(answer, "crossings", near->answer->crossings, &ok);
+    set(answer, "distance_min",
+        near->answer->distance_min <= 1e18 ? json_real(near->answer->distance_min)
+                                           : json_null(),
+        &ok);
+    set(answer, "distance_max", json_real(near->answer->distance_max), &ok);
+    set_count(object, "number", near->number, &ok);
+    set_count(object, "scene", near->scene->handle, &ok);
+    set_name(object, "recorded", compared, &ok);
+    set_name(object, "near", common_near_name(near->answer->what), &ok);
+    set(object, "answer", answer, &ok);
+    set(object, "objects", inspect_pack_objects(inspect, near->scene, moment, meshes),
+        &ok);
+    set(object, "contacts",
+        json_pack("{s:o, s:i}", "at", inspect_section(inspect, 0), "count", 0), &ok);
+    set(object, "lines", inspect_pack_lines(inspect, near), &ok);
+    set(object, "boxes", json_object(), &ok);
+    set(object, "events", json_null(), &ok);
+    if (!ok || inspect->data.is_short) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
+}
+
+int inspect_near(void *context, const struct play_near *near, struct ctl_error *error)
+{
+    struct inspect *inspect = context;
+    if (near->scene == NULL || near->answer == NULL) {
+        return PCCD_OK;
+    }
+    const char *compared = compare_near(near);
+    inspect->differ += strcmp(compared, "other") == 0;
+    if (!is_chosen(inspect, near->scene)) {
+        return PCCD_OK;
+    }
+    for (uint32_t i = 0; i < near->scene->object_count; i++) {
+        int status = world_edges(near->scene->objects[i].mesh, error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    json_t *meshes = json_array();
+    return add(inspect, near->number, describe_near(inspect, near, compared, meshes),
+               meshes, error);
+}
+
 int inspect_step(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct inspect *inspect = context;
@@ -217,24 +314,15 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     }
     const char *compared = compare(step);
     inspect->differ += strcmp(compared, "other") == 0;
-    if (inspect->seen++ % inspect->settings.every != 0) {
-        inspect->left_out++;
+    if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;
-    }
-    if (!inspect->has_origin) {
-        choose_origin(inspect, step->scene);
     }
     if (step->trace != NULL && step->trace->status != PCCD_OK) {
         memcpy(inspect->no_lanes, step->trace->text, sizeof inspect->no_lanes);
     }
-    bytes_empty(&inspect->data);
     json_t *meshes = json_array();
-    json_t *object = describe(inspect, step, compared, meshes);
-    int status = object != NULL ? keep(inspect, step->number, object, meshes, error)
-                                : no_memory(error);
-    json_decref(object);
-    json_decref(meshes);
-    return status;
+    return add(inspect, step->number, describe(inspect, step, compared, meshes), meshes,
+               error);
 }
 
 /* ---- the end ----------------------------------------------------------------------- */
@@ -263,7 +351,7 @@ static json_t *recording_of(const char *name, const struct play_summary *summary
     set(object, "cpu", text_of(begin->cpu, sizeof begin->cpu), ok);
     set(object, "unix_ms", json_real((double)begin->unix_ns / 1e6), ok);
     set_count(object, "pid", begin->pid, ok);
-    set_count(object, "steps", summary->frames, ok);
+    set_count(object, "steps", summary->frames + summary->questions, ok);
     set(object, "is_whole", json_boolean(summary->ending == RECORD_ENDING_WHOLE), ok);
     return object;
 }

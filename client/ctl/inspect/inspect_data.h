@@ -12,7 +12,7 @@
  *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
  *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
  *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
- *     events     struct inspect_event
+ *     lines      struct inspect_line; events: struct inspect_event
  */
 #ifndef CTL_INSPECT_DATA_H
 #define CTL_INSPECT_DATA_H
@@ -43,6 +43,13 @@ struct inspect_contact {
     uint8_t flags;     /* enum pccd_contact_flag; 128: edge-edge */
 };
 #define INSPECT_EDGE_EDGE 128u
+
+/* 32 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
+struct inspect_line {
+    float ends[2][3]; /* relative to the page's origin, in its unit */
+    float distance;   /* d_lo */
+    uint32_t kind;    /* enum pccd_kind, enum pccd_near_kind */
+};
 
 /* 20 bytes. */
 struct inspect_event {

@@ -16,10 +16,12 @@
 #include <xxhash.h>
 
 #include "array.h"
+#include "near_line.h"
 
 #define LEVELS 65535.0 /* of a rounded coordinate */
 
 _Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
+_Static_assert(sizeof(struct inspect_line) == 32, "data.js reads 32 bytes");
 _Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
 
 json_t *inspect_section(const struct inspect *inspect, size_t offset)
@@ -167,7 +169,7 @@ static json_t *pack_positions(struct inspect *inspect, struct inspect_place *pla
 }
 
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
-                             json_t *meshes)
+                             enum inspect_moment moment, json_t *meshes)
 {
     json_t *objects = json_array();
     for (uint32_t i = 0; i < scene->object_count && objects != NULL; i++) {
@@ -179,10 +181,10 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
             json_decref(objects);
             return NULL;
         }
-        json_t *x0 =
-            pack_positions(inspect, place, (const double(*)[3])object->x0, count);
-        json_t *x1 =
-            pack_positions(inspect, place, (const double(*)[3])object->x1, count);
+        double(*begin)[3] = moment == INSPECT_END ? object->x1 : object->x0;
+        double(*end)[3] = moment == INSPECT_BEGIN ? object->x0 : object->x1;
+        json_t *x0 = pack_positions(inspect, place, (const double(*)[3])begin, count);
+        json_t *x1 = pack_positions(inspect, place, (const double(*)[3])end, count);
         json_t *item =
             json_pack("{s:I, s:I, s:o, s:o}", "handle", (json_int_t)object->handle,
                       "mesh", (json_int_t)mesh, "x0", x0, "x1", x1);
@@ -251,6 +253,29 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
                        part_of(from->normal[2])},
             .flags = (uint8_t)((from->flags & (PCCD_PROVED | PCCD_INITIAL)) |
                                (from->kind == PCCD_EE ? INSPECT_EDGE_EDGE : 0))};
+    }
+    return to == NULL ? NULL
+                      : json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset),
+                                  "count", (json_int_t)packed);
+}
+
+json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near)
+{
+    uint64_t count = near->records != NULL ? near->count : 0;
+    size_t offset = 0;
+    uint64_t packed = 0;
+    struct inspect_line *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
+    for (uint64_t i = 0; to != NULL && i < count; i++) {
+        double ends[2][3];
+        if (!near_line(near->scene, &near->records[i], near->asked->end, ends)) {
+            continue; /* a record that makes no sense: see still.c */
+        }
+        for (uint32_t k = 0; k < 6; k++) {
+            to[packed].ends[k / 3][k % 3] =
+                (float)((ends[k / 3][k % 3] - inspect->origin[k % 3]) / inspect->unit);
+        }
+        to[packed].distance = (float)near->records[i].d_lo;
+        to[packed++].kind = near->records[i].kind;
     }
     return to == NULL ? NULL
                       : json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset),

@@ -18,6 +18,7 @@
 
 #include "json_text.h"
 #include "kinds.h"
+#include "near_line.h"
 #include "plural.h"
 #include "shown.h"
 
@@ -289,43 +290,16 @@ int still_take(const struct play_settings *settings, const struct still_at *at,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* The weights of a record's features: VE has the second parameter, VV none. */
-static void near_weights(const struct pccd_near *near, double w[2][3])
-{
-    const float param[2] = {near->param[near->kind == PCCD_VE], near->param[1]};
-    common_contact_weights((enum pccd_kind)near->kind, param, w);
-}
-
 static bool place_line(const struct still *still, const struct registry_scene *scene,
-                       const struct pccd_near *from, struct still_line *to)
+                       const struct pccd_near *from, uint32_t end, struct still_line *to)
 {
-    const uint32_t handles[2] = {from->object_a, from->object_b};
-    const uint32_t features[2] = {from->feature_a, from->feature_b};
-    double w[2][3];
-    if (from->kind >= COMMON_KIND_COUNT) {
+    double ends[2][3];
+    if (!near_line(scene, from, end, ends)) {
         return false;
     }
     *to = (struct still_line){.distance = from->d_lo, .kind = from->kind};
-    near_weights(from, w);
-    for (uint32_t side = 0; side < 2; side++) {
-        const struct still_object *object = find_object(still, handles[side]);
-        const struct registry_object *known = registry_object(scene, handles[side]);
-        uint32_t corners[3], points = common_kinds[from->kind].points[side];
-        if (object == NULL || known == NULL ||
-            corners_of(object, known->mesh, features[side], points, corners) == 0) {
-            return false;
-        }
-        for (uint32_t k = 0; k < 3 && from->kind != PCCD_EF; k++) {
-            double at = 0;
-            for (uint32_t i = 0; i < points; i++) {
-                at += w[side][i] * (double)object->x[corners[i]][k];
-            }
-            to->ends[side][k] = (float)at;
-        }
-        if (from->kind == PCCD_EF && side == 0) {
-            memcpy(to->ends[0], object->x[corners[0]], sizeof to->ends[0]);
-            memcpy(to->ends[1], object->x[corners[1]], sizeof to->ends[1]);
-        }
+    for (uint32_t i = 0; i < 6; i++) {
+        to->ends[i / 3][i % 3] = (float)(ends[i / 3][i % 3] - still->origin[i % 3]);
     }
     return true;
 }
@@ -347,8 +321,9 @@ static int take_near(void *context, const struct play_near *near, struct ctl_err
     int status = take_objects(still, near->scene, error);
     for (uint64_t i = 0; status == PCCD_OK && near->records != NULL && i < near->count;
          i++) {
-        still->line_count += place_line(still, near->scene, &near->records[i],
-                                        &still->lines[still->line_count]);
+        still->line_count +=
+            place_line(still, near->scene, &near->records[i], near->asked->end,
+                       &still->lines[still->line_count]);
     }
     find_extent(still);
     taking->is_taken = status == PCCD_OK;

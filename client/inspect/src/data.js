@@ -10,6 +10,7 @@ const EDGE_EDGE = 128;
 const PROVED = 1;
 const INITIAL = 2;
 const CONTACT_BYTES = 24;
+const LINE_BYTES = 32;
 const EVENT_BYTES = 20;
 const BOX_BYTES = 48;
 const STEPS_KEPT = 12; // decoded ones
@@ -120,6 +121,22 @@ function readContacts({ at, count }) {
   return contacts;
 }
 
+/** Of a question about what is near: two ends each, and how far apart the features are. */
+function readLines({ at, count }) {
+  const buffer = section(at, LINE_BYTES * count);
+  const floats = new Float32Array(buffer);
+  const words = new Uint32Array(buffer);
+  const lines = {
+    count, ends: new Float32Array(6 * count), distance: new Float32Array(count), kind: new Uint8Array(count),
+  };
+  for (let i = 0; i < count; i++) {
+    lines.ends.set(floats.subarray(8 * i, 8 * i + 6), 6 * i);
+    lines.distance[i] = floats[8 * i + 6];
+    lines.kind[i] = words[8 * i + 7];
+  }
+  return lines;
+}
+
 function readEvents({ at, count }) {
   const words = new Uint32Array(section(at, EVENT_BYTES * count));
   return Array.from({ length: count }, (_, i) => ({
@@ -197,7 +214,8 @@ export function readData() {
       };
     });
     const contacts = readContacts(from.contacts);
-    return { ...from, index, objects, contacts, ...placeContacts(contacts, objects) };
+    const lines = from.lines ? readLines(from.lines) : null;
+    return { ...from, index, objects, contacts, lines, ...placeContacts(contacts, objects) };
   }, STEPS_KEPT);
   return {
     meta,

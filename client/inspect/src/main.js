@@ -74,6 +74,7 @@ function connectView(data, state, view) {
     }
     view.showObjects(step, values);
   });
+  state.on(["index", "theme"], ({ index }) => state.set({ lines: view.showLines(data.step(index)) }));
   state.on(["picked"], ({ index, picked }) => view.showMarks(data.step(index), picked));
   state.on(["chosen", "theme"], ({ index, chosen }) => {
     const step = data.step(index);
@@ -103,9 +104,11 @@ function makeCaption(data, state) {
   const draw = oncePerFrame(() => {
     const { index, chosen, t, picked } = state.values;
     const step = data.step(index);
-    byId("caption").textContent = chosen < 0
-      ? `step ${step.number}, t = ${t.toFixed(2)}`
-      : `${featureText(step, chosen, "a")} meets ${featureText(step, chosen, "b")} at t = ${step.contacts.toi[chosen].toFixed(6)}`;
+    byId("caption").textContent = step.near
+      ? `question ${step.number}: ${step.near}, ${plural(step.lines.count, "line", "lines")}`
+      : chosen < 0 ? `step ${step.number}, t = ${t.toFixed(2)}`
+        : `${featureText(step, chosen, "a")} meets ${featureText(step, chosen, "b")} at t = ${step.contacts.toi[chosen].toFixed(6)}`;
+    byId("scale-text").textContent = step.near ? "share of the greatest distance" : "time of impact";
     byId("view").setAttribute("aria-label", `Step ${step.number} at time ${t.toFixed(2)}: `
       + `${plural(step.objects.length, "object", "objects")}, ${plural(picked.length, "contact", "contacts")} shown`);
   });
@@ -130,7 +133,7 @@ function start() {
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const state = makeState({
     index: busiest, t: 1, playing: false, speed: 1, kinds: [true, true], range: [0, 1], order: "toi",
-    picked: [], chosen: -1, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
+    picked: [], chosen: -1, lines: 0, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
     wires: triangles <= WIRES_MAX, opacity: 1, up: "y", theme: "",
   });
   const view = makeView(drawAxes);

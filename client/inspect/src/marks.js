@@ -50,9 +50,31 @@ function wideLines(colour, width) {
   return lines;
 }
 
+const CROSSING = 4; // the kind of an edge that passes through a face
+
+/** All of a question's lines in one: by their shares of the greatest distance. */
+function nearLines({ count, ends, distance, kind }, crossingColour) {
+  const greatest = distance.reduce((most, length) => Math.max(most, length), 0);
+  const colours = new Float32Array(6 * count);
+  for (let i = 0; i < count; i++) {
+    const colour = kind[i] === CROSSING ? crossingColour
+      : colourOfTime(greatest > 0 ? distance[i] / greatest : 0);
+    colours.set([...colour, ...colour], 6 * i);
+  }
+  const geometry = new LineSegmentsGeometry();
+  geometry.setPositions(ends);
+  geometry.setColors(colours);
+  const lines = new LineSegments2(geometry,
+    new LineMaterial({ linewidth: 2.5, vertexColors: true, depthTest: false, transparent: true }));
+  lines.frustumCulled = false;
+  lines.renderOrder = 2;
+  return lines;
+}
+
 export function makeMarks(group, uniforms) {
   const points = new Points(new BufferGeometry(), pointMaterial(uniforms));
   const chosen = new Group();
+  let near = null;
   let ways = []; // {lines, at, target}: to be placed at a time
   points.frustumCulled = false;
   points.renderOrder = 2;
@@ -130,6 +152,20 @@ export function makeMarks(group, uniforms) {
       points.geometry.setAttribute("colour", new BufferAttribute(colour, 3));
       points.geometry.setAttribute("toi", new BufferAttribute(toi, 1));
       points.visible = picked.length > 0;
+    },
+    /** Lines of a question about what is near; returns how many there are. */
+    showLines(step, crossingColour) {
+      if (near) {
+        group.remove(near);
+        near.geometry.dispose();
+        near.material.dispose();
+        near = null;
+      }
+      if (step.lines?.count > 0) {
+        near = nearLines(step.lines, crossingColour);
+        group.add(near);
+      }
+      return near ? near.geometry.instanceCount : 0;
     },
     choose(step, i, size, colours) {
       clearChosen();

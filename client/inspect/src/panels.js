@@ -46,6 +46,16 @@ function fact(name, value, title = "") {
   return element("div", { className: "fact", title }, element("span", {}, name), element("b", {}, value));
 }
 
+/** What else is known of an answer about what is near. */
+function nearFacts({ distance_min: least, distance_max: greatest, crossings, verdict }) {
+  return [
+    fact("least distance", least === null ? "–" : least.toPrecision(6)),
+    fact("greatest", greatest.toPrecision(6), "distance; of depth: how deep one is in the other"),
+    fact("crossings", count(crossings), "edges that pass through faces"),
+    fact("intersects", VERDICTS[verdict] ?? "?"),
+  ];
+}
+
 /** What the step was answered. */
 export function makeAnswer(data, state) {
   state.on(["index"], ({ index }) => {
@@ -53,15 +63,16 @@ export function makeAnswer(data, state) {
     const { answer } = step;
     const isPairs = answer.mode === "pairs";
     byId("total").textContent = count(answer.total);
-    byId("total-what").textContent = isPairs ? "candidate pairs" : answer.total === 1 ? "contact" : "contacts";
+    byId("total-what").textContent = step.near ? `near: ${step.near}` : isPairs ? "candidate pairs" : answer.total === 1 ? "contact" : "contacts";
     byId("facts").replaceChildren(
       fact("vertex-face", count(answer.vf)),
       fact("edge-edge", count(answer.ee)),
+      ...(step.near ? nearFacts(answer) : []),
       fact("first", answer.toi_first === null ? "–" : answer.toi_first.toFixed(6), "smallest time of impact"),
       fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0"),
       fact("possible", count(answer.possible), "not proved"),
       fact("answer", answer.status !== "OK" ? answer.status : INCOMPLETE[answer.incomplete] ?? "?"),
-      fact("mode", answer.mode === "any" ? `any: ${VERDICTS[answer.verdict]}` : answer.mode),
+      ...(step.near ? [] : [fact("mode", answer.mode === "any" ? `any: ${VERDICTS[answer.verdict]}` : answer.mode)]),
       fact("method", `${answer.method}, ${answer.threads} thread${answer.threads === 1 ? "" : "s"}`),
       fact("step", duration(answer.times.step)),
       fact("queue", duration(answer.times.queue), "from arrival to the compute thread"),

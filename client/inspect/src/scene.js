@@ -191,6 +191,11 @@ export function makeScene(canvas, onMove) {
       uniforms.rim.value = 0.035 * pointSize - 0.15; // small ones would be all ring
       draw();
     },
+    showLines(step) {
+      const count = marks.showLines(step, rgbOf("feature-a"));
+      draw();
+      return count;
+    },
     choose(step, i, size) {
       marks.choose(step, i, size, { a: rgbOf("feature-a"), b: rgbOf("feature-b"), normal: rgbOf("normal") });
       draw();

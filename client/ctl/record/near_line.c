@@ -1,0 +1,64 @@
+/* client/ctl/record/near_line.c - where a record of what is near lies in a scene.
+ *
+ * Room:     client/ctl.
+ * Does:     see near_line.h.
+ * Threads:  one.
+ */
+#include "near_line.h"
+
+#include <string.h>
+
+#include "kinds.h"
+
+/* The weights of a record's features: VE has the second parameter, VV none. */
+static void near_weights(const struct pccd_near *near, double w[2][3])
+{
+    const float param[2] = {near->param[near->kind == PCCD_VE], near->param[1]};
+    common_contact_weights((enum pccd_kind)near->kind, param, w);
+}
+
+/* The vertices of a feature of so many points; NULL: there is none of that index. */
+static const uint32_t *corners_of(const struct registry_mesh *mesh, uint32_t points,
+                                  const uint32_t *feature)
+{
+    if (points == 1) {
+        return *feature < mesh->vertex_count ? feature : NULL;
+    }
+    if (points == 2) {
+        return *feature < mesh->edge_count ? mesh->edges[*feature] : NULL;
+    }
+    return *feature < mesh->triangle_count ? mesh->triangles[*feature] : NULL;
+}
+
+bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
+               uint32_t end, double ends[2][3])
+{
+    const uint32_t handles[2] = {near->object_a, near->object_b};
+    const uint32_t features[2] = {near->feature_a, near->feature_b};
+    double w[2][3];
+    if (near->kind >= COMMON_KIND_COUNT) {
+        return false;
+    }
+    near_weights(near, w);
+    memset(ends, 0, 6 * sizeof(double));
+    for (uint32_t side = 0; side < 2; side++) {
+        const struct registry_object *object = registry_object(scene, handles[side]);
+        uint32_t points = common_kinds[near->kind].points[side];
+        const uint32_t *corners =
+            object != NULL ? corners_of(object->mesh, points, &features[side]) : NULL;
+        if (corners == NULL) {
+            return false;
+        }
+        double(*x)[3] = end == 0 ? object->x0 : object->x1;
+        for (uint32_t i = 0; i < points; i++) {
+            for (uint32_t k = 0; k < 3; k++) {
+                if (near->kind != PCCD_EF) {
+                    ends[side][k] += w[side][i] * x[corners[i]][k];
+                } else if (side == 0) {
+                    ends[i][k] = x[corners[i]][k];
+                }
+            }
+        }
+    }
+    return true;
+}
