@@ -28,6 +28,7 @@ bench_scenes_sources = \
     bench/scenes/game.c \
     bench/scenes/layers.c \
     bench/scenes/needles.c \
+    bench/scenes/passing.c \
     bench/scenes/overlap.c \
     bench/scenes/partial.c \
     bench/scenes/recorded.c \

@@ -8,6 +8,7 @@
  *           are within the time of both: the positions are new ones.
  * Threads:  one, and a team of two; ipc-toolkit has one.
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -323,6 +324,61 @@ static void measure_scene(const struct bench_scene *source, double d,
     bench_frames_deinit(&frames);
 }
 
+/* ---- two bodies -------------------------------------------------------------------- */
+
+/* What is asked of two bodies behind each step that moves both, one thread. */
+static const struct {
+    const char *name;
+    enum pccd_near_what what;
+} of_two[] = {{"nearest, warm", PCCD_NEAR_NEAREST}, {"depth", PCCD_NEAR_DEPTH}};
+enum { OF_TWO = sizeof of_two / sizeof of_two[0] };
+
+static void ask_of_two(struct bench_world *world, const struct bench_frames *frames,
+                       enum pccd_near_what what, struct quantity *quantity)
+{
+    struct eng_near_settings settings = near_ours_settings(what, 0, 1);
+    struct eng_near_result result;
+    settings.distance = what == PCCD_NEAR_NEAREST ? INFINITY : 0;
+    uint64_t begin_ns = common_now_ns();
+    bench_world_near(world, frames, false, &settings, &result);
+    keep(quantity, begin_ns, true);
+    bench_check(result.incomplete == PCCD_COMPLETE, "passing", "incomplete");
+}
+
+static void measure_passing(const struct bench_options *options)
+{
+    struct bench_scene scene = {.name = "passing"};
+    struct bench_frames frames;
+    struct bench_world world;
+    struct quantity step = {0};
+    struct quantity asked_of[OF_TWO] = {0};
+    bench_make_passing(&scene, options->smoke);
+    bench_frames_init(&frames, &scene, 0);
+    bench_world_init(&world, &frames, NULL);
+    for (uint32_t i = 0; i + 1 < scene.frame_count; i++) {
+        struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+        struct eng_step_result result;
+        settings.method = PCCD_METHOD_WIDE;
+        bench_frames_seek(&frames, i);
+        uint64_t begin_ns = common_now_ns();
+        bench_world_step(&world, &frames, &settings, &result);
+        keep(&step, begin_ns, true);
+        for (unsigned k = 0; k < OF_TWO; k++) {
+            ask_of_two(&world, &frames, of_two[k].what, &asked_of[k]);
+        }
+    }
+    struct run run = {.name = scene.name};
+    print_row(&run, "ours", "contact step", 1, &step, NULL, NULL);
+    bench_free(&step.ms);
+    for (unsigned k = 0; k < OF_TWO; k++) {
+        print_row(&run, "ours", of_two[k].name, 1, &asked_of[k], NULL, NULL);
+        bench_free(&asked_of[k].ms);
+    }
+    bench_world_deinit(&world);
+    bench_frames_deinit(&frames);
+    bench_scene_free(&scene);
+}
+
 int main(int argc, char **argv)
 {
     struct bench_options options;
@@ -346,6 +402,9 @@ int main(int argc, char **argv)
         bench_make_needles(&scene, options.smoke);
         measure_scene(&scene, 2, &options);
         bench_scene_free(&scene);
+    }
+    if (bench_is_wanted(&options, "passing")) {
+        measure_passing(&options);
     }
     return bench_end();
 }
