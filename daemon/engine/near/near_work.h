@@ -42,9 +42,9 @@ typedef struct pccd_pair (*eng_near_name_fn)(const struct eng_worker *worker,
                                              enum pccd_kind kind, uint32_t i);
 
 /* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
- * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of the
- * object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32 | the
- * vertex's in its mesh. */
+ * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of
+ * the object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32
+ * | the vertex's in its mesh. */
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
                    uint32_t count, bool is_sifted, eng_near_name_fn name);
