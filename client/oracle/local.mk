@@ -11,6 +11,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_distance.h \
     client/oracle/oracle_features.c \
     client/oracle/oracle_features.h \
+    client/oracle/oracle_first.c \
+    client/oracle/oracle_first.h \
     client/oracle/oracle_near.c \
     client/oracle/oracle_near.h \
     client/oracle/oracle_objects.c \
@@ -22,6 +24,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_poly.c \
     client/oracle/oracle_poly.h \
     client/oracle/oracle_root.c \
-    client/oracle/oracle_root.h
+    client/oracle/oracle_root.h \
+    client/oracle/oracle_vec.c \
+    client/oracle/oracle_vec.h
 liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle
 liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)

@@ -20,65 +20,11 @@
  */
 #include "oracle.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "oracle_root.h"
-
-#define SEGMENTS_MAX 4
-
-struct vec {
-    struct poly c[3];
-};
-
-static void vec_init(struct vec *v)
-{
-    for (int k = 0; k < 3; k++) {
-        poly_init(&v->c[k]);
-    }
-}
-
-static void vec_clear(struct vec *v)
-{
-    for (int k = 0; k < 3; k++) {
-        poly_clear(&v->c[k]);
-    }
-}
-
-static void vec_sub(struct vec *r, const struct vec *a, const struct vec *b)
-{
-    for (int k = 0; k < 3; k++) {
-        poly_sub(&r->c[k], &a->c[k], &b->c[k]);
-    }
-}
-
-/* r is neither a nor b. */
-static void vec_cross(struct vec *r, const struct vec *a, const struct vec *b)
-{
-    struct poly product;
-    poly_init(&product);
-    for (int k = 0; k < 3; k++) {
-        int i = (k + 1) % 3;
-        int j = (k + 2) % 3;
-        poly_mul(&r->c[k], &a->c[i], &b->c[j]);
-        poly_mul(&product, &a->c[j], &b->c[i]);
-        poly_sub(&r->c[k], &r->c[k], &product);
-    }
-    poly_clear(&product);
-}
-
-static void vec_dot(struct poly *r, const struct vec *a, const struct vec *b)
-{
-    struct poly product;
-    poly_init(&product);
-    poly_mul(r, &a->c[0], &b->c[0]);
-    for (int k = 1; k < 3; k++) {
-        poly_mul(&product, &a->c[k], &b->c[k]);
-        poly_add(r, r, &product);
-    }
-    poly_clear(&product);
-}
+#include "oracle_first.h"
+#include "oracle_vec.h"
 
 /* The four points as polynomials of degree 1 with integer coefficients, and what is built
  * from them: VF e = p - a, u = b - a, v = c - a; EE e = c - a, u = b - a, v = d - c. */
@@ -133,39 +79,13 @@ static void query_derive(struct query *q, enum oracle_kind kind)
     vec_dot(&q->f, &q->e, &q->n);
 }
 
-/* The smallest e with every coordinate a multiple of 2^e. */
-static int common_exponent(const double p[8][3])
-{
-    int low = INT_MAX;
-    for (int i = 0; i < 24; i++) {
-        int exponent;
-        double value = p[i / 3][i % 3];
-        frexp(value, &exponent);
-        if (value != 0 && exponent - 53 < low) {
-            low = exponent - 53;
-        }
-    }
-    return low == INT_MAX ? 0 : low;
-}
-
-/* z = value / 2^low, an integer. */
-static void set_scaled(mpz_t z, double value, int low)
-{
-    int exponent;
-    double mantissa = ldexp(frexp(value, &exponent), 53);
-    mpz_set_d(z, mantissa);
-    if (value != 0) {
-        mpz_mul_2exp(z, z, (mp_bitcnt_t)(exponent - 53 - low));
-    }
-}
-
 static void query_set(struct query *q, enum oracle_kind kind, const double p[8][3])
 {
-    int low = common_exponent(p);
+    int low = vec_common_exponent((const double *)p, 24);
     for (int i = 0; i < 12; i++) {
         struct poly *x = &q->x[i / 3].c[i % 3];
-        set_scaled(x->c[0], p[i / 3][i % 3], low);
-        set_scaled(x->c[1], p[4 + i / 3][i % 3], low);
+        vec_set_scaled(x->c[0], p[i / 3][i % 3], low);
+        vec_set_scaled(x->c[1], p[4 + i / 3][i % 3], low);
         mpz_sub(x->c[1], x->c[1], x->c[0]);
         poly_trim(x, 1);
     }
@@ -299,27 +219,6 @@ static bool touches_at(const struct query *q, struct root *root)
     return inside_at(q, root);
 }
 
-/* The first contact time is the least of these. */
-struct oracle_first {
-    struct root roots[SEGMENTS_MAX];
-    int count;
-};
-
-static void first_init(struct oracle_first *first)
-{
-    for (int i = 0; i < SEGMENTS_MAX; i++) {
-        root_init(&first->roots[i]);
-    }
-    first->count = 0;
-}
-
-static void first_clear(struct oracle_first *first)
-{
-    for (int i = 0; i < SEGMENTS_MAX; i++) {
-        root_clear(&first->roots[i]);
-    }
-}
-
 /* A point moving along the line of its segment: contact while the dot product is not
  * positive. It starts positive, for nothing touches at t = 0. */
 static void add_arrival(struct oracle_first *first, const struct poly *dot)
@@ -409,65 +308,13 @@ static void find_first(const struct query *q, struct oracle_first *first)
 
 struct oracle_first *oracle_first_new(enum oracle_kind kind, const double p[8][3])
 {
-    struct oracle_first *first = malloc(sizeof *first);
+    struct oracle_first *first = first_new();
     struct query q;
-    if (!first) {
-        abort(); /* no answer is better than a wrong one */
-    }
-    first_init(first);
     query_init(&q);
     query_set(&q, kind, p);
     find_first(&q, first);
     query_clear(&q);
-    if (first->count == 0) {
-        oracle_first_free(first);
-        first = NULL;
-    }
-    return first;
-}
-
-void oracle_first_free(struct oracle_first *first)
-{
-    if (first) {
-        first_clear(first);
-        free(first);
-    }
-}
-
-int oracle_first_compare(struct oracle_first *first, double t)
-{
-    int least = 1;
-    for (int i = 0; i < first->count; i++) {
-        int sign = root_compare(&first->roots[i], t);
-        least = sign < least ? sign : least;
-    }
-    return least;
-}
-
-void oracle_first_bracket(struct oracle_first *first, unsigned bits, mpq_t lo, mpq_t hi)
-{
-    mpq_t end;
-    mpq_init(end);
-    for (int i = 0; i < first->count; i++) {
-        struct root *root = &first->roots[i];
-        while (!root->is_exact && root->n < bits) {
-            root_narrow(root);
-        }
-        mpq_set_z(end, root->a);
-        mpq_div_2exp(end, end, root->n);
-        if (i == 0 || mpq_cmp(end, lo) < 0) {
-            mpq_set(lo, end);
-        }
-        if (!root->is_exact) {
-            mpz_add_ui(mpq_numref(end), root->a, 1);
-            mpz_set_ui(mpq_denref(end), 1);
-            mpq_div_2exp(end, end, root->n);
-        }
-        if (i == 0 || mpq_cmp(end, hi) < 0) {
-            mpq_set(hi, end);
-        }
-    }
-    mpq_clear(end);
+    return first_or_null(first);
 }
 
 bool oracle_first_contact(enum oracle_kind kind, const double p[8][3], double width,

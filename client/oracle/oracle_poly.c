@@ -1,7 +1,7 @@
 /* oracle_poly.c - polynomials in t with integer coefficients, without rounding.
  *
  * Room:     client/oracle.
- * Does:     plain school arithmetic: degrees are at most 4, coefficients may have
+ * Does:     plain school arithmetic: degrees are at most 6, coefficients may have
  *           thousands of bits.
  * Threads:  one thread for one polynomial.
  */
@@ -228,6 +228,19 @@ static const unsigned long
         {{2}, {2, 1}, {2, 2, 2}},
         {{3}, {3, 1}, {3, 2, 1}, {3, 3, 3, 3}},
         {{12}, {12, 3}, {12, 6, 2}, {12, 9, 6, 3}, {12, 12, 12, 12, 12}},
+        {{10},
+         {10, 2},
+         {10, 4, 1},
+         {10, 6, 3, 1},
+         {10, 8, 6, 4, 2},
+         {10, 10, 10, 10, 10, 10}},
+        {{60},
+         {60, 10},
+         {60, 20, 4},
+         {60, 30, 12, 3},
+         {60, 40, 24, 12, 4},
+         {60, 50, 40, 30, 20, 10},
+         {60, 60, 60, 60, 60, 60, 60}},
 };
 
 int poly_variations(const struct poly *p, const mpz_t a, unsigned n, int *sign)

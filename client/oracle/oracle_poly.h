@@ -2,7 +2,7 @@
  *
  * Room:     client/oracle. May include: the C library, GMP.
  * Does:     compute sums, products, greatest common divisors, square-free parts, signs at
- *           dyadic points and sign variations on dyadic intervals, up to degree 4.
+ *           dyadic points and sign variations on dyadic intervals, up to degree 6.
  * Does not: find roots (oracle_root.h).
  * Threads:  one thread for one polynomial.
  */
@@ -11,7 +11,7 @@
 
 #include <gmp.h>
 
-#define POLY_DEGREE_MAX 4
+#define POLY_DEGREE_MAX 6
 
 /* c[0] + c[1] t + ...; c[degree] is not zero; degree -1 is the zero polynomial. */
 struct poly {
