@@ -25,6 +25,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_poly.h \
     client/oracle/oracle_root.c \
     client/oracle/oracle_root.h \
+    client/oracle/oracle_thick.c \
+    client/oracle/oracle_thick.h \
     client/oracle/oracle_vec.c \
     client/oracle/oracle_vec.h
 liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle

@@ -14,3 +14,11 @@ TESTS += tests/unit/test_oracle_distance
 tests_unit_test_oracle_distance_SOURCES = tests/unit/test_oracle_distance.c
 tests_unit_test_oracle_distance_CPPFLAGS = $(tests_unit_test_oracle_CPPFLAGS)
 tests_unit_test_oracle_distance_LDADD = $(tests_unit_test_oracle_LDADD)
+
+check_PROGRAMS += tests/unit/test_oracle_thick
+TESTS += tests/unit/test_oracle_thick
+
+tests_unit_test_oracle_thick_SOURCES = tests/unit/test_oracle_thick.c \
+    tests/unit/thick_cases.c tests/unit/thick_cases.h
+tests_unit_test_oracle_thick_CPPFLAGS = $(tests_unit_test_oracle_CPPFLAGS)
+tests_unit_test_oracle_thick_LDADD = $(tests_unit_test_oracle_LDADD)
