@@ -89,6 +89,14 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/solve.h \
     daemon/engine/elementary/solvers.c \
     daemon/engine/elementary/solvers.h \
+    daemon/engine/elementary/thick.c \
+    daemon/engine/elementary/thick.h \
+    daemon/engine/elementary/thick_advance.c \
+    daemon/engine/elementary/thick_advance.h \
+    daemon/engine/elementary/thick_exact.c \
+    daemon/engine/elementary/thick_exact.h \
+    daemon/engine/elementary/thick_roots.c \
+    daemon/engine/elementary/thick_roots.h \
     daemon/engine/elementary/vec.h \
     daemon/engine/elementary/winding.c \
     daemon/engine/elementary/winding.h \

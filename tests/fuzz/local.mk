@@ -54,6 +54,23 @@ tests_fuzz_test_eng_distance_SOURCES = tests/fuzz/test_eng_distance.c \
 tests_fuzz_test_eng_distance_CPPFLAGS = $(FUZZ_CPPFLAGS)
 tests_fuzz_test_eng_distance_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 
+# ---- thick features -----------------------------------------------------------------
+#
+# make fuzz-thick FUZZ_QUERIES=1e7 FUZZ_SEED=1 FUZZ_JOBS=2
+fuzz_thick_sources = tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick.h
+
+check_PROGRAMS += tests/fuzz/thick tests/fuzz/test_eng_thick_fuzz
+TESTS += tests/fuzz/test_eng_thick_fuzz
+
+tests_fuzz_thick_SOURCES = tests/fuzz/thick.c $(fuzz_thick_sources)
+tests_fuzz_thick_CPPFLAGS = $(FUZZ_CPPFLAGS)
+tests_fuzz_thick_LDADD = $(FUZZ_LDADD)
+
+tests_fuzz_test_eng_thick_fuzz_SOURCES = tests/fuzz/test_eng_thick_fuzz.c \
+    $(fuzz_thick_sources)
+tests_fuzz_test_eng_thick_fuzz_CPPFLAGS = $(FUZZ_CPPFLAGS)
+tests_fuzz_test_eng_thick_fuzz_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
+
 FUZZ_QUERIES = 1e7
 FUZZ_SEED = 1
 FUZZ_JOBS = 2
@@ -65,6 +82,11 @@ fuzz-elementary: tests/fuzz/elementary
 .PHONY: fuzz-distance
 fuzz-distance: tests/fuzz/distance
 	nice -n 19 tests/fuzz/distance --cases $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
+	    --jobs $(FUZZ_JOBS)
+
+.PHONY: fuzz-thick
+fuzz-thick: tests/fuzz/thick
+	nice -n 19 tests/fuzz/thick --cases $(FUZZ_QUERIES) --seed $(FUZZ_SEED) \
 	    --jobs $(FUZZ_JOBS)
 
 # ---- targets for libFuzzer ----------------------------------------------------------

@@ -184,6 +184,30 @@ void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b)
     eng_poly_shorten(out);
 }
 
+void eng_poly_make_primitive(struct eng_poly *poly)
+{
+    mpz_ptr common = poly->scratch[0];
+    mpz_set_ui(common, 0);
+    for (int i = 0; i <= poly->degree; i++) {
+        mpz_gcd(common, common, poly->c[i]);
+    }
+    for (int i = 0; i <= poly->degree; i++) {
+        mpz_divexact(poly->c[i], poly->c[i], common);
+    }
+}
+
+void eng_poly_divide(struct eng_poly *out, struct eng_poly *a, const struct eng_poly *b)
+{
+    assert(b->degree >= 0 && a->degree >= b->degree);
+    out->degree = a->degree - b->degree;
+    for (int i = out->degree; i >= 0; i--) {
+        mpz_divexact(out->c[i], a->c[i + b->degree], b->c[b->degree]);
+        for (int j = 0; j < b->degree; j++) {
+            mpz_submul(a->c[i + j], out->c[i], b->c[j]);
+        }
+    }
+}
+
 void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b)
 {
     assert(b->degree > 0 && mpz_sgn(b->c[b->degree]) > 0);
@@ -364,6 +388,42 @@ int eng_poly_variations(struct eng_poly *poly, int *sign)
     return count_variations(poly, sign);
 }
 
+/* num = floor(2^stride a / (a - b)), at most 2^stride - 1; false if a and b are not of
+ * opposite signs. */
+static bool divide_between(mpz_t num, mpz_srcptr a, mpz_srcptr b, mpz_t scratch,
+                           unsigned long stride)
+{
+    if (mpz_sgn(a) * mpz_sgn(b) >= 0) {
+        return false;
+    }
+    mpz_sub(scratch, a, b);
+    mpz_mul_2exp(num, a, stride);
+    mpz_fdiv_q(num, num, scratch);
+    mpz_set_ui(scratch, 1);
+    mpz_mul_2exp(scratch, scratch, stride);
+    mpz_sub_ui(scratch, scratch, 1);
+    if (mpz_cmp(num, scratch) > 0) {
+        mpz_set(num, scratch);
+    }
+    return true;
+}
+
+bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
+                    unsigned long stride)
+{
+    mpz_ptr at_0 = poly->scratch[0];
+    mpz_ptr at_1 = poly->scratch[1];
+    mpz_set(at_0, poly->c[variations - 1]);
+    mpz_set_ui(at_1, 0);
+    for (int i = variations - 1; i <= poly->degree; i++) {
+        unsigned long factor = variations == 1   ? 1
+                               : variations == 2 ? (unsigned long)i
+                                                 : (unsigned long)(i * (i - 1) / 2);
+        mpz_addmul_ui(at_1, poly->c[i], factor);
+    }
+    return divide_between(part, at_0, at_1, poly->scratch[2], stride);
+}
+
 /* ---- with rounded numbers ---------------------------------------------------------- */
 
 /* Bits of the rounded coefficients, besides twice those of the interval's number. */
@@ -423,6 +483,7 @@ static void look_roughly(struct eng_poly *out, const struct eng_poly *a, const m
                          unsigned long k, long length, long bits,
                          int signs[ENG_POLY_TERMS])
 {
+    assert(a->degree <= 4);
     long e = (long)k - length;
     unsigned long error = 5 + (unsigned long)length * (unsigned long)a->degree;
     round_off(out, a, e, bits - longest(a, e));

@@ -2,7 +2,7 @@
  * are integers of any size.
  *
  * Room:     engine. May include: limbs.h, GMP.
- * Does:     compute up to degree 4, find greatest common divisors, and count roots in
+ * Does:     compute up to degree 6, find greatest common divisors, and count roots in
  *           dyadic intervals by Descartes' rule of signs.
  * Threads:  [any]; a polynomial belongs to one thread.
  * Source:   Collins and Akritas 1976 (real roots by bisection and sign variations).
@@ -15,7 +15,7 @@
 
 #include "limbs.h"
 
-#define ENG_POLY_TERMS 5 /* degree <= 4 */
+#define ENG_POLY_TERMS 7 /* degree <= 6 */
 
 /* sum of c[i] t^i; degree -1 is the zero polynomial, else c[degree] != 0. */
 struct eng_poly {
@@ -50,6 +50,13 @@ void eng_poly_negate(struct eng_poly *poly);
  * `out` is neither. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
+/* Divide by the greatest common divisor of the coefficients, which may not all be 0. */
+void eng_poly_make_primitive(struct eng_poly *poly);
+
+/* out = a / b, which divides it; both are primitive, so the quotient is of integers
+ * (Gauss). `a` is used up. */
+void eng_poly_divide(struct eng_poly *out, struct eng_poly *a, const struct eng_poly *b);
+
 /* a = a positive multiple of what division by b leaves of a. b has a degree of 1 or more
  * and a positive leading coefficient. */
 void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b);
@@ -79,8 +86,14 @@ int eng_poly_sign_at_1(struct eng_poly *poly);
  * throughout (0, 1) (0 only for the zero polynomial); else it is meaningless. */
 int eng_poly_variations(struct eng_poly *poly, int *sign);
 
-/* Are there no variations of `a` over [num, num + 1] / 2^k, which is within [0, 1]? Then
- * *sign is as above. Long numbers are rounded as long as their signs are sure. */
+/* The part of [0, 1], cut into 2^stride parts, in which the roots seem to be, of 1 to 3
+ * variations: where one would be if the polynomial were linear; the middle of two, if its
+ * slope were; the middle of three, where the slope of that is 0. False: nowhere. */
+bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
+                    unsigned long stride);
+
+/* Are there no variations of `a`, of degree 4 or less, over [num, num + 1] / 2^k, which
+ * is within [0, 1]? Then *sign is as above. Long numbers are rounded as long as their signs are sure. */
 bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t num,
                        unsigned long k, int *sign);
 

@@ -1,0 +1,75 @@
+/* daemon/engine/elementary/thick.h - the elementary test of thickness: do two features
+ * come within a distance of each other during the step, and when first?
+ *
+ * Room:     engine. May include: exact.h, query.h, thick_exact.h.
+ * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
+ *           margins, and by integers where they are not sure. A miss is certain, a
+ *           contact exists; only what exhausts integers' bounds is `possible`.
+ * Does not: know objects, which pairs there are, or which of them rest excludes. No step
+ *           calls it yet: tests/unit/test_eng_thick, tests/fuzz/thick (make fuzz-thick)
+ *           and bench/exact do. A step is to call it as it calls eng_solve: a row of
+ *           solvers.h for each kind, with the pair's radii beside its points.
+ * Threads:  one thread for one scratch. Decisions allocate nothing.
+ * Source:   BOUNDS.md, "Thick features".
+ *
+ * An example: two vertices, 4 m apart, of which one moves onto the other; r = 1 m. They
+ * are within r from t = 3/4 on, so toi <= 3/4 <= toi_hi.
+ *
+ * *Distance* is Euclidean, between the closed features, at one time; r is the exact sum
+ * of three doubles. Exactly r is within. With r = 0 VF and EE are what eng_solve says,
+ * byte for byte.
+ *
+ * *What begins inside*, d(0) <= r, where d(0) is the distance at t = 0:
+ *   approach 0       it meets at once: PCCD_INITIAL, toi = toi_hi = 0
+ *   0 < approach < 1 it meets where the distance is at most approach d(0), at whatever
+ *                    time; ENG_THICK_INSIDE. With d(0) = 0: PCCD_INITIAL, too.
+ *
+ * *Time*: with r > 0, [toi, toi_hi] is the cell of time (thick_roots.h) in which the
+ * first t lies at which the distance is at most r. Cells are 2^-30 long, or shorter if
+ * the tolerance asks for it. So the bytes are a function of the first time and of the
+ * tolerance alone, whichever stage has found them; before toi the distance is more
+ * than r. Without PCCD_PROVED: nobody knows whether there is such a t; toi_hi is 1, and
+ * before toi there is none.
+ */
+#ifndef ENG_THICK_H
+#define ENG_THICK_H
+
+#include "exact.h"
+#include "thick_exact.h"
+
+/* A flag of a hit, beside enum pccd_contact_flag. */
+#define ENG_THICK_INSIDE 4u
+
+struct eng_thick_query {
+    /* kind: PCCD_VF, PCCD_EE, or PCCD_VE, PCCD_VV of enum pccd_near_kind. Coordinates are
+     * finite, of magnitude at most 1e18. */
+    struct eng_query query;
+    double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
+    double approach;  /* 0, or 0 < approach < 1 */
+};
+
+/* Who decides. The answer is the same, but for `possible`. */
+enum eng_thick_stage { ENG_THICK_BY_DOUBLES, ENG_THICK_BY_INTEGERS, ENG_THICK_STAGES };
+
+struct eng_thick {
+    enum eng_thick_stage first; /* the stage to begin with; for tests */
+    uint64_t decided[ENG_THICK_STAGES];
+    uint64_t possible; /* of those decided by integers: given up */
+    struct eng_thick_exact exact;
+};
+
+/* PCCD_E_NOMEM: there is nothing to deinit. What follows never fails for memory. */
+int eng_thick_init(struct eng_thick *thick);
+void eng_thick_deinit(struct eng_thick *thick);
+
+/* True: the distance is at most r at some time, or may be (not PCCD_PROVED), and *hit is
+ * set. False: certainly not, or not in a cell that begins before or at `t_end`. The bytes
+ * of *hit depend on the query and on `tolerance`, 1e-12 .. 1, alone. param and normal are
+ * those of the nearest points at the double toi, by doubles: normal from feature b to
+ * feature a, zeros where they coincide up to rounding. VE: param[1] is the position along
+ * the edge. `contacts` decides the queries with r = 0. */
+bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
+                     const struct eng_thick_query *query, double tolerance, double t_end,
+                     struct eng_hit *hit);
+
+#endif

@@ -1,0 +1,75 @@
+/* fuzz_thick.h - the engine's test of thick features against the oracle's.
+ *
+ * Room:     tests/fuzz. May include: engine headers, oracle, tests/support.
+ * Does:     make pairs of features by families that are hard for one reason each, and
+ *           compare every verdict, flag and time, by doubles and by integers alone.
+ * Threads:  one for one run.
+ */
+#ifndef FUZZ_THICK_H
+#define FUZZ_THICK_H
+
+#include <stdio.h>
+
+#include "prng.h"
+#include "thick.h"
+
+enum fuzz_thick_family {
+    FUZZ_THICK_RANDOM,
+    FUZZ_THICK_GRID,
+    FUZZ_THICK_TANGENT,    /* the least distance is a double: r, or 2^-52 beside it */
+    FUZZ_THICK_THROUGHOUT, /* the distance does not change for a while */
+    FUZZ_THICK_SLIVER,     /* as thin as 2^-54, or edges nearly parallel */
+    FUZZ_THICK_COLLAPSE,   /* a feature is less than it was, at one instant */
+    FUZZ_THICK_DEGENERATE, /* all the time */
+    FUZZ_THICK_FLAT,       /* all in one plane */
+    FUZZ_THICK_INSIDE,     /* begins within r, with an approach */
+    FUZZ_THICK_ZERO,       /* r = 0, or 2^-1000 */
+    FUZZ_THICK_FAR,        /* from the origin, 1e18 */
+    FUZZ_THICK_POWERS,     /* of two, far apart */
+    FUZZ_THICK_DENORMAL,
+    FUZZ_THICK_FAMILIES
+};
+
+struct fuzz_thick_case {
+    enum fuzz_thick_family family;
+    struct eng_thick_query query;
+    double tolerance;
+};
+
+struct fuzz_thick_counts {
+    uint64_t cases;
+    uint64_t hits;
+    uint64_t initial;
+    uint64_t inside;      /* at t = 0, with an approach */
+    uint64_t inseparable; /* no axis keeps them apart by r over the step */
+    uint64_t by_integers; /* that doubles left open */
+    uint64_t possible;    /* that integers gave up */
+};
+
+struct fuzz_thick_run {
+    struct prng prng;
+    FILE *log; /* of failures */
+    struct eng_thick thick;
+    struct eng_exact contacts;
+    uint64_t failures;
+    uint64_t kinds[4]; /* cases by kind */
+    struct fuzz_thick_counts counts[FUZZ_THICK_FAMILIES];
+};
+
+const char *fuzz_thick_name(enum fuzz_thick_family family);
+void fuzz_thick_make(struct prng *prng, struct fuzz_thick_case *made);
+
+void fuzz_thick_init(struct fuzz_thick_run *run, uint64_t seed, FILE *log);
+void fuzz_thick_deinit(struct fuzz_thick_run *run);
+
+/* What is wrong with the engine's answer to a case from `first` on, or NULL. */
+const char *fuzz_thick_judge(struct fuzz_thick_run *run,
+                             const struct fuzz_thick_case *made,
+                             enum eng_thick_stage first);
+
+/* More cases, until some have failed. */
+void fuzz_thick_more(struct fuzz_thick_run *run, uint64_t count);
+
+struct fuzz_thick_counts fuzz_thick_total(const struct fuzz_thick_run *run);
+
+#endif

@@ -1,0 +1,104 @@
+/* thick.c - the engine's test of thick features against the oracle, for as long as wanted.
+ *
+ * Room:     tests/fuzz.
+ * Does:     make cases from a seed, in several processes with seeds of their own, and
+ *           compare every verdict and time. Prints what is wrong, and ends with 1 then.
+ * Threads:  one a process.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "fuzz_thick.h"
+#include "kinds.h"
+
+#define JOBS_MAX 64
+#define ROUND    1000000u
+
+static void print_counts(const char *name, const struct fuzz_thick_counts *counts)
+{
+    double percent = 100.0 / (double)(counts->cases ? counts->cases : 1);
+    printf("  %-10s %10" PRIu64
+           " cases, hits %5.1f %%, initial %4.1f %%, inside %5.1f %%,"
+           " inseparable %5.1f %%, by integers %5.1f %%, possible %" PRIu64 "\n",
+           name, counts->cases, percent * (double)counts->hits,
+           percent * (double)counts->initial, percent * (double)counts->inside,
+           percent * (double)counts->inseparable, percent * (double)counts->by_integers,
+           counts->possible);
+}
+
+static void print(const struct fuzz_thick_run *run, uint64_t seed)
+{
+    struct fuzz_thick_counts total = fuzz_thick_total(run);
+    printf("seed %" PRIu64 ": %" PRIu64 " failures;", seed, run->failures);
+    for (int i = 0; i < 4; i++) {
+        printf(" %s %" PRIu64, common_kinds[i].name, run->kinds[i]);
+    }
+    printf("\n");
+    print_counts("all", &total);
+    fflush(stdout);
+}
+
+static int work(uint64_t seed, uint64_t count, bool with_families)
+{
+    static struct fuzz_thick_run run;
+    fuzz_thick_init(&run, seed, stdout);
+    uint64_t left = count;
+    while (left > 0 && run.failures == 0) {
+        uint64_t round = left < ROUND ? left : ROUND;
+        fuzz_thick_more(&run, round);
+        left -= round;
+        print(&run, seed);
+    }
+    for (int i = 0; i < FUZZ_THICK_FAMILIES && with_families; i++) {
+        print_counts(fuzz_thick_name((enum fuzz_thick_family)i), &run.counts[i]);
+    }
+    fflush(stdout);
+    fuzz_thick_deinit(&run);
+    return run.failures > 0;
+}
+
+int main(int argc, char **argv)
+{
+    uint64_t seed = prng_seed();
+    uint64_t count = 100000;
+    long job_count = 1;
+    for (int i = 1; i < argc; i++) {
+        if (i + 1 < argc && strcmp(argv[i], "--cases") == 0) {
+            count = (uint64_t)strtod(argv[++i], NULL);
+        } else if (i + 1 < argc && strcmp(argv[i], "--seed") == 0) {
+            seed = strtoull(argv[++i], NULL, 0);
+        } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
+            job_count = strtol(argv[++i], NULL, 10);
+        } else {
+            job_count = 0;
+        }
+    }
+    if (job_count < 1 || job_count > JOBS_MAX) {
+        fprintf(stderr, "usage: %s [--cases N] [--seed N] [--jobs 1..%d]\n", argv[0],
+                JOBS_MAX);
+        return 2;
+    }
+    uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;
+    int failed = 0;
+    long started = 0;
+    for (; started < job_count; started++) {
+        pid_t pid = fork();
+        if (pid < 0) {
+            perror("fork");
+            failed = 1;
+            break;
+        }
+        if (pid == 0) {
+            _exit(work(seed + (uint64_t)started, each, started == 0));
+        }
+    }
+    for (; started > 0; started--) {
+        int status;
+        failed |= wait(&status) < 0 || status != 0;
+    }
+    return failed;
+}

@@ -1,0 +1,309 @@
+/* tests/unit/test_eng_thick.c - the elementary test of thick features.
+ *
+ * Room:     engine (thick.h).
+ * Does:     cases that were worked out by hand, in every order of their points and at
+ *           several scales, by doubles and by integers alone; flags, times, directions;
+ *           no radius is contact.
+ * Does not: compare with the oracle (tests/fuzz does).
+ * Threads:  one.
+ * Source:   daemon/engine/elementary/thick.h.
+ */
+#include "eng_case.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "memory.h"
+#include "thick.h"
+#include "thick_cases.h"
+
+#define TOLERANCE 1e-6
+
+static struct eng_thick *thick_scratch(void)
+{
+    static struct eng_thick thick;
+    if (thick.exact.block == NULL) {
+        assert_int_equal(eng_thick_init(&thick), PCCD_OK);
+    }
+    return &thick;
+}
+
+static uint32_t kind_of(int points_a, int points_b)
+{
+    return points_a == 2   ? PCCD_EE
+           : points_b == 3 ? PCCD_VF
+           : points_b == 2 ? (uint32_t)PCCD_VE
+                           : (uint32_t)PCCD_VV;
+}
+
+static struct eng_thick_query query_of(const struct thick_case *made)
+{
+    struct eng_thick_query query = {.radius = {made->radius}, .approach = made->approach};
+    int used = made->points_a + made->points_b;
+    query.query.kind = (enum pccd_kind)kind_of(made->points_a, made->points_b);
+    for (int i = 0; i < 8; i++) {
+        int point = i % 4 < used ? i % 4 : used - 1;
+        memcpy(query.query.x[i / 4][i % 4], made->p[i / 4 * 4 + point],
+               sizeof made->p[0]);
+    }
+    return query;
+}
+
+static bool solve(const struct eng_thick_query *query, double tolerance, double t_end,
+                  struct eng_hit *hit)
+{
+    return eng_thick_solve(thick_scratch(), case_exact(), query, tolerance, t_end, hit);
+}
+
+/* Is it the verdict that is due, and are the times around the first one? */
+static void check(const struct thick_case *made, const struct eng_thick_query *query,
+                  double tolerance)
+{
+    struct eng_hit hit;
+    bool hits = solve(query, tolerance, 1, &hit);
+    double due = (double)made->num / (double)made->den;
+    if (hits != made->hits) {
+        fail_msg("%s: %s", made->name, hits ? "invented" : "missed");
+    }
+    if (!hits) {
+        return;
+    }
+    bool is_initial = made->is_inside && due == 0;
+    if (((hit.flags & PCCD_INITIAL) != 0) != is_initial ||
+        (hit.flags & PCCD_PROVED) == 0 ||
+        (((hit.flags & ENG_THICK_INSIDE) != 0) !=
+         (made->is_inside && query->approach > 0))) {
+        fail_msg("%s: flags %u", made->name, hit.flags);
+    }
+    if (!(hit.toi <= due && due <= hit.toi_hi && hit.toi_hi - hit.toi <= tolerance)) {
+        fail_msg("%s: %a .. %a", made->name, hit.toi, hit.toi_hi);
+    }
+    assert_false(hit.toi > 0 && solve(query, tolerance, nextafter(hit.toi, 0), &hit));
+}
+
+static void swap_points(struct eng_thick_query *query, int i, int j)
+{
+    for (int end = 0; end < 2; end++) {
+        double kept[3];
+        memcpy(kept, query->query.x[end][i], sizeof kept);
+        memcpy(query->query.x[end][i], query->query.x[end][j], sizeof kept);
+        memcpy(query->query.x[end][j], kept, sizeof kept);
+    }
+}
+
+static void scale(struct eng_thick_query *query, double factor)
+{
+    for (int i = 0; i < 24; i++) {
+        query->query.x[i / 12][i / 3 % 4][i % 3] *= factor;
+    }
+    for (int i = 0; i < 3; i++) {
+        query->radius[i] *= factor;
+    }
+}
+
+/* If it failed: a pair would come within r unseen, or at another time, or that would
+ * depend on the order of its points, on units, or on who decides. */
+static void thick__times_are_those_worked_out_by_hand(void **state)
+{
+    static const double scales[] = {1, 0x1p-60, 0x1p-1};
+    static const double tolerances[] = {TOLERANCE, 1e-12, 1};
+    (void)state;
+    for (size_t i = 0; i < thick_case_count; i++) {
+        const struct thick_case *made = &thick_cases[i];
+        for (int n = 0; n < 18; n++) {
+            struct eng_thick_query query = query_of(made);
+            thick_scratch()->first = n % 2 ? ENG_THICK_BY_INTEGERS : ENG_THICK_BY_DOUBLES;
+            scale(&query, scales[n / 2 % 3]);
+            if (n / 6 > 0 && made->points_b > 1) {
+                int first = made->points_a;
+                swap_points(&query, first, first + n / 6 % made->points_b);
+                if (made->points_b == 2) {
+                    memcpy(query.query.x[0][first + 2 < 4 ? first + 2 : 3],
+                           query.query.x[0][first + 1], sizeof query.query.x[0][0]);
+                    memcpy(query.query.x[1][first + 2 < 4 ? first + 2 : 3],
+                           query.query.x[1][first + 1], sizeof query.query.x[1][0]);
+                }
+            }
+            check(made, &query, tolerances[n / 6]);
+        }
+    }
+    thick_scratch()->first = ENG_THICK_BY_DOUBLES;
+}
+
+/* If it failed: objects without thickness would get other bytes than they do today. */
+static void thick__without_radius_has_the_bytes_of_contact(void **state)
+{
+    int hits = 0;
+    (void)state;
+    for (size_t i = 0; i < thick_case_count; i++) {
+        struct eng_thick_query query = query_of(&thick_cases[i]);
+        if (thick_cases[i].points_a + thick_cases[i].points_b < 4) {
+            continue;
+        }
+        for (double shift = -2; shift <= 2; shift += 0.5) {
+            struct eng_hit hit;
+            struct eng_hit due;
+            memset(query.radius, 0, sizeof query.radius);
+            query.query.x[1][0][2] = query.query.x[0][0][2] * shift;
+            bool meets = eng_solve(&query.query, TOLERANCE, 1, case_exact(), &due);
+            assert_int_equal(solve(&query, TOLERANCE, 1, &hit), meets);
+            if (meets) {
+                assert_int_equal(hit.flags, due.flags);
+                assert_memory_equal(&hit.toi, &due.toi, sizeof hit.toi);
+                assert_memory_equal(&hit.toi_hi, &due.toi_hi, sizeof hit.toi_hi);
+                assert_memory_equal(hit.param, due.param, sizeof hit.param);
+                assert_memory_equal(hit.normal, due.normal, sizeof hit.normal);
+                hits++;
+            }
+        }
+    }
+    assert_in_range(hits, 20, 1000);
+}
+
+static void assert_direction(const struct eng_hit *hit, double x, double y, double z)
+{
+    assert_true(fabs((double)hit->normal[0] - x) < 1e-5);
+    assert_true(fabs((double)hit->normal[1] - y) < 1e-5);
+    assert_true(fabs((double)hit->normal[2] - z) < 1e-5);
+}
+
+static const struct thick_case *case_named(const char *name)
+{
+    for (size_t i = 0; i < thick_case_count; i++) {
+        if (strcmp(thick_cases[i].name, name) == 0) {
+            return &thick_cases[i];
+        }
+    }
+    fail_msg("no case %s", name);
+    return NULL;
+}
+
+/* If it failed: who pushes features apart would push them elsewhere, or somewhere else. */
+static void thick__nearest_points_are_described(void **state)
+{
+    struct eng_hit hit;
+    (void)state;
+    struct eng_thick_query query = query_of(case_named("vertex above a face"));
+    assert_true(solve(&query, TOLERANCE, 1, &hit));
+    assert_direction(&hit, 0, 0, 1);
+    assert_true(hit.param[0] == 0.25f && hit.param[1] == 0.25f);
+    query = query_of(case_named("edges that cross, at a distance"));
+    assert_true(solve(&query, TOLERANCE, 1, &hit));
+    assert_direction(&hit, 0, 0, 1);
+    assert_true(hit.param[0] == 0.5f && hit.param[1] == 0.5f);
+    query = query_of(case_named("vertex above the middle of an edge"));
+    assert_true(solve(&query, TOLERANCE, 1, &hit));
+    assert_direction(&hit, 0, 0, 1);
+    assert_true(hit.param[0] == 0 && hit.param[1] == 0.5f);
+    query = query_of(case_named("vertices, head on"));
+    assert_true(solve(&query, TOLERANCE, 1, &hit));
+    assert_direction(&hit, -1, 0, 0);
+    query = query_of(case_named("vertices, begin inside at distance 0"));
+    assert_true(solve(&query, TOLERANCE, 1, &hit));
+    assert_direction(&hit, 0, 0, 0);
+}
+
+/* If it failed: times would not be cells, whose bytes depend on the first time alone. */
+static void thick__cells_follow_each_other(void **state)
+{
+    (void)state;
+    for (int depth = 30; depth <= 40; depth++) {
+        int64_t last = INT64_C(1) << depth;
+        for (int64_t i = -1; i < 5; i++) {
+            int64_t cell = i < 2 ? i : last - 5 + i;
+            double begin = eng_thick_cell_begin(cell, depth);
+            double end = eng_thick_cell_begin(cell + 1, depth);
+            if (begin < 1) {
+                assert_true(begin < end && end - begin <= ldexp(1, -depth));
+                assert_int_equal(eng_thick_cell_of(begin, depth), cell);
+                assert_int_equal(eng_thick_cell_of(nextafter(end, 0), depth), cell);
+            }
+        }
+        assert_true(eng_thick_cell_begin(-1, depth) == 0);
+        assert_true(eng_thick_cell_begin(last, depth) == 1);
+    }
+}
+
+static uint64_t gmp_calls;
+
+static void *count_alloc(size_t bytes)
+{
+    gmp_calls++;
+    return malloc(bytes);
+}
+
+static void *count_realloc(void *block, size_t old_bytes, size_t bytes)
+{
+    (void)old_bytes;
+    gmp_calls++;
+    return realloc(block, bytes);
+}
+
+static void count_free(void *block, size_t bytes)
+{
+    (void)bytes;
+    free(block);
+}
+
+/* Of every exponent that there is. */
+static double extreme(struct kit_random *random)
+{
+    double mantissa = kit_below(random, 2) ? kit_between(random, -1, 1)
+                                           : (double)kit_below(random, 9) - 4;
+    return ldexp(mantissa, (int)kit_below(random, 1130) - 1074);
+}
+
+static void extreme_query(struct kit_random *random, struct eng_thick_query *query)
+{
+    memset(query, 0, sizeof *query);
+    query->query.kind = (enum pccd_kind)kit_below(random, 4);
+    for (int i = 0; i < 24; i++) {
+        double *x = &query->query.x[i / 12][i / 3 % 4][i % 3];
+        *x = kit_below(random, 4) ? extreme(random)
+                                  : query->query.x[0][kit_below(random, 4)][i % 3];
+    }
+    for (int i = 0; i < 2; i++) {
+        query->radius[i] = fabs(extreme(random));
+    }
+    query->approach = kit_below(random, 4) ? 0 : 0x1p-1022 + kit_between(random, 0, 1);
+}
+
+/* If it failed: GMP would end the process where there is no memory, or write beyond what
+ * it was given. */
+static void thick__decisions_allocate_nothing(void **state)
+{
+    struct eng_thick thick;
+    struct kit_random random = {77};
+    (void)state;
+    eng_alloc_ceiling(1);
+    assert_int_equal(eng_thick_init(&thick), PCCD_E_NOMEM);
+    eng_alloc_ceiling(UINT64_MAX);
+    assert_int_equal(eng_thick_init(&thick), PCCD_OK);
+    mp_set_memory_functions(count_alloc, count_realloc, count_free);
+    gmp_calls = 0;
+    thick.first = ENG_THICK_BY_INTEGERS;
+    uint64_t count = eng_alloc_count();
+    for (int i = 0; i < 3000; i++) {
+        struct eng_thick_query query;
+        struct eng_hit hit;
+        extreme_query(&random, &query);
+        (void)eng_thick_solve(&thick, case_exact(), &query, TOLERANCE, 1, &hit);
+    }
+    assert_int_equal(gmp_calls, 0);
+    mp_set_memory_functions(NULL, NULL, NULL);
+    assert_int_equal(eng_alloc_count(), count);
+    eng_thick_deinit(&thick);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(thick__times_are_those_worked_out_by_hand),
+        cmocka_unit_test(thick__without_radius_has_the_bytes_of_contact),
+        cmocka_unit_test(thick__nearest_points_are_described),
+        cmocka_unit_test(thick__cells_follow_each_other),
+        cmocka_unit_test(thick__decisions_allocate_nothing),
+    };
+    return cmocka_run_group_tests_name("eng_thick", tests, NULL, NULL);
+}
