@@ -2,7 +2,9 @@
  *
  * Room:     tests/fuzz. May include: engine headers, oracle, tests/support.
  * Does:     make pairs of features by families that are hard for one reason each, and
- *           compare every verdict, flag and time, by doubles and by integers alone.
+ *           compare every verdict, flag and time, by doubles and by integers alone. The
+ *           oracle takes most of the time; so it may judge some cases only, and of the
+ *           others what doubles say is compared with what integers say.
  * Threads:  one for one run.
  */
 #ifndef FUZZ_THICK_H
@@ -17,6 +19,7 @@ enum fuzz_thick_family {
     FUZZ_THICK_RANDOM,
     FUZZ_THICK_GRID,
     FUZZ_THICK_TANGENT,    /* the least distance is a double: r, or 2^-52 beside it */
+    FUZZ_THICK_MINIMUM,    /* r is that of random features, up to some 2^-53 of it */
     FUZZ_THICK_THROUGHOUT, /* the distance does not change for a while */
     FUZZ_THICK_SLIVER,     /* as thin as 2^-54, or edges nearly parallel */
     FUZZ_THICK_COLLAPSE,   /* a feature is less than it was, at one instant */
@@ -51,6 +54,8 @@ struct fuzz_thick_run {
     FILE *log; /* of failures */
     struct eng_thick thick;
     struct eng_exact contacts;
+    uint64_t oracle_each; /* the oracle judges one case of so many; 1: all */
+    uint64_t judged;      /* cases that it did */
     uint64_t failures;
     uint64_t kinds[4]; /* cases by kind */
     struct fuzz_thick_counts counts[FUZZ_THICK_FAMILIES];

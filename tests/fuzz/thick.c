@@ -33,7 +33,8 @@ static void print_counts(const char *name, const struct fuzz_thick_counts *count
 static void print(const struct fuzz_thick_run *run, uint64_t seed)
 {
     struct fuzz_thick_counts total = fuzz_thick_total(run);
-    printf("seed %" PRIu64 ": %" PRIu64 " failures;", seed, run->failures);
+    printf("seed %" PRIu64 ": %" PRIu64 " failures, %" PRIu64 " judged by the oracle;",
+           seed, run->failures, run->judged);
     for (int i = 0; i < 4; i++) {
         printf(" %s %" PRIu64, common_kinds[i].name, run->kinds[i]);
     }
@@ -42,10 +43,14 @@ static void print(const struct fuzz_thick_run *run, uint64_t seed)
     fflush(stdout);
 }
 
+/* The oracle takes as long as both stages of so many cases. */
+static uint64_t oracle_each = 32;
+
 static int work(uint64_t seed, uint64_t count, bool with_families)
 {
     static struct fuzz_thick_run run;
     fuzz_thick_init(&run, seed, stdout);
+    run.oracle_each = oracle_each;
     uint64_t left = count;
     while (left > 0 && run.failures == 0) {
         uint64_t round = left < ROUND ? left : ROUND;
@@ -71,15 +76,18 @@ int main(int argc, char **argv)
             count = (uint64_t)strtod(argv[++i], NULL);
         } else if (i + 1 < argc && strcmp(argv[i], "--seed") == 0) {
             seed = strtoull(argv[++i], NULL, 0);
+        } else if (i + 1 < argc && strcmp(argv[i], "--oracle") == 0) {
+            oracle_each = strtoull(argv[++i], NULL, 0);
         } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
             job_count = strtol(argv[++i], NULL, 10);
         } else {
             job_count = 0;
         }
     }
-    if (job_count < 1 || job_count > JOBS_MAX) {
-        fprintf(stderr, "usage: %s [--cases N] [--seed N] [--jobs 1..%d]\n", argv[0],
-                JOBS_MAX);
+    if (job_count < 1 || job_count > JOBS_MAX || oracle_each < 1) {
+        fprintf(stderr,
+                "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH]\n",
+                argv[0], JOBS_MAX);
         return 2;
     }
     uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;

@@ -260,11 +260,8 @@ static enum eng_thick_found leap_to(struct eng_thick_roots *roots, mpz_srcptr nu
     if (!go_to_part(roots, num, stride)) {
         return ENG_THICK_GIVEN_UP;
     }
-    /* A root at its left end would be lost, unless the interval begins there. */
-    return (mpz_sgn(roots->part) != 0 && eng_poly_sign_at_0(&roots->zoomed) == 0) ||
-                   eng_poly_variations(&roots->zoomed, &sign) != variations
-               ? ENG_THICK_NONE
-               : ENG_THICK_FOUND;
+    return eng_poly_variations(&roots->zoomed, &sign) != variations ? ENG_THICK_NONE
+                                                                    : ENG_THICK_FOUND;
 }
 
 /* From the interval num, k, whose polynomial is roots->base. */
