@@ -1,10 +1,11 @@
 /* bench/exact.c - what one pair costs that floating point cannot decide.
  *
- * Room:     bench (engine: exact.h, solve.h).
+ * Room:     bench (engine: exact.h, solve.h, thick.h).
  * Does:     make pairs of features by family of their coordinates' exponents and by
  *           shape, decide each alone, and report those that took exact arithmetic. A slow
  *           one is decided three times, and its best time counts. The maximum is the
  *           point: nobody waits longer for a deadline or for one pair of another user.
+ *           The same for thick features, of which all are put to integers.
  * Does not: judge the answers (tests/fuzz does).
  * Threads:  one.
  */
@@ -16,6 +17,7 @@
 #include "prng.h"
 #include "report.h"
 #include "solve.h"
+#include "thick.h"
 
 #define PAIRS       2000u
 #define PAIRS_SMOKE 20u
@@ -149,6 +151,99 @@ static void run(const struct family *family, uint32_t pairs, struct eng_exact *e
     bench_free(&times);
 }
 
+/* ---- thick features ---------------------------------------------------------------- */
+
+/* Features in planes z = 0 and z = `height`, a radius of that height: where they overlap,
+ * the distance is r exactly. */
+static void give_height(struct prng *prng, struct eng_thick_query *query)
+{
+    int first = query->query.kind == PCCD_EE ? 2 : 1;
+    double height = 1 + (double)prng_below(prng, 3);
+    for (int i = 0; i < 8; i++) {
+        query->query.x[i / 4][i % 4][2] = i % 4 < first ? height : 0;
+    }
+    query->radius[0] = height;
+}
+
+struct thick_family {
+    const char *name;
+    int coordinates; /* index in `families` */
+    bool is_tangent;
+    double approach;
+};
+
+static const struct thick_family thick_families[] = {
+    {"thick: grid", 0, false, 0},
+    {"thick: grid, at exactly r", 0, true, 0},
+    {"thick: grid, begins inside", 0, false, 0.5},
+    {"thick: 2^-60 .. 2^59", 3, false, 0},
+    {"thick: 2^-300 .. 2^59", 5, false, 0},
+    {"thick: 1e18 and denormal", 7, false, 0},
+    {"thick: all", 8, false, 0},
+    {"thick: all, begins inside", 8, false, 0.7},
+    {"thick: all, touching", 11, false, 0},
+};
+
+static double decide_thick(const struct eng_thick_query *query, struct eng_thick *thick,
+                           struct eng_exact *exact)
+{
+    struct eng_hit hit;
+    double begin_ns = thread_ns();
+    (void)eng_thick_solve(thick, exact, query, 1e-6, 1, &hit);
+    return thread_ns() - begin_ns;
+}
+
+static void run_thick(const struct thick_family *thick_family, uint32_t pairs,
+                      struct eng_thick *thick, struct eng_exact *exact)
+{
+    const struct family *family = &families[thick_family->coordinates];
+    struct prng prng = {2};
+    double pool[8] = {0};
+    struct bench_samples times = {0};
+    uint64_t end_ns = common_now_ns() + TIME_NS;
+    for (uint32_t i = 0; times.count < pairs && common_now_ns() < end_ns; i++) {
+        struct eng_thick_query query = {.approach = thick_family->approach};
+        query.query.kind = (enum pccd_kind)(i % 4);
+        for (int k = 0; k < 24; k++) {
+            query.query.x[k / 12][k / 3 % 4][k % 3] =
+                some_coordinate(&prng, family, pool);
+        }
+        give_shape(&prng, family->shape, query.query.x);
+        query.radius[0] = fabs(some_coordinate(&prng, family, pool));
+        if (thick_family->is_tangent) {
+            give_height(&prng, &query);
+        }
+        double ns = decide_thick(&query, thick, exact);
+        for (int k = 0; k < 2 && ns > SLOW_NS; k++) {
+            ns = fmin(ns, decide_thick(&query, thick, exact));
+        }
+        bench_add(&times, ns * 1e-3);
+    }
+    if (bench_check(times.count > 0, thick_family->name, "no pair")) {
+        bench_row(&(struct bench_row){.scene = thick_family->name,
+                                      .what = "a pair",
+                                      .unit = "us",
+                                      .samples = &times});
+    }
+    bench_free(&times);
+}
+
+static void run_all_thick(const struct bench_options *options, struct eng_exact *exact)
+{
+    struct eng_thick thick;
+    if (eng_thick_init(&thick) != PCCD_OK) {
+        abort();
+    }
+    thick.first = ENG_THICK_BY_INTEGERS;
+    for (size_t i = 0; i < sizeof thick_families / sizeof *thick_families; i++) {
+        if (bench_is_wanted(options, thick_families[i].name)) {
+            run_thick(&thick_families[i], options->smoke ? PAIRS_SMOKE : PAIRS, &thick,
+                      exact);
+        }
+    }
+    eng_thick_deinit(&thick);
+}
+
 int main(int argc, char **argv)
 {
     struct bench_options options;
@@ -165,6 +260,7 @@ int main(int argc, char **argv)
             run(&families[i], options.smoke ? PAIRS_SMOKE : PAIRS, &exact);
         }
     }
+    run_all_thick(&options, &exact);
     eng_exact_deinit(&exact);
     return bench_end();
 }
