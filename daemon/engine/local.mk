@@ -32,6 +32,7 @@ libengine_la_SOURCES = \
     daemon/engine/base/radix.c \
     daemon/engine/base/radix.h \
     daemon/engine/base/step_result.h \
+    daemon/engine/base/thick_query.h \
     daemon/engine/base/step_settings.h \
     daemon/engine/base/tuning.c \
     daemon/engine/base/tuning.h \

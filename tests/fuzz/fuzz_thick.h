@@ -62,6 +62,10 @@ struct fuzz_thick_run {
 };
 
 const char *fuzz_thick_name(enum fuzz_thick_family family);
+
+/* Of the feature of a, side 0, or of b, side 1. */
+int fuzz_thick_points(const struct fuzz_thick_case *made, int side);
+bool fuzz_thick_is_of_b(const struct fuzz_thick_case *made, int point);
 void fuzz_thick_make(struct prng *prng, struct fuzz_thick_case *made);
 
 void fuzz_thick_init(struct fuzz_thick_run *run, uint64_t seed, FILE *log);

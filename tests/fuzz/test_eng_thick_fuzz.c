@@ -12,8 +12,8 @@
 
 #include "fuzz_thick.h"
 
-/* If it failed, a pair would come within r unseen, be said to when it does not, or be said
- * to too late; or what is said would depend on whether doubles or integers found it. */
+/* If it failed, a pair would come within r unseen, be said to when it does not, or be
+ * said to too late; or that would depend on whether doubles or integers found it. */
 static void thick__is_what_the_oracle_says(void **state)
 {
     static struct fuzz_thick_run run;

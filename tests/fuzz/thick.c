@@ -1,4 +1,4 @@
-/* thick.c - the engine's test of thick features against the oracle, for as long as wanted.
+/* thick.c - the engine's test of thick features against the oracle, as long as wanted.
  *
  * Room:     tests/fuzz.
  * Does:     make cases from a seed, in several processes with seeds of their own, and

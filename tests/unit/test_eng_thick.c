@@ -179,7 +179,7 @@ static const struct thick_case *case_named(const char *name)
     return NULL;
 }
 
-/* If it failed: who pushes features apart would push them elsewhere, or somewhere else. */
+/* If it failed: a response would push features apart in another direction. */
 static void thick__nearest_points_are_described(void **state)
 {
     struct eng_hit hit;

@@ -93,7 +93,8 @@ bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
                     unsigned long stride);
 
 /* Are there no variations of `a`, of degree 4 or less, over [num, num + 1] / 2^k, which
- * is within [0, 1]? Then *sign is as above. Long numbers are rounded as long as their signs are sure. */
+ * is within [0, 1]? Then *sign is as above. Long numbers are rounded as long as their
+ * signs are sure. */
 bool eng_poly_is_plain(struct eng_poly *scratch, const struct eng_poly *a, mpz_t num,
                        unsigned long k, int *sign);
 

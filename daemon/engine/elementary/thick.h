@@ -1,7 +1,7 @@
 /* daemon/engine/elementary/thick.h - the elementary test of thickness: do two features
  * come within a distance of each other during the step, and when first?
  *
- * Room:     engine. May include: exact.h, query.h, thick_exact.h.
+ * Room:     engine. May include: exact.h, thick_exact.h, thick_query.h.
  * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
  *           margins, and by integers where they are not sure. A miss is certain, a
  *           contact exists; only what exhausts integers' bounds is `possible`.
@@ -36,17 +36,10 @@
 
 #include "exact.h"
 #include "thick_exact.h"
+#include "thick_query.h"
 
 /* A flag of a hit, beside enum pccd_contact_flag. */
 #define ENG_THICK_INSIDE 4u
-
-struct eng_thick_query {
-    /* kind: PCCD_VF, PCCD_EE, or PCCD_VE, PCCD_VV of enum pccd_near_kind. Coordinates are
-     * finite, of magnitude at most 1e18. */
-    struct eng_query query;
-    double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
-    double approach;  /* 0, or 0 < approach < 1 */
-};
 
 /* Who decides. The answer is the same, but for `possible`. */
 enum eng_thick_stage { ENG_THICK_BY_DOUBLES, ENG_THICK_BY_INTEGERS, ENG_THICK_STAGES };

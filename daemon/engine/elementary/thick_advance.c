@@ -16,7 +16,7 @@
 #include <string.h>
 
 #include "closest.h"
-#include "thick.h"
+#include "thick_roots.h"
 #include "vec.h"
 
 /* Directions that are tried before integers take over. */
@@ -28,7 +28,7 @@
 #define WAY       (96 * ENG_U)
 #define ROUNDED   (8 * ENG_U)
 
-/* Of the square of a direction: shorter ones are none, as squares lose their last bits. */
+/* Of the square of a direction: squares of shorter ones lose their last bits. */
 #define DIRECTION_MIN 0x1p-600
 
 /* A distance beyond those of all points. */
@@ -119,7 +119,7 @@ static void set_pose(const struct eng_thick_motion *motion, double t,
     }
 }
 
-/* The nearest points at a time, nearly; closest->gap leads from feature b to feature a. */
+/* About the nearest points at a time; closest->gap leads from feature b to a. */
 static void find_closest(const struct eng_thick_motion *motion, double t,
                          struct eng_closest *closest)
 {

@@ -1,7 +1,7 @@
 /* daemon/engine/elementary/thick_advance.h - decides a query of thick features by
  * doubles: conservative advancement along directions that keep the features apart.
  *
- * Room:     engine. May include: closest.h, query.h.
+ * Room:     engine. May include: thick_query.h.
  * Does:     say for certain that two features stay farther apart than r, or in which
  *           cell of time they first do not, or that doubles do not know; describe a
  *           contact.
@@ -15,9 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "query.h"
-
-struct eng_thick_query;
+#include "thick_query.h"
 
 enum eng_thick_advanced {
     ENG_THICK_MISSES,    /* no contact, or none that begins before or at t_end */

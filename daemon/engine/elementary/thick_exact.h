@@ -1,7 +1,7 @@
 /* daemon/engine/elementary/thick_exact.h - decides a query of thick features by exact
  * integer arithmetic.
  *
- * Room:     engine. May include: query.h, thick_roots.h, GMP.
+ * Room:     engine. May include: thick_query.h, thick_roots.h, GMP.
  * Does:     decide, from the binary inputs, whether two features are within a distance of
  *           each other at t = 0, and in which cell of time they first are; without
  *           rounding, or give up where numbers become too long.
@@ -11,7 +11,7 @@
 #ifndef ENG_THICK_EXACT_H
 #define ENG_THICK_EXACT_H
 
-#include "query.h"
+#include "thick_query.h"
 #include "thick_roots.h"
 
 struct eng_thick_exact {
@@ -32,8 +32,6 @@ struct eng_thick_exact {
 int eng_thick_exact_init(struct eng_thick_exact *exact);
 void eng_thick_exact_deinit(struct eng_thick_exact *exact);
 size_t eng_thick_exact_bytes(void);
-
-struct eng_thick_query;
 
 /* What is found, and what the pair is at t = 0. */
 struct eng_thick_verdict {

@@ -53,8 +53,8 @@ struct eng_thick_roots {
 };
 
 /* poly: of a degree of at most 6, and not zero; is used up. side[side_count]: of a degree
- * of at most 4. Finds the first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for all
- * i, unless it lies in a cell after *cell; sets *cell to the number of its cell. */
+ * of at most 4. Finds the first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for
+ * all i, unless it lies in a cell after *cell; sets *cell to the number of its cell. */
 enum eng_thick_found eng_thick_first_root(struct eng_thick_roots *roots,
                                           struct eng_poly *poly,
                                           const struct eng_poly *side, int side_count,

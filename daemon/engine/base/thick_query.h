@@ -1,0 +1,21 @@
+/* daemon/engine/base/thick_query.h - one elementary test of thick features, which asks
+ * whether two features come within a distance of each other.
+ *
+ * Room:     engine. May include: query.h.
+ * Does:     name what the stages of thick.h pass to each other; that header says what it
+ *           means.
+ */
+#ifndef ENG_THICK_QUERY_H
+#define ENG_THICK_QUERY_H
+
+#include "query.h"
+
+struct eng_thick_query {
+    /* kind: PCCD_VF, PCCD_EE, or PCCD_VE, PCCD_VV of enum pccd_near_kind. Coordinates are
+     * finite, of magnitude at most 1e18. */
+    struct eng_query query;
+    double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
+    double approach;  /* 0, or 0 < approach < 1 */
+};
+
+#endif
