@@ -94,6 +94,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/thick.h \
     daemon/engine/elementary/thick_advance.c \
     daemon/engine/elementary/thick_advance.h \
+    daemon/engine/elementary/thick_batch.c \
+    daemon/engine/elementary/thick_batch.h \
     daemon/engine/elementary/thick_exact.c \
     daemon/engine/elementary/thick_exact.h \
     daemon/engine/elementary/thick_roots.c \

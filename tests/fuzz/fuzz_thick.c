@@ -136,7 +136,7 @@ const char *fuzz_thick_judge(struct fuzz_thick_run *run,
     return what;
 }
 
-static bool same_hit(const struct eng_hit *a, const struct eng_hit *b)
+bool fuzz_thick_same_hit(const struct eng_hit *a, const struct eng_hit *b)
 {
     return a->flags == b->flags && memcmp(&a->toi, &b->toi, sizeof a->toi) == 0 &&
            memcmp(&a->toi_hi, &b->toi_hi, sizeof a->toi_hi) == 0 &&
@@ -144,8 +144,8 @@ static bool same_hit(const struct eng_hit *a, const struct eng_hit *b)
            memcmp(a->normal, b->normal, sizeof a->normal) == 0;
 }
 
-static void print_case(FILE *log, const struct fuzz_thick_case *made,
-                       const struct eng_hit *hit, const char *what)
+void fuzz_thick_print(FILE *log, const struct fuzz_thick_case *made,
+                      const struct eng_hit *hit, const char *what)
 {
     const struct eng_thick_query *query = &made->query;
     fprintf(log, "# wrong: %s, family %s; flags %u, %a .. %a\n", what,
@@ -187,7 +187,7 @@ static void fail(struct fuzz_thick_run *run, const struct fuzz_thick_case *made,
                  const struct eng_hit *hit, const char *what)
 {
     run->failures++;
-    print_case(run->log, made, hit, what);
+    fuzz_thick_print(run->log, made, hit, what);
 }
 
 /* By doubles first, then by integers alone; hits[i] has no flags where there is none. */
@@ -221,7 +221,7 @@ static bool agree(const bool found[ENG_THICK_STAGES],
             return true;
         }
     }
-    return found[0] == found[1] && (!found[0] || same_hit(&hits[0], &hits[1]));
+    return found[0] == found[1] && (!found[0] || fuzz_thick_same_hit(&hits[0], &hits[1]));
 }
 
 static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *made)
@@ -232,7 +232,7 @@ static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *m
     solve_both(run, made, found, hits);
     if (!agree(found, hits)) {
         fail(run, made, &hits[0], "integers say otherwise");
-        print_case(run->log, made, &hits[1], "this is what they say");
+        fuzz_thick_print(run->log, made, &hits[1], "this is what they say");
     }
     if (prng_below(&run->prng, run->oracle_each) == 0) {
         struct truth truth = find_truth(made);

@@ -76,6 +76,11 @@ const char *fuzz_thick_judge(struct fuzz_thick_run *run,
                              const struct fuzz_thick_case *made,
                              enum eng_thick_stage first);
 
+bool fuzz_thick_same_hit(const struct eng_hit *a, const struct eng_hit *b);
+/* A case, and what is wrong with a hit. */
+void fuzz_thick_print(FILE *log, const struct fuzz_thick_case *made,
+                      const struct eng_hit *hit, const char *what);
+
 /* More cases, until some have failed. */
 void fuzz_thick_more(struct fuzz_thick_run *run, uint64_t count);
 

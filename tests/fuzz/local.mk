@@ -58,6 +58,7 @@ tests_fuzz_test_eng_distance_LDADD = $(FUZZ_LDADD) $(CMOCKA_LIBS)
 #
 # make fuzz-thick FUZZ_QUERIES=1e7 FUZZ_SEED=1 FUZZ_JOBS=2
 fuzz_thick_sources = tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick.h \
+    tests/fuzz/fuzz_thick_lanes.c tests/fuzz/fuzz_thick_lanes.h \
     tests/fuzz/fuzz_thick_make.c
 
 check_PROGRAMS += tests/fuzz/thick tests/fuzz/test_eng_thick_fuzz

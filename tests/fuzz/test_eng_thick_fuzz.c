@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "fuzz_thick.h"
+#include "fuzz_thick_lanes.h"
 
 /* If it failed, a pair would come within r unseen, be said to when it does not, or be
  * said to too late; or that would depend on whether doubles or integers found it. */
@@ -50,10 +50,25 @@ static void thick__is_possible_only_where_exponents_are_far_apart(void **state)
     fuzz_thick_deinit(&run);
 }
 
+/* If it failed, an answer would depend on the processor, or on which pairs are asked about
+ * together; or the kernel would reject a pair that comes within r. */
+static void thick__is_the_same_in_lanes(void **state)
+{
+    static struct fuzz_thick_lanes run;
+    (void)state;
+    fuzz_thick_lanes_init(&run, prng_seed(), stderr);
+    fuzz_thick_lanes_more(&run, 150);
+    assert_int_equal(run.failures, 0);
+    assert_true(run.cases > 2000 && run.hits > run.cases / 5);
+    assert_true(run.survivors > run.cases / 2 && run.survivors < run.cases * 3 / 4);
+    fuzz_thick_lanes_deinit(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thick__is_what_the_oracle_says),
+        cmocka_unit_test(thick__is_the_same_in_lanes),
         cmocka_unit_test(thick__is_possible_only_where_exponents_are_far_apart),
     };
     return cmocka_run_group_tests_name("eng_thick_fuzz", tests, NULL, NULL);

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "fuzz_thick.h"
+#include "fuzz_thick_lanes.h"
 #include "kinds.h"
 
 #define JOBS_MAX 64
@@ -43,6 +43,23 @@ static void print(const struct fuzz_thick_run *run, uint64_t seed)
     fflush(stdout);
 }
 
+/* As many cases again, in chunks, for every instruction set. */
+static int work_in_lanes(uint64_t seed, uint64_t count)
+{
+    static struct fuzz_thick_lanes run;
+    fuzz_thick_lanes_init(&run, seed, stdout);
+    while (run.cases < count && run.failures == 0) {
+        fuzz_thick_lanes_more(&run, 200);
+    }
+    printf("seed %" PRIu64 ", in lanes: %" PRIu64 " cases by %" PRIu64
+           " instruction sets, %" PRIu64 " failures; %" PRIu64 " not rejected, %" PRIu64
+           " hits\n",
+           seed, run.cases, run.sets, run.failures, run.survivors, run.hits);
+    fflush(stdout);
+    fuzz_thick_lanes_deinit(&run);
+    return run.failures > 0;
+}
+
 /* The oracle takes as long as both stages of so many cases. */
 static uint64_t oracle_each = 32;
 
@@ -63,7 +80,7 @@ static int work(uint64_t seed, uint64_t count, bool with_families)
     }
     fflush(stdout);
     fuzz_thick_deinit(&run);
-    return run.failures > 0;
+    return run.failures > 0 || work_in_lanes(seed, count);
 }
 
 int main(int argc, char **argv)

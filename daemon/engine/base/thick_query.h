@@ -18,4 +18,10 @@ struct eng_thick_query {
     double approach;  /* 0, or 0 < approach < 1 */
 };
 
+/* Not below the sum of the three, whose additions round. */
+static inline double eng_thick_reach(const double radius[3])
+{
+    return (radius[0] + radius[1] + radius[2]) * (1 + 4 * ENG_U);
+}
+
 #endif

@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "kernel.h"
+#include "kinds.h"
 #include "solve.h"
 #include "thick_advance.h"
 
@@ -46,6 +48,22 @@ static void set_cell(struct eng_hit *hit, int64_t cell, int depth)
     hit->toi_hi = eng_thick_cell_begin(cell + 1, depth);
 }
 
+/* Of a pair that integers gave up: a batch would not have come so far with it. */
+static bool stays_beyond(const struct eng_thick_query *query)
+{
+    static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+    struct eng_point points[4];
+    uint32_t kept;
+    double reach = eng_thick_reach(query->radius);
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query->query.x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query->query.x[1][i], sizeof points[i].x1);
+    }
+    return eng_kernels_of(ENG_ISA_SCALAR)
+               ->stay_beyond(common_kinds[(uint32_t)query->query.kind].points[0], points,
+                             quads, 1, &reach, &kept) == 0;
+}
+
 /* By integers. `reached`: before that time there is no contact. */
 static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query *query,
                            int depth, double reached, struct eng_hit *hit)
@@ -53,7 +71,8 @@ static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query
     struct eng_thick_verdict verdict;
     eng_thick_exact_decide(&thick->exact, query, depth, &verdict);
     thick->decided[ENG_THICK_BY_INTEGERS]++;
-    if (verdict.found == ENG_THICK_NONE) {
+    if (verdict.found == ENG_THICK_NONE ||
+        (verdict.found == ENG_THICK_GIVEN_UP && stays_beyond(query))) {
         return false;
     }
     if (verdict.found == ENG_THICK_GIVEN_UP) {

@@ -8,6 +8,7 @@
  * Threads:  [any].
  * Source:   query.h; the margins are derived in BOUNDS.md.
  */
+#include "directions.h"
 #include "points.h"
 #include "query.h"
 #include "table.h"
@@ -46,26 +47,14 @@ ENG_INLINE struct pairs load(enum pccd_kind kind, const struct eng_group *group)
     return pairs;
 }
 
-/* Coordinate x, y or z; x + y, x - y, y + z, y - z, z + x, z - x. */
-ENG_INLINE eng_d along(struct eng_v v, int direction)
-{
-    if (direction < 3) {
-        return direction == 0 ? v.x : direction == 1 ? v.y : v.z;
-    }
-    int plane = (direction - 3) / 2;
-    eng_d first = plane == 0 ? v.x : plane == 1 ? v.y : v.z;
-    eng_d second = plane == 0 ? v.y : plane == 1 ? v.z : v.x;
-    return direction % 2 ? first + second : first - second;
-}
-
 /* Smallest and largest difference along a direction at one end. */
 ENG_INLINE void project(const struct pairs *pairs, int end, int direction, eng_d *low,
                         eng_d *high)
 {
-    *low = *high = along(pairs->d[end][0], direction);
+    *low = *high = eng_along(pairs->d[end][0], direction);
 #pragma GCC unroll 3
     for (int i = 1; i < pairs->count; i++) {
-        eng_d s = along(pairs->d[end][i], direction);
+        eng_d s = eng_along(pairs->d[end][i], direction);
         *low = eng_d_min(*low, s);
         *high = eng_d_max(*high, s);
     }

@@ -176,6 +176,14 @@ struct eng_kernels {
     void (*measure)(enum pccd_kind kind, const struct eng_point *points,
                     const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
                     uint32_t end, double d, struct eng_measured *out);
+    /* Thick features: write the pairs 0 .. count-1 that are not certainly farther apart
+     * than reach[..], all over the step, to kept[count]; returns how many. quads: the
+     * points of the kind, the last one repeated; points_a of them, 1 or 2, are feature
+     * a's. reach: 0 or more, and not below the pair's r. */
+    uint32_t (*stay_beyond)(uint32_t points_a, const struct eng_point *points,
+                            const uint32_t (*quads)[4], uint32_t count,
+                            const double *reach, uint32_t *kept);
+
     /* Edges and faces, indices as the points of eng_distance_crosses: append to `out`. */
     void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
                         uint32_t count, uint32_t end, struct eng_crossed *out);

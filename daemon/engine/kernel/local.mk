@@ -14,6 +14,7 @@ kernel_sources = \
     daemon/engine/kernel/bracket.c \
     daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/cubic.h \
+    daemon/engine/kernel/directions.h \
     daemon/engine/kernel/enclose.h \
     daemon/engine/kernel/filter.c \
     daemon/engine/kernel/halves.h \
@@ -47,6 +48,7 @@ kernel_sources = \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
     daemon/engine/kernel/spot.h \
+    daemon/engine/kernel/stay_beyond.c \
     daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \

@@ -35,5 +35,6 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .bracket = ENG_KERNEL(bracket),
     .beyond = ENG_KERNEL(beyond),
     .measure = ENG_KERNEL(measure),
+    .stay_beyond = ENG_KERNEL(stay_beyond),
     .cross_faces = ENG_KERNEL(cross_faces),
 };

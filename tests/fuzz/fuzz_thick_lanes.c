@@ -1,0 +1,141 @@
+/* fuzz_thick_lanes.c - thick features in chunks against one at a time.
+ *
+ * Room:     tests/fuzz.
+ * Does:     see fuzz_thick_lanes.h.
+ * Threads:  one for one run.
+ */
+#include "fuzz_thick_lanes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "kinds.h"
+
+#define FAILURES_MAX 10
+
+/* A chunk of one kind, and what thick.h says of it. */
+struct chunk {
+    struct eng_thick_question question;
+    uint32_t count;
+    struct fuzz_thick_case cases[FUZZ_THICK_CHUNK];
+    struct eng_point points[4 * FUZZ_THICK_CHUNK];
+    uint32_t quads[FUZZ_THICK_CHUNK][4];
+    double radius[FUZZ_THICK_CHUNK][3];
+    bool is_found[FUZZ_THICK_CHUNK];
+    struct eng_hit hits[FUZZ_THICK_CHUNK];
+};
+
+void fuzz_thick_lanes_init(struct fuzz_thick_lanes *run, uint64_t seed, FILE *log)
+{
+    memset(run, 0, sizeof *run);
+    run->prng.state = seed;
+    run->log = log;
+    if (eng_thick_init(&run->thick) != PCCD_OK ||
+        eng_exact_init(&run->contacts) != PCCD_OK) {
+        abort();
+    }
+}
+
+void fuzz_thick_lanes_deinit(struct fuzz_thick_lanes *run)
+{
+    eng_thick_deinit(&run->thick);
+    eng_exact_deinit(&run->contacts);
+}
+
+/* Of a kind, with one approach for all. */
+static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
+{
+    memset(chunk, 0, sizeof *chunk);
+    chunk->question.kind = (uint32_t)prng_below(&run->prng, 4);
+    chunk->question.tolerance = 1e-6;
+    chunk->question.t_end = prng_below(&run->prng, 3) ? 1 : 0.4;
+    chunk->question.approach = prng_below(&run->prng, 3) ? 0 : 0.6;
+    uint32_t wanted = 1 + (uint32_t)prng_below(&run->prng, FUZZ_THICK_CHUNK);
+    while (chunk->count < wanted) {
+        struct fuzz_thick_case *made = &chunk->cases[chunk->count];
+        fuzz_thick_make(&run->prng, made);
+        if ((uint32_t)made->query.query.kind != chunk->question.kind) {
+            continue;
+        }
+        made->query.approach = chunk->question.approach;
+        uint32_t pair = chunk->count++;
+        memcpy(chunk->radius[pair], made->query.radius, sizeof chunk->radius[pair]);
+        for (uint32_t k = 0; k < 4; k++) {
+            struct eng_point *point = &chunk->points[4 * pair + k];
+            memcpy(point->x0, made->query.query.x[0][k], sizeof point->x0);
+            memcpy(point->x1, made->query.query.x[1][k], sizeof point->x1);
+            point->word0 = prng_next(&run->prng); /* nobody looks at these */
+            point->word1 = prng_next(&run->prng);
+            chunk->quads[pair][k] = 4 * pair + k;
+        }
+        chunk->is_found[pair] = eng_thick_solve(
+            &run->thick, &run->contacts, &made->query, chunk->question.tolerance,
+            chunk->question.t_end, &chunk->hits[pair]);
+    }
+}
+
+static void fail(struct fuzz_thick_lanes *run, const struct eng_kernels *kernels,
+                 const struct fuzz_thick_case *made, const char *what)
+{
+    run->failures++;
+    fprintf(run->log, "%s: ", kernels->name);
+    fuzz_thick_print(run->log, made, &(struct eng_hit){0}, what);
+}
+
+/* What the kernels of a set, and what follows, say of the chunk. */
+static void compare(struct fuzz_thick_lanes *run, const struct chunk *chunk,
+                    const struct eng_kernels *kernels, struct eng_thick_batch *batch)
+{
+    uint32_t count = eng_thick_batch_test(kernels, &chunk->question, chunk->points,
+                                          (const uint32_t(*)[4])chunk->quads,
+                                          (const double(*)[3])chunk->radius, chunk->count,
+                                          &run->thick, &run->contacts, batch);
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < chunk->count; i++) {
+        bool is_found = next < count && batch->index[next] == i;
+        if (is_found != chunk->is_found[i]) {
+            fail(run, kernels, &chunk->cases[i], "found, or not, in lanes alone");
+            return;
+        }
+        if (is_found && !fuzz_thick_same_hit(&batch->hits[next], &chunk->hits[i])) {
+            fail(run, kernels, &chunk->cases[i], "other bytes in lanes");
+        }
+        next += is_found;
+    }
+    if (next != count) {
+        fail(run, kernels, &chunk->cases[0], "a pair twice, or out of order");
+    }
+    run->hits += count;
+}
+
+static void run_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
+{
+    static struct eng_thick_batch batches[2];
+    uint32_t sets = 0;
+    make_chunk(run, chunk);
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        if (!kernels) {
+            continue;
+        }
+        struct eng_thick_batch *batch = &batches[sets > 0];
+        compare(run, chunk, kernels, batch);
+        run->survivors += batch->survivors;
+        run->cases += chunk->count;
+        if (batch->survivors != batches[0].survivors ||
+            memcmp(batch->left, batches[0].left,
+                   batch->survivors * sizeof *batch->left) != 0) {
+            fail(run, kernels, &chunk->cases[0], "other survivors than the first set");
+        }
+        sets++;
+    }
+    run->sets = sets;
+}
+
+void fuzz_thick_lanes_more(struct fuzz_thick_lanes *run, uint64_t chunks)
+{
+    static struct chunk chunk;
+    for (uint64_t i = 0; i < chunks && run->failures < FAILURES_MAX; i++) {
+        run_chunk(run, &chunk);
+    }
+}
