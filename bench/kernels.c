@@ -1,11 +1,13 @@
 /* bench/kernels.c - the engine's inner loops, each against a plain version of itself.
  *
  * Room:     bench; engine headers.
- * Does:     filter with solver against the solver alone, exact queries, the box test
+ * Does:     filter with solver against the solver alone, the same candidates with a
+ *           radius against those without, exact queries, the box test
  *           against scalar code, the merge against qsort, ingest against memcpy. Results
  *           are compared before a time is printed.
  * Threads:  one.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,7 @@
 #include "solve.h"
 #include "sorting.h"
 #include "test.h"
+#include "thick_batch.h"
 
 #define QUERY_MAX 60000u
 #define TRACE_MAX 2000000u
@@ -228,6 +231,100 @@ static void measure_tests(const struct bench_work *work, struct bench_candidates
     bench_free(&filter);
     bench_free(&again);
 }
+
+/* ---- thick features ---------------------------------------------------------------- */
+
+/* 1 % of the mean edge: between the last two points of each query. */
+static double radius_of(const struct records *records, uint32_t count)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const double *a = records->points[records->quads[i][2]].x0;
+        const double *b = records->points[records->quads[i][3]].x0;
+        sum += hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+    }
+    return 0.01 * sum / count;
+}
+
+struct thick_work {
+    struct eng_thick thick;
+    struct eng_thick_batch batch;
+    double (*radius)[3];
+    uint64_t survivors;
+    uint64_t contacts;
+};
+
+static void thick_in_chunks(struct thick_work *work, const struct records *records,
+                            const struct bench_candidates *c, struct eng_exact *exact)
+{
+    const struct eng_thick_question question = {
+        .kind = c->kind, .tolerance = TOLERANCE, .t_end = 1};
+    work->survivors = 0;
+    work->contacts = 0;
+    for (uint32_t i = 0; i < c->count; i += ENG_CHUNK_MAX) {
+        uint32_t n = c->count - i < ENG_CHUNK_MAX ? c->count - i : ENG_CHUNK_MAX;
+        work->contacts += eng_thick_batch_test(eng_kernels(), &question, records->points,
+                                               (const uint32_t(*)[4])records->quads + i,
+                                               (const double(*)[3])work->radius, n,
+                                               &work->thick, exact, &work->batch);
+        work->survivors += work->batch.survivors;
+    }
+}
+
+/* The candidates are those of a step without thickness; beside the same without. */
+static void measure_thick(const struct bench_work *work, struct bench_candidates *c,
+                          struct eng_exact *exact)
+{
+    static struct records records;
+    static struct thick_work thick;
+    const char *name = work->world.source->name;
+    bool is_vf = c->kind == PCCD_VF;
+    struct bench_samples with = {0};
+    struct bench_samples without = {0};
+    struct answers answers;
+    if (c->count == 0) {
+        return;
+    }
+    if (eng_thick_init(&thick.thick) != PCCD_OK) {
+        exit(2);
+    }
+    records_init(&records, work->world.scene, c);
+    answers_init(&answers, c->count);
+    thick.radius = bench_alloc(ENG_CHUNK_MAX, sizeof *thick.radius);
+    double radius = radius_of(&records, c->count);
+    for (uint32_t i = 0; i < ENG_CHUNK_MAX; i++) {
+        thick.radius[i][0] = radius;
+        thick.radius[i][1] = radius;
+        thick.radius[i][2] = 0;
+    }
+    for (unsigned r = 0; r < repeats; r++) {
+        uint64_t t0 = common_now_ns();
+        with_filter(&records, c, exact, &answers);
+        uint64_t t1 = common_now_ns();
+        thick_in_chunks(&thick, &records, c, exact);
+        uint64_t t2 = common_now_ns();
+        if (r > 0) {
+            bench_add(&without, (double)(t1 - t0) / c->count);
+            bench_add(&with, (double)(t2 - t1) / c->count);
+        }
+    }
+    bench_number(name, is_vf ? "VF thick, left" : "EE thick, left", "share",
+                 (double)thick.survivors / c->count);
+    bench_number(name, is_vf ? "VF thick, contacts" : "EE thick, contacts", "share",
+                 (double)thick.contacts / c->count);
+    bench_number(name, is_vf ? "VF thick, by integers" : "EE thick, by integers", "share",
+                 (double)thick.thick.decided[ENG_THICK_BY_INTEGERS] /
+                     ((double)c->count * repeats));
+    print(name, is_vf ? "VF thick" : "EE thick", "ns", &with, "no radius", &without);
+    eng_thick_deinit(&thick.thick);
+    free(thick.radius);
+    records_deinit(&records);
+    answers_deinit(&answers);
+    bench_free(&with);
+    bench_free(&without);
+}
+
+/* ---- contacts ---------------------------------------------------------------------- */
 
 /* Contacts that the solver proves by itself, one after the other, their points at
  * hand. */
@@ -451,6 +548,8 @@ static void measure_scene(const struct bench_scene *scene, bool smoke)
     }
     measure_tests(&work, &work.vf, &exact);
     measure_tests(&work, &work.ee, &exact);
+    measure_thick(&work, &work.vf, &exact);
+    measure_thick(&work, &work.ee, &exact);
     measure_contacts(&work, &work.vf, &exact);
     measure_contacts(&work, &work.ee, &exact);
     measure_exact(&work, &work.vf, &exact);

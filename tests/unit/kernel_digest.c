@@ -230,6 +230,11 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     static uint32_t kept[PAIRS];
     uint64_t apart = DIGEST_BEGIN;
     uint64_t filter = DIGEST_BEGIN;
+    uint64_t stay_beyond = DIGEST_BEGIN;
+    double reach[PAIRS];
+    for (uint32_t i = 0; i < PAIRS; i++) {
+        reach[i] = 0.25 * (i % 8);
+    }
     for (uint32_t i = 0; i < 2 * 40; i++) {
         enum pccd_kind kind = i % 2 ? PCCD_EE : PCCD_VF;
         uint32_t count = PAIRS - i / 2;
@@ -238,9 +243,14 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
         left = kernels->filter(kind, ground->points, ground->quads, ground->all, count,
                                kept);
         filter = digest(digest(filter, &left, sizeof left), kept, left * sizeof *kept);
+        left = kernels->stay_beyond(1 + i % 2, ground->points, ground->quads, count,
+                                    reach, kept);
+        stay_beyond =
+            digest(digest(stay_beyond, &left, sizeof left), kept, left * sizeof *kept);
     }
     say(kernels, "apart", apart);
     say(kernels, "filter", filter);
+    say(kernels, "stay_beyond", stay_beyond);
 }
 
 /* Grids that hold all but the last quarter of the points, or nothing. */

@@ -13,6 +13,7 @@
 #include "thick_advance.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "closest.h"
@@ -42,10 +43,13 @@ static void subtract(const struct eng_query *query, int i, int j, double out[2][
     eng_sub(out[1], query->x[1][i], query->x[1][j]);
 }
 
-static void scale(double v[2][3], int exponent)
+/* Times 2^exponent, which is `factor` if that is a number; exactly, but for what falls
+ * below the normal range. */
+static void scale(double v[2][3], double factor, int exponent)
 {
     for (int i = 0; i < 6; i++) {
-        v[i / 3][i % 3] = ldexp(v[i / 3][i % 3], exponent);
+        double *x = &v[i / 3][i % 3];
+        *x = factor > 0 ? *x * factor : ldexp(*x, exponent);
     }
 }
 
@@ -95,12 +99,13 @@ void eng_thick_motion_load(struct eng_thick_motion *motion,
     }
     motion->is_nothing = size == 0;
     frexp(size, &exponent);
+    double factor = abs(exponent) < 1000 ? ldexp(1, -exponent) : 0;
     for (int i = 0; i < motion->count; i++) {
-        scale(motion->w[i], -exponent);
+        scale(motion->w[i], factor, -exponent);
     }
-    scale(motion->p, -exponent);
-    scale(motion->b, -exponent);
-    scale(motion->c, -exponent);
+    scale(motion->p, factor, -exponent);
+    scale(motion->b, factor, -exponent);
+    scale(motion->c, factor, -exponent);
     double r = query->radius[0] + query->radius[1] + query->radius[2];
     r = scaled_radius(r, -exponent);
     motion->r_lo = r * (1 - ROUNDED) - ENG_TINY;

@@ -47,14 +47,14 @@ static int64_t cell_at(int64_t number)
 
 int64_t eng_thick_cell_of(double t, int depth)
 {
-    return cell_at((int64_t)ldexp(t, depth + ENG_THICK_CELL_BITS));
+    return cell_at((int64_t)(t * (double)(INT64_C(1) << (depth + ENG_THICK_CELL_BITS))));
 }
 
 double eng_thick_cell_begin(int64_t cell, int depth)
 {
     double number = (double)(cell * (1 << ENG_THICK_CELL_BITS) + ENG_THICK_CELL_OFFSET);
-    double t = cell < 0 ? 0 : ldexp(number, -depth - ENG_THICK_CELL_BITS);
-    return t < 1 ? t : 1;
+    double t = number / (double)(INT64_C(1) << (depth + ENG_THICK_CELL_BITS));
+    return cell < 0 ? 0 : t < 1 ? t : 1;
 }
 
 /* The cell of num / 2^k, or of what lies between that and (num + 1) / 2^k if k is at

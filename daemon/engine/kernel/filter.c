@@ -12,12 +12,10 @@
 #include "points.h"
 #include "query.h"
 #include "table.h"
+#include "times.h"
 
 /* Differences between points of one feature and points of the other: 3 or 4. */
 #define DIFFERENCES_MAX 4
-
-/* Two fractions of rounded gaps are within 10 u of the true ones; BOUNDS.md. */
-#define SLACK (1 + 32 * ENG_U)
 
 struct pairs {
     int count;
@@ -60,45 +58,20 @@ ENG_INLINE void project(const struct pairs *pairs, int end, int direction, eng_d
     }
 }
 
-/* Times as fractions n / d: when the pair can touch first and last. Both terms of
- * `from` are >= 0, both of `to` <= 0. */
-struct span {
-    eng_d from_n, from_d;
-    eng_d to_n, to_d;
-};
-
-/* A gap g0 at t = 0, at least; g1 at t = 1; negative: none. It is concave in t, so there
- * is one before (after) the root of its chord, g0 / (g0 - g1), if g0 (g1) is positive. */
-ENG_INLINE void cut(struct span *span, eng_d g0, eng_d g1)
-{
-    const eng_d zero = {0};
-    eng_d fall = g0 - g1;
-    eng_dm later = eng_dm_and(eng_d_less(zero, g0),
-                              eng_d_less(span->from_n * fall, g0 * span->from_d));
-    eng_dm sooner =
-        eng_dm_and(eng_d_less(zero, g1), eng_d_less(g0 * span->to_d, span->to_n * fall));
-    span->from_n = eng_d_select(later, g0, span->from_n);
-    span->from_d = eng_d_select(later, fall, span->from_d);
-    span->to_n = eng_d_select(sooner, g0, span->to_n);
-    span->to_d = eng_d_select(sooner, fall, span->to_d);
-}
-
 /* Do x, y and z together leave no time? */
 ENG_INLINE eng_dm never_together(const struct pairs *pairs)
 {
-    const eng_d zero = {0};
-    struct span span = {zero, zero + 1, zero - 1, zero - 1};
+    struct eng_times times = eng_times_all();
 #pragma GCC unroll 3
     for (int axis = 0; axis < 3; axis++) {
         eng_d low[2];
         eng_d high[2];
         project(pairs, 0, axis, &low[0], &high[0]);
         project(pairs, 1, axis, &low[1], &high[1]);
-        cut(&span, low[0], low[1]);
-        cut(&span, -high[0], -high[1]);
+        eng_times_cut(&times, low[0], low[1]);
+        eng_times_cut(&times, -high[0], -high[1]);
     }
-    return eng_d_less(span.from_n * span.to_d,
-                      span.to_n * span.from_d * SLACK - ENG_TINY);
+    return eng_times_are_none(&times);
 }
 
 /* Separated along x+-y, y+-z or z+-x? Each sum of two rounded differences is within

@@ -52,6 +52,7 @@ kernel_sources = \
     daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
+    daemon/engine/kernel/times.h \
     daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c
 kernel_cppflags = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS)

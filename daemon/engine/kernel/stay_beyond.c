@@ -5,7 +5,8 @@
  * Does:     reject pairs of which some direction certainly keeps all points of the one
  *           more than r beyond all points of the other, at both ends and so all over the
  *           step: the axes, the face diagonals, across both features and between their
- *           middles as they lie half way.
+ *           middles as they lie half way; or of which no time is left when all axes are
+ *           asked.
  * Threads:  [any].
  * Source:   BOUNDS.md, "Thick features in lanes".
  */
@@ -13,6 +14,7 @@
 #include "directions.h"
 #include "points.h"
 #include "table.h"
+#include "times.h"
 
 /* From a point of feature b to one of a. */
 #define DIFFERENCES_MAX 4
@@ -46,6 +48,31 @@ ENG_INLINE struct pairs load(uint32_t points_a, const struct eng_group *group,
     }
     pairs.reach = eng_d_load(reach) * (1 + 16 * ENG_U);
     return pairs;
+}
+
+/* Do x, y and z together leave no time? At an end, the gap less what it has to be. */
+ENG_INLINE eng_dm never_together(const struct pairs *pairs)
+{
+    struct eng_times times = eng_times_all();
+    eng_d reach = pairs->reach + 4 * ENG_U * pairs->size;
+#pragma GCC unroll 3
+    for (int axis = 0; axis < 3; axis++) {
+        eng_d low[2];
+        eng_d high[2];
+#pragma GCC unroll 2
+        for (int end = 0; end < 2; end++) {
+            low[end] = high[end] = eng_along(pairs->d[end][0], axis);
+#pragma GCC unroll 3
+            for (int i = 1; i < pairs->count; i++) {
+                eng_d s = eng_along(pairs->d[end][i], axis);
+                low[end] = eng_d_min(low[end], s);
+                high[end] = eng_d_max(high[end], s);
+            }
+        }
+        eng_times_cut(&times, low[0] - reach, low[1] - reach);
+        eng_times_cut(&times, -high[0] - reach, -high[1] - reach);
+    }
+    return eng_times_are_none(&times);
 }
 
 /* Is one feature more than `reach` beyond the other, at both ends? */
@@ -137,6 +164,9 @@ ENG_INLINE uint32_t stay_beyond(uint32_t points_a, const struct eng_point *point
         struct eng_group group = eng_group_of(points, quads, pairs, n);
         struct pairs loaded = load(points_a, &group, own);
         uint32_t gone = eng_dm_bits(beyond_by_axes(&loaded));
+        if (gone != ENG_D_ALL) { /* pairs that an axis separates are not for it */
+            gone |= eng_dm_bits(never_together(&loaded));
+        }
         if (gone != ENG_D_ALL) {
             gone |= eng_dm_bits(beyond_half_way(&loaded));
         }
