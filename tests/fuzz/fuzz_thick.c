@@ -258,7 +258,7 @@ void fuzz_thick_more(struct fuzz_thick_run *run, uint64_t count)
 {
     for (uint64_t i = 0; i < count && run->failures < FAILURES_MAX; i++) {
         struct fuzz_thick_case made;
-        fuzz_thick_make(&run->prng, &made);
+        fuzz_thick_make(&run->prng, run->least_kind, &made);
         run_case(run, &made);
     }
 }

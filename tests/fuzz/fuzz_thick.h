@@ -54,6 +54,7 @@ struct fuzz_thick_run {
     FILE *log; /* of failures */
     struct eng_thick thick;
     struct eng_exact contacts;
+    uint32_t least_kind;  /* as for fuzz_thick_make; 0 at first */
     uint64_t oracle_each; /* the oracle judges one case of so many; 1: all */
     uint64_t judged;      /* cases that it did */
     uint64_t failures;
@@ -66,7 +67,9 @@ const char *fuzz_thick_name(enum fuzz_thick_family family);
 /* Of the feature of a, side 0, or of b, side 1. */
 int fuzz_thick_points(const struct fuzz_thick_case *made, int side);
 bool fuzz_thick_is_of_b(const struct fuzz_thick_case *made, int point);
-void fuzz_thick_make(struct prng *prng, struct fuzz_thick_case *made);
+/* least_kind: 0 for all kinds, PCCD_VE for VE and VV alone. */
+void fuzz_thick_make(struct prng *prng, uint32_t least_kind,
+                     struct fuzz_thick_case *made);
 
 void fuzz_thick_init(struct fuzz_thick_run *run, uint64_t seed, FILE *log);
 void fuzz_thick_deinit(struct fuzz_thick_run *run);

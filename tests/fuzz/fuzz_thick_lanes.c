@@ -53,7 +53,7 @@ static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
     uint32_t wanted = 1 + (uint32_t)prng_below(&run->prng, FUZZ_THICK_CHUNK);
     while (chunk->count < wanted) {
         struct fuzz_thick_case *made = &chunk->cases[chunk->count];
-        fuzz_thick_make(&run->prng, made);
+        fuzz_thick_make(&run->prng, 0, made);
         if ((uint32_t)made->query.query.kind != chunk->question.kind) {
             continue;
         }

@@ -372,12 +372,13 @@ static void cut(double *x, double most)
     *x = *x > most ? most : *x < -most ? -most : *x;
 }
 
-void fuzz_thick_make(struct prng *prng, struct fuzz_thick_case *made)
+void fuzz_thick_make(struct prng *prng, uint32_t least_kind, struct fuzz_thick_case *made)
 {
     static const double tolerances[4] = {1e-6, 1e-6, 1e-12, 0.5};
     memset(made, 0, sizeof *made);
     made->family = (enum fuzz_thick_family)prng_below(prng, FUZZ_THICK_FAMILIES);
-    made->query.query.kind = (enum pccd_kind)prng_below(prng, 4);
+    made->query.query.kind =
+        (enum pccd_kind)(least_kind + prng_below(prng, 4 - least_kind));
     made->tolerance = tolerances[prng_below(prng, 4)];
     makers[made->family](prng, made);
     bool fits = made->family < FUZZ_THICK_FAR && made->family != FUZZ_THICK_ZERO;

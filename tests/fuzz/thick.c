@@ -2,7 +2,8 @@
  *
  * Room:     tests/fuzz.
  * Does:     make cases from a seed, in several processes with seeds of their own, and
- *           compare every verdict and time. Prints what is wrong, and ends with 1 then.
+ *           compare every verdict and time; --short: of VE and VV alone. Prints what is
+ *           wrong, and ends with 1 then.
  * Threads:  one a process.
  */
 #include <inttypes.h>
@@ -62,12 +63,14 @@ static int work_in_lanes(uint64_t seed, uint64_t count)
 
 /* The oracle takes as long as both stages of so many cases. */
 static uint64_t oracle_each = 32;
+static uint32_t least_kind;
 
 static int work(uint64_t seed, uint64_t count, bool with_families)
 {
     static struct fuzz_thick_run run;
     fuzz_thick_init(&run, seed, stdout);
     run.oracle_each = oracle_each;
+    run.least_kind = least_kind;
     uint64_t left = count;
     while (left > 0 && run.failures == 0) {
         uint64_t round = left < ROUND ? left : ROUND;
@@ -95,6 +98,8 @@ int main(int argc, char **argv)
             seed = strtoull(argv[++i], NULL, 0);
         } else if (i + 1 < argc && strcmp(argv[i], "--oracle") == 0) {
             oracle_each = strtoull(argv[++i], NULL, 0);
+        } else if (strcmp(argv[i], "--short") == 0) {
+            least_kind = PCCD_VE;
         } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
             job_count = strtol(argv[++i], NULL, 10);
         } else {
@@ -102,9 +107,10 @@ int main(int argc, char **argv)
         }
     }
     if (job_count < 1 || job_count > JOBS_MAX || oracle_each < 1) {
-        fprintf(stderr,
-                "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH]\n",
-                argv[0], JOBS_MAX);
+        fprintf(
+            stderr,
+            "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH] [--short]\n",
+            argv[0], JOBS_MAX);
         return 2;
     }
     uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;
