@@ -50,8 +50,8 @@ static void thick__is_possible_only_where_exponents_are_far_apart(void **state)
     fuzz_thick_deinit(&run);
 }
 
-/* If it failed, an answer would depend on the processor, or on which pairs are asked about
- * together; or the kernel would reject a pair that comes within r. */
+/* If it failed, an answer would depend on the processor, or on which pairs are asked
+ * about together; or the kernel would reject a pair that comes within r. */
 static void thick__is_the_same_in_lanes(void **state)
 {
     static struct fuzz_thick_lanes run;

@@ -6,9 +6,10 @@
  *           margins, and by integers where they are not sure. A miss is certain, a
  *           contact exists; only what exhausts integers' bounds is `possible`.
  * Does not: know objects, which pairs there are, or which of them rest excludes. No step
- *           calls it yet: tests/unit/test_eng_thick, tests/fuzz/thick (make fuzz-thick)
- *           and bench/exact do. A step is to call it as it calls eng_solve: a row of
- *           solvers.h for each kind, with the pair's radii beside its points.
+ *           calls it yet: tests/unit/test_eng_thick, tests/fuzz/test_eng_thick_fuzz,
+ *           tests/fuzz/thick (make fuzz-thick), bench/exact and bench/kernels do. A step
+ *           is to call thick_batch.h as it calls batch.h, with the radii of each pair
+ *           beside its points.
  * Threads:  one thread for one scratch. Decisions allocate nothing.
  * Source:   BOUNDS.md, "Thick features".
  *
@@ -29,7 +30,7 @@
  * the tolerance asks for it. So the bytes are a function of the first time and of the
  * tolerance alone, whichever stage has found them; before toi the distance is more
  * than r. Without PCCD_PROVED: nobody knows whether there is such a t; toi_hi is 1, and
- * before toi there is none.
+ * before toi there is none. That is left of pairs whose exponents are far apart.
  */
 #ifndef ENG_THICK_H
 #define ENG_THICK_H

@@ -1,5 +1,5 @@
-/* daemon/engine/kernel/times.h - when two features can meet, as far as gaps along axes say,
- * a pair to each lane.
+/* daemon/engine/kernel/times.h - when two features can meet, as far as gaps along axes
+ * say, a pair to each lane.
  *
  * Room:     engine. May include: lanes.h, query.h.
  * Does:     keep the first and the last time as fractions, so that nothing is divided.
