@@ -401,7 +401,8 @@ static const char *judge(struct fuzz_distance_run *run,
     if (eng_distance_crosses(&run->distances, x) != truth->crosses) {
         what = "crosses";
     }
-    if (truth->crosses && eng_distance_crossing(&run->distances, x) != oracle_crossing(x)) {
+    if (truth->crosses &&
+        eng_distance_crossing(&run->distances, x) != oracle_crossing(x)) {
         what = "where it crosses";
     }
     return what;
