@@ -98,7 +98,9 @@ static uint32_t order_objects(struct eng_near_memory *memory,
             memory->order[count++] = (uint64_t)scene->objects[i].id << 32 | i;
         }
     }
-    qsort(memory->order, count, sizeof *memory->order, compare_ids);
+    if (count > 1) { /* of no object there may be no memory */
+        qsort(memory->order, count, sizeof *memory->order, compare_ids);
+    }
     return count;
 }
 

@@ -77,10 +77,12 @@ struct eng_near_result near_kit_ask(struct near_kit *kit,
             count = result.count;
             kept = malloc((size_t)count * result.record_bytes + 1);
             assert_non_null(kept);
-            memcpy(kept, result.records, (size_t)count * result.record_bytes);
+            if (count > 0) { /* else there may be no records to point to */
+                memcpy(kept, result.records, (size_t)count * result.record_bytes);
+            }
         }
         assert_int_equal(result.count, count);
-        if (settings->gap == 0) {
+        if (settings->gap == 0 && count > 0) {
             assert_memory_equal(result.records, kept,
                                 (size_t)count * result.record_bytes);
         }
