@@ -11,14 +11,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "fuzz_distance.h"
+#include "fuzz_jobs.h"
 #include "fuzz_lanes.h"
 
-#define JOBS_MAX 64
-#define ROUND    1000000u
+#define ROUND 1000000u
 
 /* The oracle makes and forgets some hundred integers a case. They come from a block that
  * begins again whenever none is left: with malloc a case takes a quarter more time. */
@@ -99,7 +97,8 @@ static void print_lanes(const struct fuzz_lanes_run *run, uint64_t seed)
 }
 
 /* Cases one at a time, and as many in chunks, by turns, until one has failed. */
-static int work(uint64_t seed, uint64_t count, bool with_families)
+/* The first job tells of the families. */
+static int work(uint64_t seed, uint64_t count, long job)
 {
     static struct fuzz_distance_run run;
     static struct fuzz_lanes_run lanes;
@@ -114,7 +113,7 @@ static int work(uint64_t seed, uint64_t count, bool with_families)
         fuzz_lanes_more(&lanes, left * 2 / FUZZ_LANES_MAX + 1);
         print_lanes(&lanes, seed);
     }
-    if (with_families) {
+    if (job == 0) {
         print_families(&run);
     }
     fuzz_lanes_deinit(&lanes);
@@ -138,29 +137,11 @@ int main(int argc, char **argv)
             job_count = 0;
         }
     }
-    if (job_count < 1 || job_count > JOBS_MAX) {
+    if (job_count < 1 || job_count > FUZZ_JOBS_MAX) {
         fprintf(stderr, "usage: %s [--cases N] [--seed N] [--jobs 1..%d]\n", argv[0],
-                JOBS_MAX);
+                FUZZ_JOBS_MAX);
         return 2;
     }
     mp_set_memory_functions(take, take_again, leave);
-    uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;
-    int failed = 0;
-    long started = 0;
-    for (; started < job_count; started++) {
-        pid_t pid = fork();
-        if (pid < 0) {
-            perror("fork");
-            failed = 1;
-            break;
-        }
-        if (pid == 0) {
-            _exit(work(seed + (uint64_t)started, each, started == 0));
-        }
-    }
-    for (; started > 0; started--) {
-        int status;
-        failed |= wait(&status) < 0 || status != 0;
-    }
-    return failed;
+    return fuzz_jobs_run(work, seed, count, job_count);
 }

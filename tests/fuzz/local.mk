@@ -45,7 +45,9 @@ fuzz_distance_sources = \
 check_PROGRAMS += tests/fuzz/distance tests/fuzz/test_eng_distance
 TESTS += tests/fuzz/test_eng_distance
 
-tests_fuzz_distance_SOURCES = tests/fuzz/distance.c $(fuzz_distance_sources)
+fuzz_jobs = tests/fuzz/fuzz_jobs.c tests/fuzz/fuzz_jobs.h
+
+tests_fuzz_distance_SOURCES = tests/fuzz/distance.c $(fuzz_jobs) $(fuzz_distance_sources)
 tests_fuzz_distance_CPPFLAGS = $(FUZZ_CPPFLAGS)
 tests_fuzz_distance_LDADD = $(FUZZ_LDADD)
 
@@ -64,7 +66,7 @@ fuzz_thick_sources = tests/fuzz/fuzz_thick.c tests/fuzz/fuzz_thick.h \
 check_PROGRAMS += tests/fuzz/thick tests/fuzz/test_eng_thick_fuzz
 TESTS += tests/fuzz/test_eng_thick_fuzz
 
-tests_fuzz_thick_SOURCES = tests/fuzz/thick.c $(fuzz_thick_sources)
+tests_fuzz_thick_SOURCES = tests/fuzz/thick.c $(fuzz_jobs) $(fuzz_thick_sources)
 tests_fuzz_thick_CPPFLAGS = $(FUZZ_CPPFLAGS)
 tests_fuzz_thick_LDADD = $(FUZZ_LDADD)
 

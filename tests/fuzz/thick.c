@@ -10,14 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "fuzz_jobs.h"
 #include "fuzz_thick_lanes.h"
 #include "kinds.h"
 
-#define JOBS_MAX 64
-#define ROUND    1000000u
+#define ROUND 1000000u
 
 static void print_counts(const char *name, const struct fuzz_thick_counts *counts)
 {
@@ -65,7 +63,8 @@ static int work_in_lanes(uint64_t seed, uint64_t count)
 static uint64_t oracle_each = 32;
 static uint32_t least_kind;
 
-static int work(uint64_t seed, uint64_t count, bool with_families)
+/* The first job tells of the families. */
+static int work(uint64_t seed, uint64_t count, long job)
 {
     static struct fuzz_thick_run run;
     fuzz_thick_init(&run, seed, stdout);
@@ -78,7 +77,7 @@ static int work(uint64_t seed, uint64_t count, bool with_families)
         left -= round;
         print(&run, seed);
     }
-    for (int i = 0; i < FUZZ_THICK_FAMILIES && with_families; i++) {
+    for (int i = 0; i < FUZZ_THICK_FAMILIES && job == 0; i++) {
         print_counts(fuzz_thick_name((enum fuzz_thick_family)i), &run.counts[i]);
     }
     fflush(stdout);
@@ -106,30 +105,12 @@ int main(int argc, char **argv)
             job_count = 0;
         }
     }
-    if (job_count < 1 || job_count > JOBS_MAX || oracle_each < 1) {
+    if (job_count < 1 || job_count > FUZZ_JOBS_MAX || oracle_each < 1) {
         fprintf(
             stderr,
             "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH] [--short]\n",
-            argv[0], JOBS_MAX);
+            argv[0], FUZZ_JOBS_MAX);
         return 2;
     }
-    uint64_t each = (count + (uint64_t)job_count - 1) / (uint64_t)job_count;
-    int failed = 0;
-    long started = 0;
-    for (; started < job_count; started++) {
-        pid_t pid = fork();
-        if (pid < 0) {
-            perror("fork");
-            failed = 1;
-            break;
-        }
-        if (pid == 0) {
-            _exit(work(seed + (uint64_t)started, each, started == 0));
-        }
-    }
-    for (; started > 0; started--) {
-        int status;
-        failed |= wait(&status) < 0 || status != 0;
-    }
-    return failed;
+    return fuzz_jobs_run(work, seed, count, job_count);
 }

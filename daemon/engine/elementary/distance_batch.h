@@ -18,8 +18,8 @@ struct eng_distance_question {
     uint32_t end;        /* of the step: 0: the points' x0, 1: their x1 */
     double distance;     /* 0 .. 1e18; exactly that is near enough */
     enum eng_distance_wanted wanted;
-    bool is_sifted; /* most pairs that are certainly farther apart are left out already:
-                     * none is looked for that is */
+    bool is_sifted; /* most pairs that are certainly farther apart are gone already, so
+                     * that looking for them once more is not worth it */
 };
 
 struct eng_distance_batch {

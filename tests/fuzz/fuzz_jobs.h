@@ -1,0 +1,20 @@
+/* fuzz_jobs.h - one random search in several processes.
+ *
+ * Room:     tests/fuzz.
+ * Does:     give each process a seed of its own and its share of the cases.
+ * Threads:  one a process.
+ */
+#ifndef FUZZ_JOBS_H
+#define FUZZ_JOBS_H
+
+#include <stdint.h>
+
+#define FUZZ_JOBS_MAX 64
+
+/* What one process does: 0 if nothing is wrong. `job`: 0 .. the number of jobs - 1. */
+typedef int (*fuzz_work_fn)(uint64_t seed, uint64_t count, long job);
+
+/* Process `job` works on seed + job. Waits for all; 0 if nothing is wrong in any. */
+int fuzz_jobs_run(fuzz_work_fn work, uint64_t seed, uint64_t count, long jobs);
+
+#endif
