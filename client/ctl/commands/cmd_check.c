@@ -43,7 +43,7 @@ struct check_options {
 static const struct argp_option option_list[] = {
     {"mode", OPTION_MODE, "all|first|any|pairs", 0,
      "all (every contact, the default), first (the earliest), any (yes or no), pairs "
-     "(the pairs that no axis separates)",
+     "(the pairs that no coordinate axis separates)",
      0},
     {"contacts", OPTION_CONTACTS, "FILE", 0,
      "Write the contacts as CSV; - is the standard output, and the report then goes to "
@@ -59,9 +59,9 @@ static const struct argp_option option_list[] = {
     {"tolerance", OPTION_TOLERANCE, "T", 0,
      "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
     {"trace", OPTION_TRACE, "FILE", 0,
-     "Record what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
+     "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
-     "With --trace: leave out what took less than U microseconds (default: 0)", 0},
+     "With --trace: leave out tasks that took less than U microseconds (default: 0)", 0},
     {"events", OPTION_EVENTS, "N", 0,
      "With --trace: keep the newest N events of each thread (default: 65536, or what "
      "fits)",

@@ -35,8 +35,8 @@ static const struct argp_option option_list[] = {
     {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
      0},
     {"near", OPTION_NEAR, NULL, 0,
-     "Write, for contacts, what the last answered question about what is near has told: "
-     "lines between nearest points, and edges that cross",
+     "Write the last answer about what is near instead of contacts: lines between "
+     "nearest points, and edges that cross",
      0},
     {0},
 };
@@ -86,7 +86,7 @@ const struct argp ctl_argp_export = {
     .args_doc = "FILE",
     .doc = "Write a step of a recording, with its contacts, for other programs.\vWithout "
            "--steps it is the last step that was answered, with --steps the last of the "
-           "range. With --near it is likewise a question about what is near. The "
+           "range; with --near it is the last answer about what is near instead. The "
            "contacts are those of the recording, or of a daemon that repeats the "
            "step.",
     .children = children};

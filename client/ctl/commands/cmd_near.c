@@ -29,17 +29,15 @@ struct near_options {
 
 static const struct argp_option option_list[] = {
     {"distance", OPTION_DISTANCE, "D", 0,
-     "How near: 0 (what touches) to 1e18. For pairs, features and vertices; nearest: "
-     "leave "
-     "out what is farther apart",
+     "How near: 0 (what touches) to 1e18. Needed for pairs, features and vertices; with "
+     "nearest it leaves out objects that are farther apart",
      0},
     {"what", OPTION_WHAT, "pairs|features|vertices|nearest|crossings|depth", 0,
-     "pairs (vertex-face and edge-edge within D, the default), features (the same, "
-     "merged "
-     "to the closest features), vertices (how near other features are to each), nearest "
-     "(for each two objects the nearest pair), crossings (edges that pass through "
-     "faces), "
-     "depth (how deep the vertices of closed meshes are in others)",
+     "pairs (vertex-face and edge-edge within D, the default), features (the closest "
+     "features of these pairs, each once), vertices (for each the least distance of the "
+     "pairs that it is part of, at most D), nearest (for each two objects the nearest "
+     "pair), crossings (edges that pass through faces), depth (how deep the vertices of "
+     "closed meshes are in others)",
      0},
     {"gap", OPTION_GAP, "G", 0,
      "nearest: end early, with a pair that is farther by at most G than the nearest", 0},
@@ -114,8 +112,8 @@ const struct argp ctl_argp_near = {
     .doc =
         "Tell what is near where meshes stand: pairs within a distance, the nearest pair "
         "of each two, edges that pass through faces, or how deep one mesh is in another. "
-        "Each file, PLY or OBJ, is an object of its own; of one object, what shares no "
-        "vertex is compared, too.\v"
+        "Each file, PLY or OBJ, is an object of its own. Objects are compared with each "
+        "other, and each with itself except for features that share a vertex.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count; of vertices object,vertex,bound. "
         "Exit status: 0 when done (the report says what was found, and whether the "

@@ -71,8 +71,8 @@ static const struct argp_option option_list[] = {
      "side where nothing hides it, unless --time or --view say otherwise",
      0},
     {"near", OPTION_NEAR, NULL, 0,
-     "Draw, for contacts, what the last answered question about what is near has told: "
-     "lines between nearest points, coloured by distance, and edges that cross",
+     "Draw the last answer about what is near instead of contacts: lines between nearest "
+     "points, coloured by distance, and edges that cross",
      0},
     {"zoom", OPTION_ZOOM, "Z", 0, "Enlarge the picture's contents Z times", 0},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the picture in pixels (default: 1200x900)",

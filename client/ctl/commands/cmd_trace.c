@@ -40,13 +40,13 @@ struct trace_command {
 
 static const struct argp_option option_list[] = {
     {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where the recording goes; - is the standard output. It opens in Perfetto "
+     "Where the trace goes; - is the standard output. It opens in Perfetto "
      "(ui.perfetto.dev) and in chrome://tracing",
      0},
-    {"seconds", OPTION_SECONDS, "S", 0, "Record for S seconds (default: 1)", 0},
-    {"steps", OPTION_STEPS, "N", 0, "Record until N steps have been answered", 0},
+    {"seconds", OPTION_SECONDS, "S", 0, "Trace for S seconds (default: 1)", 0},
+    {"steps", OPTION_STEPS, "N", 0, "Trace until N steps have been answered", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
-     "Leave out task units, subtrees and pairs of less than U microseconds (default: 0)",
+     "Leave out tasks that took less than U microseconds (default: 0)",
      0},
     {"events", OPTION_EVENTS, "N", 0,
      "Keep the newest N events of each thread (default: 65536, or what fits)", 0},
@@ -79,7 +79,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (command->trace.path == NULL) {
-            tool_misused(state, "-o FILE says where the recording goes");
+            tool_misused(state, "-o FILE says where the trace goes");
         }
         if (command->seconds > 0 && command->steps > 0) {
             tool_misused(state, "--seconds and --steps exclude each other");
@@ -94,8 +94,9 @@ static const struct argp_child children[] = {{&ctl_query_argp, 0, NULL, 0}, {0}}
 const struct argp ctl_argp_trace = {
     .options = option_list,
     .parser = parse,
-    .doc = "Record what the daemon's threads do, with every request of every client.\v"
-           "An interrupt (Ctrl-C) ends the recording early and writes what there is.",
+    .doc = "Write a trace: what the daemon's threads do, and every request of every "
+           "client.\v"
+           "An interrupt (Ctrl-C) ends the trace early and writes what there is.",
     .children = children};
 
 /* ---- waiting ----------------------------------------------------------------------- */
