@@ -23,7 +23,7 @@ struct ctl_error;
     X(watch, "print a line for each step that a daemon answers")                         \
     X(stats, "list the daemon's counters")                                               \
     X(metrics, "print counters and latencies as OpenMetrics text")                       \
-    X(trace, "record what a daemon's threads do, for Perfetto")                          \
+    X(trace, "trace what a daemon's threads do, for Perfetto")                           \
     X(config, "list, print or change settings of a running daemon")                      \
     X(doctor, "look for mistakes in a set-up")                                           \
     X(ping, "measure round trips through the daemon")                                    \
