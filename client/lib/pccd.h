@@ -99,8 +99,8 @@ struct pccd_options {
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
                               0 = 10000; negative: not at all, its loss is an error */
     bool no_keep;          /* keep no copies for another daemon: saves their memory */
-    int daemons_max;       /* a request during which so many daemons have ended fails;
-                              0 = 4; negative: it goes to the next one, however many */
+    int daemons_max;       /* a request fails after so many daemons have ended over it
+                              (see below); 0 = 4; negative: it never does */
     /* For languages that hand out arrays in the library's memory and cannot take them
      * back: any function that has a client, pccd_close included, calls this instead of
      * munmap for the memory of frames and answers. It must call munmap(memory, bytes)
@@ -159,9 +159,10 @@ int pccd_fd(const struct pccd_client *client);
  *    bytes. A step's deadline_ns begins again then.
  * What to know:
  * - After reconnect_ms without success every call fails with E_DISCONNECTED. A request
- *   during which daemons_max daemons have ended fails likewise; others go on.
+ *   fails likewise if daemons_max daemons have ended while it was the oldest one without
+ *   an answer: it is probably what ends them. Other requests go on.
  * - Further pages of an answer that the lost daemon gave do not come back (pccd_fetch:
- *   E_STATE), nor do recordings of the daemon's threads.
+ *   E_STATE), nor does a trace of the daemon's threads.
  * - A call may take longer than its timeout while another daemon is told.
  * - Handles that are given later may differ from those of the lost daemon.
  * - The library keeps a copy of every mesh for this (12 or 24 bytes a vertex, 12 a
@@ -198,11 +199,11 @@ typedef void (*pccd_stat_fn)(void *context, const char *name, uint64_t value,
                              const char *text);
 int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
 
-/* The same for one thread, 0 .. threads-1, of the last step: what it did, and what the
- * step took. The first counter is `threads`; 0: there was no step yet (thread must be 0
- * then). `number` changes with every step. `any`: of the daemon's last step, not of this
- * client's, for root and the daemon's own user (E_ACCESS). `tuning` may be NULL: how the
- * step's threads shared its work, as in struct pccd_answer. */
+/* The same for one thread of this client's last step: what it did, and what the step
+ * took. Ask for thread 0 first: the first counter, `threads`, says how many there were;
+ * 0 if there was no step yet. `number` changes with every step. `any`: the last step of
+ * the daemon instead, whoever made it; for root and the daemon's own user (E_ACCESS).
+ * `tuning` gets how the threads shared the work, as in struct pccd_answer, or is NULL. */
 int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
                       pccd_stat_fn each, void *context, char tuning[PCCD_TUNING_BYTES]);
 
@@ -302,9 +303,9 @@ struct pccd_scene_settings {
     enum pccd_quality quality;      /* 0 = median */
     uint32_t rebuild_triangles_max; /* a subtree of up to so many is rebuilt at once;
                                        larger ones in the background; 0 = 1024 */
-    double rebuild_ratio; /* a subtree is rebuilt when the volume of its box is less than
-                             this times that of its two halves together, which overlap
-                             then; up to 1; 0 = 0.9; negative: never */
+    double rebuild_ratio; /* a subtree is rebuilt when its halves overlap so much that its
+                             box has less than this times the volume of their two boxes
+                             together; up to 1; 0 = 0.9; negative: never */
     const char *name; /* of a shared scene (below), 1 .. 255 bytes; NULL: not shared */
     enum pccd_share share; /* with a name: make the scene, or take part in it */
     uint32_t rights;       /* of a scene that is made: like a file's, bits of 0666;
@@ -437,15 +438,19 @@ struct pccd_step_settings {
         .struct_bytes = sizeof(struct pccd_step_settings)                                \
     }
 
-/* The answer to one step. `contacts` (or `pairs`) lie in memory that the daemon shares:
- * read-only, valid until pccd_answer_release. */
+/* The answer to one step, or a page of it. `contacts` (or `pairs`) lie in memory that the
+ * daemon shares: read-only, valid until pccd_answer_release.
+ *
+ * An answer of 250 000 contacts may not fit this memory. Then its first page has, say,
+ * count = 100 000, first = 0, cursor = 100 000, total = 250 000 and incomplete =
+ * PCCD_INCOMPLETE_RESULT_FULL. Read it, release it, and get the next page by pccd_fetch
+ * at `cursor`, until cursor = total. */
 struct pccd_answer {
     size_t struct_bytes; /* sizeof(struct pccd_answer), set before a call, as
-                                       PCCD_ANSWER_INIT does; 0 reads as that */
-    uint64_t step;       /* as returned by pccd_submit */
-    int status;          /* 0, or why the step failed: then nothing else is set
-                                       and positions are as before; pccd_error_text says
-                                       more */
+                            PCCD_ANSWER_INIT does; 0 reads as that */
+    uint64_t step;       /* number of the client's for it, as returned by pccd_submit */
+    int status;          /* 0, or why the step failed: then nothing else is set and
+                            positions are as before; pccd_error_text says more */
     enum pccd_mode mode;
     enum pccd_method method;
     enum pccd_incomplete incomplete;     /* 0: complete */
@@ -458,16 +463,16 @@ struct pccd_answer {
     uint64_t total;                  /* records of the whole answer */
     uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
     uint64_t possible, initial;
-    double toi_first; /* smallest toi; 2 without any record, in modes any and pairs */
+    double toi_first; /* smallest toi; 2: no record, or mode any or pairs */
     uint64_t hash[2]; /* of all records, version PCCD_HASH_VERSION: high, low */
-    uint64_t number;  /* of the step among all of its scene, from 1 */
+    uint64_t number;  /* of the step in its scene, whoever made it, from 1 */
     uint32_t threads;
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;
     struct pccd_step_counters counters;
-    bool is_near; /* the answer of pccd_submit_near (pccd_near.h): `what` and those below
-                   * are set, and of those above not mode, contacts, pairs, possible,
-                   * initial, toi_first, number */
+    bool is_near; /* true: the answer of pccd_submit_near (pccd_near.h). Then the members
+                   * below are set; mode, contacts, pairs, possible, initial, toi_first
+                   * and number are not */
     enum pccd_near_what what;
     const struct pccd_near *near; /* [count]; NULL for VERTICES or without any */
     const double *vertex_bounds;  /* [count], VERTICES; else NULL */
@@ -496,7 +501,9 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
 int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
                     uint64_t cursor, struct pccd_answer *answer);
 
-/* A step being written: a slot of the upload ring. */
+/* A step being written. It lies in a slot of the upload ring, the memory from which the
+ * daemon reads, and consists of segments. A segment moves a run of vertices of one
+ * object; two bodies that move are two segments. */
 struct pccd_frame {
     struct pccd_client *client;
     uint32_t scene;
@@ -548,9 +555,9 @@ struct pccd_motion {
     const double *m0, *m1;   /* [12] */
 };
 
-/* Begin, copy and commit in one, for any number of objects. The arrays may change as soon
- * as it returns. Errors: those of the three; E_INVAL: a motion that says no way to move,
- * or two. */
+/* Begin a frame, copy these motions into it and commit it, in one call. The arrays may
+ * change as soon as it returns. Errors: those of pccd_frame_begin, _x1 and _commit;
+ * E_INVAL: a motion that says no way to move, or two. */
 int pccd_submit(struct pccd_client *client, uint32_t scene,
                 const struct pccd_motion *motions, uint32_t motion_count,
                 const struct pccd_step_settings *settings, uint64_t *step);
@@ -571,10 +578,11 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
  * (timeout_ms = 0), E_TIMEOUT; E_INVAL: no such step; E_VERSION: the daemon is too old
  * to tell. */
 int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms);
-/* Get the page of the answer to `step`, the last step of `scene` or its last question
- * about what is near (pccd_near.h), that begins at `cursor`. Release the page before
- * first when the region is full. E_STATE: the answer is gone, because another step has
- * run, or an object was removed or got another shape since. */
+/* Get a further page of the answer to `step`, from the record at `cursor` on. `step` is
+ * the last step of `scene`, or its last question about what is near (pccd_near.h). If
+ * the memory for answers is full, release the previous page before this call. E_STATE:
+ * the answer is gone, because another step has run, or an object was removed or got
+ * another shape since. */
 int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64_t cursor,
                struct pccd_answer *answer);
 /* Give the records back. Pages may be released in any order. Safe on an answer without
@@ -592,8 +600,8 @@ void pccd_abandon(struct pccd_client *client, uint64_t step);
 int pccd_step(struct pccd_client *client, uint32_t scene,
               const struct pccd_motion *motions, uint32_t motion_count,
               const struct pccd_step_settings *settings, struct pccd_answer *answer);
-/* The same for one object, its first vertex_count vertices (the others stand still;
- * E_SEGMENT: it has not so many). */
+/* The same for the first vertex_count vertices of one object; all other vertices stand
+ * still. E_SEGMENT: the object has fewer. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,
                  const struct pccd_step_settings *settings, struct pccd_answer *answer);
@@ -616,7 +624,7 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
  * Shared scenes: the daemon keeps what anybody does to the scene (up to 128 MiB a scene,
  * charged as shared memory) until this client's next call fetches it. Such a recording
  * ends with E_LIMIT if that call comes too late, with E_DISCONNECTED when another daemon
- * takes the place of a lost one, with E_VERSION where the daemon keeps nothing, and with
+ * takes the place of a lost one, with E_VERSION if the daemon keeps nothing, and with
  * E_STATE where the recording is in several segments. */
 struct pccd_record_settings {
     uint64_t max_bytes; /* of all files; 0: no bound */
@@ -650,11 +658,12 @@ int pccd_record_start(struct pccd_client *client, const char *path,
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info);
 /* End it, as pccd_close does. Returns info->status; `info` may be NULL. */
 int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info);
-/* Give the next scene, mesh or object that is made this handle, if nothing has it; else
- * E_HANDLE. This is for repeating what a session did, because records name handles. */
+/* The next scene, mesh or object that this client makes gets this handle; making it fails
+ * with E_HANDLE if something has the handle. This is for repeating what a session did,
+ * because records name handles. */
 int pccd_want(struct pccd_client *client, uint32_t handle);
 
-/* ---- recordings of the daemon's threads -------------------------------------------- */
+/* ---- traces of the daemon's threads ------------------------------------------------ */
 
 struct pccd_trace_info {
     uint32_t threads;    /* of the team, whose events are kept */
@@ -663,10 +672,11 @@ struct pccd_trace_info {
     uint64_t lost;       /* how many were overwritten by newer ones */
 };
 
-/* Record what the daemon does, for all its clients: allowed to its own user and root
- * (E_ACCESS), one recording at a time (E_BUSY: another client's; E_STATE: this one's).
- * events: to keep of each thread, the newest; 0 = 65536, or what fits (E_LIMIT). min_ns:
- * task units, subtrees and pairs that took less are left out. `info` may be NULL. */
+/* Begin a trace: what the daemon's threads do, for all its clients, and when. (The
+ * recording above is something else: the requests of one client.) Allowed to the daemon's
+ * own user and root (E_ACCESS), one trace at a time (E_BUSY: another client's; E_STATE:
+ * this one's). events: to keep of each thread, the newest; 0 = 65536, or what fits
+ * (E_LIMIT). min_ns: tasks that took less are left out. `info` may be NULL. */
 int pccd_trace_start(struct pccd_client *client, uint32_t events, uint64_t min_ns,
                      struct pccd_trace_info *info);
 /* End it: sets info->events and lost. It can be read until the next start or close. */
@@ -677,8 +687,8 @@ int pccd_trace_stop(struct pccd_client *client, struct pccd_trace_info *info);
 typedef void (*pccd_trace_fn)(void *context, const struct pccd_trace_event *events,
                               uint32_t count);
 int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *context);
-/* "frame.submit": the method of a request in a recording; NULL: not known to this
- * library. [any thread] */
+/* "frame.submit": the method of a request in a trace; NULL: not known to this library.
+ * [any thread] */
 const char *pccd_method_name(uint32_t number);
 
 #if defined(__GNUC__)

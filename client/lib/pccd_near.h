@@ -2,10 +2,12 @@
  * crossings, depth.
  *
  * Room:     client/lib; installed. May include: pccd_types.h. Compiles as C++.
- * Does:     ask of a scene at the beginning or at the end of its last step, or of where
- *           this very request moves it. Distances are decided exactly, on the resident
- *           hierarchies; a distance of exactly `distance` is within it.
+ * Does:     ask about a scene where its last step began or ended, or at positions that
+ *           the same request brings. Exact arithmetic decides each distance; a pair that
+ *           is exactly `distance` apart is in the answer.
  * Threads:  as pccd.h, which includes this header.
+ *
+ * All pairs of features that are at most 0.01 apart:
  *
  *     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
  *     settings.what = PCCD_NEAR_PAIRS;
@@ -14,6 +16,10 @@
  *     pccd_ask_near(client, scene, NULL, 0, &settings, &answer);
  *     use(answer.near, answer.count);
  *     pccd_answer_release(client, &answer);
+ *
+ * How far each vertex may move: with settings.what = PCCD_NEAR_VERTICES the answer has a
+ * bound for each vertex, answer.vertex_bounds[i]. If every vertex then moves straight by
+ * less than half its bound, nothing meets.
  */
 #ifndef PCCD_NEAR_H
 #define PCCD_NEAR_H
@@ -43,14 +49,17 @@ struct pccd_near_settings {
                         VERTICES: within it. NEAREST: pairs of objects that are farther
                         apart than that have no record; INFINITY: all have. CROSSINGS,
                         DEPTH: not looked at */
-    double gap;      /* NEAREST: the pair may be another one if it is farther by at most
-                        that, and the answer has no hash; 0: it is the nearest */
-    uint32_t end;    /* 1 (the default): where the last step ended; 0: where it began.
-                        Before the first step both are the registered positions; below */
+    double gap;      /* NEAREST: the search may end early, with a pair that is farther
+                        than the nearest by at most that; the answer then has no hash.
+                        0: the pair is the nearest */
+    uint32_t end;    /* 1 (the default): where the last step ended; 0: where it began
+                        (which is not always known, see pccd_submit_near). Before the
+                        first step both are the registered positions */
     uint32_t object_a, object_b; /* NEAREST, DEPTH: these two objects, or one with all
                         others; VERTICES: object_a alone; 0: all */
+    /* These four have the meaning that they have in struct pccd_step_settings. */
     uint32_t threads;
-    uint64_t deadline_ns; /* as of steps */
+    uint64_t deadline_ns;
     enum pccd_method method;
     char tuning[PCCD_TUNING_BYTES];
 };
@@ -60,39 +69,42 @@ struct pccd_near_settings {
         .struct_bytes = sizeof(struct pccd_near_settings), .end = 1                      \
     }
 
-/* Ask. With motions the scene moves first, as by a step whose contacts nobody looks for.
- * It waits for the steps that were submitted before it; held frames stay held. The answer
- * comes by pccd_poll or pccd_wait, in struct pccd_answer:
+/* Ask, and do not wait. If there are motions, the objects move first, as in a step, but
+ * nobody looks for contacts. The request is computed after the steps that were submitted
+ * before it; held frames stay held. Take the answer by pccd_poll or pccd_wait; *step is
+ * its number there. It is in struct pccd_answer:
  *
- *     near      [count] records, but for VERTICES: vertex_bounds[count], doubles, those
- *               of all objects by increasing handle, each in the order of its mesh
+ *     near      [count] records; for VERTICES instead vertex_bounds[count], doubles,
+ *               those of all objects by increasing handle, each in the order of its mesh
  *     counts    by enum pccd_kind and enum pccd_near_kind
  *     distance_min, distance_max
- *               the least d_lo and the greatest d_hi of the records; of no records 2e18
+ *               the least d_lo and the greatest d_hi of the records; without records 2e18
  *               and 0. DEPTH: the greatest is how deep one mesh is in the other
  *     crossings DEPTH, CROSSINGS: edges that pass through faces
  *     verdict   CROSSINGS: NO: nothing crosses or touches: the state is free of
  *               intersections; YES: something does. Others: NONE
  *
- * Where the last step began (`end` 0) is not always known. A step or a question that
- * fails while its positions are read, as by E_NOTFINITE, moves nothing; but the objects
- * that it named count as if they had stood still: at both ends they are where they are.
- * After the daemon has crashed, and this client has told another one where everything
- * is, `end` 0 without motions is E_STATE until something moves again.
+ * Where the last step began (`end` 0) is not always known:
+ * - A step or a question that fails while its positions are read, as by E_NOTFINITE,
+ *   moves nothing. The objects that it named then count as if they had stood still: they
+ *   began where they are.
+ * - After a crash the library brings all objects to their places in a new daemon. Until
+ *   something moves again, `end` 0 without motions is E_STATE.
  *
- * Its pages are read by pccd_fetch, with its number, until the scene's next request about
- * what is near; the answer of the last step stays beside it. DEPTH of a mesh that is not
+ * Further pages come by pccd_fetch, with *step, until the scene's next request about what
+ * is near. The answer of the last step stays valid beside it. DEPTH of a mesh that is not
  * closed is E_INVAL, and pccd_error_text names an edge that shows it. */
 int pccd_submit_near(struct pccd_client *client, uint32_t scene,
                      const struct pccd_motion *motions, uint32_t motion_count,
                      const struct pccd_near_settings *settings, uint64_t *step);
-/* Publish a frame that was begun by pccd_frame_begin, and ask where it leads to. */
+/* Publish a frame that was begun by pccd_frame_begin, and ask about the positions to
+ * which it moves the objects (with `end` 0: from which). */
 int pccd_frame_commit_near(struct pccd_frame *frame,
                            const struct pccd_near_settings *settings, uint64_t *step);
 /* pccd_submit_near and wait in one; like pccd_step. */
 int pccd_ask_near(struct pccd_client *client, uint32_t scene,
-              const struct pccd_motion *motions, uint32_t motion_count,
-              const struct pccd_near_settings *settings, struct pccd_answer *answer);
+                  const struct pccd_motion *motions, uint32_t motion_count,
+                  const struct pccd_near_settings *settings, struct pccd_answer *answer);
 
 #if defined(__GNUC__)
 #pragma GCC visibility pop

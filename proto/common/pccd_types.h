@@ -59,14 +59,14 @@ enum pccd_mode {
     PCCD_MODE_ALL = 0,   /* every contact */
     PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
     PCCD_MODE_ANY = 2,   /* yes, no or possible; no records */
-    PCCD_MODE_PAIRS = 3, /* the pairs that no axis separates, for tests of one's own */
+    PCCD_MODE_PAIRS = 3, /* the pairs that neither x, y nor z separates */
     PCCD_MODE_COUNT = 4
 };
 
 /* Which engine computes it. Both give the same bytes. */
 enum pccd_method {
     PCCD_METHOD_DEFAULT = 0, /* wide; paper where its scheduler is asked for */
-    PCCD_METHOD_PAPER = 1, /* binary AABB tree, self-CD task units (PCCD, sections 3-6) */
+    PCCD_METHOD_PAPER = 1, /* binary trees of boxes over triangles (PCCD, sections 3-6) */
     PCCD_METHOD_WIDE = 2,  /* trees of 16 children over vertices, edges and faces */
     PCCD_METHOD_COUNT = 3
 };
@@ -129,8 +129,9 @@ enum pccd_near_kind {
 /* What is asked about the scene at one moment. */
 enum pccd_near_what {
     PCCD_NEAR_PAIRS = 0,     /* each VF and EE pair within the distance */
-    PCCD_NEAR_FEATURES = 1,  /* the same, merged to the features between which it is */
-    PCCD_NEAR_VERTICES = 2,  /* for each vertex the least distance of its pairs */
+    PCCD_NEAR_FEATURES = 1,  /* the closest features of these pairs, each once */
+    PCCD_NEAR_VERTICES = 2,  /* for each vertex its bound: the least distance of the pairs
+                                that it is part of, also as a corner or an end */
     PCCD_NEAR_NEAREST = 3,   /* for each two objects the pair of least distance */
     PCCD_NEAR_CROSSINGS = 4, /* each edge that passes through a face */
     PCCD_NEAR_DEPTH = 5,     /* how deep the vertices of closed meshes are in others */
@@ -142,19 +143,22 @@ enum pccd_near_flag {
     PCCD_NEAR_GAP = 4u /* NEAREST with a gap: another pair may be nearer by that much */
 };
 
-/* What the distance of a record is between: PCCD_VF, PCCD_EE, PCCD_VE or PCCD_VV. */
+/* Between which parts of its two features the distance of a record is: PCCD_VF, PCCD_EE,
+ * PCCD_VE or PCCD_VV. A vertex and a face whose nearest point is a corner have VV. */
 #define PCCD_NEAR_TYPE(flags) ((flags) >> 8 & 0xffu)
 
 /* Two features at one moment. Records are sorted by (kind, object_a, feature_a, object_b,
  * feature_b); 64 bytes, as those of contacts.
  *
- * d_lo, d_hi  the exact distance, rounded down and up to 33 significant bits: the same
- *             where it has no more. EF: 0.
- * param       where: VF weights of the face's second and third vertex; EE positions along
- *             edge a and edge b, 0 at the lower vertex index; VE the second: position
- *             along the edge; VV zeros; EF the first: where along edge a it passes
- *             through the face. Before they become floats: the nearest multiples of
- *             2^-32.
+ * d_lo, d_hi  the exact distance, rounded down and up to 33 significant bits: both are
+ *             equal if it has no more bits. EF: 0.
+ * param       where the nearest points are, by kind:
+ *             VF  weights of the face's second and third vertex
+ *             EE  positions along edge a and edge b, 0 at the lower vertex index
+ *             VE  0, then the position along the edge
+ *             VV  zeros
+ *             EF  where along edge a it passes through the face, then 0
+ *             They are rounded to multiples of 2^-32, then to floats.
  * direction   unit, from feature b to feature a; zeros at distance 0, and of EF. */
 struct pccd_near {
     uint32_t kind;      /* enum pccd_kind or enum pccd_near_kind */
@@ -167,14 +171,14 @@ struct pccd_near {
     double d_hi;
     float param[2];
     float direction[3];
-    uint32_t count; /* FEATURES: records of PAIRS that have it, so far if a deadline or a
-                       cancel ended the answer; else 1 */
+    uint32_t count; /* FEATURES: how many records of PAIRS it stands for (those found so
+                       far, if a deadline or a cancel ended the answer); else 1 */
 };
 
 /* Flags of a contact. */
 enum pccd_contact_flag {
-    PCCD_PROVED = 1u,  /* it exists, first in [toi, toi_hi]; every record has it by now */
-    PCCD_INITIAL = 2u  /* the features already touch at t = 0 (then toi = toi_hi = 0) */
+    PCCD_PROVED = 1u, /* it begins in [toi, toi_hi]; in this release all have it */
+    PCCD_INITIAL = 2u /* the features already touch at t = 0 (then toi = toi_hi = 0) */
 };
 
 /* Whether a named scene is made. */
@@ -208,19 +212,19 @@ struct pccd_step_times {
     uint64_t tests;     /* elementary tests: filter and solver */
     uint64_t merge;     /* sort, hash and copy of the records */
     uint64_t step;      /* the whole step, from ingest to merge and what lies between */
-    uint64_t low;       /* of traversal + tests: low-level nodes; by stealing: all */
+    uint64_t low;       /* of traversal + tests: low-level nodes; with stealing: all */
     uint64_t high;      /* of traversal + tests: high-level nodes */
     uint64_t rebuild;   /* reconstruction of subtrees, in the background too */
 };
 
 /* What a step did. */
 struct pccd_step_counters {
-    uint64_t task_units; /* self-CD task units processed (PCCD, section 4) */
+    uint64_t task_units; /* tasks; paper: self-CD task units (PCCD, section 4) */
     uint64_t box_tests;  /* pairs of nodes tested */
     uint64_t leaf_pairs; /* pairs of leaves that overlap */
-    /* Pairs of features whose boxes overlap, by enum pccd_kind. But for mode pairs the
-     * method wide may count fewer, as it leaves out those below nodes that no time brings
-     * together, and a few more, as its boxes are in whole numbers. */
+    /* Pairs of features whose boxes overlap, by enum pccd_kind. Except in mode pairs, the
+     * method wide may count others: fewer, because it leaves out what lies below nodes
+     * that are never together, and a few more, because its boxes are in whole numbers. */
     uint64_t candidates[PCCD_KINDS_MAX];
     uint64_t survivors;         /* candidates that the filter could not reject */
     uint64_t exact;             /* elementary tests that needed exact arithmetic */
@@ -231,8 +235,8 @@ struct pccd_step_counters {
     uint64_t swaps; /* large subtrees and orders of features, made in the background over
                      * several steps, that were put in place */
     uint64_t swapped_triangles; /* in these */
-    /* What stands still: neither in this step nor in the one before has a vertex of it
-     * moved. */
+    /* Something stands still if no vertex of it has moved, neither in this step nor in
+     * the one before. */
     uint64_t still_features; /* whose boxes were kept from the step before */
     uint64_t still_pairs;    /* pairs of nodes or features left out: neither moves */
     uint64_t kept_records;   /* of pairs that stand, from the last answer of this mode */
