@@ -15,8 +15,9 @@
 extern "C" {
 #endif
 
-/* What is recorded. Times nest or are disjoint among the events of one thread of the
- * team, and among RECEIVE and ANSWER; requests of a client may overlap. */
+/* What an event is about. Times nest or are disjoint among the events of one thread of
+ * the team (the threads that share a step), and among RECEIVE and ANSWER; requests of a
+ * client may overlap. */
 enum pccd_trace_kind {
     /* thread: of the team, from 0, the one that computes */
     PCCD_TRACE_STEP = 0,    /* a whole step; a: triangles, b: threads */
@@ -39,7 +40,7 @@ enum pccd_trace_kind {
     PCCD_TRACE_KIND_COUNT = 14
 };
 
-/* One event of a recording. */
+/* One event of a trace. */
 struct pccd_trace_event {
     uint64_t begin_ns; /* CLOCK_MONOTONIC */
     uint64_t end_ns;

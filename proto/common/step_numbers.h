@@ -44,9 +44,9 @@
     X(F, box_tests, REQ, counters.box_tests, "pairs of nodes tested")                    \
     X(F, leaf_pairs, REQ, counters.leaf_pairs, "pairs of leaves that overlap")           \
     X(F, candidates_vf, REQ, counters.candidates[PCCD_VF],                               \
-      "VF pairs after feature box tests; wide may vary a bit")                           \
+      "VF pairs whose boxes overlap; wide may count a few others")                       \
     X(F, candidates_ee, REQ, counters.candidates[PCCD_EE],                               \
-      "EE pairs after feature box tests; wide may vary a bit")                           \
+      "EE pairs whose boxes overlap; wide may count a few others")                       \
     X(F, survivors, REQ, counters.survivors, "pairs that the filter could not reject")   \
     X(F, exact, REQ, counters.exact, "queries that went to exact arithmetic")            \
     X(F, builds, REQ, counters.builds, "hierarchies built during the step")              \
