@@ -441,14 +441,14 @@ struct pccd_step_settings {
 /* The answer to one step, or a page of it. `contacts` (or `pairs`) lie in memory that the
  * daemon shares: read-only, valid until pccd_answer_release.
  *
- * An answer of 250 000 contacts may not fit this memory. Then its first page has, say,
- * count = 100 000, first = 0, cursor = 100 000, total = 250 000 and incomplete =
- * PCCD_INCOMPLETE_RESULT_FULL. Read it, release it, and get the next page by pccd_fetch
- * at `cursor`, until cursor = total. */
+ * For example, 2 500 000 contacts of 64 bytes do not fit the 64 MiB of this memory. Then
+ * the first page has, say, first = 0, count = 1 000 000, cursor = 1 000 000,
+ * total = 2 500 000 and incomplete = PCCD_INCOMPLETE_RESULT_FULL. Read it, release it,
+ * and get the next page by pccd_fetch at `cursor`, until cursor = total. */
 struct pccd_answer {
     size_t struct_bytes; /* sizeof(struct pccd_answer), set before a call, as
                             PCCD_ANSWER_INIT does; 0 reads as that */
-    uint64_t step;       /* number of the client's for it, as returned by pccd_submit */
+    uint64_t step;       /* the client's number for it, as returned by pccd_submit */
     int status;          /* 0, or why the step failed: then nothing else is set and
                             positions are as before; pccd_error_text says more */
     enum pccd_mode mode;
