@@ -448,6 +448,61 @@ static void stage__objects_neither_come_nor_go_while_staging(void **state)
 #define LARGE_SIDE 100u
 #define LARGE_V    ((LARGE_SIDE + 1) * (LARGE_SIDE + 1))
 
+/* The bounds of object 1 at both ends are those of its vertices. */
+static void check_bounds(const struct fixture *f)
+{
+    for (int end = 0; end < 2; end++) {
+        const double(*x)[3] = end_of(f->scene, 1, end);
+        const struct eng_bounds *bounds =
+            &f->scene->objects[1].bounds[end ? f->scene->now : 1 - f->scene->now];
+        for (int k = 0; k < 3; k++) {
+            double low = INFINITY;
+            double high = -INFINITY;
+            for (uint32_t i = 0; i < V; i++) {
+                low = fmin(low, x[i][k]);
+                high = fmax(high, x[i][k]);
+            }
+            assert_true(bounds->low[k] == low && bounds->high[k] == high);
+        }
+    }
+}
+
+/* If it failed: boxes would be measured from where the object is not, which takes longer,
+ * and far from the origin find too many pairs. Most parts do not have what is farthest
+ * out, and where they do, what comes in its place may be nearer. */
+static void stage__bounds_follow_the_parts_that_move(void **state)
+{
+    struct fixture *f = *state;
+    struct kit_random random = {41};
+    double x0[V][3];
+    double x1[V][3];
+    for (int step = 0; step < 2000; step++) {
+        uint32_t first = kit_below(&random, V);
+        uint32_t count = 1 + kit_below(&random, V - first);
+        fill(&random, x0, V);
+        fill(&random, x1, V);
+        eng_stage_begin(f->scene);
+        if (step % 5 == 0) {
+            assert_int_equal(
+                eng_stage_x0x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x0, x1),
+                PCCD_OK);
+        } else {
+            assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, first, count, x1),
+                             PCCD_OK);
+        }
+        if (step % 3 == 0 && first > 0) {
+            assert_int_equal(eng_stage_x1(f->scene, 1, PCCD_FORMAT_F64, 0, 1, x1[0]),
+                             PCCD_OK);
+        }
+        if (step % 7 == 0) {
+            eng_stage_abort(f->scene);
+            continue;
+        }
+        assert_int_equal(run(f->scene), PCCD_OK);
+        check_bounds(f);
+    }
+}
+
 static struct eng_scene *large_scene(void)
 {
     struct eng_scene *scene;
@@ -510,6 +565,7 @@ int main(void)
         TEST(stage__ranges_outside_the_object_are_refused),
         TEST(stage__refused_settings_leave_positions_as_before),
         TEST(stage__objects_neither_come_nor_go_while_staging),
+        TEST(stage__bounds_follow_the_parts_that_move),
         cmocka_unit_test(stage__a_team_copies_what_one_thread_does),
     };
     return cmocka_run_group_tests_name("eng_stage", tests, NULL, NULL);

@@ -300,9 +300,42 @@ static void take_starts(struct eng_scene *scene)
     }
 }
 
+/* Bounds of an object whose vertices within `left` go to where those within `come` are,
+ * from those before, *bounds. False, and unchanged: one that was farthest out has come
+ * nearer, and what is farthest now is not known. */
+static bool move_bounds(struct eng_bounds *bounds, const struct eng_bounds *left,
+                        const struct eng_bounds *come)
+{
+    for (int k = 0; k < 3; k++) {
+        if ((left->low[k] <= bounds->low[k] && come->low[k] > bounds->low[k]) ||
+            (left->high[k] >= bounds->high[k] && come->high[k] < bounds->high[k])) {
+            return false;
+        }
+    }
+    eng_bounds_unite(bounds, come);
+    return true;
+}
+
+/* Bounds of an object at t = 1, where the writes [count] took some of its vertices within
+ * `come`; the others stand. False: all have to be looked at. */
+static bool follow(const struct eng_scene *scene, const struct eng_object *object,
+                   const struct eng_write *writes, uint32_t count,
+                   const struct eng_bounds *come, struct eng_bounds *bounds)
+{
+    const double(*x0)[3] = (const double(*)[3])scene->x[scene->now];
+    struct eng_bounds left = ENG_NO_BOUNDS;
+    for (uint32_t i = 0; i < count; i++) {
+        eng_kernels()->bound_positions(x0 + object->vertices.first + writes[i].first,
+                                       writes[i].count, &left);
+    }
+    *bounds = object->bounds[scene->now];
+    return move_bounds(bounds, &left, come);
+}
+
 /* The bounds of an object in x[which], of which the writes [count], which are its own,
  * have written: at their start (end 0) or end positions (1). What they tell is enough if
- * they cover the object and all its vertices count. */
+ * they cover the object and all its vertices count; as a rule, too, if the rest of it
+ * stands. */
 static void measure(struct eng_scene *scene, unsigned which, int end,
                     const struct eng_write *writes, uint32_t count)
 {
@@ -316,7 +349,10 @@ static void measure(struct eng_scene *scene, unsigned which, int end,
     if (written == 0) {
         return;
     }
-    if (written < object->vertices.count || object->mesh->info.isolated_count > 0) {
+    const struct eng_bounds come = bounds;
+    bool is_told = written == object->vertices.count ||
+                   (end == 1 && follow(scene, object, writes, count, &come, &bounds));
+    if (!is_told || object->mesh->info.isolated_count > 0) {
         bounds = eng_mesh_measure(object->mesh, (const double(*)[3])scene->x[which] +
                                                     object->vertices.first);
     }
