@@ -83,12 +83,14 @@ struct detail {
     const struct eng_object *finest; /* that one */
 };
 
-static struct detail detail_of(const struct eng_scene *scene, unsigned from, unsigned to)
+/* Of objects that have moved so much at least. */
+static struct detail detail_of(const struct eng_scene *scene, unsigned from, unsigned to,
+                               enum eng_movement movement)
 {
     struct detail detail = {0, INFINITY, NULL};
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
-        if (!object->mesh) {
+        if (!object->mesh || object->movement < movement) {
             continue;
         }
         double size = fmax(eng_bounds_size(&object->bounds[from]),
@@ -324,11 +326,13 @@ static void choose(struct eng_scene *scene, unsigned from, unsigned to, bool kee
 {
     assert(from <= 1 && to <= 1);
     scene->framing.of = 0;
-    struct detail detail = detail_of(scene, from, to);
+    struct detail detail = detail_of(scene, from, to, ENG_STANDS);
     double low[3];
     double high[3];
     scene->framing.ends[0] = from;
     scene->framing.ends[1] = to;
+    scene->framing.far = detail.far;
+    scene->framing.least = detail.least;
     if (!detail.finest || is_fine_enough(detail.far, detail.least)) {
         make_plain(scene);
         return;
@@ -406,7 +410,8 @@ static double far_in_frame(const struct eng_object *object, const unsigned ends[
 static bool still_fit(const struct eng_scene *scene)
 {
     const struct eng_framing *framing = &scene->framing;
-    struct detail detail = detail_of(scene, framing->ends[0], framing->ends[1]);
+    struct detail detail =
+        detail_of(scene, framing->ends[0], framing->ends[1], ENG_STANDS);
     if (!is_uniform(scene) || !detail.finest ||
         is_fine_enough(detail.far, detail.least) ||
         far_in_frame(detail.finest, framing->ends) > FINE_ENOUGH * detail.least) {
@@ -420,15 +425,33 @@ static bool still_fit(const struct eng_scene *scene)
     return scale_for(far) == framing->scale;
 }
 
+/* May boxes still be measured from the origin? Certainly, by what moves alone: what is
+ * said of the others may be of where they were. */
+static bool stay_plain(struct eng_scene *scene)
+{
+    struct eng_framing *framing = &scene->framing;
+    struct detail detail =
+        detail_of(scene, framing->ends[0], framing->ends[1], ENG_MOVES_SOME);
+    framing->far = fmax(framing->far, detail.far);
+    framing->least = fmin(framing->least, detail.least);
+    return detail.far >= FAR_LEAST && is_fine_enough(framing->far, framing->least);
+}
+
+/* The positions have moved on from those that the frames are for. */
+static bool may_stay(struct eng_scene *scene)
+{
+    return scene->moving.objects == 0 ||
+           (eng_moves_little(scene) &&
+            (scene->framing.number == 0 ? stay_plain(scene) : still_fit(scene)));
+}
+
 void eng_frames_follow(struct eng_scene *scene)
 {
     struct eng_framing *framing = &scene->framing;
     bool is_next = framing->of != 0 && framing->of + 1 == scene->moving.number;
     framing->ends[0] = 1 - scene->now;
     framing->ends[1] = scene->now;
-    if (!is_next ||
-        (scene->moving.objects > 0 &&
-         (framing->number == 0 || !eng_moves_little(scene) || !still_fit(scene)))) {
+    if (!is_next || !may_stay(scene)) {
         eng_frames_choose(scene, framing->ends[0], framing->ends[1]);
     }
     framing->of = scene->moving.number;

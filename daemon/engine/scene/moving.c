@@ -62,10 +62,18 @@ static bool moves_all(const struct ends *ends, uint32_t count)
     return true;
 }
 
-/* Mark the vertices of a write that move now; returns how many. */
-static uint32_t mark(unsigned char *marks, const struct ends *ends, uint32_t count)
+static const struct eng_span nowhere = {UINT32_MAX, 0};
+
+static struct eng_span around(struct eng_span a, struct eng_span b)
 {
-    uint32_t moving = 0;
+    return (struct eng_span){a.first < b.first ? a.first : b.first,
+                             a.end > b.end ? a.end : b.end};
+}
+
+/* Mark the vertices of a write, from `begin` on, that move now. */
+static void mark(unsigned char *marks, const struct ends *ends, uint32_t begin,
+                 uint32_t count, struct eng_span *span)
+{
     for (uint32_t first = 0; first < count; first += BLOCK) {
         uint32_t n = count - first < BLOCK ? count - first : BLOCK;
         if (!moves(ends, first, n)) {
@@ -73,36 +81,39 @@ static uint32_t mark(unsigned char *marks, const struct ends *ends, uint32_t cou
         }
         for (uint32_t i = first; i < first + n; i++) {
             if (moves(ends, i, 1)) {
-                marks[i] |= NOW;
-                moving++;
+                marks[begin + i] |= NOW;
+                *span = around(*span, (struct eng_span){begin + i, begin + i + 1});
             }
         }
     }
-    return moving;
 }
 
 /* Eight marks at a time: as a rule none of them is set. */
 #define WORD      8u
 #define EACH(bit) (0x0101010101010101u * (bit))
 
-/* What moved in the last step did so before. */
-static void age(unsigned char *marks, uint32_t count, bool had_marks)
+/* What moved in the last step did so before, and now nothing is known to. */
+static void age(unsigned char *marks, struct eng_object *object)
 {
-    uint32_t i = 0;
-    if (!had_marks) {
-        memset(marks, 0, count);
+    if (object->moved != ENG_MOVES_SOME) { /* it has no marks */
+        memset(marks, 0, object->vertices.count);
+        object->marked = nowhere;
+        object->moved_span = nowhere;
         return;
     }
     static_assert(BEFORE == NOW << 1, "one place to the left");
-    for (; i + WORD <= count; i += WORD) {
+    uint32_t i = object->marked.first;
+    for (; i + WORD <= object->marked.end; i += WORD) {
         uint64_t word;
         memcpy(&word, marks + i, WORD);
         word = (word & EACH(NOW)) << 1;
         memcpy(marks + i, &word, WORD);
     }
-    for (; i < count; i++) {
+    for (; i < object->marked.end; i++) {
         marks[i] = marks[i] & NOW ? BEFORE : 0;
     }
+    object->marked = object->moved_span;
+    object->moved_span = nowhere;
 }
 
 /* From mark `i` on, the next that is not 0; `count` if there is none. */
@@ -135,14 +146,15 @@ void eng_moving_catch_up(struct eng_scene *scene, const struct eng_object *objec
         return;
     }
     const unsigned char *marks = scene->moving.moves + first;
-    for (uint32_t i = next_mark(marks, 0, count); i < count;
-         i = next_mark(marks, i + 1, count)) {
+    uint32_t end = object->marked.end;
+    for (uint32_t i = next_mark(marks, object->marked.first, end); i < end;
+         i = next_mark(marks, i + 1, end)) {
         memcpy(to[i], from[i], sizeof *to);
     }
 }
 
 /* How much of an object the writes [count], which are its own, move in this step. */
-static enum eng_movement compare(struct eng_scene *scene, const struct eng_object *object,
+static enum eng_movement compare(struct eng_scene *scene, struct eng_object *object,
                                  const struct eng_write *writes, uint32_t count)
 {
     unsigned char *marks = scene->moving.moves + object->vertices.first;
@@ -152,23 +164,23 @@ static enum eng_movement compare(struct eng_scene *scene, const struct eng_objec
             return ENG_MOVES_ALL;
         }
     }
-    age(marks, object->vertices.count, object->moved == ENG_MOVES_SOME);
-    uint32_t moving = 0;
+    age(marks, object);
     for (uint32_t i = 0; i < count; i++) {
         struct ends ends = ends_of(scene, &writes[i]);
-        moving += mark(marks + writes[i].first, &ends, writes[i].count);
+        mark(marks, &ends, writes[i].first, writes[i].count, &object->moved_span);
     }
-    return moving > 0 ? ENG_MOVES_SOME : ENG_STANDS;
+    object->marked = around(object->marked, object->moved_span);
+    return object->moved_span.end > 0 ? ENG_MOVES_SOME : ENG_STANDS;
 }
 
 static uint32_t count_moving(const struct eng_scene *scene,
                              const struct eng_object *object)
 {
     const unsigned char *marks = scene->moving.moves + object->vertices.first;
-    uint32_t count = object->vertices.count;
+    uint32_t end = object->marked.end;
     uint32_t moving = 0;
-    for (uint32_t i = next_mark(marks, 0, count); i < count;
-         i = next_mark(marks, i + 1, count)) {
+    for (uint32_t i = next_mark(marks, object->marked.first, end); i < end;
+         i = next_mark(marks, i + 1, end)) {
         moving++;
     }
     return moving;
@@ -218,8 +230,7 @@ void eng_moving_commit(struct eng_scene *scene)
             continue;
         }
         if (object->moved == ENG_MOVES_SOME) {
-            age(scene->moving.moves + object->vertices.first, object->vertices.count,
-                true);
+            age(scene->moving.moves + object->vertices.first, object);
         }
         settle(scene, object, ENG_STANDS);
     }

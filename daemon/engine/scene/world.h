@@ -47,25 +47,34 @@ struct eng_slot_calls {
     void (*changed)(struct eng_scene *scene);
 };
 
+/* Vertices first .. end - 1 of an object; none: first >= end. */
+struct eng_span {
+    uint32_t first;
+    uint32_t end;
+};
+
+/* What every step reads of every object comes first. */
 struct eng_object {
     struct eng_mesh *mesh; /* NULL: this index is free */
     uint32_t id;           /* what records carry */
     struct eng_range vertices;
-    void *slots[ENG_SLOTS];      /* what the owners of the slots keep of it */
-    struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
-    struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
-    bool still;                 /* x[0] and x[1] hold the same positions of this object */
-    uint64_t staged;            /* stage number that last wrote to it */
-    bool is_spoilt;             /* x[1 - now] has been written to since the last step */
-    enum eng_movement movement; /* in the last step, and .. */
-    enum eng_movement moved;    /* .. in it without the one before */
-    bool is_new;                /* it was in no step yet */
+    double spacing; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
+    bool has_near;  /* likewise: some features are nearer */
+    bool is_posed;  /* the blur is that of poses, not of where it was registered */
+    bool is_new;    /* it was in no step yet */
+    bool still;     /* x[0] and x[1] hold the same positions of this object */
+    bool is_spoilt; /* x[1 - now] has been written to since the last step */
     /* Points of the mesh that are farther apart than that do not meet: in the step, and
      * in later ones until something is written to it (blur.h). */
     double blur[2];
-    bool is_posed;  /* the blur is that of poses, not of where it was registered */
-    double spacing; /* of the mesh, as the step goes by it; 0: not known (rigid.h) */
-    bool has_near;  /* likewise: some features are nearer */
+    uint64_t staged;            /* stage number that last wrote to it */
+    enum eng_movement movement; /* in the last step, and .. */
+    enum eng_movement moved;    /* .. in it without the one before */
+    struct eng_span marked;     /* if it is some: what has marks (moving.h), .. */
+    struct eng_span moved_span; /* .. and without the step before */
+    void *slots[ENG_SLOTS];     /* what the owners of the slots keep of it */
+    struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
+    struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
 };
 
 /* What moves in the last step that was committed (moving.h). */
@@ -104,6 +113,10 @@ struct eng_framing {
     uint64_t of;      /* moving.number of the step that they are for; 0: none */
     double scale;     /* of all frames; 1 if there are none */
     bool keeps_order; /* chosen so that nothing seems farther away than it is */
+    /* Of number 0: how far from the origin objects are, and how small the features of
+     * one, at most and at least since that was chosen. */
+    double far;
+    double least;
     unsigned ends[2]; /* of x[]: the ends of the step that they are for */
     struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
 };

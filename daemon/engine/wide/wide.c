@@ -366,6 +366,21 @@ static void list_chunks(struct eng_wide *wide)
     }
 }
 
+/* Of what moves (wide_still.h). */
+static void clear_marks(struct eng_wide *wide)
+{
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t top = wide->level_count - 1;
+        memset(tree->moving, 0,
+               (tree->first[top] + tree->block_count[top]) * sizeof *tree->moving);
+        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
+            tree->chunks[i].state = 0;
+        }
+    }
+    wide->marks_of = 0;
+}
+
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
 {
     int status = order_objects(wide, scene);
@@ -390,6 +405,7 @@ int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene)
         wide->assembled++;
         put_together(wide, scene, slots);
         list_chunks(wide);
+        clear_marks(wide);
         wide->is_stale = false;
         wide->boxes_are_old = true;
     }

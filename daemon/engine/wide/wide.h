@@ -108,6 +108,7 @@ struct eng_wide {
     uint64_t refit_of;    /* .. that they will be of */
     bool keeps;           /* the refit leaves the boxes of what stands as they are */
     bool has_moving;      /* what moves is marked (wide_still.h) */
+    uint64_t marks_of;    /* moving.number that the marks are of; 0: there are none */
     uint64_t feature_count;
     uint64_t frames; /* of the last step: as in the scene */
     double frame_scale;

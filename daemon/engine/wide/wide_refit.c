@@ -201,6 +201,27 @@ void eng_wide_refit_chunk(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
+/* All blocks of a level from 2 on, or those in which something moves. */
+static void fold_level(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                       uint32_t level, bool swept, bool moving_alone)
+{
+    const uint16_t *moving = tree->moving + tree->first[level];
+    uint32_t count = tree->block_count[level];
+    for (uint32_t first = 0; first < count;) {
+        uint32_t end = moving_alone ? first : count;
+        while (end < count && moving[end] != 0) {
+            end++;
+        }
+        if (end > first) {
+            wide->kernels->box_fold(eng_wide_boxes(tree, level - 1) + first * ENG_WIDE,
+                                    end - first, swept,
+                                    eng_wide_blocks(tree, level) + first,
+                                    eng_wide_boxes(tree, level) + first);
+        }
+        first = end > first ? end : first + 1;
+    }
+}
+
 void eng_wide_refit_above(struct eng_wide *wide, bool swept)
 {
     wide->boxes_are_old = false;
@@ -213,12 +234,11 @@ void eng_wide_refit_above(struct eng_wide *wide, bool swept)
         box_features(wide, PCCD_TREE_VERTICES, 0, vertices->block_count[0], false,
                      vertices->blocks);
     }
-    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         struct eng_wide_tree *tree = &wide->trees[kind];
+        bool moving_alone = !swept && keeps(wide, kind);
         for (uint32_t level = 2; level < wide->level_count; level++) {
-            wide->kernels->box_fold(
-                eng_wide_boxes(tree, level - 1), tree->block_count[level], swept,
-                eng_wide_blocks(tree, level), eng_wide_boxes(tree, level));
+            fold_level(wide, tree, level, swept, moving_alone);
         }
     }
 }

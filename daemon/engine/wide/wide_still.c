@@ -37,10 +37,10 @@ static void mark_some(struct eng_wide *wide, const struct eng_scene *scene,
     struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
     const unsigned char *moves = scene->moving.moves + object->vertices.first;
     const uint32_t *slot_of = wide->slot_of + object->vertices.first;
-    uint32_t count = object->vertices.count;
-    for (uint32_t i = 0; i < count; i++) {
+    uint32_t end = object->marked.end;
+    for (uint32_t i = object->marked.first; i < end; i++) {
         uint64_t eight = 1;
-        if (i % 8 == 0 && i + 8 <= count) {
+        if (i + 8 <= end) {
             memcpy(&eight, moves + i, sizeof eight);
         }
         if (eight == 0) {
@@ -83,25 +83,73 @@ static void look_for(struct eng_wide *wide, enum pccd_tree kind, uint32_t first,
     }
 }
 
-static void mark_objects(struct eng_wide *wide, const struct eng_scene *scene)
+static void mark_object(struct eng_wide *wide, const struct eng_scene *scene,
+                        const struct eng_object *object)
 {
-    uint32_t end[ENG_WIDE_TREES] = {0};
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        const struct eng_object *object = &scene->objects[wide->items[i].id];
-        const struct eng_wide_order *order = eng_wide_order_of(object);
-        if (object->movement == ENG_MOVES_SOME) {
-            mark_some(wide, scene, object);
-        }
-        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-            uint32_t first = eng_wide_first_slot(end[kind], order->count[kind]);
-            end[kind] = first + order->count[kind];
-            if (object->movement == ENG_MOVES_ALL) {
-                mark_all(&wide->trees[kind], first, order->count[kind]);
-            } else if (object->movement == ENG_MOVES_SOME && kind != PCCD_TREE_VERTICES) {
-                look_for(wide, kind, first, order->count[kind]);
-            }
+    const struct eng_wide_order *order = eng_wide_order_of(object);
+    bool moves_all = object->movement == ENG_MOVES_ALL;
+    if (!moves_all) {
+        mark_some(wide, scene, object);
+    }
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        uint32_t first = order->first[kind];
+        if (moves_all) {
+            mark_all(&wide->trees[kind], first, order->count[kind]);
+        } else if (kind != PCCD_TREE_VERTICES) {
+            look_for(wide, kind, first, order->count[kind]);
         }
     }
+}
+
+static uint32_t smaller(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* Blocks of a chunk, but for those of its nodes. */
+static uint32_t blocks_of_chunk(const struct eng_wide_tree *tree, uint32_t chunk)
+{
+    return smaller(ENG_WIDE_CHUNK_BLOCKS,
+                   tree->block_count[0] - chunk * ENG_WIDE_CHUNK_BLOCKS);
+}
+
+/* Those of the last motion: few chunks have any. */
+static void clear_marks(struct eng_wide *wide)
+{
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        uint32_t top = wide->level_count - 1;
+        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
+            if (tree->chunks[i].state != 0) {
+                memset(tree->moving + i * ENG_WIDE_CHUNK_BLOCKS, 0,
+                       blocks_of_chunk(tree, i) * sizeof *tree->moving);
+                tree->chunks[i].state = 0;
+            }
+        }
+        if (top > 0) {
+            memset(tree->moving + tree->first[1], 0,
+                   (tree->first[top] + tree->block_count[top] - tree->first[1]) *
+                       sizeof *tree->moving);
+        }
+    }
+}
+
+/* Once for each motion. */
+static void mark_motion(struct eng_wide *wide, const struct eng_scene *scene)
+{
+    if (wide->marks_of == scene->moving.number) {
+        return;
+    }
+    if (wide->marks_of != 0) {
+        clear_marks(wide);
+    }
+    for (uint32_t i = 0; i < scene->object_capacity && scene->moving.objects > 0; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (object->mesh && object->movement != ENG_STANDS) {
+            mark_object(wide, scene, object);
+        }
+    }
+    wide->marks_of = scene->moving.number;
 }
 
 void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
@@ -110,20 +158,8 @@ void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,
     wide->refit_of = scene->moving.number;
     wide->keeps = keeps;
     wide->has_moving = keeps || prunes;
-    if (!wide->has_moving) {
-        return;
-    }
-    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        struct eng_wide_tree *tree = &wide->trees[kind];
-        uint32_t top = wide->level_count - 1;
-        memset(tree->moving, 0,
-               (tree->first[top] + tree->block_count[top]) * sizeof *tree->moving);
-        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
-            tree->chunks[i].state = 0;
-        }
-    }
-    if (scene->moving.objects > 0) {
-        mark_objects(wide, scene);
+    if (wide->has_moving) {
+        mark_motion(wide, scene);
     }
 }
 
@@ -167,11 +203,6 @@ static void fold(const struct eng_wide_tree *tree, uint32_t level, uint32_t firs
     }
 }
 
-static uint32_t smaller(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
 bool eng_wide_still_mark_chunk(struct eng_wide *wide, enum pccd_tree kind, uint32_t chunk)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
@@ -197,21 +228,20 @@ void eng_wide_still_mark_above(struct eng_wide *wide)
     }
 }
 
-#define MASKS 4u /* of 16 bits in 64 */
-
 uint64_t eng_wide_still_count(const struct eng_wide *wide, const struct eng_scene *scene)
 {
     uint64_t moving = 0;
     if (!wide->keeps || scene->moving.objects == 0) {
         return wide->keeps ? wide->feature_count : 0;
     }
-    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
+    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         const struct eng_wide_tree *tree = &wide->trees[kind];
-        for (uint32_t i = 0; i < tree->block_count[0]; i += MASKS) {
-            uint32_t n = smaller(MASKS, tree->block_count[0] - i);
-            uint64_t masks = 0;
-            memcpy(&masks, tree->moving + i, n * sizeof *tree->moving);
-            moving += masks == 0 ? 0 : (uint64_t)__builtin_popcountll(masks);
+        for (uint32_t i = 0; i < eng_wide_chunks(tree->slot_count); i++) {
+            const uint16_t *masks = tree->moving + i * ENG_WIDE_CHUNK_BLOCKS;
+            uint32_t count = tree->chunks[i].state != 0 ? blocks_of_chunk(tree, i) : 0;
+            for (uint32_t k = 0; k < count; k++) {
+                moving += (uint64_t)__builtin_popcount(masks[k]);
+            }
         }
     }
     return moving < wide->feature_count ? wide->feature_count - moving : 0;
