@@ -57,6 +57,9 @@ static void keep_what_stands(struct eng_team *team,
     const struct eng_scene *scene = team->scene;
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     const struct eng_effort *effort = &memory->effort[eng_method_of(settings)];
+    if (team->method->survey && settings->tuning.still == ENG_STILL_KEPT) {
+        team->method->survey(team->scene);
+    }
     team->prunes = team->method->can_prune &&
                    eng_kept_begin(&memory->kept, scene, settings, &memory->sorted);
     if (!team->prunes) {

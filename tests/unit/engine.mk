@@ -45,6 +45,7 @@ ENG_TESTS = \
     tests/unit/test_eng_grow \
     tests/unit/test_eng_background \
     tests/unit/test_eng_stage \
+    tests/unit/test_eng_still \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_sieve \
     tests/unit/test_eng_sieve_near \
@@ -170,6 +171,10 @@ tests_unit_test_eng_background_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
 tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_stage_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_still_SOURCES = tests/unit/test_eng_still.c
+tests_unit_test_eng_still_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_still_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_filter_SOURCES = tests/unit/test_eng_filter.c
 tests_unit_test_eng_filter_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -214,6 +214,7 @@ void eng_moving_commit(struct eng_scene *scene)
     scene->moving.vertices = 0;
     scene->moving.all = 0;
     scene->moving.objects = 0;
+    scene->moving.is_spread = false;
     for (uint32_t i = 0; i < scene->write_count;) {
         uint32_t first = i;
         struct eng_object *object = &scene->objects[scene->writes[first].object];

@@ -83,6 +83,7 @@ struct eng_moving {
     uint64_t vertices; /* that move, of .. */
     uint64_t all;      /* .. those of all objects */
     uint32_t objects;  /* that have such */
+    bool is_spread;    /* so evenly that what stands is not worth it (method.h, survey) */
     unsigned char
         *moves; /* [vertex_capacity] not 0: it moves; of an object of which some do */
 };

@@ -19,6 +19,9 @@ struct eng_method_calls {
     /* Whatever can fail for want of memory: put trees together, reserve for team->count
      * threads, whose workers exist. Nothing moves. [compute] */
     int (*prepare)(struct eng_team *team, const struct eng_step_settings *settings);
+    /* The positions have moved on: see how what moves is spread, and tell the scene
+     * (moving.is_spread). NULL: it does not matter. [compute] */
+    void (*survey)(struct eng_scene *scene);
     /* Are the boxes at hand, all of them, those of the motion by which the scene has come
      * to where it is? [compute] */
     bool (*has_boxes)(const struct eng_scene *scene);

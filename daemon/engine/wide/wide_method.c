@@ -292,6 +292,15 @@ static void follow_rigid(const struct eng_scene *scene, enum pccd_mode mode)
     }
 }
 
+static void survey(struct eng_scene *scene)
+{
+    struct eng_moving *moving = &scene->moving;
+    bool may_be = eng_moves_much(ENG_WIDE * moving->vertices, moving->all);
+    if (eng_moves_little(scene) && may_be) {
+        moving->is_spread = eng_wide_still_is_spread(eng_wide_of(scene), scene);
+    }
+}
+
 static bool has_boxes(const struct eng_scene *scene)
 {
     const struct eng_wide *wide = eng_wide_of(scene);
@@ -431,6 +440,7 @@ static void end(struct eng_team *team, struct eng_step_result *result, uint64_t 
 const struct eng_method_calls eng_method_wide = {.can_prune = true,
                                                  .is_stale = is_stale,
                                                  .prepare = prepare,
+                                                 .survey = survey,
                                                  .has_boxes = has_boxes,
                                                  .start = start,
                                                  .refit = refit,

@@ -9,6 +9,8 @@
 #include <assert.h>
 #include <string.h>
 
+#include "moving.h"
+
 /* Of a chunk. */
 #define LOOK 1u /* marks of its features are still to be made */
 #define SET  2u /* some are made */
@@ -150,6 +152,17 @@ static void mark_motion(struct eng_wide *wide, const struct eng_scene *scene)
         }
     }
     wide->marks_of = scene->moving.number;
+}
+
+bool eng_wide_still_is_spread(struct eng_wide *wide, const struct eng_scene *scene)
+{
+    const struct eng_wide_tree *tree = &wide->trees[PCCD_TREE_VERTICES];
+    uint64_t blocks = 0;
+    mark_motion(wide, scene);
+    for (uint32_t i = 0; i < tree->block_count[0]; i++) {
+        blocks += tree->moving[i] != 0;
+    }
+    return eng_moves_much(blocks, tree->block_count[0]);
 }
 
 void eng_wide_still_begin(struct eng_wide *wide, const struct eng_scene *scene,

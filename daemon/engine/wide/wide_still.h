@@ -17,6 +17,10 @@
 
 #include "wide.h"
 
+/* The positions have moved on: is what moves spread so evenly that too few blocks of
+ * vertices stand (eng_moves_much)? [compute] */
+bool eng_wide_still_is_spread(struct eng_wide *wide, const struct eng_scene *scene);
+
 /* The positions have moved on and `keeps` says whether boxes of the last step are those
  * of what stands: mark what moves. `prunes`: marks are wanted without that, too.
  * [compute] */
