@@ -8,8 +8,10 @@
 
 #include <assert.h>
 
+#include "methods.h"
+#include "rigid.h"
 #include "step_memory.h"
-#include "wide.h"
+#include "wide_state.h"
 #include "wide_test.h"
 
 /* What the last step took, as it is believed (effort.h). */
@@ -24,6 +26,9 @@
 
 /* Places for objects, taken or not: some loops of a step are over all of them. */
 #define OBJECTS 64u
+
+/* The same of a step that does nothing else: some 20 us. */
+#define OBJECTS_AT_REST 1024u
 
 bool eng_brief_fits(const struct eng_step_settings *settings)
 {
@@ -40,13 +45,50 @@ static bool trees_are_small(const struct eng_wide *wide)
            wide->trees[PCCD_TREE_FACES].block_count[0] <= FACE_BLOCKS;
 }
 
+/* No step beside its search goes on with what takes several. */
+static bool has_work_beside(const struct eng_scene *scene)
+{
+    enum eng_wide_resort_state state = eng_wide_state_of(scene)->resort.state;
+    return (state != ENG_WIDE_IDLE && state != ENG_WIDE_TRIED) ||
+           !eng_rigid_is_settled(scene);
+}
+
+/* Nothing moved in the last step, so nothing does in one that writes nothing. Its boxes
+ * are there, and its answer is the last one: it searches nothing, however large the scene
+ * is. */
+static bool is_at_rest(const struct eng_scene *scene,
+                       const struct eng_step_settings *settings)
+{
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    const struct eng_kept *kept = &memory->kept;
+    return scene->moving.objects == 0 && !scene->has_lost_start &&
+           scene->object_capacity <= OBJECTS_AT_REST &&
+           eng_methods[PCCD_METHOD_WIDE]->has_boxes(scene) && !has_work_beside(scene) &&
+           eng_kept_fits(kept, scene, settings, scene->moving.number) &&
+           !kept->objects_changed && eng_kept_is_brief(kept) &&
+           (settings->mode != PCCD_MODE_ANY || kept->verdict == PCCD_VERDICT_NO ||
+            kept->verdict == PCCD_VERDICT_YES) &&
+           eng_step_memory_stays(memory) && eng_wide_work_of(memory->workers[0]);
+}
+
+bool eng_brief_is_bounded(const struct eng_scene *scene, const struct eng_team *team)
+{
+    return trees_are_small(eng_wide_of(scene)) ||
+           (scene->moving.objects == 0 && team->prunes && team->has_boxes);
+}
+
 bool eng_step_can_be_brief(const struct eng_scene *scene,
-                           const struct eng_step_settings *settings)
+                           const struct eng_step_settings *settings, bool is_staged)
 {
     assert(scene && settings);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    if (!eng_brief_fits(settings) || scene->object_capacity > OBJECTS ||
-        !trees_are_small(eng_wide_of(scene))) {
+    if (!eng_brief_fits(settings)) {
+        return false;
+    }
+    if (!is_staged && is_at_rest(scene, settings)) {
+        return true;
+    }
+    if (scene->object_capacity > OBJECTS || !trees_are_small(eng_wide_of(scene))) {
         return false;
     }
     /* One worker: those of others, once there are any, are freed by some later step. */

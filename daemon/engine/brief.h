@@ -1,7 +1,7 @@
 /* daemon/engine/brief.h - decides whether a step is small enough for the thread that
  * serves sockets to compute it at once, without handing it to another thread.
  *
- * Room:     engine. May include: scene.h, step_settings.h.
+ * Room:     engine. May include: scene.h, step_settings.h, team.h.
  * Does:     say which steps qualify, and bound their work.
  * Threads:  [compute].
  */
@@ -10,6 +10,7 @@
 
 #include "scene.h"
 #include "step_settings.h"
+#include "team.h"
 
 /* Whether the next step with these settings can be asked for as a brief one, with `brief`
  * set, by somebody who must not be held up: its last step in that mode was short, and
@@ -18,9 +19,17 @@
  * it ends with PCCD_E_AGAIN before it tests more candidates than a few, or one that takes
  * a search or exact arithmetic: the scene has moved on then, and the next step, unless it
  * is staged, is the same step once more. So it takes some tens of microseconds at most,
- * by one thread. */
+ * by one thread.
+ *
+ * A large scene's steps can be brief, too, as long as it is at rest: nothing is written
+ * in this one (not `is_staged`), nothing moved in the last one, and its answer, which has
+ * few records, is at hand. */
 bool eng_step_can_be_brief(const struct eng_scene *scene,
-                           const struct eng_step_settings *settings);
+                           const struct eng_step_settings *settings, bool is_staged);
+
+/* The boxes and records at hand have been looked at: is what is left of a brief step
+ * bounded as above? */
+bool eng_brief_is_bounded(const struct eng_scene *scene, const struct eng_team *team);
 
 /* Are they settings of a step that can be brief: whose work is bounded as above? */
 bool eng_brief_fits(const struct eng_step_settings *settings);

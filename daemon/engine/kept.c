@@ -164,6 +164,20 @@ static bool record_stands(const struct eng_kept *kept, const struct eng_scene *s
                           eng_name_word(record, bytes, 4));
 }
 
+bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
+                   const struct eng_step_settings *settings, uint64_t number)
+{
+    return kept->is_valid && settings->tuning.still == ENG_STILL_KEPT &&
+           kept->number == number && kept->mode == settings->mode &&
+           kept->tolerance == settings->tolerance &&
+           kept->masks_version == scene->masks.version;
+}
+
+bool eng_kept_is_brief(const struct eng_kept *kept)
+{
+    return kept->count <= BRIEF_RECORDS;
+}
+
 bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
                     const struct eng_step_settings *settings,
                     const struct eng_records *records)
@@ -171,11 +185,8 @@ bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
     assert(!kept->is_valid || kept->mode == PCCD_MODE_ANY ||
            records->count == kept->count);
     (void)records;
-    if (!kept->is_valid || settings->tuning.still == ENG_STILL_ANEW ||
-        kept->number + 1 != scene->moving.number || kept->mode != settings->mode ||
-        kept->tolerance != settings->tolerance ||
-        kept->masks_version != scene->masks.version ||
-        (settings->brief && kept->count > BRIEF_RECORDS) || !eng_moves_little(scene)) {
+    if (!eng_kept_fits(kept, scene, settings, scene->moving.number - 1) ||
+        (settings->brief && !eng_kept_is_brief(kept)) || !eng_moves_little(scene)) {
         return false;
     }
     if (!reserve(kept, scene)) {
@@ -249,7 +260,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
     double bound = 1;
     uint32_t bytes = records->record_bytes;
     kept->is_valid = false; /* until the step has ended */
-    if (kept->has_all && kept->mode != PCCD_MODE_FIRST && scene->moving.objects == 0) {
+    if (kept->has_all && scene->moving.objects == 0) {
         *counts = kept->counts;
         return bound;
     }

@@ -51,6 +51,14 @@ struct eng_kept {
 void eng_kept_deinit(struct eng_kept *kept);
 uint64_t eng_kept_bytes(const struct eng_kept *kept);
 
+/* Is the last answer one to a step with these settings, by which the scene came to where
+ * it was at this number of the motion (moving.h)? */
+bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
+                   const struct eng_step_settings *settings, uint64_t number);
+
+/* Are its records so few that a brief step (brief.h) may look at all, and copy them? */
+bool eng_kept_is_brief(const struct eng_kept *kept);
+
 /* The positions have moved on: does the last answer, `records`, serve a step with these
  * settings, and is it worth it? Reserves memory; without it, no. */
 bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,

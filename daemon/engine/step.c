@@ -143,6 +143,9 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     eng_frames_follow(scene);
     eng_rigid_choose(scene, settings->mode != PCCD_MODE_PAIRS);
     team.method->start(&team, settings);
+    if (settings->brief && !eng_brief_is_bounded(scene, &team)) {
+        eng_worker_give_up(team.workers[0]);
+    }
     uint64_t detect_ns = eng_detect_run(&team, &r.times);
     scene->is_owed = stop.gave_up;
     if (stop.gave_up) {

@@ -84,6 +84,14 @@ static void count_turn(struct eng_step_memory *memory, uint32_t threads)
     }
 }
 
+bool eng_step_memory_stays(const struct eng_step_memory *memory)
+{
+    return memory->worker_count > 0 &&
+           (memory->turn_count + 1 < KEPT_STEPS ||
+            memory->worker_count <=
+                (memory->most_threads > 1 ? memory->most_threads : 1));
+}
+
 int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
                             struct eng_thread_records *records)
 {

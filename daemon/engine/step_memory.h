@@ -60,6 +60,9 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene);
 
 extern const struct eng_slot_calls eng_step_slot;
 
+/* Does the next answer, by one thread, make no worker, and free none? */
+bool eng_step_memory_stays(const struct eng_step_memory *memory);
+
 /* Workers for that many threads of the next answer, 1 .. ENG_THREADS_MAX, and room in
  * `records` for what they will have done. Workers that have not been wanted for long are
  * freed. PCCD_E_NOMEM: those at hand stay. */

@@ -189,7 +189,14 @@ static void brief__given_up_has_moved_once(void **state)
 static bool can(const struct eng_scene *scene)
 {
     struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
-    return eng_step_can_be_brief(scene, &settings);
+    return eng_step_can_be_brief(scene, &settings, true);
+}
+
+/* Can one be that writes nothing, in this mode? */
+static bool can_rest(const struct eng_scene *scene, enum pccd_mode mode)
+{
+    struct eng_step_settings settings = settings_of(mode, false);
+    return eng_step_can_be_brief(scene, &settings, false);
 }
 
 /* Run two steps of it. */
@@ -223,12 +230,12 @@ static void brief__only_small_scenes_that_are_warm_can_be(void **state)
     assert_false(can(scene));
     warm(scene);
     settings.mode = PCCD_MODE_FIRST; /* nothing is known of it */
-    assert_false(eng_step_can_be_brief(scene, &settings));
+    assert_false(eng_step_can_be_brief(scene, &settings, true));
     settings = settings_of(PCCD_MODE_PAIRS, true);
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     settings = settings_of(PCCD_MODE_ALL, true);
     settings.method = PCCD_METHOD_PAPER;
-    assert_false(eng_step_can_be_brief(scene, &settings));
+    assert_false(eng_step_can_be_brief(scene, &settings, true));
     assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
     struct eng_mesh *mesh = kit_sheet(1, 9);
     assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), PCCD_OK);
@@ -270,6 +277,142 @@ static void brief__scenes_that_had_a_team_cannot_be(void **state)
     eng_scene_free(scene);
 }
 
+/* ---- at rest ----------------------------------------------------------------------- */
+
+#define LARGE 2000u /* triangles */
+
+/* Steps that write nothing, until nothing has moved in one. */
+static void settle(struct eng_scene *scene, enum pccd_mode mode)
+{
+    struct eng_step_settings settings = settings_of(mode, false);
+    struct eng_step_result result;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    }
+}
+
+/* Everything moves, and the step is computed. */
+static void stir(struct eng_scene *scene, struct kit_random *random)
+{
+    static double x[3 * LARGE][3];
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_step_result result;
+    uint32_t count = eng_scene_vertex_count(scene, 0);
+    assert_true(count <= 3 * LARGE);
+    for (uint32_t i = 0; i < count; i++) { /* two by two to places apart */
+        for (int k = 0; k < 3; k++) {
+            x[i][k] = kit_between(random, 0, 0.3);
+        }
+        x[i][0] += i / 6;
+    }
+    move(scene, (const double(*)[3])x, count);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+}
+
+/* If it failed: who asks for a large scene at rest would wait for threads to wake, or be
+ * told something else than by these. */
+static void brief__what_is_at_rest_can_be_however_large_it_is(void **state)
+{
+    struct kit_random random = {20261125};
+    struct eng_scene *scene = soup_new(&random, LARGE);
+    (void)state;
+    for (int mode = 0; mode < PCCD_MODE_PAIRS; mode++) {
+        struct eng_step_settings settings = settings_of((enum pccd_mode)mode, false);
+        struct eng_step_result anew;
+        struct eng_step_result result;
+        stir(scene, &random);
+        assert_false(can_rest(scene, settings.mode));
+        settle(scene, settings.mode);
+        assert_true(can_rest(scene, settings.mode));
+        assert_false(can(scene)); /* if something is staged */
+        settings.brief = true;
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_true(can_rest(scene, settings.mode)); /* and again */
+        assert_int_equal(result.threads, 1);
+        assert_int_equal(result.counters.box_tests, 0);
+        settings.brief = false;
+        settings.tuning.still = ENG_STILL_ANEW;
+        uint64_t count = result.count;
+        uint64_t hash = result.hash[0];
+        assert_int_equal(eng_step(scene, &settings, &anew), PCCD_OK);
+        assert_true(anew.count == count && anew.hash[0] == hash);
+        assert_int_equal(anew.verdict, result.verdict);
+    }
+    eng_scene_free(scene);
+}
+
+/* If it failed: the loop would make boxes of all features, search all pairs, go through
+ * any number of records, or free what a team has left. */
+static void brief__what_is_not_at_rest_cannot_be(void **state)
+{
+    struct kit_random random = {20261125};
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, false);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, LARGE);
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    double x[1][3] = {{0.5, 0.5, 0.5}};
+    (void)state;
+    stir(scene, &random);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_false(can_rest(scene, PCCD_MODE_ALL)); /* it moved in the step before */
+    settle(scene, PCCD_MODE_ALL);
+    assert_true(can_rest(scene, PCCD_MODE_ALL));
+    assert_false(can_rest(scene, PCCD_MODE_FIRST));
+    assert_false(can_rest(scene, PCCD_MODE_PAIRS));
+    move(scene, (const double(*)[3])x, 1);
+    eng_stage_abort(scene); /* where the last step began is to be copied */
+    assert_false(can_rest(scene, PCCD_MODE_ALL));
+    settle(scene, PCCD_MODE_ALL);
+    struct eng_object_filter filter = ENG_OBJECT_FILTER_DEFAULT;
+    filter.self = false;
+    assert_int_equal(eng_scene_set_filter(scene, 0, &filter), PCCD_OK);
+    assert_false(can_rest(scene, PCCD_MODE_ALL));
+    settle(scene, PCCD_MODE_ALL);
+    assert_true(can_rest(scene, PCCD_MODE_ALL));
+    uint32_t idx;
+    struct eng_mesh *mesh = kit_sheet(1, 9);
+    assert_int_equal(eng_scene_add(scene, mesh, 8, &idx), PCCD_OK);
+    assert_false(can_rest(scene, PCCD_MODE_ALL));
+    settle(scene, PCCD_MODE_ALL);
+    assert_true(can_rest(scene, PCCD_MODE_ALL));
+    /* A step by two leaves a worker; a round of steps by one thread later it is freed. */
+    settings.threads = 2;
+    settings.team_always = true;
+    settings.tuning.still = ENG_STILL_ANEW;
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_int_equal(memory->worker_count, 2);
+    uint32_t freed = 0;
+    for (int i = 0; i < 1000 && memory->worker_count == 2; i++) {
+        settings = settings_of(PCCD_MODE_ALL, can_rest(scene, PCCD_MODE_ALL));
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        freed += memory->worker_count == 1 && !settings.brief;
+    }
+    assert_int_equal(freed, 1);
+    eng_mesh_release(mesh);
+    eng_scene_free(scene);
+}
+
+/* If it failed: a step that was taken for a brief one would make the boxes of a large
+ * scene, and search it until it has tested as much as it may. */
+static void brief__large_scenes_give_up_before_they_search(void **state)
+{
+    struct kit_random random = {20261125};
+    struct eng_step_settings settings = settings_of(PCCD_MODE_ALL, true);
+    struct eng_step_result result;
+    struct eng_scene *scene = soup_new(&random, LARGE);
+    double x[1][3] = {{0.5, 0.5, 0.5}};
+    (void)state;
+    stir(scene, &random);
+    settle(scene, PCCD_MODE_ALL);
+    move(scene, (const double(*)[3])x, 1);
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_AGAIN);
+    assert_int_equal(eng_step_memory_of(scene)->workers[0]->record.box_tests, 0);
+    settings.brief = false;
+    assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    assert_true(result.counters.box_tests > 0);
+    eng_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +421,9 @@ int main(void)
         cmocka_unit_test(brief__given_up_has_moved_once),
         cmocka_unit_test(brief__only_small_scenes_that_are_warm_can_be),
         cmocka_unit_test(brief__scenes_that_had_a_team_cannot_be),
+        cmocka_unit_test(brief__what_is_at_rest_can_be_however_large_it_is),
+        cmocka_unit_test(brief__what_is_not_at_rest_cannot_be),
+        cmocka_unit_test(brief__large_scenes_give_up_before_they_search),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,15 +16,20 @@
 #define SHARE_MIN           4096u
 #define SHARE_PER_TRIANGLES 2u
 
+/* Is it to be looked whether its spacing is known by now? Of most objects nothing but
+ * these fields is read: what stands costs little. */
+static bool may_find_spacing(const struct eng_object *object)
+{
+    return object->mesh && object->spacing == 0 && (object->is_posed || object->is_new);
+}
+
 void eng_rigid_prepare(struct eng_scene *scene)
 {
     struct eng_rigid *rigid = &scene->rigid;
     rigid->is_possible = false;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         struct eng_object *object = &scene->objects[i];
-        /* Of most objects nothing but these fields is read: what stands costs little. */
-        if (object->mesh && object->spacing == 0 &&
-            (object->is_posed || object->is_new)) {
+        if (may_find_spacing(object)) {
             object->spacing = eng_spacing_of(object->mesh);
             object->has_near = object->spacing > 0 && eng_spacing_has_near(object->mesh);
             rigid->version += object->spacing > 0;
@@ -53,6 +58,17 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
         }
         eng_masks_leave_out(&scene->masks, i, self);
     }
+}
+
+bool eng_rigid_is_settled(const struct eng_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (may_find_spacing(object) && eng_spacing_of(object->mesh) > 0) {
+            return false;
+        }
+    }
+    return scene->rigid.wanted == ENG_NO_OBJECT;
 }
 
 void eng_rigid_share(struct eng_scene *scene)

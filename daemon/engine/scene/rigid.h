@@ -27,6 +27,10 @@ void eng_rigid_prepare(struct eng_scene *scene);
  * None if not `may_leave_out`. [compute] */
 void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out);
 
+/* Will a step that writes nothing find no spacing that has become known, and search for
+ * none? [compute] */
+bool eng_rigid_is_settled(const struct eng_scene *scene);
+
 /* While others traverse: a share of the search for a spacing that was missed. By one
  * thread; later steps have what it finds. [team] */
 void eng_rigid_share(struct eng_scene *scene);

@@ -26,7 +26,7 @@ struct eng_method_calls {
      * to where it is? [compute] */
     bool (*has_boxes)(const struct eng_scene *scene);
     /* The positions have moved on; no thread is at work yet. If team->has_boxes: they
-     * have not, and boxes stay. [compute] */
+     * have not, and boxes stay. It says so itself where nothing moves. [compute] */
     void (*start)(struct eng_team *team, const struct eng_step_settings *settings);
     /* All boxes, by one thread. A step that is stopped may leave some as they were: then
      * no task is done, and the next step makes them all. [compute] */

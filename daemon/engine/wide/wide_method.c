@@ -330,6 +330,11 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
     eng_wide_still_begin(wide, team->scene, keeps, team->prunes);
     wide->frames = team->scene->framing.number;
     wide->frame_scale = team->scene->framing.scale;
+    if (keeps && team->scene->moving.objects == 0) {
+        wide->boxes_of = wide->refit_of;
+        team->has_boxes = true;
+        return;
+    }
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
         uint32_t chunks = eng_wide_refit_chunks(eng_wide_of(team->scene), kind);
         for (uint32_t i = 0; i < team->count; i++) {

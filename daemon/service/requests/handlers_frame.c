@@ -231,7 +231,8 @@ static bool can_be_brief(struct srv_request *request)
         return false;
     }
     struct eng_step_settings settings = settings_of(request);
-    return eng_step_can_be_brief(scene->engine, &settings);
+    return eng_step_can_be_brief(scene->engine, &settings,
+                                 request->params.FRAME_SUBMIT.segments > 0);
 }
 
 /* It is to end, and others are still before it: the answer is known. [loop] */
