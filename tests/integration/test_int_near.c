@@ -519,7 +519,7 @@ static void near__that_fails_moves_nothing(void **state)
     struct pccd_client *client = crossing->client;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     settings_t settings = defaults;
-    float x[3][3];
+    float x[4][3] = {{0}}; /* the mesh has three */
     struct pccd_motion motion = {
         .object = crossing->object, .count = 3, .format = PCCD_FORMAT_F32, .x1 = x};
 

@@ -10,9 +10,13 @@
 
 #include "kinds.h"
 
-/* The weights of a record's features: VE has the second parameter, VV none. */
+/* The weights of a record's features: VE has the second parameter, VV none. Those of EF
+ * are of a point of the edge, and nobody asks for them. */
 static void near_weights(const struct pccd_near *near, double w[2][3])
 {
+    if (near->kind == PCCD_EF) {
+        return;
+    }
     const float param[2] = {near->param[near->kind == PCCD_VE], near->param[1]};
     common_contact_weights((enum pccd_kind)near->kind, param, w);
 }
@@ -35,7 +39,7 @@ bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
 {
     const uint32_t handles[2] = {near->object_a, near->object_b};
     const uint32_t features[2] = {near->feature_a, near->feature_b};
-    double w[2][3];
+    double w[2][3] = {{0}};
     if (near->kind >= COMMON_KIND_COUNT) {
         return false;
     }
