@@ -1,8 +1,8 @@
 /* daemon/engine/base/radix.c - a stable radix sort.
  *
  * Room:     engine.
- * Does:     least significant digit first, 8 or 9 bits a pass or a little less; few items
- *           are inserted.
+ * Does:     least significant digit first, 8 to 11 bits a pass or a little less; few
+ *           items are inserted.
  * Threads:  [any].
  */
 #include "radix.h"
@@ -16,6 +16,15 @@
 
 /* Items that are sorted sooner by insertion than by passes. */
 #define INSERTION_MAX 24u
+
+/* So many items, of keys that differ in few enough bits, are sorted as words of these
+ * bits and the item's place: half as many bytes for each pass, which stay in the first
+ * cache, so that wider digits pay, too. */
+#define PLACE_BITS     12u
+#define WORDS_MAX      (1u << PLACE_BITS)
+#define WORD_DIGIT_MAX 11u
+#define WORD_DIGIT_FEW 9u
+#define FEW_WORDS      1024u
 
 static void insert_all(struct eng_radix_key *items, size_t count)
 {
@@ -50,6 +59,53 @@ static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, siz
     }
 }
 
+static void word_pass(const uint64_t *from, uint64_t *to, size_t count, unsigned shift,
+                      unsigned bits)
+{
+    uint32_t offset[1u << WORD_DIGIT_MAX];
+    uint64_t mask = ((uint64_t)1 << bits) - 1;
+    memset(offset, 0, (mask + 1) * sizeof *offset);
+    for (size_t i = 0; i < count; i++) {
+        offset[from[i] >> shift & mask]++;
+    }
+    uint32_t sum = 0;
+    for (size_t d = 0; d <= mask; d++) {
+        uint32_t n = offset[d];
+        offset[d] = sum;
+        sum += n;
+    }
+    for (size_t i = 0; i < count; i++) {
+        to[offset[from[i] >> shift & mask]++] = from[i];
+    }
+}
+
+/* Keys differ in `bits` bits from bit `low` on, at most 64 - PLACE_BITS. The words are in
+ * two halves of spare; sorted they are in the second one, so that items can be written
+ * over them from the front: item i ends where word i does, at most. */
+static void sort_words(const struct eng_radix_key *items, struct eng_radix_key *spare,
+                       size_t count, unsigned low, unsigned bits)
+{
+    unsigned most = count < FEW_WORDS ? WORD_DIGIT_FEW : WORD_DIGIT_MAX;
+    unsigned digits = (bits + most - 1) / most;
+    unsigned size = (bits + digits - 1) / digits;
+    uint64_t *first = (uint64_t *)(void *)spare;
+    uint64_t *second = first + count;
+    uint64_t *from = digits % 2 == 0 ? second : first;
+    uint64_t *to = digits % 2 == 0 ? first : second;
+    for (size_t i = 0; i < count; i++) {
+        from[i] = items[i].key >> low << PLACE_BITS | i;
+    }
+    for (unsigned digit = 0; digit < digits; digit++) {
+        word_pass(from, to, count, PLACE_BITS + digit * size, size);
+        uint64_t *swap = from;
+        from = to;
+        to = swap;
+    }
+    for (size_t i = 0; i < count; i++) {
+        spare[i] = items[second[i] & (WORDS_MAX - 1)];
+    }
+}
+
 struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
                                      struct eng_radix_key *spare, size_t count)
 {
@@ -67,6 +123,10 @@ struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
     /* Digits of one size between the first and the last bit that differ. */
     unsigned low = (unsigned)__builtin_ctzll(differ);
     unsigned bits = 64 - (unsigned)__builtin_clzll(differ) - low;
+    if (count <= WORDS_MAX && bits <= 64 - PLACE_BITS) {
+        sort_words(items, spare, count, low, bits);
+        return spare;
+    }
     unsigned most = count < FEW_ITEMS ? DIGIT_FEW : DIGIT_MAX;
     unsigned digits = (bits + most - 1) / most;
     unsigned size = (bits + digits - 1) / digits;
