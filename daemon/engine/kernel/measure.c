@@ -261,11 +261,51 @@ ENG_INLINE struct known measure_lanes(enum pccd_kind kind, const struct eng_v x[
     return known;
 }
 
-/* Append the lanes `bits`. */
+#if ENG_VECTOR_BYTES == 64
+
+static_assert(sizeof(struct eng_distance) == 64 &&
+                  offsetof(struct eng_distance, param) == 16 &&
+                  offsetof(struct eng_distance, direction) == 32 &&
+                  offsetof(struct eng_distance, type) == 56 &&
+                  offsetof(struct eng_distance, points) == 60,
+              "a vector");
+
+/* The whole of eight lanes, those `bits` one after the other; the place behind them is
+ * written to as well. */
+ENG_INLINE void write_eight(const struct numbers *numbers, const uint32_t *pairs,
+                            uint32_t bits, struct eng_measured *out)
+{
+    uint32_t count = out->near_count;
+    eng_di code = eng_di_of(numbers->code);
+    const eng_d in[8] = {numbers->lo,          numbers->hi,
+                         numbers->param[0],    numbers->param[1],
+                         numbers->direction.x, numbers->direction.y,
+                         numbers->direction.z, eng_d_of((code & 3) | (code >> 2 << 32))};
+    eng_d row[8];
+    eng_points_turn_back(in, row);
+#pragma GCC unroll 8
+    for (uint32_t lane = 0; lane < 8; lane++) {
+        memcpy(&out->found[count], &row[lane], sizeof row[lane]);
+        count += bits >> lane & 1;
+    }
+    out->near_count += eng_keep(out->index + out->near_count, pairs, 8, bits);
+}
+
+#endif
+
+/* Append the lanes `bits`, of n. */
 ENG_INLINE void write_near(const struct numbers *numbers, const uint32_t *pairs,
-                           uint32_t bits, enum eng_distance_wanted wanted,
+                           uint32_t n, uint32_t bits, enum eng_distance_wanted wanted,
                            struct eng_measured *out)
 {
+#if ENG_VECTOR_BYTES == 64
+    if (wanted == ENG_DISTANCE_WHOLE && n == ENG_D_LANES) {
+        write_eight(numbers, pairs, bits, out);
+        return;
+    }
+#else
+    (void)n;
+#endif
     double at[7][ENG_D_LANES];
     int64_t code[ENG_D_LANES];
     uint32_t count = out->near_count;
@@ -326,7 +366,7 @@ ENG_INLINE void measure(enum pccd_kind kind, enum eng_distance_wanted wanted,
             open &= ~(eng_dm_bits(rims.near) | eng_dm_bits(rims.beyond));
         }
         sure = wanted == ENG_DISTANCE_WITHIN ? near : sure;
-        write_near(&numbers, pairs + i, sure, wanted, out);
+        write_near(&numbers, pairs + i, n, sure, wanted, out);
         if ((open | (near & ~sure)) != 0) {
             out->vague_count +=
                 eng_keep(out->vague + out->vague_count, pairs + i, n, near & ~sure);

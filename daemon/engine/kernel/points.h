@@ -39,6 +39,29 @@ ENG_INLINE struct eng_v eng_points_turn(const double *const at[ENG_D_LANES])
                           (eng_d)_mm512_permutex2var_pd(xz01, second, xz23)};
 }
 
+/* The other way: out[lane] has that lane of each in[..]. */
+ENG_INLINE void eng_points_turn_back(const eng_d in[8], eng_d out[8])
+{
+#pragma GCC unroll 2
+    for (int odd = 0; odd < 2; odd++) {
+        __m512d two[4]; /* numbers 2 k and 2 k + 1 of every second lane */
+#pragma GCC unroll 4
+        for (int k = 0; k < 4; k++) {
+            __m512d a = (__m512d)in[2 * k];
+            __m512d b = (__m512d)in[2 * k + 1];
+            two[k] = odd ? _mm512_unpackhi_pd(a, b) : _mm512_unpacklo_pd(a, b);
+        }
+        __m512d low01 = _mm512_shuffle_f64x2(two[0], two[1], 0x44);
+        __m512d high01 = _mm512_shuffle_f64x2(two[0], two[1], 0xee);
+        __m512d low23 = _mm512_shuffle_f64x2(two[2], two[3], 0x44);
+        __m512d high23 = _mm512_shuffle_f64x2(two[2], two[3], 0xee);
+        out[odd] = (eng_d)_mm512_shuffle_f64x2(low01, low23, 0x88);
+        out[odd + 2] = (eng_d)_mm512_shuffle_f64x2(low01, low23, 0xdd);
+        out[odd + 4] = (eng_d)_mm512_shuffle_f64x2(high01, high23, 0x88);
+        out[odd + 6] = (eng_d)_mm512_shuffle_f64x2(high01, high23, 0xdd);
+    }
+}
+
 #elif ENG_VECTOR_BYTES == 32
 
 /* Two numbers of each place, in the halves. */
