@@ -32,6 +32,8 @@ kernel_sources = \
     daemon/engine/kernel/lanes_vector.h \
     daemon/engine/kernel/marks.c \
     daemon/engine/kernel/marks.h \
+    daemon/engine/kernel/marks_end.h \
+    daemon/engine/kernel/marks_turn.h \
     daemon/engine/kernel/measure.c \
     daemon/engine/kernel/meeting.h \
     daemon/engine/kernel/movers.h \

@@ -1,7 +1,7 @@
 /* daemon/engine/kernel/marks.h - loads points that were rounded to a grid (marks),
  * several at once, for the sieve.
  *
- * Room:     engine. May include: lanes_pack.h, query.h, sieve.h.
+ * Room:     engine. May include: marks_turn.h.
  * Does:     subtract the marks of as many pairs as a vector has floats, in memory order,
  *           then transpose the three differences, which is less than four points.
  * Threads:  [any]; inline only. Included by files of this folder alone.
@@ -9,24 +9,24 @@
 #ifndef ENG_MARKS_H
 #define ENG_MARKS_H
 
-#include "lanes_pack.h"
-#include "query.h"
-#include "sieve.h"
+#include "marks_turn.h"
 
-/* Three whole numbers in every lane. */
-struct eng_g {
-    eng_fi x, y, z;
-};
-
-/* The points of a pair. */
+/* The points of a pair: those of its first feature before the others, of EF a corner of
+ * the face before all. */
 struct eng_corners {
-    const struct eng_mark *mark[4];
+    const struct eng_mark *mark[5];
 };
 
-ENG_INLINE struct eng_corners
-eng_corners_of(enum pccd_kind kind, const struct eng_sieve *sieve, uint32_t a, uint32_t b)
+ENG_INLINE struct eng_corners eng_corners_of(uint32_t kind, const struct eng_sieve *sieve,
+                                             uint32_t a, uint32_t b)
 {
     const struct eng_mark *marks = sieve->marks;
+    if (kind == PCCD_EF) {
+        return (struct eng_corners){
+            {&marks[sieve->b_corner[0][b]], &marks[sieve->a_corner[0][a]],
+             &marks[sieve->a_corner[1][a]], &marks[sieve->b_corner[1][b]],
+             &marks[sieve->b_corner[2][b]]}};
+    }
     if (kind == PCCD_VF) {
         return (struct eng_corners){{&marks[a], &marks[sieve->b_corner[0][b]],
                                      &marks[sieve->b_corner[1][b]],
@@ -40,26 +40,6 @@ eng_corners_of(enum pccd_kind kind, const struct eng_sieve *sieve, uint32_t a, u
 /* d[end][k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3 minus mark 0. No difference
  * overflows (sieve.h). */
 #if ENG_VECTOR_BYTES == 64
-
-ENG_INLINE __m512i eng_marks_two(const struct eng_mark *first,
-                                 const struct eng_mark *second)
-{
-    return _mm512_inserti64x4(
-        _mm512_castsi256_si512(_mm256_load_si256((const __m256i *)(const void *)first)),
-        _mm256_load_si256((const __m256i *)(const void *)second), 1);
-}
-
-/* Records x0 y0 z0 word x1 y1 z1 word of four times two pairs, to x, y, z. */
-ENG_INLINE void eng_marks_turn(const __m512i a[4], __m512i out[3])
-{
-    __m512i xy01 = _mm512_unpacklo_epi32(a[0], a[1]);
-    __m512i xy23 = _mm512_unpacklo_epi32(a[2], a[3]);
-    __m512i zw01 = _mm512_unpackhi_epi32(a[0], a[1]);
-    __m512i zw23 = _mm512_unpackhi_epi32(a[2], a[3]);
-    out[0] = _mm512_unpacklo_epi64(xy01, xy23);
-    out[1] = _mm512_unpackhi_epi64(xy01, xy23);
-    out[2] = _mm512_unpacklo_epi64(zw01, zw23);
-}
 
 ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
@@ -100,24 +80,6 @@ ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *siev
 }
 
 #elif ENG_VECTOR_BYTES == 32
-
-ENG_INLINE __m256i eng_marks_ends(const int32_t *low, const int32_t *high)
-{
-    return _mm256_inserti128_si256(
-        _mm256_castsi128_si256(_mm_load_si128((const __m128i *)(const void *)low)),
-        _mm_load_si128((const __m128i *)(const void *)high), 1);
-}
-
-ENG_INLINE struct eng_g eng_marks_turn(const __m256i a[4])
-{
-    __m256i xy01 = _mm256_unpacklo_epi32(a[0], a[1]);
-    __m256i xy23 = _mm256_unpacklo_epi32(a[2], a[3]);
-    __m256i zw01 = _mm256_unpackhi_epi32(a[0], a[1]);
-    __m256i zw23 = _mm256_unpackhi_epi32(a[2], a[3]);
-    return (struct eng_g){(eng_fi)_mm256_unpacklo_epi64(xy01, xy23),
-                          (eng_fi)_mm256_unpackhi_epi64(xy01, xy23),
-                          (eng_fi)_mm256_unpacklo_epi64(zw01, zw23)};
-}
 
 ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *sieve,
                                const uint32_t *a, const uint32_t *b, struct eng_g d[2][3])
@@ -161,19 +123,10 @@ ENG_INLINE void eng_marks_load(enum pccd_kind kind, const struct eng_sieve *siev
             v[1][k][i] = eng_fi_of(p.mark[k + 1]->q1) - from1;
         }
     }
-#pragma GCC unroll 2
-    for (int end = 0; end < 2; end++) {
 #pragma GCC unroll 3
-        for (int k = 0; k < 3; k++) {
-            const eng_fi *r = v[end][k];
-            eng_fi xy01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5);
-            eng_fi xy23 = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5);
-            eng_fi zw01 = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
-            eng_fi zw23 = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
-            d[end][k].x = __builtin_shufflevector(xy01, xy23, 0, 1, 4, 5);
-            d[end][k].y = __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7);
-            d[end][k].z = __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5);
-        }
+    for (int k = 0; k < 3; k++) {
+        d[0][k] = eng_marks_turn_at(v[0][k]);
+        d[1][k] = eng_marks_turn_at(v[1][k]);
     }
 }
 

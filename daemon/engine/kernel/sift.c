@@ -9,6 +9,7 @@
  * Source:   query.h; the margins are derived in BOUNDS.md.
  */
 #include "axes.h"
+#include "marks_end.h"
 #include "table.h"
 
 #define U24   0x1p-24f /* of floats, what u is of doubles */
@@ -460,32 +461,24 @@ ENG_INLINE uint32_t beyond(enum pccd_kind kind, const struct eng_sieve *sieve,
                            const uint32_t *a, const uint32_t *b, uint32_t end,
                            eng_f reach)
 {
-    struct eng_g d[2][3];
+    struct eng_g d[3];
     eng_f square = reach * reach * SLACK;
-    eng_marks_load(kind, sieve, a, b, d);
-    eng_fm boxes = boxes_beyond(kind, d[end], square);
-    eng_fm planes = planes_beyond(kind, d[end], square);
+    eng_marks_load_at(kind, sieve, a, b, end, d);
+    eng_fm boxes = boxes_beyond(kind, d, square);
+    eng_fm planes = planes_beyond(kind, d, square);
     return eng_fm_bits(
-        eng_fm_or(boxes, eng_fm_or(planes, middles_beyond(kind, d[end], square))));
+        eng_fm_or(boxes, eng_fm_or(planes, middles_beyond(kind, d, square))));
 }
 
 /* Are both ends of the edge certainly on one side of the plane through the face? */
 ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
                           const uint32_t *b, uint32_t end)
 {
-    struct eng_g d[2][2][3]; /* from an end of the edge to the corners */
-#pragma GCC unroll 2
-    for (int i = 0; i < 2; i++) {
-        uint32_t vertex[ENG_F_LANES];
-        for (uint32_t lane = 0; lane < ENG_F_LANES; lane++) {
-            vertex[lane] = sieve->a_corner[i][a[lane]];
-        }
-        eng_marks_load(PCCD_VF, sieve, vertex, b, d[i]);
-    }
-    struct vector first = smaller(d[0][end][0]);
-    struct vector second = smaller(d[1][end][0]);
-    struct normal normal = normal_of(smaller(less(d[0][end][1], d[0][end][0])),
-                                     smaller(less(d[0][end][2], d[0][end][0])));
+    struct eng_g d[4]; /* from a corner to the ends of the edge, and to the others */
+    eng_marks_load_at(PCCD_EF, sieve, a, b, end, d);
+    struct vector first = smaller(d[0]);
+    struct vector second = smaller(d[1]);
+    struct normal normal = normal_of(smaller(d[2]), smaller(d[3]));
     eng_f height[2] = {dot(first, normal.n), dot(second, normal.n)};
     eng_f error[2] = {height_error(first, &normal), height_error(second, &normal)};
     eng_fm above =
