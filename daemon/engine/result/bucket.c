@@ -13,7 +13,10 @@ static_assert(sizeof(struct pccd_contact) == 64 && sizeof(struct pccd_pair) == 2
               "records");
 
 /* Records copied while the next ones are on their way to the cache. */
-#define AHEAD 12u
+#define AHEAD 32u
+
+/* Records that are copied, then counted into the hash while the first cache has them. */
+#define PIECE 64u
 
 /* Sort items whose keys agree in all words before `word`, in place. A key has three words
  * at most, so that is the depth. */
@@ -43,11 +46,12 @@ static void sort_items(const struct eng_merge *merge, struct eng_radix_key *item
     }
 }
 
+/* Records of items[count], of which more follow up to items[end]. */
 static void gather_contacts(struct pccd_contact *to, const struct eng_radix_key *items,
-                            size_t count, struct eng_counts *counts)
+                            size_t count, size_t end, struct eng_counts *counts)
 {
     for (size_t i = 0; i < count; i++) {
-        if (i + AHEAD < count) {
+        if (i + AHEAD < end) {
             __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
         }
         memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
@@ -87,14 +91,34 @@ static uint32_t gather_folded(struct pccd_contact *to, const struct eng_radix_ke
 }
 
 static void gather_pairs(struct pccd_pair *to, const struct eng_radix_key *items,
-                         size_t count, struct eng_counts *counts)
+                         size_t count, size_t end, struct eng_counts *counts)
 {
     for (size_t i = 0; i < count; i++) {
-        if (i + AHEAD < count) {
+        if (i + AHEAD < end) {
             __builtin_prefetch((const void *)(uintptr_t)items[i + AHEAD].index);
         }
         memcpy(&to[i], (const void *)(uintptr_t)items[i].index, sizeof to[i]);
         counts->kind[to[i].kind]++;
+    }
+}
+
+/* Copy the records of items[count] to their places, count and hash them. */
+static void gather(const struct eng_merge *merge, unsigned char *to,
+                   const struct eng_radix_key *items, size_t count,
+                   struct eng_counts *counts)
+{
+    uint32_t bytes = merge->out->record_bytes;
+    for (size_t i = 0; i < count; i += PIECE) {
+        size_t n = count - i < PIECE ? count - i : PIECE;
+        unsigned char *place = to + i * bytes;
+        if (bytes == sizeof(struct pccd_pair)) {
+            gather_pairs((struct pccd_pair *)(void *)place, items + i, n, count - i,
+                         counts);
+        } else {
+            gather_contacts((struct pccd_contact *)(void *)place, items + i, n, count - i,
+                            counts);
+        }
+        counts->hash += eng_hash_records(place, n, bytes);
     }
 }
 
@@ -147,10 +171,8 @@ void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *c
     if (merge->folds) {
         kept = gather_folded((struct pccd_contact *)(void *)to, items, kept, counts);
         merge->folded[b].count = (uint32_t)kept;
-    } else if (merge->out->record_bytes == sizeof(struct pccd_pair)) {
-        gather_pairs((struct pccd_pair *)(void *)to, items, kept, counts);
+        counts->hash += eng_hash_records(to, kept, merge->out->record_bytes);
     } else {
-        gather_contacts((struct pccd_contact *)(void *)to, items, kept, counts);
+        gather(merge, to, items, kept, counts);
     }
-    counts->hash += eng_hash_records(to, kept, merge->out->record_bytes);
 }
