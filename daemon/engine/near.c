@@ -356,8 +356,9 @@ static void begin_search(struct eng_team *team, const struct eng_near_query *que
         team->search = search_objects;
         return;
     }
+    struct eng_name_range range = eng_near_range(team->scene);
     for (uint32_t i = 0; i < team->count; i++) {
-        eng_near_work_begin(team->workers[i]);
+        eng_near_work_begin(team->workers[i], &range);
     }
 }
 

@@ -262,6 +262,54 @@ static void result__long_list_keeps_the_first_in_order(void **state)
     }
 }
 
+/* Records all[count], as many at a time as a random number says. */
+static void add_many(struct eng_found *found, const struct pccd_pair *all, uint32_t count,
+                     struct kit_random *random)
+{
+    memset(&found->range.low, 0, sizeof found->range.low);
+    memset(&found->range.high, 0xff, sizeof found->range.high);
+    for (uint32_t k = 0; k < count;) {
+        void *slots;
+        uint32_t wanted = 1 + kit_below(random, 700);
+        wanted = wanted < count - k ? wanted : count - k;
+        uint32_t n = eng_found_open(found, wanted, &slots);
+        assert_in_range(n, 0, wanted);
+        if (n == 0) {
+            eng_found_add(found, &all[k++]);
+            continue;
+        }
+        n = kit_below(random, 2) ? n : 1 + kit_below(random, n);
+        memcpy(slots, &all[k], n * sizeof *all);
+        eng_found_close(found, n);
+        k += n;
+    }
+}
+
+/* If it failed: what a chunk finds at once would be kept otherwise than what is found one
+ * by one: lost, without a limit, or out of order. */
+static void result__many_at_a_time_are_kept_as_one_by_one(void **state)
+{
+    struct lists *lists = *state;
+    struct kit_random random = {85};
+    const uint64_t limits[] = {0, 1, 700, 4000, 10000, 20000};
+    static struct pccd_pair all[20000];
+    const uint32_t count = sizeof all / sizeof *all;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        begin(lists, sizeof(struct pccd_pair), limits[i]);
+        for (uint32_t k = 0; k < count; k++) {
+            all[k] = random_name(&random);
+        }
+        add_many(&lists->found[0], all, count, &random);
+        qsort(all, count, sizeof *all, compare_pairs);
+        assert_true(lists->found[0].overflowed == (limits[i] < count));
+        assert_in_range(lists->found[0].count, 0,
+                        limits[i] + limits[i] / 4 + lists->found[0].per_block);
+        assert_int_equal(sort(lists), PCCD_OK);
+        assert_int_equal(lists->sorted.count, limits[i]);
+        assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
+    }
+}
+
 /* If it failed: two workers would keep twice what one may. */
 static void result__limit_counts_all_workers_together(void **state)
 {
@@ -303,6 +351,7 @@ int main(void)
         TEST(result__nothing_sorts_to_nothing),
         TEST(result__limit_is_kept_and_told),
         TEST(result__long_list_keeps_the_first_in_order),
+        TEST(result__many_at_a_time_are_kept_as_one_by_one),
         TEST(result__limit_counts_all_workers_together),
         TEST(result__memory_is_used_again),
     };

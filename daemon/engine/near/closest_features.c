@@ -1,151 +1,176 @@
 /* daemon/engine/near/closest_features.c - the features between which a distance is.
  *
  * Room:     engine.
- * Does:     see closest_features.h.
+ * Does:     see closest_features.h. What a distance is between cannot be foreseen, so
+ *           pairs are told apart first, then those of a sort are named in one loop.
  * Threads:  [team].
  */
 #include "closest_features.h"
 
 #include <assert.h>
-#include <string.h>
 
-#include "kinds.h"
+static bool is_below(const uint32_t edge[2], uint32_t low_end, uint32_t high_end)
+{
+    return edge[1] != high_end ? edge[1] < high_end : edge[0] < low_end;
+}
 
 /* The edge between two vertices, which has one: edges are in the order of (higher, lower)
  * vertex. */
-static uint32_t edge_between(const struct eng_mesh *mesh, uint32_t v, uint32_t w)
+static uint32_t edge_between(const struct eng_mesh *mesh, uint32_t low_end,
+                             uint32_t high_end)
 {
-    uint32_t low_end = v < w ? v : w;
-    uint32_t high_end = v < w ? w : v;
     uint32_t low = 0;
     uint32_t high = mesh->info.edge_count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        const uint32_t *edge = mesh->edges[middle];
-        bool is_below = edge[1] != high_end ? edge[1] < high_end : edge[0] < low_end;
-        low = is_below ? middle + 1 : low;
-        high = is_below ? high : middle;
+        bool below = is_below(mesh->edges[middle], low_end, high_end);
+        low = below ? middle + 1 : low;
+        high = below ? high : middle;
     }
     assert(mesh->edges[low][0] == low_end && mesh->edges[low][1] == high_end);
     return low;
 }
 
-/* A point of a pair: its side, 0: of a, 1: of b, and what it is. */
-struct point {
-    uint32_t side;
-    const struct eng_point *is;
-};
-
-static uint32_t id_of(const struct point *point)
+static uint32_t find_edge(struct eng_edges_known *known, const struct eng_mesh *mesh,
+                          uint32_t v, uint32_t w)
 {
-    return (uint32_t)(point->is->word1 >> 32);
+    uint32_t low_end = v < w ? v : w;
+    uint32_t high_end = v < w ? w : v;
+    struct eng_edge_known *at =
+        &known->at[(low_end * 3 + high_end * 5) % ENG_EDGES_KNOWN];
+    if (at->mesh != mesh || at->low_end != low_end || at->high_end != high_end) {
+        *at = (struct eng_edge_known){mesh, low_end, high_end,
+                                      edge_between(mesh, low_end, high_end)};
+    }
+    return at->edge;
+}
+
+static uint32_t id_of(const struct eng_point *point)
+{
+    return (uint32_t)(point->word1 >> 32);
 }
 
 /* Vertex of its object's mesh. */
-static uint32_t local_of(const struct point *point)
+static uint32_t local_of(const struct eng_point *point)
 {
-    return (uint32_t)point->is->word1;
+    return (uint32_t)point->word1;
 }
 
-/* The points of the pair that the distance is between, those of a first. */
-static void list_points(enum pccd_kind kind, const struct eng_point *const all[4],
-                        uint32_t bits, struct point points[4])
-{
-    uint32_t of_a = common_kinds[kind].points[0];
-    for (; bits != 0; bits &= bits - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(bits);
-        *points++ = (struct point){i >= of_a, all[i]};
-    }
-}
-
-static void turn(struct eng_distance *at)
+static void turn(struct eng_distance *at, bool is_turned)
 {
     for (int k = 0; k < 3; k++) {
-        at->direction[k] = 0.0 - at->direction[k];
+        const double ways[2] = {at->direction[k], 0.0 - at->direction[k]};
+        at->direction[k] = ways[is_turned];
     }
 }
 
-/* Two vertices. */
-static void name_vertices(const struct point points[2], struct pccd_pair *closest,
-                          struct eng_distance *at)
+/* Two vertices, in the order of the pair. */
+static void name_vertices(const struct eng_point *a, const struct eng_point *b,
+                          struct pccd_pair *name, struct eng_distance *at)
 {
-    bool is_turned = points[0].is->word1 > points[1].is->word1;
-    const struct point *first = &points[is_turned];
-    const struct point *second = &points[!is_turned];
-    *closest = (struct pccd_pair){PCCD_VV, id_of(first), local_of(first), id_of(second),
-                                  local_of(second)};
+    const struct eng_point *const both[2] = {a, b};
+    bool is_turned = a->word1 > b->word1;
+    const struct eng_point *first = both[is_turned];
+    const struct eng_point *second = both[!is_turned];
+    *name = (struct pccd_pair){PCCD_VV, id_of(first), local_of(first), id_of(second),
+                               local_of(second)};
     at->param[0] = 0;
     at->param[1] = 0;
-    if (is_turned) {
-        turn(at);
-    }
+    turn(at, is_turned);
 }
 
-/* Where the foot is along the pair's edge, or along a side of its face, from the first of
- * the two ends in the order of the pair: what is said of the pair, as that is a function
- * of the vertex and the edge alone. It is a multiple of 2^-32, halves to even, so that 1
- * less it is the position from the other end. */
-static double position_along(const struct pccd_pair *pair,
-                             const struct eng_distance *distance, uint32_t side)
+/* A vertex and an edge. `position`: of the foot, from the first of the ends, in the order
+ * of the pair, as it is said of the pair: a function of the vertex and the edge alone,
+ * and a multiple of 2^-32, halves to even, so that 1 less it is the position from the
+ * other end, which an edge begins at if that is the lower one. */
+static void name_edge(const struct eng_point *vertex,
+                      const struct eng_point *const end[2], uint32_t edge,
+                      double position, struct pccd_pair *name, struct eng_distance *at)
 {
-    if (pair->kind == PCCD_EE) {
-        return distance->param[side];
-    }
-    uint32_t corners = distance->points >> 1; /* the lowest bit is the vertex's */
-    return distance->param[corners == 3 ? 0 : 1];
-}
-
-/* The edge with these ends: the pair's own, or a side of its face. */
-static uint32_t edge_of(const struct eng_scene *scene, const struct pccd_pair *pair,
-                        const struct point ends[2])
-{
-    if (pair->kind == PCCD_EE) {
-        return ends[0].side == 0 ? pair->feature_a : pair->feature_b;
-    }
-    const struct eng_mesh *mesh = scene->objects[ends[0].is->word0 >> 32].mesh;
-    return edge_between(mesh, local_of(&ends[0]), local_of(&ends[1]));
-}
-
-/* A vertex and an edge: the two points of one side are the edge's. */
-static void name_edge(const struct eng_scene *scene, const struct pccd_pair *pair,
-                      const struct eng_distance *distance, const struct point points[3],
-                      struct pccd_pair *closest, struct eng_distance *at)
-{
-    bool is_first = points[0].side != points[1].side; /* the vertex is of a */
-    const struct point *vertex = &points[is_first ? 0 : 2];
-    const struct point *ends = &points[is_first ? 1 : 0];
-    uint32_t side = ends[0].side;
-    assert(side == ends[1].side && vertex->side != side);
-    uint32_t edge = edge_of(scene, pair, ends);
-    *closest = (struct pccd_pair){PCCD_VE, id_of(vertex), local_of(vertex),
-                                  id_of(&ends[0]), edge};
-    double position = position_along(pair, distance, side);
+    const double positions[2] = {position, 1 - position};
+    *name =
+        (struct pccd_pair){PCCD_VE, id_of(vertex), local_of(vertex), id_of(end[0]), edge};
     at->param[0] = 0;
-    /* The points are in the order of the pair's feature, the edge begins at the lower. */
-    at->param[1] = local_of(&ends[0]) < local_of(&ends[1]) ? position : 1 - position;
-    if (!is_first) {
-        turn(at);
+    at->param[1] = positions[local_of(end[0]) > local_of(end[1])];
+}
+
+/* The vertex of a pair of VF and a side of its face. */
+static void name_side(const struct eng_scene *scene, struct eng_edges_known *known,
+                      const struct eng_point *const all[4], struct pccd_pair *name,
+                      struct eng_distance *at)
+{
+    uint32_t corners = at->points >> 1;
+    const struct eng_point *const end[2] = {all[corners == 6 ? 2 : 1],
+                                            all[corners == 3 ? 2 : 3]};
+    const struct eng_mesh *mesh = scene->objects[end[0]->word0 >> 32].mesh;
+    name_edge(all[0], end, find_edge(known, mesh, local_of(end[0]), local_of(end[1])),
+              at->param[corners != 3], name, at);
+}
+
+/* An end of edge `side` of a pair of EE and the other edge. */
+static void name_end(const struct eng_point *const all[4], uint32_t side,
+                     struct pccd_pair *name, struct eng_distance *at)
+{
+    uint32_t is_second = at->points >> (2 * side + 1) & 1; /* of the ends */
+    const struct eng_point *const *end = all + 2 * (1 - side);
+    name_edge(all[2 * side + is_second], end,
+              side == 0 ? name->feature_b : name->feature_a, at->param[1 - side], name,
+              at);
+    turn(at, side == 1);
+}
+
+/* Which of several namings a pair is for; else it is its own closest features. */
+enum naming { VERTICES, OF_FIRST, OF_SECOND, NAMINGS };
+
+struct namings {
+    uint32_t count[NAMINGS + 1];
+    uint16_t pair[NAMINGS + 1][ENG_CHUNK_MAX];
+};
+
+static void tell_apart(enum pccd_kind kind, const struct eng_distance *distances,
+                       uint32_t count, struct namings *namings)
+{
+    static_assert(ENG_NEAREST_VF == 0 && ENG_NEAREST_EE == 1 && ENG_NEAREST_VE == 2 &&
+                      ENG_NEAREST_VV == 3,
+                  "a table");
+    static const uint8_t naming_of[4][2] = {{NAMINGS, NAMINGS},
+                                            {NAMINGS, NAMINGS},
+                                            {OF_FIRST, OF_SECOND},
+                                            {VERTICES, VERTICES}};
+    for (uint32_t i = 0; i <= NAMINGS; i++) {
+        namings->count[i] = 0;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        bool of_second = kind == PCCD_EE && (distances[i].points & 3) == 3;
+        uint32_t naming = naming_of[distances[i].type][of_second];
+        namings->pair[naming][namings->count[naming]++] = (uint16_t)i;
     }
 }
 
-void eng_closest_features(const struct eng_scene *scene, const struct pccd_pair *pair,
-                          const struct eng_point *const all[4],
-                          const struct eng_distance *distance, struct pccd_pair *closest,
-                          struct eng_distance *at)
+void eng_closest_features(const struct eng_scene *scene, enum pccd_kind kind,
+                          const struct eng_point *points, const uint32_t (*quads)[4],
+                          const uint32_t *index, uint32_t count,
+                          struct eng_edges_known *known, struct pccd_pair *names,
+                          struct eng_distance *distances)
 {
-    struct point points[4];
-    *at = *distance;
-    *closest = *pair;
-    switch (distance->type) {
-    case ENG_NEAREST_VV:
-        list_points(pair->kind, all, distance->points, points);
-        name_vertices(points, closest, at);
-        break;
-    case ENG_NEAREST_VE:
-        list_points(pair->kind, all, distance->points, points);
-        name_edge(scene, pair, distance, points, closest, at);
-        break;
-    default: /* all points of the pair */
-        assert((uint32_t)distance->type == pair->kind);
+    struct namings namings;
+    assert(count <= ENG_CHUNK_MAX && (kind == PCCD_VF || kind == PCCD_EE));
+    tell_apart(kind, distances, count, &namings);
+    for (enum naming naming = VERTICES; naming < NAMINGS; naming++) {
+        for (uint32_t k = 0; k < namings.count[naming]; k++) {
+            uint32_t i = namings.pair[naming][k];
+            const uint32_t *quad = quads[index[i]];
+            struct eng_distance *at = &distances[i];
+            const struct eng_point *const all[4] = {&points[quad[0]], &points[quad[1]],
+                                                    &points[quad[2]], &points[quad[3]]};
+            if (naming == VERTICES) {
+                name_vertices(all[__builtin_ctz(at->points)],
+                              all[31 - __builtin_clz(at->points)], &names[i], at);
+            } else if (kind == PCCD_VF) {
+                name_side(scene, known, all, &names[i], at);
+            } else {
+                name_end(all, naming == OF_SECOND, &names[i], at);
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 /* daemon/engine/near/closest_features.h - from a pair that is near to the two features
  * between which its distance is.
  *
- * Room:     engine. May include: kernel.h, nearest.h, world.h.
+ * Room:     engine. May include: batch.h, kernel.h, nearest.h, world.h.
  * Does:     name them as records do: a vertex and a face, two edges, a vertex and an
  *           edge, or two vertices; and say of these what is said of the pair.
  * Threads:  [team].
@@ -13,15 +13,31 @@
 #ifndef ENG_CLOSEST_FEATURES_H
 #define ENG_CLOSEST_FEATURES_H
 
+#include "batch.h"
 #include "kernel.h"
 #include "nearest.h"
 #include "world.h"
 
-/* The closest features of a pair of VF or EE whose distance is known, and theirs: a
- * function of their own points. all: the pair's, with the words of near_work.h. */
-void eng_closest_features(const struct eng_scene *scene, const struct pccd_pair *pair,
-                          const struct eng_point *const all[4],
-                          const struct eng_distance *distance, struct pccd_pair *closest,
-                          struct eng_distance *at);
+/* Edges that were looked up, each at a place of its ends': most are asked for again soon.
+ * All zeros: none. */
+#define ENG_EDGES_KNOWN 512u
+
+struct eng_edges_known {
+    struct eng_edge_known {
+        const struct eng_mesh *mesh;
+        uint32_t low_end;
+        uint32_t high_end;
+        uint32_t edge;
+    } at[ENG_EDGES_KNOWN];
+};
+
+/* Of `count` pairs of VF or EE, at most ENG_CHUNK_MAX, whose distances are known: names
+ * and distances become those of the closest features, functions of their own points.
+ * quads[index[i]]: the points of pair i, with the words of near_work.h. */
+void eng_closest_features(const struct eng_scene *scene, enum pccd_kind kind,
+                          const struct eng_point *points, const uint32_t (*quads)[4],
+                          const uint32_t *index, uint32_t count,
+                          struct eng_edges_known *known, struct pccd_pair *names,
+                          struct eng_distance *distances);
 
 #endif

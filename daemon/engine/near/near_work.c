@@ -9,7 +9,6 @@
 #include <assert.h>
 #include <string.h>
 
-#include "closest_features.h"
 #include "memory.h"
 
 /* Records are those of contacts, with other meanings: all that puts them in order, merges
@@ -42,6 +41,7 @@ int eng_near_work_reserve(struct eng_worker *worker)
     }
     work->batch.should_stop = should_stop;
     work->batch.owner = worker;
+    work->has_recent = true; /* what lies there */
     worker->near_work = work;
     return PCCD_OK;
 }
@@ -60,9 +60,48 @@ uint64_t eng_near_work_bytes(const struct eng_worker *worker)
     return worker->near_work ? sizeof *worker->near_work : 0;
 }
 
-void eng_near_work_begin(struct eng_worker *worker)
+struct eng_name_range eng_near_range(const struct eng_scene *scene)
+{
+    struct eng_name_range range;
+    eng_name_range_init(&range);
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (object->mesh) {
+            const struct eng_mesh_info *info = &object->mesh->info;
+            uint32_t most = info->edge_count > info->triangle_count
+                                ? info->edge_count
+                                : info->triangle_count;
+            most = object->vertices.count > most ? object->vertices.count : most;
+            struct eng_name low = {{0, object->id, 0, object->id, 0}};
+            struct eng_name high = {{PCCD_EF, object->id, most, object->id, most}};
+            eng_name_range_add(&range, &low);
+            eng_name_range_add(&range, &high);
+        }
+    }
+    return range;
+}
+
+static void forget_recent(struct eng_near_work *work)
+{
+    if (work->has_recent) {
+        memset(work->recent, 0, sizeof work->recent);
+        work->has_recent = false;
+    }
+}
+
+/* The range of all names saves looking at each. Of objects whose handles need many bits
+ * it is not taken, so that the fewer that are near may have keys of one word. */
+void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range)
 {
     struct eng_near_work *work = eng_near_work_of(worker);
+    struct eng_order order;
+    eng_order_set(&order, range);
+    work->is_bulk = order.words == 1;
+    if (work->is_bulk) {
+        worker->found.range = *range;
+    }
+    forget_recent(work);
+    memset(&work->edges, 0, sizeof work->edges);
     work->least = 2e18;
     work->greatest = 0;
     work->touches = 0;
@@ -81,37 +120,98 @@ static enum eng_distance_wanted wanted_for(enum pccd_near_what what)
     }
 }
 
-static void write_record(struct pccd_near *record, const struct eng_distance *distance)
+static void write_record(struct pccd_near *record, const struct pccd_pair *name,
+                         const struct eng_distance *distance)
 {
-    record->flags = (uint32_t)distance->type << 8;
-    record->d_lo = distance->lo;
-    record->d_hi = distance->hi;
-    for (int k = 0; k < 2; k++) {
-        record->param[k] = (float)distance->param[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        record->direction[k] = (float)distance->direction[k];
-    }
-    record->count = 1;
+    *record = (struct pccd_near){
+        .kind = name->kind,
+        .flags = (uint32_t)distance->type << 8,
+        .object_a = name->object_a,
+        .feature_a = name->feature_a,
+        .object_b = name->object_b,
+        .feature_b = name->feature_b,
+        .d_lo = distance->lo,
+        .d_hi = distance->hi,
+        .param = {(float)distance->param[0], (float)distance->param[1]},
+        .direction = {(float)distance->direction[0], (float)distance->direction[1],
+                      (float)distance->direction[2]},
+        .count = 1};
 }
 
-static void keep_record(struct eng_worker *worker, const struct pccd_pair *name,
-                        const struct eng_distance *distance)
+/* Places for up to `count` records, in the list or, for one, wherever eng_found_add has
+ * one. Returns how many, at least 1; NULL: a full list says so itself. */
+static uint32_t open_slots(struct eng_worker *worker, const struct pccd_pair *name,
+                           uint32_t count, struct pccd_near **records)
 {
-    struct pccd_near *record = eng_found_add(&worker->found, name);
-    if (record) { /* a full list says so itself */
-        write_record(record, distance);
+    struct eng_near_work *work = eng_near_work_of(worker);
+    void *slots = NULL;
+    uint32_t n = work->is_bulk ? eng_found_open(&worker->found, count, &slots) : 0;
+    if (n > 0) {
+        eng_found_close(&worker->found, n);
+    } else {
+        forget_recent(work); /* they may be moved */
+        slots = eng_found_add(&worker->found, name);
+        n = 1;
+    }
+    *records = slots;
+    return n;
+}
+
+static void keep_records(struct eng_worker *worker, const struct pccd_pair *names,
+                         const struct eng_distance *distances, uint32_t count)
+{
+    for (uint32_t i = 0; i < count;) {
+        struct pccd_near *records;
+        uint32_t n = open_slots(worker, &names[i], count - i, &records);
+        for (uint32_t k = 0; records && k < n; k++) {
+            write_record(&records[k], &names[i + k], &distances[i + k]);
+        }
+        i += n;
     }
 }
 
-static void keep_features(struct eng_worker *worker, const struct pccd_pair *pair,
-                          const struct eng_point *const all[4],
-                          const struct eng_distance *distance)
+/* Where a record of that name was put last. */
+static struct eng_near_recent *recent_of(struct eng_near_work *work,
+                                         const struct pccd_pair *name)
 {
-    struct pccd_pair closest;
-    struct eng_distance at;
-    eng_closest_features(worker->scene, pair, all, distance, &closest, &at);
-    keep_record(worker, &closest, &at);
+    uint32_t sum = (name->feature_a ^ name->object_a << 16) * 0x9e3779b1u +
+                   (name->feature_b ^ name->object_b << 16) * 0x85ebca6bu;
+    return &work->recent[((sum ^ sum >> 15) + name->kind) % ENG_NEAR_RECENT];
+}
+
+static bool are_alike(const struct pccd_pair *a, const struct pccd_pair *b)
+{
+    return ((a->kind ^ b->kind) | (a->feature_a ^ b->feature_a) |
+            (a->feature_b ^ b->feature_b) | (a->object_a ^ b->object_a) |
+            (a->object_b ^ b->object_b)) == 0;
+}
+
+/* All that is said of a feature is a function of it alone, so another record of its name
+ * only adds to the count of the first. */
+static void keep_feature(struct eng_worker *worker, const struct pccd_pair *name,
+                         const struct eng_distance *distance)
+{
+    struct eng_near_work *work = eng_near_work_of(worker);
+    struct eng_near_recent *recent = recent_of(work, name);
+    struct pccd_near *record;
+    if (recent->record && are_alike(&recent->name, name)) {
+        recent->record->count++;
+        return;
+    }
+    (void)open_slots(worker, name, 1, &record);
+    if (record) {
+        write_record(record, name, distance);
+        *recent = (struct eng_near_recent){*name, record};
+        work->has_recent = true;
+    }
+}
+
+static void keep_features(struct eng_worker *worker, uint32_t count)
+{
+    const struct eng_near_work *work = eng_near_work_of(worker);
+    for (uint32_t i = 0; i < count; i++) {
+        keep_feature(worker, &work->names[i], &work->batch.found[i]);
+    }
 }
 
 /* The least of all pairs of a vertex, whichever thread finds it. */
@@ -124,19 +224,38 @@ static void keep_bound(_Atomic uint64_t *bound, uint64_t bits)
     }
 }
 
-static void keep_bounds(struct eng_worker *worker, const struct eng_point *const all[4],
-                        double length)
+static void keep_bounds(struct eng_worker *worker, const struct eng_point *points,
+                        const uint32_t (*quads)[4], uint32_t count)
 {
-    uint64_t bits;
-    memcpy(&bits, &length, sizeof bits);
-    for (uint32_t i = 0; i < 4; i++) {
-        keep_bound(&worker->settings->near->bounds[(uint32_t)all[i]->word0], bits);
+    const struct eng_near_work *work = eng_near_work_of(worker);
+    _Atomic uint64_t *bounds = worker->settings->near->bounds;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *quad = quads[work->batch.index[i]];
+        uint64_t bits;
+        memcpy(&bits, &work->batch.found[i].lo, sizeof bits);
+        for (uint32_t k = 0; k < 4; k++) {
+            keep_bound(&bounds[(uint32_t)points[quad[k]].word0], bits);
+        }
     }
+}
+
+/* The least and the greatest of all that was found. */
+static void keep_range(struct eng_near_work *work, uint32_t count)
+{
+    double least = work->least;
+    double greatest = work->greatest;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct eng_distance *distance = &work->batch.found[i];
+        least = distance->lo < least ? distance->lo : least;
+        greatest = distance->hi > greatest ? distance->hi : greatest;
+    }
+    work->least = least;
+    work->greatest = greatest;
 }
 
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_near_name_fn name)
+                   uint32_t count, bool is_sifted, eng_near_names_fn names)
 {
     const struct eng_near_query *near = worker->settings->near;
     struct eng_near_work *work = eng_near_work_of(worker);
@@ -153,23 +272,18 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
         work->touches += found;
         return;
     }
-    for (uint32_t i = 0; i < found; i++) {
-        const struct eng_distance *distance = &work->batch.found[i];
-        const uint32_t *quad = quads[work->batch.index[i]];
-        const struct eng_point *const all[4] = {&points[quad[0]], &points[quad[1]],
-                                                &points[quad[2]], &points[quad[3]]};
-        work->least = distance->lo < work->least ? distance->lo : work->least;
-        work->greatest = distance->hi > work->greatest ? distance->hi : work->greatest;
-        if (near->what == PCCD_NEAR_VERTICES) {
-            keep_bounds(worker, all, distance->lo);
-            continue;
-        }
-        struct pccd_pair pair = name(worker, kind, work->batch.index[i]);
-        if (near->what == PCCD_NEAR_FEATURES) {
-            keep_features(worker, &pair, all, distance);
-        } else {
-            keep_record(worker, &pair, distance);
-        }
+    keep_range(work, found);
+    if (near->what == PCCD_NEAR_VERTICES) {
+        keep_bounds(worker, points, quads, found);
+        return;
+    }
+    names(worker, kind, work->batch.index, found, work->names);
+    if (near->what == PCCD_NEAR_FEATURES) {
+        eng_closest_features(worker->scene, kind, points, quads, work->batch.index, found,
+                             &work->edges, work->names, work->batch.found);
+        keep_features(worker, found);
+    } else {
+        keep_records(worker, work->names, work->batch.found, found);
     }
 }
 
@@ -188,7 +302,7 @@ static struct eng_distance passage(struct eng_distances *distances, uint32_t end
 }
 
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
-                    const uint32_t (*fives)[5], uint32_t count, eng_near_name_fn name)
+                    const uint32_t (*fives)[5], uint32_t count, eng_near_names_fn names)
 {
     struct eng_near_work *work = eng_near_work_of(worker);
     const uint64_t *integers = &work->distances.decided[ENG_DISTANCE_BY_INTEGERS];
@@ -198,12 +312,12 @@ void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
                                               &work->distances, &work->batch);
     worker->tally.survivors += found;
     work->least = found > 0 ? 0 : work->least;
+    names(worker, (enum pccd_kind)PCCD_EF, work->batch.index, found, work->names);
     for (uint32_t i = 0; i < found; i++) {
         uint64_t before = *integers;
         uint32_t pair = work->batch.index[i];
-        struct pccd_pair named = name(worker, (enum pccd_kind)PCCD_EF, pair);
         struct eng_distance at = passage(&work->distances, end, points, fives[pair]);
-        keep_record(worker, &named, &at);
+        keep_records(worker, &work->names[i], &at, 1);
         if (*integers > before && eng_worker_should_stop(worker)) {
             return;
         }

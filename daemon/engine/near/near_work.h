@@ -1,7 +1,7 @@
 /* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
  *
- * Room:     engine. May include: distance_batch.h, near_query.h, worker.h,
- *           world.h.
+ * Room:     engine. May include: closest_features.h, distance_batch.h, near_query.h,
+ *           worker.h, world.h.
  * Does:     hold the scratch of distances and what the thread has found so far, besides
  *           its records; make records of pairs that are near, as they were asked for.
  * Does not: know how pairs are found: both methods hand them over.
@@ -10,16 +10,31 @@
 #ifndef ENG_NEAR_WORK_H
 #define ENG_NEAR_WORK_H
 
+#include "closest_features.h"
 #include "distance_batch.h"
 #include "near_query.h"
 #include "worker.h"
 #include "world.h"
 
+/* Records of the last features, by name, to each of which others of its name are added
+ * where it is: most of them follow soon. record NULL: none. */
+#define ENG_NEAR_RECENT 256u
+
+struct eng_near_recent {
+    struct pccd_pair name;
+    struct pccd_near *record;
+};
+
 struct eng_near_work {
     struct eng_distances distances;
     struct eng_distance_batch batch;
-    double least;     /* d_lo of what was found; 2e18: nothing was */
-    double greatest;  /* d_hi likewise; 0 */
+    struct pccd_pair names[ENG_CHUNK_MAX]; /* of what the batch has found */
+    bool is_bulk;    /* all names are within the range of the worker's list */
+    bool has_recent; /* there is any */
+    struct eng_near_recent recent[ENG_NEAR_RECENT];
+    struct eng_edges_known edges;
+    double least;    /* d_lo of what was found; 2e18: nothing was */
+    double greatest; /* d_hi likewise; 0 */
     uint64_t touches; /* pairs within the distance that have no records */
 };
 
@@ -34,12 +49,16 @@ int eng_near_work_reserve(struct eng_worker *worker);
 void eng_near_work_free(struct eng_worker *worker);
 uint64_t eng_near_work_bytes(const struct eng_worker *worker);
 
-/* Get ready for a query. [compute] */
-void eng_near_work_begin(struct eng_worker *worker);
+/* The range of all names in a scene. */
+struct eng_name_range eng_near_range(const struct eng_scene *scene);
 
-/* The name of candidate `i` of those at hand. */
-typedef struct pccd_pair (*eng_near_name_fn)(const struct eng_worker *worker,
-                                             enum pccd_kind kind, uint32_t i);
+/* Get ready for a query, names being within a range. [compute] */
+void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range);
+
+/* The names of candidates index[count] of those at hand. */
+typedef void (*eng_near_names_fn)(const struct eng_worker *worker, enum pccd_kind kind,
+                                  const uint32_t *index, uint32_t count,
+                                  struct pccd_pair *names);
 
 /* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
  * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of
@@ -47,10 +66,10 @@ typedef struct pccd_pair (*eng_near_name_fn)(const struct eng_worker *worker,
  * | the vertex's in its mesh. */
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_near_name_fn name);
+                   uint32_t count, bool is_sifted, eng_near_names_fn names);
 
 /* The same of candidates of EF: the ends of the edge, the corners of the face. */
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
-                    const uint32_t (*fives)[5], uint32_t count, eng_near_name_fn name);
+                    const uint32_t (*fives)[5], uint32_t count, eng_near_names_fn names);
 
 #endif

@@ -131,13 +131,16 @@ static void test_group(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-/* The name of candidate `i` of the group that is being tested. */
-static struct pccd_pair name_near(const struct eng_worker *worker, enum pccd_kind kind,
-                                  uint32_t i)
+/* The names of candidates index[count] of the group that is being tested. */
+static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
+                      const uint32_t *index, uint32_t count, struct pccd_pair *names)
 {
     const struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
-    uint32_t at = eng_paper_work_of(worker)->group_first + i;
-    return name_of(worker->scene, kind, chunk->a[at], chunk->b[at]);
+    uint32_t first = eng_paper_work_of(worker)->group_first;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t at = first + index[i];
+        names[i] = name_of(worker->scene, kind, chunk->a[at], chunk->b[at]);
+    }
 }
 
 /* The words of the points: near_work.h. */

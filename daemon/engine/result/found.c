@@ -95,11 +95,17 @@ static int cut(struct eng_found *found)
     return status;
 }
 
-/* Is a record of that name kept? A list grows to a quarter more than its limit and one
- * block before it is cut, so that cutting costs each record little. */
+/* How many a list may have before it is cut: a quarter more than its limit and one block,
+ * so that cutting costs each record little. */
+static uint64_t most_of(const struct eng_found *found)
+{
+    return found->limit + found->limit / 4 + found->per_block;
+}
+
+/* Is a record of that name kept? */
 static bool has_room(struct eng_found *found, const struct eng_name *name)
 {
-    bool is_full = found->count >= found->limit + found->limit / 4 + found->per_block;
+    bool is_full = found->count >= most_of(found);
     if (found->limit == 0 || (is_full && cut(found) != PCCD_OK)) {
         return false;
     }
@@ -121,6 +127,30 @@ void *eng_found_add(struct eng_found *found, const struct pccd_pair *name)
     unsigned char *record = block->data + (size_t)block->count++ * found->record_bytes;
     eng_name_write(&words, record, found->record_bytes);
     return record;
+}
+
+uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots)
+{
+    assert(count >= 1);
+    uint64_t most = most_of(found);
+    if (found->limit == 0 || found->is_cut || found->count >= most) {
+        return 0;
+    }
+    struct eng_block *block = open_block(found);
+    if (!block) {
+        return 0;
+    }
+    uint32_t room = found->per_block - block->count;
+    room = most - found->count < room ? (uint32_t)(most - found->count) : room;
+    *slots = block->data + (size_t)block->count * found->record_bytes;
+    return count < room ? count : room;
+}
+
+void eng_found_close(struct eng_found *found, uint32_t count)
+{
+    assert(count <= found->per_block - found->last->count);
+    found->last->count += count;
+    found->count += count;
 }
 
 void eng_found_keep(struct eng_found *found, uint64_t count)

@@ -36,6 +36,13 @@ void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
  * after `limit` others in order, or memory ran out (overflowed). */
 void *eng_found_add(struct eng_found *found, const struct pccd_pair *name);
 
+/* Slots for the next records, `count` at most and >= 1, for the caller to fill in, names
+ * as well: *slots, one after the other; returns how many. Their names must be within
+ * `range`. 0: eng_found_add knows what becomes of the next one; it may move records. */
+uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots);
+/* The first `count` of them are there. */
+void eng_found_close(struct eng_found *found, uint32_t count);
+
 /* The answer: records in one piece. Memory stays for the next step. */
 struct eng_records {
     unsigned char *data;

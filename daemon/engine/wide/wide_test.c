@@ -64,16 +64,14 @@ INLINE void put_in_order(const struct eng_wide *wide, enum pccd_tree tree, uint3
     *b ^= change;
 }
 
-static struct pccd_pair name_of(const struct eng_wide *wide, enum pccd_kind kind,
+INLINE struct pccd_pair name_of(const struct eng_wide *wide, enum pccd_kind kind,
                                 uint32_t a, uint32_t b)
 {
+    if (has_one_tree(kind)) {
+        put_in_order(wide, eng_wide_tree_of(kind, 0), &a, &b);
+    }
     eng_wide_key key_a = eng_wide_key_of(wide, eng_wide_tree_of(kind, 0), a);
     eng_wide_key key_b = eng_wide_key_of(wide, eng_wide_tree_of(kind, 1), b);
-    if (has_one_tree(kind) && key_a > key_b) {
-        eng_wide_key key = key_a;
-        key_a = key_b;
-        key_b = key;
-    }
     return (struct pccd_pair){kind, (uint32_t)(key_a >> 32), (uint32_t)key_a,
                               (uint32_t)(key_b >> 32), (uint32_t)key_b};
 }
@@ -208,11 +206,31 @@ static void test(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-static struct pccd_pair name_near(const struct eng_worker *worker, enum pccd_kind kind,
-                                  uint32_t i)
+INLINE void name_kind(const struct eng_wide *wide, enum pccd_kind kind,
+                      const struct eng_wide_chunk *chunk, const uint32_t *index,
+                      uint32_t count, struct pccd_pair *names)
 {
+    for (uint32_t i = 0; i < count; i++) {
+        names[i] = name_of(wide, kind, chunk->a[index[i]], chunk->b[index[i]]);
+    }
+}
+
+/* With what there is most of as constants of the code. */
+static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
+                      const uint32_t *index, uint32_t count, struct pccd_pair *names)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_wide_chunk *chunk = &eng_wide_work_of(worker)->join.chunks[kind];
-    return name_of(eng_wide_of(worker->scene), kind, chunk->a[i], chunk->b[i]);
+    switch (kind) {
+    case PCCD_VF:
+        name_kind(wide, PCCD_VF, chunk, index, count, names);
+        break;
+    case PCCD_EE:
+        name_kind(wide, PCCD_EE, chunk, index, count, names);
+        break;
+    default:
+        name_kind(wide, kind, chunk, index, count, names);
+    }
 }
 
 /* Those of a chunk stay that are not certainly too far apart. Returns whether that has
