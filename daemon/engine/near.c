@@ -204,14 +204,12 @@ static void sum_up(const struct eng_team *team, const struct eng_counts *counts,
 static enum pccd_verdict verdict_of(const struct eng_team *team,
                                     const struct eng_near_result *result)
 {
-    uint64_t touches = result->count;
+    bool meets = atomic_load_explicit(team->workers[0]->settings->near->meets,
+                                      memory_order_relaxed);
     if (result->incomplete != PCCD_COMPLETE) {
         return PCCD_VERDICT_NONE;
     }
-    for (uint32_t i = 0; i < team->count; i++) {
-        touches += eng_near_work_of(team->workers[i])->touches;
-    }
-    return touches > 0 ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
+    return meets ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
 }
 
 static void answer_records(struct eng_near_memory *memory,
@@ -395,6 +393,8 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
         begin_bounds(&memory->near, scene, settings->distance);
         query.bounds = memory->near.bounds;
     }
+    atomic_store_explicit(&memory->near.meets, false, memory_order_relaxed);
+    query.meets = &memory->near.meets;
     begin_search(&team, &query);
     result->times.ingest = staged_ns;
     team.method->start(&team, &step);

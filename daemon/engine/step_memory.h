@@ -27,9 +27,10 @@ struct eng_near_memory {
     struct eng_effort effort[PCCD_METHOD_COUNT][PCCD_NEAR_COUNT];
     struct eng_records records; /* its records, or bounds by vertex */
     struct eng_thread_records threads;
-    _Atomic uint64_t *bounds;   /* [bound_capacity] by the scene's vertices */
+    _Atomic uint64_t *bounds; /* [bound_capacity] by the scene's vertices */
     uint32_t bound_capacity;
-    uint64_t *order; /* [order_capacity] objects: id << 32 | index */
+    atomic_bool meets; /* CROSSINGS: near_query.h */
+    uint64_t *order;   /* [order_capacity] objects: id << 32 | index */
     uint32_t order_capacity;
     struct eng_near_objects objects; /* NEAREST, DEPTH */
 };

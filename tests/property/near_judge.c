@@ -291,14 +291,17 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
     }
 }
 
-/* What was counted on the way to a complete answer. */
+/* What was counted on the way to a complete answer. Pairs that touch are not looked for
+ * any more when it is known that features do, or cross. */
 static const char *check_counters(const struct truth *truth,
+                                  const struct eng_near_settings *settings,
                                   const struct eng_near_result *result)
 {
     const struct pccd_step_counters *counters = &result->counters;
     uint64_t counts[PCCD_KINDS_MAX] = {0};
     uint64_t all = 0;
-    for (size_t i = 0; i < truth->pairs.count; i++) {
+    bool is_all = settings->what != PCCD_NEAR_CROSSINGS;
+    for (size_t i = 0; i < truth->pairs.count && is_all; i++) {
         counts[truth->pairs.items[i].record.kind]++;
     }
     counts[PCCD_EF] = truth->crossings.count;
@@ -339,7 +342,7 @@ const char *near_judge(const struct player *player,
     }
     wrong = wrong ? wrong : check_verdict(&truth, settings, result);
     if (!wrong && result->incomplete == PCCD_COMPLETE && settings->objects[0] == 0) {
-        wrong = check_counters(&truth, result);
+        wrong = check_counters(&truth, settings, result);
     }
     sum_up(&truth, settings, result, sums);
     truth_deinit(&truth);

@@ -182,6 +182,11 @@ static void near__says_whether_anything_crosses_or_touches(void **state)
         assert_int_equal(result.count, crossings[i]);
         assert_int_equal(result.crossings, crossings[i]);
         assert_int_equal(result.verdict, verdicts[i]);
+        settings.step.method = PCCD_METHOD_WIDE;
+        assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);
+        assert_int_equal(result.verdict, verdicts[i]);
+        /* What touches need not be looked for where something crosses. */
+        assert_true(i == 2 || (result.counters.candidates[PCCD_EE] == 0) == (i == 0));
         if (i == 0) { /* of which nothing is kept */
             settings.step.contact_max = 0;
             assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_OK);

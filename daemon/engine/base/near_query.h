@@ -3,13 +3,15 @@
  *
  * Room:     engine. May include: pccd_types.h, the C library.
  * Does:     define the struct that the settings of a team point to (step_settings.h).
- * Threads:  [any]; but for the bounds, nothing changes while the team is at work.
+ * Threads:  [any]; but for the bounds and `meets`, nothing changes while the team is at
+ *           work.
  */
 #ifndef ENG_NEAR_QUERY_H
 #define ENG_NEAR_QUERY_H
 
 #include <math.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "pccd_types.h"
@@ -23,7 +25,17 @@ struct eng_near_query {
     /* VERTICES: by the scene's vertices, the least distance so far: bits of a double,
      * whose order is that of the numbers. */
     _Atomic uint64_t *bounds;
+    /* CROSSINGS: some features are known to cross or to touch. Of those that touch no
+     * more is asked for, so that they are not looked for any more. */
+    atomic_bool *meets;
 };
+
+/* Need pairs of that kind not be looked for? Relaxed: it is a hint. */
+static inline bool eng_near_leaves_out(const struct eng_near_query *near, uint32_t kind)
+{
+    return near && near->what == PCCD_NEAR_CROSSINGS && kind != PCCD_EF &&
+           atomic_load_explicit(near->meets, memory_order_relaxed);
+}
 
 /* Boxes are not within 2^80 of nowhere (boxes.h), and hold coordinates below that. */
 #define ENG_GROWTH_MOST 0x1p80f

@@ -104,7 +104,6 @@ void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range 
     memset(&work->edges, 0, sizeof work->edges);
     work->least = 2e18;
     work->greatest = 0;
-    work->touches = 0;
     work->batch.exact = 0;
 }
 
@@ -253,6 +252,14 @@ static void keep_range(struct eng_near_work *work, uint32_t count)
     work->greatest = greatest;
 }
 
+/* CROSSINGS: so many features cross or touch. */
+static void tell_meeting(struct eng_worker *worker, uint32_t found)
+{
+    if (found > 0) {
+        atomic_store_explicit(worker->settings->near->meets, true, memory_order_relaxed);
+    }
+}
+
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
                    uint32_t count, bool is_sifted, eng_near_names_fn names)
@@ -269,7 +276,7 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                                              count, &work->distances, &work->batch);
     worker->tally.survivors += found;
     if (question.wanted == ENG_DISTANCE_WITHIN) {
-        work->touches += found;
+        tell_meeting(worker, found);
         return;
     }
     keep_range(work, found);
@@ -312,6 +319,7 @@ void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
                                               &work->distances, &work->batch);
     worker->tally.survivors += found;
     work->least = found > 0 ? 0 : work->least;
+    tell_meeting(worker, found);
     names(worker, (enum pccd_kind)PCCD_EF, work->batch.index, found, work->names);
     for (uint32_t i = 0; i < found; i++) {
         uint64_t before = *integers;

@@ -35,7 +35,6 @@ struct eng_near_work {
     struct eng_edges_known edges;
     double least;    /* d_lo of what was found; 2e18: nothing was */
     double greatest; /* d_hi likewise; 0 */
-    uint64_t touches; /* pairs within the distance that have no records */
 };
 
 /* That of a worker, as long as it has one. */

@@ -66,6 +66,9 @@ static void perform_or_divide(struct eng_worker *worker, uint64_t task,
     uint32_t level = level_of(task);
     uint32_t n = task >> NODE_BITS & node_mask;
     uint32_t m = task & node_mask;
+    if (eng_near_leaves_out(worker->settings->near, kind)) {
+        return;
+    }
     struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
     uint64_t begin_ns = eng_worker_slice(worker);
     worker->record.task_units++;
@@ -216,19 +219,31 @@ static void no_high_level(struct eng_team *team, struct eng_worker *worker)
 
 /* ---- the step ---------------------------------------------------------------------- */
 
+/* The last one, of edges that pass through faces, first: whether any does decides what
+ * else is looked for. By a team it is that, too: it is dealt out last. */
+static enum pccd_kind kind_in_turn(uint32_t turn)
+{
+    return (enum pccd_kind)((turn + COMMON_KIND_COUNT - 1) % COMMON_KIND_COUNT);
+}
+
 static void perform_all(struct eng_worker *worker)
 {
-    for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
-        if (!is_wanted(worker, kind)) {
+    struct eng_wide_join *join = &eng_wide_work_of(worker)->join;
+    for (uint32_t turn = 0; turn < COMMON_KIND_COUNT; turn++) {
+        enum pccd_kind kind = kind_in_turn(turn);
+        if (!is_wanted(worker, kind) ||
+            eng_near_leaves_out(worker->settings->near, kind)) {
             continue;
         }
         uint64_t begin_ns = eng_worker_slice(worker);
-        eng_wide_join_nodes(&eng_wide_work_of(worker)->join, kind, top_level(worker), 0,
-                            0);
+        eng_wide_join_nodes(join, kind, top_level(worker), 0, 0);
         worker->record.task_units++;
         eng_worker_trace(worker, PCCD_TRACE_UNIT, begin_ns, 0, 0);
+        if (turn == 0) {
+            eng_wide_join_flush(join);
+        }
     }
-    eng_wide_join_flush(&eng_wide_work_of(worker)->join);
+    eng_wide_join_flush(join);
 }
 
 static void flush(struct eng_worker *worker)

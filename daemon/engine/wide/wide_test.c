@@ -275,6 +275,9 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
         cross(worker, chunk);
         return;
     }
+    if (eng_near_leaves_out(worker->settings->near, kind)) {
+        return;
+    }
     bool is_sifted = sift_near(worker, kind, chunk);
     make_quads(wide, kind, chunk, work->quads);
     eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
