@@ -212,7 +212,10 @@ static void print_answer_enums(void)
 #undef KIND
     print_enum("pccd_contact_flag");
     VALUE(PCCD_PROVED, "the contact exists, and begins in [toi, toi_hi]");
-    VALUE(PCCD_INITIAL, "the features touch at t = 0; then toi = toi_hi = 0");
+    VALUE(PCCD_INITIAL, "the features touch, or are within the distance at which they "
+                        "meet, at t = 0; then toi = toi_hi = 0");
+    VALUE(PCCD_INSIDE, "they begin within that distance, and come nearer than the part "
+                       "of their first distance that approach allows");
     print_enum("pccd_near_flag");
     VALUE(PCCD_NEAR_GAP, "another pair may be nearer, by the gap that was asked for");
     print_enum("pccd_format");

@@ -59,7 +59,10 @@ enum pccd_mode {
     PCCD_MODE_ALL = 0,   /* every contact */
     PCCD_MODE_FIRST = 1, /* the contacts that may attain the scene's earliest time */
     PCCD_MODE_ANY = 2,   /* yes, no or possible; no records */
-    PCCD_MODE_PAIRS = 3, /* the pairs that neither x, y nor z separates */
+    /* The pairs that neither x, y nor z separates. A pair is left out if along one of
+     * them each point of one feature is more than r above each point of the other, at
+     * both ends of the step; r: the exact sum of both radii and the separation, or 0. */
+    PCCD_MODE_PAIRS = 3,
     PCCD_MODE_COUNT = 4
 };
 
@@ -177,8 +180,12 @@ struct pccd_near {
 
 /* Flags of a contact. */
 enum pccd_contact_flag {
-    PCCD_PROVED = 1u, /* it begins in [toi, toi_hi]; in this release all have it */
-    PCCD_INITIAL = 2u /* the features already touch at t = 0 (then toi = toi_hi = 0) */
+    PCCD_PROVED = 1u,  /* it begins in [toi, toi_hi]; nearly all have it */
+    PCCD_INITIAL = 2u, /* the features already touch at t = 0, or are within the distance
+                          at which they meet (then toi = toi_hi = 0) */
+    PCCD_INSIDE = 4u   /* of a step with approach: at t = 0 they are within that distance;
+                          they meet where they come nearer than the part of their first
+                          distance that the step allows */
 };
 
 /* Whether a named scene is made. */
@@ -256,7 +263,10 @@ enum pccd_verdict {
  *
  * toi, toi_hi  parameter of the step, 0 .. 1. `toi` is never after the first contact.
  *              Proved: first contact in [toi, toi_hi] and toi_hi - toi <= tolerance.
- *              Else (not in this release): none before toi, unknown from there on.
+ *              Else (rare, and only of thick features): none before toi, unknown from
+ *              there on. Thick features, those with a radius or a separation, meet where
+ *              their distance is at most r, the sum of both radii and the separation;
+ *              param and normal are then those of the nearest points at toi.
  * param        VF: barycentric weights of the face's second and third vertex.
  *              EE: position along edge a and along edge b, 0 at the lower vertex index.
  * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros

@@ -71,7 +71,7 @@ static const char *judge_hit(const struct fuzz_thick_case *made,
                              const struct truth *truth, const struct eng_hit *hit)
 {
     bool is_inside = made->query.approach > 0 && truth->is_inside;
-    if (((hit->flags & ENG_THICK_INSIDE) != 0) != is_inside && !is_contact(made)) {
+    if (((hit->flags & PCCD_INSIDE) != 0) != is_inside && !is_contact(made)) {
         return "INSIDE";
     }
     if (truth->first && oracle_first_compare(truth->first, hit->toi) < 0) {
@@ -250,7 +250,7 @@ static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *m
     counts->cases++;
     counts->hits += found[0];
     counts->initial += found[0] && (hits[0].flags & PCCD_INITIAL) != 0;
-    counts->inside += found[0] && (hits[0].flags & ENG_THICK_INSIDE) != 0;
+    counts->inside += found[0] && (hits[0].flags & PCCD_INSIDE) != 0;
     counts->inseparable += is_inseparable(made);
 }
 

@@ -231,6 +231,8 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     uint64_t apart = DIGEST_BEGIN;
     uint64_t filter = DIGEST_BEGIN;
     uint64_t stay_beyond = DIGEST_BEGIN;
+    uint64_t advance = DIGEST_BEGIN;
+    double since[PAIRS];
     double reach[PAIRS];
     for (uint32_t i = 0; i < PAIRS; i++) {
         reach[i] = 0.25 * (i % 8);
@@ -247,10 +249,15 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
                                     reach, kept);
         stay_beyond =
             digest(digest(stay_beyond, &left, sizeof left), kept, left * sizeof *kept);
+        left = kernels->advance(kind, ground->points, ground->quads, kept, left, reach,
+                                i % 4 < 2 ? 1 : 0.25, since);
+        advance = digest(digest(advance, &left, sizeof left), kept, left * sizeof *kept);
+        advance = digest(advance, since, left * sizeof *since);
     }
     say(kernels, "apart", apart);
     say(kernels, "filter", filter);
     say(kernels, "stay_beyond", stay_beyond);
+    say(kernels, "advance", advance);
 }
 
 /* Grids that hold all but the last quarter of the points, or nothing. */

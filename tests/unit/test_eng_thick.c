@@ -72,7 +72,7 @@ static void check(const struct thick_case *made, const struct eng_thick_query *q
     bool is_initial = made->is_inside && due == 0;
     if (((hit.flags & PCCD_INITIAL) != 0) != is_initial ||
         (hit.flags & PCCD_PROVED) == 0 ||
-        (((hit.flags & ENG_THICK_INSIDE) != 0) !=
+        (((hit.flags & PCCD_INSIDE) != 0) !=
          (made->is_inside && query->approach > 0))) {
         fail_msg("%s: flags %u", made->name, hit.flags);
     }

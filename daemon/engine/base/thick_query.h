@@ -16,6 +16,9 @@ struct eng_thick_query {
     struct eng_query query;
     double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
     double approach;  /* 0, or 0 < approach < 1 */
+    /* The distance is known to be more than r before that time; 0: nothing is known. Of
+     * use to doubles; no answer depends on it. */
+    double since;
 };
 
 /* Not below the sum of the three, whose additions round. */

@@ -53,24 +53,26 @@ static bool is_decided(struct eng_distances *distances, enum eng_distance_stage 
     return !distances->numbers.is_unsure;
 }
 
-static bool is_within(struct eng_numbers *numbers, enum pccd_kind kind, double d)
+/* Sign of the distance less d. */
+static enum eng_sign compare(struct eng_numbers *numbers, enum pccd_kind kind, double d)
 {
     static const uint8_t any_rank[4] = {0, 1, 2, 3};
     struct eng_way way;
     if (!numbers->is_exact && numbers->unit < 0 && d >= ldexp(2, numbers->unit)) {
-        return true; /* all points are within 2^unit of each other along each axis */
+        return ENG_MINUS; /* all points are within 2^unit of each other along each axis */
     }
     eng_distance_rule(numbers, kind, any_rank, &way);
     if (numbers->is_unsure) {
-        return false;
+        return ENG_UNSURE;
     }
     enum eng_sign sign = eng_number_compare(numbers, way.num, way.den, d);
     numbers->is_unsure = sign == ENG_UNSURE;
-    return sign == ENG_MINUS || sign == ENG_ZERO;
+    return sign;
 }
 
-bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
-                         const double x[4][3], double d)
+/* The same by the first stage that is sure. */
+static enum eng_sign compare_surely(struct eng_distances *distances, enum pccd_kind kind,
+                                    const double x[4][3], double d)
 {
     assert(d >= 0 && d <= 1e18);
     struct eng_place place;
@@ -78,17 +80,29 @@ bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
         enum eng_sign sign = eng_quick_compare(&place, d);
         if (sign != ENG_UNSURE) {
             distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
-            return sign == ENG_MINUS;
+            return sign;
         }
     }
     enum eng_distance_stage stage = slow_stage(distances);
     for (;; stage++) {
         begin(distances, stage, x, 4);
-        bool answer = is_within(&distances->numbers, kind, d);
+        enum eng_sign sign = compare(&distances->numbers, kind, d);
         if (is_decided(distances, stage)) {
-            return answer;
+            return sign;
         }
     }
+}
+
+bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
+                         const double x[4][3], double d)
+{
+    return compare_surely(distances, kind, x, d) != ENG_PLUS;
+}
+
+bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
+                        const double x[4][3], double d)
+{
+    return compare_surely(distances, kind, x, d) == ENG_MINUS;
 }
 
 static void describe(struct eng_numbers *numbers, const struct eng_way *way,

@@ -45,6 +45,10 @@ void eng_distances_deinit(struct eng_distances *distances);
 bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
                          const double x[4][3], double d);
 
+/* Is it less than d? Exactly d is not. */
+bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
+                        const double x[4][3], double d);
+
 /* rank: of each point, no two alike; the order of (object, vertex). */
 void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
                        const double x[4][3], const uint8_t rank[4],

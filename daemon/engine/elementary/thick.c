@@ -48,46 +48,66 @@ static void set_cell(struct eng_hit *hit, int64_t cell, int depth)
     hit->toi_hi = eng_thick_cell_begin(cell + 1, depth);
 }
 
-/* Of a pair that integers gave up: a batch would not have come so far with it. */
-static bool stays_beyond(const struct eng_thick_query *query)
+/* Of a pair that integers gave up: before which time a batch would know of no contact; 2:
+ * of none at all. */
+static double reached_in_lanes(const struct eng_thick_query *query)
 {
     static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+    const struct eng_kernels *kernels = eng_kernels_of(ENG_ISA_SCALAR);
+    uint32_t kind = (uint32_t)query->query.kind;
     struct eng_point points[4];
     uint32_t kept;
+    double since = 0;
     double reach = eng_thick_reach(query->radius);
     for (int i = 0; i < 4; i++) {
         memcpy(points[i].x0, query->query.x[0][i], sizeof points[i].x0);
         memcpy(points[i].x1, query->query.x[1][i], sizeof points[i].x1);
     }
-    return eng_kernels_of(ENG_ISA_SCALAR)
-               ->stay_beyond(common_kinds[(uint32_t)query->query.kind].points[0], points,
-                             quads, 1, &reach, &kept) == 0;
+    uint32_t left = kernels->stay_beyond(common_kinds[kind].points[0], points, quads, 1,
+                                         &reach, &kept);
+    if (left > 0 && (kind == PCCD_VF || kind == PCCD_EE)) {
+        left = kernels->advance((enum pccd_kind)kind, points, quads, &kept, left, &reach,
+                                1, &since);
+    }
+    return left > 0 ? since : 2;
 }
 
-/* By integers. `reached`: before that time there is no contact. */
+/* The same of doubles by themselves. */
+static double reached_alone(const struct eng_thick_query *query, int depth)
+{
+    struct eng_thick_motion motion;
+    struct eng_thick_advance advance = {0};
+    eng_thick_motion_load(&motion, query);
+    (void)eng_thick_advance(&motion, query->approach, depth, 0, 1, &advance);
+    return advance.reached;
+}
+
+/* By integers. */
 static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query *query,
-                           int depth, double reached, struct eng_hit *hit)
+                           int depth, struct eng_hit *hit)
 {
     struct eng_thick_verdict verdict;
     eng_thick_exact_decide(&thick->exact, query, depth, &verdict);
     thick->decided[ENG_THICK_BY_INTEGERS]++;
-    if (verdict.found == ENG_THICK_NONE ||
-        (verdict.found == ENG_THICK_GIVEN_UP && stays_beyond(query))) {
+    if (verdict.found == ENG_THICK_NONE) {
         return false;
     }
     if (verdict.found == ENG_THICK_GIVEN_UP) {
+        double reached = reached_in_lanes(query);
+        if (reached > 1) {
+            return false;
+        }
+        if (thick->first == ENG_THICK_BY_DOUBLES) {
+            reached = fmax(reached, reached_alone(query, depth));
+        }
         thick->possible++;
-        hit->flags = 0;
-        hit->toi = reached;
-        hit->toi_hi = 1;
+        *hit = (struct eng_hit){.toi = reached, .toi_hi = 1};
     } else if (verdict.is_initial) {
-        hit->flags = PCCD_PROVED | PCCD_INITIAL;
-        hit->toi = 0;
-        hit->toi_hi = 0;
+        *hit = (struct eng_hit){.flags = PCCD_PROVED | PCCD_INITIAL};
     } else {
         set_cell(hit, verdict.cell, depth);
     }
-    hit->flags |= verdict.is_inside && query->approach > 0 ? ENG_THICK_INSIDE : 0;
+    hit->flags |= verdict.is_inside && query->approach > 0 ? PCCD_INSIDE : 0;
     return true;
 }
 
@@ -98,7 +118,8 @@ static bool solve(struct eng_thick *thick, const struct eng_thick_query *query,
     struct eng_thick_advance advance = {0};
     enum eng_thick_advanced advanced =
         thick->first == ENG_THICK_BY_DOUBLES
-            ? eng_thick_advance(motion, query->approach, depth, t_end, &advance)
+            ? eng_thick_advance(motion, query->approach, depth, query->since, t_end,
+                                &advance)
             : ENG_THICK_UNSURE;
     thick->decided[ENG_THICK_BY_DOUBLES] += advanced != ENG_THICK_UNSURE;
     switch (advanced) {
@@ -109,12 +130,12 @@ static bool solve(struct eng_thick *thick, const struct eng_thick_query *query,
         return true;
     case ENG_THICK_MEETS:
         set_cell(hit, advance.cell, depth);
-        hit->flags |= advance.is_inside ? ENG_THICK_INSIDE : 0;
+        hit->flags |= advance.is_inside ? PCCD_INSIDE : 0;
         return true;
     case ENG_THICK_UNSURE:
         break;
     }
-    return decide_exactly(thick, query, depth, advance.reached, hit);
+    return decide_exactly(thick, query, depth, hit);
 }
 
 static bool is_contact(const struct eng_thick_query *query)

@@ -5,11 +5,8 @@
  * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
  *           margins, and by integers where they are not sure. A miss is certain, a
  *           contact exists; only what exhausts integers' bounds is `possible`.
- * Does not: know objects, which pairs there are, or which of them rest excludes. No step
- *           calls it yet: tests/unit/test_eng_thick, tests/fuzz/test_eng_thick_fuzz,
- *           tests/fuzz/thick (make fuzz-thick), bench/exact and bench/kernels do. A step
- *           is to call thick_batch.h as it calls batch.h, with the radii of each pair
- *           beside its points.
+ * Does not: know objects, which pairs there are, or which of them rest excludes. Steps
+ *           ask it through thick_batch.h (near/thick_work.h).
  * Threads:  one thread for one scratch. Decisions allocate nothing.
  * Source:   BOUNDS.md, "Thick features".
  *
@@ -23,7 +20,7 @@
  * *What begins inside*, d(0) <= r, where d(0) is the distance at t = 0:
  *   approach 0       it meets at once: PCCD_INITIAL, toi = toi_hi = 0
  *   0 < approach < 1 it meets where the distance is at most approach d(0), at whatever
- *                    time; ENG_THICK_INSIDE. With d(0) = 0: PCCD_INITIAL, too.
+ *                    time; PCCD_INSIDE. With d(0) = 0: PCCD_INITIAL, too.
  *
  * *Time*: with r > 0, [toi, toi_hi] is the cell of time (thick_roots.h) in which the
  * first t lies at which the distance is at most r. Cells are 2^-30 long, or shorter if
@@ -38,9 +35,6 @@
 #include "exact.h"
 #include "thick_exact.h"
 #include "thick_query.h"
-
-/* A flag of a hit, beside enum pccd_contact_flag. */
-#define ENG_THICK_INSIDE 4u
 
 /* Who decides. The answer is the same, but for `possible`. */
 enum eng_thick_stage { ENG_THICK_BY_DOUBLES, ENG_THICK_BY_INTEGERS, ENG_THICK_STAGES };

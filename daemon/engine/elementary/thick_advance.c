@@ -28,6 +28,8 @@
 #define PROJECTED (8 * ENG_U)
 #define WAY       (96 * ENG_U)
 #define ROUNDED   (8 * ENG_U)
+#define HEIGHT    (512 * ENG_U) /* of a determinant; a third of three */
+#define ACROSS    (320 * ENG_U) /* of a length across, or of two in the middle */
 
 /* Of the square of a direction: squares of shorter ones lose their last bits. */
 #define DIRECTION_MIN 0x1p-600
@@ -178,6 +180,109 @@ static double keeps_apart(const struct eng_thick_motion *motion, const double g[
     return until > t ? until : t;
 }
 
+/* ---- planes that turn with the features -------------------------------------------- */
+
+/* Between t and `end` of the time: what p . n less r |n| is not below, as a cubic, by its
+ * Bernstein coefficients; those in the middle three times. n = b x c is across both
+ * features, so where it is positive they are farther apart than r. */
+static void height_of(const struct eng_thick_motion *motion, double t, double end,
+                      double sign, double height[4])
+{
+    struct eng_pose pose[2];
+    double n[3][3]; /* the one in the middle twice */
+    double other[3];
+    double reach[3];
+    set_pose(motion, t, &pose[0]);
+    set_pose(motion, end, &pose[1]);
+    eng_cross(n[0], pose[0].b, pose[0].c);
+    eng_cross(n[1], pose[0].b, pose[1].c);
+    eng_cross(other, pose[1].b, pose[0].c);
+    eng_cross(n[2], pose[1].b, pose[1].c);
+    for (int k = 0; k < 3; k++) {
+        n[1][k] += other[k];
+    }
+    for (int i = 0; i < 3; i++) {
+        double length = sqrt(eng_dot(n[i], n[i])) * (1 + ROUNDED) + ACROSS;
+        reach[i] = motion->r_hi * length * (1 + ROUNDED);
+    }
+    height[0] = sign * eng_dot(pose[0].p, n[0]) - reach[0] - HEIGHT;
+    height[1] = sign * (eng_dot(pose[0].p, n[1]) + eng_dot(pose[1].p, n[0])) -
+                (reach[0] + reach[1]) * (1 + ROUNDED) - 3 * HEIGHT;
+    height[2] = sign * (eng_dot(pose[1].p, n[1]) + eng_dot(pose[0].p, n[2])) -
+                (reach[1] + reach[2]) * (1 + ROUNDED) - 3 * HEIGHT;
+    height[3] = sign * eng_dot(pose[1].p, n[2]) - reach[2] - HEIGHT;
+}
+
+/* Up to which part of the interval the cubic is certainly positive: it is not below the
+ * line from its first coefficient to that of the others to which it falls fastest. 2: all
+ * of it. */
+static double positive_part(const double height[4])
+{
+    const double h[4] = {height[0], height[1] / 3, height[2] / 3, height[3]};
+    double part = 2;
+    if (h[1] > 0 && h[2] > 0 && h[3] > 0) {
+        return 2;
+    }
+    for (int i = 1; i < 4; i++) {
+        if (h[i] < h[0]) {
+            part = eng_least(part, i / 3.0 * (h[0] / (h[0] - h[i])));
+        }
+    }
+    return part;
+}
+
+/* As keeps_apart, by the plane across both features, which turns with them. */
+static double plane_keeps_apart(const struct eng_thick_motion *motion, double t)
+{
+    double height[4];
+    double sign = 1;
+    double end = 1;
+    height_of(motion, t, 1, sign, height);
+    if (!(height[0] > 0)) {
+        sign = -1;
+        height_of(motion, t, 1, sign, height);
+    }
+    if (!(height[0] > 0)) {
+        return t;
+    }
+    double part = positive_part(height);
+    double fall = height[0] - height[1] / 3;
+    if (part > 1) {
+        return 2;
+    }
+    /* Twice as far as it takes if it goes on like this, no farther: nearby it is almost
+     * linear. */
+    double ahead = fall > 0 ? 2 * (1 - t) * (height[0] / (3 * fall)) : 1;
+    if (t + ahead < 1) {
+        end = t + ahead;
+        height_of(motion, t, end, sign, height);
+        part = height[0] > 0 ? positive_part(height) : 0;
+    }
+    double until = (t + eng_least(part, 1) * (end - t)) * (1 - 2 * ROUNDED);
+    return until > t ? until : t;
+}
+
+/* Are nearest points certainly on no corner and no edge? Rounding does not matter. */
+static bool is_inside(const struct eng_thick_motion *motion,
+                      const struct eng_closest *closest)
+{
+    double beta = closest->beta;
+    double gamma = closest->gamma;
+    bool is_square = beta > 0 && gamma > 0 && beta < 1 && gamma < 1;
+    return is_square && (motion->form == PCCD_EE || beta + gamma < 1);
+}
+
+/* The later of the two. */
+static double stays_apart(const struct eng_thick_motion *motion,
+                          const struct eng_closest *closest, double t)
+{
+    double until = keeps_apart(motion, closest->gap, t);
+    if (until <= 1 && is_inside(motion, closest)) {
+        until = eng_most(until, plane_keeps_apart(motion, t));
+    }
+    return until;
+}
+
 /* The distance at time t is certainly at most this. */
 static double way_at_most(const struct eng_closest *closest)
 {
@@ -219,7 +324,7 @@ static enum eng_thick_advanced look_at_start(struct eng_thick_motion *motion,
 {
     struct eng_closest closest;
     find_closest(motion, 0, &closest);
-    *until = keeps_apart(motion, closest.gap, 0);
+    *until = stays_apart(motion, &closest, 0);
     if (*until > 0) {
         return ENG_THICK_MEETS;
     }
@@ -234,20 +339,21 @@ static enum eng_thick_advanced look_at_start(struct eng_thick_motion *motion,
     double least = start_at_least(motion, closest.gap);
     motion->r_lo = approach * least * (1 - ROUNDED) - ENG_TINY;
     motion->r_hi = approach * most * (1 + ROUNDED) + ENG_TINY;
-    *until = keeps_apart(motion, closest.gap, 0);
+    *until = stays_apart(motion, &closest, 0);
     return *until > 0 ? ENG_THICK_MEETS : ENG_THICK_UNSURE;
 }
 
 enum eng_thick_advanced eng_thick_advance(struct eng_thick_motion *motion,
-                                          double approach, int depth, double t_end,
-                                          struct eng_thick_advance *advance)
+                                          double approach, int depth, double since,
+                                          double t_end, struct eng_thick_advance *advance)
 {
-    double until;
+    double until = since;
     *advance = (struct eng_thick_advance){0};
     if (motion->is_nothing) {
         return ENG_THICK_UNSURE;
     }
-    enum eng_thick_advanced start = look_at_start(motion, approach, &until, advance);
+    enum eng_thick_advanced start =
+        since > 0 ? ENG_THICK_MEETS : look_at_start(motion, approach, &until, advance);
     if (start != ENG_THICK_MEETS) {
         return start;
     }
@@ -261,7 +367,7 @@ enum eng_thick_advanced eng_thick_advance(struct eng_thick_motion *motion,
             return ENG_THICK_MISSES;
         }
         find_closest(motion, until, &closest);
-        double next = keeps_apart(motion, closest.gap, until);
+        double next = stays_apart(motion, &closest, until);
         /* Where it hardly moves, it is there. */
         if ((next >= 1 ? cell + 1 : eng_thick_cell_of(next, depth)) == cell &&
             cell != tried) {

@@ -46,8 +46,10 @@ struct eng_thick_advance {
 void eng_thick_motion_load(struct eng_thick_motion *motion,
                            const struct eng_thick_query *query);
 
+/* `since`: as in struct eng_thick_query. */
 enum eng_thick_advanced eng_thick_advance(struct eng_thick_motion *motion,
-                                          double approach, int depth, double t_end,
+                                          double approach, int depth, double since,
+                                          double t_end,
                                           struct eng_thick_advance *advance);
 
 /* param and normal of a contact at time t. */

@@ -1,7 +1,7 @@
 /* daemon/engine/elementary/thick_batch.c - many pairs of thick features at once.
  *
  * Room:     engine.
- * Does:     see thick_batch.h. A kernel rejects, in lanes; the rest are asked one by one.
+ * Does:     see thick_batch.h. Kernels reject, in lanes; the rest are asked one by one.
  * Threads:  one thread for one scratch.
  */
 #include "thick_batch.h"
@@ -42,11 +42,18 @@ uint32_t eng_thick_batch_test(const struct eng_kernels *kernels,
     batch->survivors =
         kernels->stay_beyond(common_kinds[question->kind].points[0], points, quads, count,
                              batch->reach, batch->left);
+    bool has_lanes = question->kind == PCCD_VF || question->kind == PCCD_EE;
+    if (has_lanes) {
+        batch->survivors = kernels->advance((enum pccd_kind)question->kind, points, quads,
+                                            batch->left, batch->survivors, batch->reach,
+                                            question->t_end, batch->since);
+    }
     for (uint32_t i = 0; i < batch->survivors; i++) {
         uint32_t pair = batch->left[i];
         uint64_t before = thick->decided[ENG_THICK_BY_INTEGERS] + contacts->queries;
         struct eng_thick_query query;
         load(question, points, quads[pair], radius[pair], &query);
+        query.since = has_lanes ? batch->since[i] : 0;
         if (eng_thick_solve(thick, contacts, &query, question->tolerance, question->t_end,
                             &batch->hits[found])) {
             batch->index[found++] = pair;

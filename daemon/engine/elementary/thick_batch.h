@@ -4,7 +4,7 @@
  * Room:     engine. May include: batch.h, kernel.h, thick.h.
  * Does:     decide a chunk of pairs of one kind. The results equal those of
  *           eng_thick_solve bit for bit, whatever the instruction set.
- * Does not: know radii without a pair. Like thick.h, it is asked by no step yet.
+ * Does not: know radii without a pair.
  * Threads:  one thread for one scratch.
  */
 #ifndef ENG_THICK_BATCH_H
@@ -27,12 +27,13 @@ struct eng_thick_batch {
      * out. */
     bool (*should_stop)(void *owner);
     void *owner;
-    uint32_t survivors;            /* pairs that the kernel did not reject */
+    uint32_t survivors;            /* pairs that the kernels did not reject */
     uint64_t exact;                /* counts: pairs that took integers */
     uint32_t index[ENG_CHUNK_MAX]; /* of the pairs with a contact, in their order */
     struct eng_hit hits[ENG_CHUNK_MAX];
     uint32_t left[ENG_CHUNK_MAX]; /* scratch */
     double reach[ENG_CHUNK_MAX];
+    double since[ENG_CHUNK_MAX]; /* of those left, as in struct eng_thick_query */
 };
 
 /* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, as in

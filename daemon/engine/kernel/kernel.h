@@ -7,6 +7,8 @@
  * Does not: know meshes, scenes or threads.
  * Threads:  [any].
  *
+ * More than 200 lines: it is one table.
+ *
  * Every file of this folder but choose.c is compiled once for each instruction set, with
  * its flags and with ENG_ISA and ENG_VECTOR_BYTES set (local.mk). lanes.h hides how wide
  * a vector is. Lanes are independent and perform the same operations in the same order
@@ -183,6 +185,13 @@ struct eng_kernels {
     uint32_t (*stay_beyond)(uint32_t points_a, const struct eng_point *points,
                             const uint32_t (*quads)[4], uint32_t count,
                             const double *reach, uint32_t *kept);
+
+    /* The same of VF and EE, of pairs[count], which is changed: those stay, in their
+     * order, that are not certainly farther apart than reach[pair] up to t_end; until
+     * since[..] they are. Returns how many. */
+    uint32_t (*advance)(enum pccd_kind kind, const struct eng_point *points,
+                        const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
+                        const double *reach, double t_end, double *since);
 
     /* Edges and faces, indices as the points of eng_distance_crosses: append to `out`. */
     void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],

@@ -36,5 +36,6 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .beyond = ENG_KERNEL(beyond),
     .measure = ENG_KERNEL(measure),
     .stay_beyond = ENG_KERNEL(stay_beyond),
+    .advance = ENG_KERNEL(advance),
     .cross_faces = ENG_KERNEL(cross_faces),
 };
