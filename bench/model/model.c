@@ -208,12 +208,14 @@ static void replay(struct run *run)
 /* As eng_near asks the team, in the frame that its boxes have. */
 static struct eng_near_query query_of(const struct eng_scene *scene, double distance)
 {
+    float growth = eng_near_growth(distance, scene->framing.scale);
     return (struct eng_near_query){.what = PCCD_NEAR_PAIRS,
                                    .kinds = 1u << PCCD_VF | 1u << PCCD_EE,
                                    .end = 1,
                                    .distance = distance,
-                                   .growth =
-                                       eng_near_growth(distance, scene->framing.scale)};
+                                   .reach = distance,
+                                   .growth = growth,
+                                   .reach_growth = growth};
 }
 
 static void model_method(struct run *run, const struct bench_frames *frames,

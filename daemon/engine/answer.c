@@ -182,6 +182,7 @@ static void add_counts(struct eng_counts *to, const struct eng_counts *from)
     }
     to->possible += from->possible;
     to->initial += from->initial;
+    to->inside += from->inside;
     to->hash += from->hash;
     to->toi_first = fmin(to->toi_first, from->toi_first);
 }
@@ -235,9 +236,28 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     memcpy(result->counts, counts->kind, sizeof counts->kind);
     result->possible = counts->possible;
     result->initial = counts->initial;
+    result->thick.inside = counts->inside;
+    result->thick.is_crowded = team->scene->thickness.is_on &&
+                               counts->initial + counts->inside > result->count / 2;
     result->toi_first = counts->toi_first;
     eng_hash_end(counts->hash, result->count, result->hash);
     return PCCD_OK;
+}
+
+/* See struct eng_step_result. */
+static double safe_step(const struct eng_step_result *result)
+{
+    bool is_empty = result->mode == PCCD_MODE_ANY ? result->verdict == PCCD_VERDICT_NO
+                                                  : result->count == 0;
+    if (result->incomplete != PCCD_COMPLETE) {
+        return 0;
+    }
+    if (is_empty) {
+        return 1;
+    }
+    return result->toi_first > 0 && result->toi_first <= 1
+               ? nextafter(result->toi_first, 0)
+               : 0;
 }
 
 /* A pair that decided mode any. NULL: none has. */
@@ -266,6 +286,7 @@ void eng_answer_end(struct eng_step_memory *memory, const struct eng_team *team,
         eng_answer_nothing(result);
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT;
     }
+    result->safe_step = safe_step(result);
     eng_kept_finish(&memory->kept, team->scene, team->workers[0]->settings, result,
                     &counts, proof_of(team));
 }

@@ -32,7 +32,7 @@
 
 bool eng_brief_fits(const struct eng_step_settings *settings)
 {
-    return settings->mode != PCCD_MODE_PAIRS &&
+    return settings->mode != PCCD_MODE_PAIRS && settings->separation == 0 &&
            eng_method_of(settings) == PCCD_METHOD_WIDE;
 }
 
@@ -82,7 +82,7 @@ bool eng_step_can_be_brief(const struct eng_scene *scene,
 {
     assert(scene && settings);
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    if (!eng_brief_fits(settings)) {
+    if (!eng_brief_fits(settings) || scene->thickness.may_have_radii) {
         return false;
     }
     if (!is_staged && is_at_rest(scene, settings)) {

@@ -19,6 +19,7 @@
 #include "rigid.h"
 #include "schedule_paper.h"
 #include "schedule_steal.h"
+#include "thick_work.h"
 #include "wait.h"
 
 /* Triangles of the scene, 2^32 - 1 if there are more. */
@@ -40,6 +41,13 @@ static uint32_t threads_for(const struct eng_scene *scene,
         return 1;
     }
     return settings->threads < ENG_THREADS_MAX ? settings->threads : ENG_THREADS_MAX;
+}
+
+/* Are there pairs that meet at a distance, and are contacts looked for? */
+static bool is_thick(const struct eng_scene *scene,
+                     const struct eng_step_settings *settings)
+{
+    return scene->thickness.is_on && !settings->near;
 }
 
 int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *settings,
@@ -69,6 +77,13 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
     }
     if (status != PCCD_OK) {
         return status;
+    }
+    for (uint32_t i = 0; i < team->count && is_thick(scene, settings); i++) {
+        status = eng_thick_work_reserve(memory->workers[i]);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        eng_thick_work_begin(memory->workers[i]);
     }
     eng_pool_reset(&memory->pool, team->count);
     for (uint32_t i = 0; i < team->count; i++) {
@@ -264,6 +279,16 @@ static void add_counters(const struct eng_team *team, struct pccd_step_counters 
         sum->still_features += worker->tally.still_features;
         sum->still_pairs += worker->tally.still_pairs;
         sum->exact += worker->exact.queries;
+    }
+}
+
+void eng_detect_count_thick(const struct eng_team *team, struct eng_thick_counters *sum)
+{
+    for (uint32_t i = 0; i < team->count && team->scene->thickness.is_on; i++) {
+        const struct eng_thick_work *work = eng_thick_work_of(team->workers[i]);
+        sum->candidates += work->candidates;
+        sum->survivors += work->survivors;
+        sum->exact += work->batch.exact;
     }
 }
 

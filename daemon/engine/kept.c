@@ -170,7 +170,10 @@ bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
     return kept->is_valid && settings->tuning.still == ENG_STILL_KEPT &&
            kept->number == number && kept->mode == settings->mode &&
            kept->tolerance == settings->tolerance &&
-           kept->masks_version == scene->masks.version;
+           kept->masks_version == scene->masks.version &&
+           kept->thickness == scene->thickness.number &&
+           kept->separation == settings->separation &&
+           kept->approach == settings->approach && !scene->thickness.has_changed;
 }
 
 bool eng_kept_is_brief(const struct eng_kept *kept)
@@ -220,6 +223,7 @@ static void count_record(const unsigned char *record, uint32_t record_bytes,
     counts->kind[contact->kind]++;
     counts->possible += !(contact->flags & PCCD_PROVED);
     counts->initial += (contact->flags & PCCD_INITIAL) != 0;
+    counts->inside += (contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
     counts->toi_first =
         contact->toi < counts->toi_first ? contact->toi : counts->toi_first;
     if ((contact->flags & PCCD_PROVED) && contact->toi_hi < *bound) {
@@ -363,6 +367,9 @@ void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
     kept->mode = settings->mode;
     kept->tolerance = settings->tolerance;
     kept->masks_version = scene->masks.version;
+    kept->thickness = scene->thickness.number;
+    kept->separation = settings->separation;
+    kept->approach = settings->approach;
     kept->count = result->count;
     kept->counts = *counts;
     kept->verdict = result->verdict;

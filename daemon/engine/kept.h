@@ -35,6 +35,9 @@ struct eng_kept {
     enum pccd_mode mode;
     double tolerance;
     uint32_t masks_version;
+    uint64_t thickness; /* scene->thickness.number */
+    double separation;
+    double approach;
     uint64_t count;
     struct eng_counts counts;
     enum pccd_verdict verdict;

@@ -167,11 +167,15 @@ libengine_la_SOURCES = \
     daemon/engine/scene/range.h \
     daemon/engine/scene/rigid.c \
     daemon/engine/scene/rigid.h \
+    daemon/engine/scene/rings.c \
+    daemon/engine/scene/rings.h \
     daemon/engine/scene/scene.h \
     daemon/engine/scene/spacing.c \
     daemon/engine/scene/spacing.h \
     daemon/engine/scene/stage.c \
     daemon/engine/scene/stage.h \
+    daemon/engine/scene/thickness.c \
+    daemon/engine/scene/thickness.h \
     daemon/engine/scene/topology.h \
     daemon/engine/scene/world.c \
     daemon/engine/scene/world.h \
@@ -268,6 +272,8 @@ libengine_la_SOURCES = \
     daemon/engine/near/near_warm.h \
     daemon/engine/near/near_work.c \
     daemon/engine/near/near_work.h \
+    daemon/engine/near/thick_work.c \
+    daemon/engine/near/thick_work.h \
     daemon/engine/brief.c \
     daemon/engine/brief.h \
     daemon/engine/effort.c \

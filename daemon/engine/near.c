@@ -21,6 +21,7 @@
 #include "near_work.h"
 #include "rigid.h"
 #include "stage.h"
+#include "thick_work.h"
 #include "tuning.h"
 
 #define NOTHING_NEAR 2e18
@@ -69,14 +70,32 @@ static uint32_t kinds_for(enum pccd_near_what what)
     return what == PCCD_NEAR_CROSSINGS ? pairs | 1u << PCCD_EF : pairs;
 }
 
-static struct eng_near_query query_of(const struct eng_near_settings *settings)
+/* Do radii and rest of objects enter? Bounds by vertex are the distances themselves, and
+ * none is above that of the question. */
+static bool has_radii(enum pccd_near_what what)
 {
+    return what == PCCD_NEAR_PAIRS || what == PCCD_NEAR_FEATURES ||
+           what == PCCD_NEAR_NEAREST;
+}
+
+/* With the radii of the scene. PCCD_E_LIMIT: it reaches too far. */
+static int make_query(const struct eng_near_settings *settings,
+                      const struct eng_scene *scene, struct eng_near_query *query)
+{
+    const struct eng_thickness *thickness = &scene->thickness;
     bool is_none =
         settings->what == PCCD_NEAR_CROSSINGS || settings->what == PCCD_NEAR_DEPTH;
-    return (struct eng_near_query){.what = settings->what,
-                                   .kinds = kinds_for(settings->what),
-                                   .end = settings->end,
-                                   .distance = is_none ? 0 : settings->distance};
+    *query = (struct eng_near_query){.what = settings->what,
+                                     .kinds = kinds_for(settings->what),
+                                     .end = settings->end,
+                                     .distance = is_none ? 0 : settings->distance};
+    query->is_thick =
+        has_radii(settings->what) && (thickness->may_have_radii || thickness->may_rest);
+    query->reach = query->distance;
+    if (query->is_thick && thickness->most > 0) {
+        query->reach = nextafter(2 * thickness->most + query->distance, INFINITY);
+    }
+    return is_length(query->reach) || query->reach == INFINITY ? PCCD_OK : PCCD_E_LIMIT;
 }
 
 /* ---- bounds by vertex -------------------------------------------------------------- */
@@ -297,6 +316,7 @@ static int arrive(struct eng_team *team, struct eng_near_query *query)
     }
     eng_rigid_choose(scene, false);
     query->growth = eng_near_growth(query->distance, scene->framing.scale);
+    query->reach_growth = eng_near_growth(query->reach, scene->framing.scale);
     return PCCD_OK;
 }
 
@@ -326,7 +346,10 @@ static int reserve(struct eng_team *team, const struct eng_near_settings *settin
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
-    if (is_by_objects(query->what)) {
+    for (uint32_t i = 0; i < team->count && query->is_thick && status == PCCD_OK; i++) {
+        status = eng_thick_work_reserve(team->workers[i]);
+    }
+    if (status == PCCD_OK && is_by_objects(query->what)) {
         return reserve_objects(team, settings, result);
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
@@ -364,7 +387,7 @@ static void begin_search(struct eng_team *team, const struct eng_near_query *que
 static int search(struct eng_scene *scene, const struct eng_near_settings *settings,
                   uint64_t begin_ns, struct eng_near_result *result)
 {
-    struct eng_near_query query = query_of(settings);
+    struct eng_near_query query;
     struct eng_step_settings step = settings->step;
     enum pccd_method method = eng_method_of(&step);
     struct eng_step_memory *memory = eng_step_memory_of(scene);
@@ -375,10 +398,16 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     step.tolerance = 1;
     step.brief = false;
     step.near = &query;
+    eng_thickness_choose(scene, scene->thickness.separation);
+    int status = make_query(settings, scene, &query);
+    if (status != PCCD_OK) {
+        eng_stage_abort(scene);
+        return status;
+    }
     eng_stop_init(&stop, &step);
     uint64_t staged_ns = scene->staging ? scene->stage_ns : 0;
     memory->near.records.record_bytes = sizeof(struct pccd_near);
-    int status =
+    status =
         eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop, &team);
     status = status == PCCD_OK ? reserve(&team, settings, &query, result) : status;
     if (status != PCCD_OK) {

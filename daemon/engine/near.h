@@ -63,7 +63,11 @@ struct eng_vertex_bound {
 
 /* PCCD_OK with *result, also when incomplete; PCCD_E_INVAL: settings out of range, or
  * (result->open_object != 0) DEPTH of a mesh that is not closed; PCCD_E_HANDLE: no object
- * of that id; PCCD_E_NOMEM. */
+ * of that id; PCCD_E_LIMIT: distance and radii add up to more than 1e18; PCCD_E_NOMEM.
+ *
+ * PAIRS, FEATURES and NEAREST have what is within the distance and the radii of both
+ * features, their exact sum (scene.h); pairs that are left thin for their rest they leave
+ * out. NEAREST is the nearest pair of two objects whatever its radii, if it is within. */
 int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
              struct eng_near_result *result);
 

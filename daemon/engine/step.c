@@ -8,6 +8,7 @@
 #include "step.h"
 
 #include <assert.h>
+#include <math.h>
 
 #include "answer.h"
 #include "brief.h"
@@ -17,16 +18,34 @@
 #include "memory.h"
 #include "rigid.h"
 #include "stage.h"
+#include "thickness.h"
+
+/* The longest separation. */
+#define SEPARATION_MAX 1e18
+
+static bool thickness_is_valid(const struct eng_step_settings *settings)
+{
+    return settings->separation >= 0 && settings->separation < INFINITY &&
+           settings->approach >= 0 && settings->approach < 1;
+}
 
 static bool settings_are_valid(const struct eng_step_settings *settings)
 {
-    return !settings->near && settings->mode < PCCD_MODE_COUNT &&
-           settings->method < PCCD_METHOD_COUNT && settings->threads >= 1 &&
-           settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
+    return thickness_is_valid(settings) && !settings->near &&
+           settings->mode < PCCD_MODE_COUNT && settings->method < PCCD_METHOD_COUNT &&
+           settings->threads >= 1 && settings->tuning.scheduler < ENG_SCHEDULER_COUNT &&
            settings->tuning.high_level < ENG_HIGH_LEVEL_COUNT &&
            settings->tuning.refit < ENG_REFIT_COUNT &&
            settings->tuning.still < ENG_STILL_COUNT && settings->tolerance >= 1e-12 &&
            settings->tolerance <= 1;
+}
+
+static int check(const struct eng_step_settings *settings)
+{
+    if (!settings_are_valid(settings) || (settings->brief && !eng_brief_fits(settings))) {
+        return PCCD_E_INVAL;
+    }
+    return settings->separation <= SEPARATION_MAX ? PCCD_OK : PCCD_E_LIMIT;
 }
 
 /* What is left of the work where most stands still is for one thread, as a rule. */
@@ -92,6 +111,8 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
                      (uint32_t)result->counters.kept_records, 0);
     uint64_t work_ns =
         eng_detect_count(team, memory->threads.items, &result->times, &result->counters);
+    eng_detect_count_thick(team, &result->thick);
+    result->counters.exact += result->thick.exact;
     result->counters.rigid_objects = team->scene->rigid.objects;
     struct eng_effort *effort = &memory->effort[result->method];
     if (result->incomplete == PCCD_COMPLETE && team->prunes) {
@@ -113,8 +134,9 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     uint64_t builds = scene->builds;
     struct eng_stop stop;
     struct eng_team team;
-    int status = PCCD_E_INVAL;
-    if (settings_are_valid(settings) && (!settings->brief || eng_brief_fits(settings))) {
+    int status = check(settings);
+    if (status == PCCD_OK) {
+        eng_thickness_choose(scene, settings->separation);
         eng_stop_init(&stop, settings);
         struct eng_step_memory *memory = eng_step_memory_of(scene);
         status =

@@ -20,7 +20,8 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
 
 /* Run the step that was staged on `scene` (without staging: everything stands still).
  * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (brief.h): positions
- * have moved on. Settings out of range (PCCD_E_INVAL), PCCD_E_NOMEM: as before. */
+ * have moved on. Settings out of range (PCCD_E_INVAL), a separation beyond 1e18
+ * (PCCD_E_LIMIT), PCCD_E_NOMEM: as before. */
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result);
 

@@ -8,6 +8,7 @@
 #ifndef ENG_STEP_RESULT_H
 #define ENG_STEP_RESULT_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "pccd_types.h"
@@ -33,6 +34,17 @@ struct eng_thread_record {
     uint64_t merge_ns;   /* sort and gather */
 };
 
+/* How pairs of thick features, those with a distance, were decided. */
+struct eng_thick_counters {
+    uint64_t candidates; /* that were tested */
+    uint64_t survivors;  /* of these, asked one by one; the rest was rejected in lanes */
+    uint64_t exact;      /* of these, that took integers */
+    uint64_t inside;     /* records with PCCD_INSIDE that are not PCCD_INITIAL */
+    /* More than half of the records have one of these flags, and there are distances: the
+     * usual mistake is a radius above the length of an edge. Not in mode pairs or any. */
+    bool is_crowded;
+};
+
 struct eng_step_result {
     enum pccd_mode mode;
     enum pccd_method method;
@@ -45,10 +57,16 @@ struct eng_step_result {
     uint64_t possible;
     uint64_t initial;
     double toi_first; /* smallest toi; 2 without any record */
+    /* On [0, safe_step] no pair meets, and each is farther apart than the distance at
+     * which it would: 1 where none meets; else the double just below toi_first. 0 if that
+     * is 0, or not known: of an incomplete answer, or of mode any or pairs that is not
+     * empty. */
+    double safe_step;
     uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h */
     uint32_t threads;
     const struct eng_thread_record *thread_records; /* [threads]; valid as records */
     struct pccd_step_counters counters; /* times.queue is not the engine's: 0 */
+    struct eng_thick_counters thick;
     struct pccd_step_times times;
 };
 

@@ -12,7 +12,9 @@
 #include <string.h>
 
 #include "array.h"
+#include "kinds.h"
 #include "memory.h"
+#include "thick_work.h"
 
 #define SHARE_FACES 256u
 
@@ -248,6 +250,30 @@ static void add_record(const struct eng_near_search *search, struct eng_worker *
     }
 }
 
+/* Is the nearest pair within the distance and its radii? */
+static bool is_near_enough(const struct eng_near_search *search,
+                           struct eng_worker *worker)
+{
+    static const uint32_t quad[4] = {0, 1, 2, 3};
+    const struct eng_near_best *best = &search->best;
+    const struct eng_scene *scene = search->scene;
+    struct eng_point points[4];
+    if (!worker->settings->near->is_thick) {
+        return true;
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t side = i >= common_kinds[best->pair.kind].points[0];
+        uint32_t v = best->pair.point[i];
+        uint32_t at = best->pair.object[side];
+        const struct eng_object *object = &scene->objects[at];
+        memcpy(points[i].x0, best->x[v], sizeof points[i].x0);
+        memcpy(points[i].x1, best->x[v], sizeof points[i].x1);
+        points[i].word0 = (uint64_t)at << 32 | v;
+        points[i].word1 = (uint64_t)object->id << 32 | (v - object->vertices.first);
+    }
+    return eng_thick_is_near(worker, best->pair.kind, points, quad, best->lo, best->hi);
+}
+
 /* An object with all that begin behind it. */
 static void perform_nearest(struct eng_near_objects *objects,
                             struct eng_near_search *search, struct eng_worker *worker,
@@ -255,24 +281,24 @@ static void perform_nearest(struct eng_near_objects *objects,
 {
     uint32_t a = objects->shares[share].object;
     const struct eng_bounds *of_a = bounds_of(objects, a);
+    double reach = worker->settings->near->reach;
     for (uint32_t i = share + 1; i < objects->share_count; i++) {
         uint32_t b = objects->shares[i].object;
-        if (objects->shares[i].low - of_a->high[0] > objects->ask.distance ||
+        if (objects->shares[i].low - of_a->high[0] > reach ||
             ((i & 1023u) == 0 && eng_worker_should_stop(worker))) {
             return;
         }
-        if (!is_asked(objects, a, b) ||
-            are_farther(of_a, bounds_of(objects, b), objects->ask.distance)) {
+        if (!is_asked(objects, a, b) || are_farther(of_a, bounds_of(objects, b), reach)) {
             continue;
         }
         struct eng_near_pair first;
         bool is_warm = eng_near_warm_find(&objects->warm, objects->scene, a, b, &first);
         worker->record.task_units++;
-        if (!eng_near_search_objects(search, a, b, objects->ask.distance,
-                                     objects->ask.gap, is_warm ? &first : NULL)) {
+        if (!eng_near_search_objects(search, a, b, reach, objects->ask.gap,
+                                     is_warm ? &first : NULL)) {
             return;
         }
-        if (search->best.is_made) {
+        if (search->best.is_made && is_near_enough(search, worker)) {
             add_record(search, worker);
         }
     }

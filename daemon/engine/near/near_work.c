@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "thick_work.h"
 
 /* Records are those of contacts, with other meanings: all that puts them in order, merges
  * and hashes them serves both. */
@@ -260,17 +261,35 @@ static void tell_meeting(struct eng_worker *worker, uint32_t found)
     }
 }
 
+/* Those of what was found stay that are within their own radii, too. */
+static uint32_t keep_within(struct eng_worker *worker, enum pccd_kind kind,
+                            const struct eng_point *points, const uint32_t (*quads)[4],
+                            uint32_t found)
+{
+    struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < found; i++) {
+        if (eng_thick_is_near(worker, kind, points, quads[batch->index[i]],
+                              batch->found[i].lo, batch->found[i].hi)) {
+            batch->index[kept] = batch->index[i];
+            batch->found[kept++] = batch->found[i];
+        }
+    }
+    return kept;
+}
+
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_near_names_fn names)
+                   uint32_t count, bool is_sifted, eng_names_fn names)
 {
     const struct eng_near_query *near = worker->settings->near;
     struct eng_near_work *work = eng_near_work_of(worker);
-    const struct eng_distance_question question = {.kind = kind,
-                                                   .end = near->end,
-                                                   .distance = near->distance,
-                                                   .is_sifted = is_sifted,
-                                                   .wanted = wanted_for(near->what)};
+    const struct eng_distance_question question = {
+        .kind = kind,
+        .end = near->end,
+        .distance = near->is_thick ? near->reach : near->distance,
+        .is_sifted = is_sifted,
+        .wanted = wanted_for(near->what)};
     worker->record.tests += count;
     uint32_t found = eng_distance_batch_test(worker->kernels, &question, points, quads,
                                              count, &work->distances, &work->batch);
@@ -278,6 +297,9 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     if (question.wanted == ENG_DISTANCE_WITHIN) {
         tell_meeting(worker, found);
         return;
+    }
+    if (near->is_thick) {
+        found = keep_within(worker, kind, points, quads, found);
     }
     keep_range(work, found);
     if (near->what == PCCD_NEAR_VERTICES) {
@@ -309,7 +331,7 @@ static struct eng_distance passage(struct eng_distances *distances, uint32_t end
 }
 
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
-                    const uint32_t (*fives)[5], uint32_t count, eng_near_names_fn names)
+                    const uint32_t (*fives)[5], uint32_t count, eng_names_fn names)
 {
     struct eng_near_work *work = eng_near_work_of(worker);
     const uint64_t *integers = &work->distances.decided[ENG_DISTANCE_BY_INTEGERS];

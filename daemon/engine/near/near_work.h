@@ -1,7 +1,7 @@
 /* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
  *
- * Room:     engine. May include: closest_features.h, distance_batch.h, near_query.h,
- *           worker.h, world.h.
+ * Room:     engine. May include: closest_features.h, distance_batch.h, finding.h,
+ *           near_query.h, worker.h, world.h.
  * Does:     hold the scratch of distances and what the thread has found so far, besides
  *           its records; make records of pairs that are near, as they were asked for.
  * Does not: know how pairs are found: both methods hand them over.
@@ -12,6 +12,7 @@
 
 #include "closest_features.h"
 #include "distance_batch.h"
+#include "finding.h"
 #include "near_query.h"
 #include "worker.h"
 #include "world.h"
@@ -54,21 +55,16 @@ struct eng_name_range eng_near_range(const struct eng_scene *scene);
 /* Get ready for a query, names being within a range. [compute] */
 void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range);
 
-/* The names of candidates index[count] of those at hand. */
-typedef void (*eng_near_names_fn)(const struct eng_worker *worker, enum pccd_kind kind,
-                                  const uint32_t *index, uint32_t count,
-                                  struct pccd_pair *names);
-
 /* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
  * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of
  * the object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32
  * | the vertex's in its mesh. */
 void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                    const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_near_names_fn names);
+                   uint32_t count, bool is_sifted, eng_names_fn names);
 
 /* The same of candidates of EF: the ends of the edge, the corners of the face. */
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
-                    const uint32_t (*fives)[5], uint32_t count, eng_near_names_fn names);
+                    const uint32_t (*fives)[5], uint32_t count, eng_names_fn names);
 
 #endif

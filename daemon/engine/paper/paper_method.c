@@ -213,7 +213,8 @@ static bool has_current_boxes(const struct eng_trees *trees,
 {
     return settings->tuning.still == ENG_STILL_KEPT && trees->boxes_of != 0 &&
            trees->boxes_of + 1 >= scene->moving.number &&
-           trees->frames == scene->framing.number && eng_moves_little(scene);
+           trees->frames == scene->framing.number &&
+           trees->thickness == scene->thickness.number && eng_moves_little(scene);
 }
 
 static bool has_boxes(const struct eng_scene *scene)
@@ -221,7 +222,8 @@ static bool has_boxes(const struct eng_scene *scene)
     const struct eng_trees *trees = eng_trees_of(scene);
     return !trees->top_is_stale && trees->boxes_of != 0 &&
            trees->boxes_of == scene->moving.number &&
-           trees->frames == scene->framing.number;
+           trees->frames == scene->framing.number &&
+           trees->thickness == scene->thickness.number;
 }
 
 static void begin_work(struct eng_team *team)
@@ -240,6 +242,7 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
     }
     bool keeps = has_current_boxes(&paper->trees, team->scene, settings);
     paper->trees.frames = team->scene->framing.number;
+    paper->trees.thickness = team->scene->thickness.number;
     if (eng_background_swap(&paper->background, team->scene)) {
         /* The same division of a tree that has changed: no more memory is needed. */
         int status = eng_refit_plan_tree(&paper->plan, team->scene,

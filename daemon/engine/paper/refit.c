@@ -29,8 +29,7 @@ void eng_refit_vertices(struct eng_scene *scene, struct eng_range range)
     const double(*x0)[3] = (const double(*)[3])scene->x[1 - scene->now];
     const double(*x1)[3] = (const double(*)[3])scene->x[scene->now];
     for (uint32_t v = range.first; v < range.first + range.count; v++) {
-        eng_box_of_point(eng_box_of(&trees->vertices[v]), eng_frame_of_vertex(scene, v),
-                         x0[v], x1[v]);
+        eng_refit_vertex(scene, v, x0[v], x1[v], eng_box_of(&trees->vertices[v]));
     }
 }
 

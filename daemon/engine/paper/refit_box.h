@@ -1,7 +1,7 @@
 /* daemon/engine/paper/refit_box.h - the box of one edge or node of the trees, and
  * the frame that a vertex is measured in.
  *
- * Room:     engine. May include: aabb.h, trees.h.
+ * Room:     engine. May include: aabb.h, thickness.h, trees.h.
  * Does:     make one box anew: of an edge or a leaf from vertices, of an inner node from
  *           its children.
  * Does not: choose which, or in which order (refit.h, refit_still.h).
@@ -11,6 +11,7 @@
 #ifndef ENG_REFIT_BOX_H
 #define ENG_REFIT_BOX_H
 
+#include "thickness.h"
 #include "trees.h"
 
 /* The frame that the boxes of a vertex of a binary hierarchy are measured in, or NULL. */
@@ -20,6 +21,26 @@ static inline const struct eng_frame *eng_frame_of_vertex(const struct eng_scene
     return scene->framing.number > 0
                ? &scene->objects[eng_trees_of(scene)->vertices[vertex].object].frame
                : NULL;
+}
+
+/* The box of a vertex that goes from x0 to x1, with its thickness. */
+static inline void eng_refit_vertex(const struct eng_scene *scene, uint32_t vertex,
+                                    const double x0[3], const double x1[3],
+                                    struct eng_box *box)
+{
+    eng_box_of_point(box, eng_frame_of_vertex(scene, vertex), x0, x1);
+    if (scene->thickness.is_on) {
+        const struct eng_object *object =
+            &scene->objects[eng_trees_of(scene)->vertices[vertex].object];
+        float growth =
+            eng_thickness_growth(scene, object, vertex - object->vertices.first);
+        for (int k = 0; k < 3; k++) {
+            box->lo0[k] = -eng_thickness_grown(-box->lo0[k], growth);
+            box->hi0[k] = eng_thickness_grown(box->hi0[k], growth);
+            box->lo1[k] = -eng_thickness_grown(-box->lo1[k], growth);
+            box->hi1[k] = eng_thickness_grown(box->hi1[k], growth);
+        }
+    }
 }
 
 static inline void eng_refit_edge(struct eng_trees *trees, uint32_t e)

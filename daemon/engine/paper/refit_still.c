@@ -62,8 +62,7 @@ static uint32_t refit_own_vertices(struct eng_scene *scene,
             kept++;
             continue;
         }
-        eng_box_of_point(eng_box_of(&trees->vertices[v]), eng_frame_of_vertex(scene, v),
-                         x0[v], x1[v]);
+        eng_refit_vertex(scene, v, x0[v], x1[v], eng_box_of(&trees->vertices[v]));
     }
     return kept;
 }

@@ -13,6 +13,7 @@
 #include "kernel.h"
 #include "near_work.h"
 #include "paper_features.h"
+#include "thick_work.h"
 
 static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
                        uint32_t v)
@@ -70,6 +71,7 @@ static void load_pair(const struct eng_scene *scene, enum pccd_kind kind, uint32
 struct group {
     struct eng_point points[4 * GROUP];
     uint32_t quads[GROUP][4];
+    uint32_t pair[GROUP]; /* of the chunk */
     uint32_t count;
 };
 
@@ -82,58 +84,17 @@ static void load_group(const struct eng_scene *scene, enum pccd_kind kind,
     for (uint32_t i = 0; i < group->count; i++) {
         load_pair(scene, kind, chunk->a[first + i], chunk->b[first + i],
                   &group->points[4 * (size_t)i]);
+        group->pair[i] = first + i;
         for (uint32_t k = 0; k < 4; k++) {
             group->quads[i][k] = 4 * i + k;
         }
     }
 }
 
-/* Keep those of candidates first .. first + GROUP - 1 that no axis separates: by the
- * coordinates themselves, so that it does not matter how boxes were rounded. */
-static void keep_group(struct eng_worker *worker, enum pccd_kind kind,
-                       const struct eng_chunk *chunk, uint32_t first)
-{
-    assert(first < chunk->count);
-    struct group group;
-    uint32_t kept[GROUP];
-    load_group(worker->scene, kind, chunk, first, &group);
-    uint32_t count = worker->kernels->apart(
-        kind, group.points, (const uint32_t(*)[4])group.quads, group.count, kept);
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t pair = first + kept[i];
-        struct pccd_pair name =
-            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
-        eng_found_add(&worker->found, &name); /* a full list says so itself */
-    }
-}
-
-/* Test candidates first .. first + GROUP - 1. */
-static void test_group(struct eng_worker *worker, enum pccd_kind kind,
-                       const struct eng_chunk *chunk, uint32_t first)
-{
-    assert(first < chunk->count);
-    struct group group;
-    struct eng_batch *batch = &eng_paper_work_of(worker)->batch;
-    load_group(worker->scene, kind, chunk, first, &group);
-    uint32_t hits = eng_batch_test(worker->kernels, kind, group.points,
-                                   (const uint32_t(*)[4])group.quads, group.count,
-                                   worker->settings->tolerance, worker->time_bound,
-                                   &worker->exact, batch);
-    worker->record.tests += group.count;
-    worker->tally.survivors += batch->survivors;
-    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
-        uint32_t pair = first + batch->index[i];
-        struct pccd_pair name =
-            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
-        eng_test_keep(worker, &name, &batch->hits[i]);
-    }
-}
-
-/* ---- what is near ------------------------------------------------------------------ */
-
 /* The names of candidates index[count] of the group that is being tested. */
-static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
-                      const uint32_t *index, uint32_t count, struct pccd_pair *names)
+static void name_candidates(const struct eng_worker *worker, enum pccd_kind kind,
+                            const uint32_t *index, uint32_t count,
+                            struct pccd_pair *names)
 {
     const struct eng_chunk *chunk = &eng_paper_work_of(worker)->chunks[kind];
     uint32_t first = eng_paper_work_of(worker)->group_first;
@@ -164,6 +125,75 @@ static void name_points(const struct eng_scene *scene, enum pccd_kind kind,
     }
 }
 
+/* Pairs of a group that meet at a distance are tested: only the others stay. */
+static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first, struct group *group)
+{
+    eng_paper_work_of(worker)->group_first = first;
+    name_points(worker->scene, kind, chunk, first, group);
+    group->count =
+        eng_thick_test(worker, kind, group->points, (const uint32_t(*)[4])group->quads,
+                       group->count, name_candidates);
+    const uint32_t *rest = eng_thick_work_of(worker)->rest;
+    for (uint32_t i = 0; i < group->count; i++) {
+        memmove(group->quads[i], group->quads[rest[i]], sizeof group->quads[i]);
+        group->pair[i] = group->pair[rest[i]];
+    }
+}
+
+/* The points of candidates first .. first + GROUP - 1 that meet at no distance. */
+static void load_thin(struct eng_worker *worker, enum pccd_kind kind,
+                      const struct eng_chunk *chunk, uint32_t first, struct group *group)
+{
+    load_group(worker->scene, kind, chunk, first, group);
+    if (worker->scene->thickness.is_on) {
+        test_thick(worker, kind, chunk, first, group);
+    }
+}
+
+/* Keep those of candidates first .. first + GROUP - 1 that no axis separates: by the
+ * coordinates themselves, so that it does not matter how boxes were rounded. */
+static void keep_group(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    assert(first < chunk->count);
+    struct group group;
+    uint32_t kept[GROUP];
+    load_thin(worker, kind, chunk, first, &group);
+    uint32_t count = worker->kernels->apart(
+        kind, group.points, (const uint32_t(*)[4])group.quads, group.count, kept);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t pair = group.pair[kept[i]];
+        struct pccd_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_found_add(&worker->found, &name); /* a full list says so itself */
+    }
+}
+
+/* Test candidates first .. first + GROUP - 1. */
+static void test_group(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_chunk *chunk, uint32_t first)
+{
+    assert(first < chunk->count);
+    struct group group;
+    struct eng_batch *batch = &eng_paper_work_of(worker)->batch;
+    load_thin(worker, kind, chunk, first, &group);
+    uint32_t hits = eng_batch_test(worker->kernels, kind, group.points,
+                                   (const uint32_t(*)[4])group.quads, group.count,
+                                   worker->settings->tolerance, worker->time_bound,
+                                   &worker->exact, batch);
+    worker->record.tests += group.count;
+    worker->tally.survivors += batch->survivors;
+    for (uint32_t i = 0; i < hits && !eng_stop_is_set(worker->stop); i++) {
+        uint32_t pair = group.pair[batch->index[i]];
+        struct pccd_pair name =
+            name_of(worker->scene, kind, chunk->a[pair], chunk->b[pair]);
+        eng_test_keep(worker, &name, &batch->hits[i]);
+    }
+}
+
+/* ---- what is near ------------------------------------------------------------------ */
+
 /* Edges that pass through faces: candidates first .. first + GROUP - 1. */
 static void cross_group(struct eng_worker *worker, const struct eng_chunk *chunk,
                         uint32_t first)
@@ -185,7 +215,7 @@ static void cross_group(struct eng_worker *worker, const struct eng_chunk *chunk
             fives[i][k] = 5 * i + k;
         }
     }
-    eng_near_cross(worker, points, (const uint32_t(*)[5])fives, count, name_near);
+    eng_near_cross(worker, points, (const uint32_t(*)[5])fives, count, name_candidates);
 }
 
 static void test_near(struct eng_worker *worker, enum pccd_kind kind,
@@ -200,7 +230,7 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
     load_group(worker->scene, kind, chunk, first, &group);
     name_points(worker->scene, kind, chunk, first, &group);
     eng_near_test(worker, kind, group.points, (const uint32_t(*)[4])group.quads,
-                  group.count, false, name_near);
+                  group.count, false, name_candidates);
 }
 
 void eng_test_chunk(struct eng_worker *worker, enum pccd_kind kind)

@@ -131,6 +131,7 @@ struct eng_trees {
     bool top_is_stale;    /* objects came or went since it was built */
     bool top_is_fresh;    /* built since the last step */
     uint64_t frames;      /* framing.number of the last step by `paper` */
+    uint64_t thickness;   /* thickness.number likewise */
 
     /* What stands still (refit_still.h). */
     uint64_t boxes_of; /* the step whose boxes they are (moving.h); 0: of none */

@@ -29,7 +29,7 @@ static bool leaf_contains_triangle(const struct eng_scene *scene,
     for (int corner = 0; corner < 3; corner++) {
         uint32_t v = trees->triangles[leaf->right].v[corner];
         struct eng_box point = {.word0 = 0};
-        eng_box_of_point(&point, eng_frame_of_vertex(scene, v), x0[v], x1[v]);
+        eng_refit_vertex(scene, v, x0[v], x1[v], &point);
         for (int k = 0; k < 3; k++) {
             if (!(leaf->lo0[k] <= point.lo0[k] && point.hi0[k] <= leaf->hi0[k] &&
                   leaf->lo1[k] <= point.lo1[k] && point.hi1[k] <= leaf->hi1[k])) {

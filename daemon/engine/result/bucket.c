@@ -58,6 +58,7 @@ static void gather_contacts(struct pccd_contact *to, const struct eng_radix_key 
         counts->kind[to[i].kind]++;
         counts->possible += !(to[i].flags & PCCD_PROVED);
         counts->initial += (to[i].flags & PCCD_INITIAL) != 0;
+        counts->inside += (to[i].flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
         counts->toi_first = to[i].toi < counts->toi_first ? to[i].toi : counts->toi_first;
     }
 }

@@ -404,6 +404,7 @@ int eng_merge_end(struct eng_merge *merge, struct eng_counts *counts)
         }
         counts->possible += part->possible;
         counts->initial += part->initial;
+        counts->inside += part->inside;
         counts->hash += part->hash;
         counts->toi_first =
             part->toi_first < counts->toi_first ? part->toi_first : counts->toi_first;

@@ -22,6 +22,7 @@ struct eng_counts {
     uint64_t kind[PCCD_KINDS_MAX]; /* records of each */
     uint64_t possible;
     uint64_t initial;
+    uint64_t inside;   /* PCCD_INSIDE without PCCD_INITIAL */
     double toi_first;  /* 2: none */
     eng_hash_sum hash; /* of the records, without their number */
 };

@@ -451,8 +451,9 @@ void eng_frames_follow(struct eng_scene *scene)
     bool is_next = framing->of != 0 && framing->of + 1 == scene->moving.number;
     framing->ends[0] = 1 - scene->now;
     framing->ends[1] = scene->now;
-    if (!is_next || !may_stay(scene)) {
-        eng_frames_choose(scene, framing->ends[0], framing->ends[1]);
+    if (!is_next || !may_stay(scene) ||
+        (scene->thickness.is_on && !eng_frames_keep_distances(scene))) {
+        choose(scene, framing->ends[0], framing->ends[1], scene->thickness.is_on);
     }
     framing->of = scene->moving.number;
 }

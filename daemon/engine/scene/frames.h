@@ -30,8 +30,8 @@
 void eng_frames_choose(struct eng_scene *scene, unsigned from, unsigned to);
 
 /* Do features never lie farther apart in the frames than they are, along any axis, at
- * either end? For steps they may: two of different groups cannot meet anyway. For whoever
- * asks what is near, they must not. */
+ * either end? For steps they may: two of different groups cannot meet anyway. For steps
+ * with thickness, and whoever asks what is near, they must not. */
 bool eng_frames_keep_distances(const struct eng_scene *scene);
 
 /* Choose frames that do. Gaps are shortened at each end by itself. */

@@ -18,6 +18,9 @@
 #include "pccd_types.h"
 #include "proto_limits.h"
 
+/* Edges that may join what an object leaves thin (scene.h). */
+#define ENG_RINGS_MAX 8u
+
 struct eng_mesh;
 
 struct eng_mesh_info {
@@ -48,6 +51,14 @@ int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
 /* Triangles are uint32_t[3]; indices are checked: PCCD_E_INDEX, *bad_triangle set. */
 int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                              const void *source, uint32_t *bad_triangle);
+
+/* Radii of vertices, for objects that have none of their own (scene.h): any ranges,
+ * before the commit; what is not written is 0. A feature has the largest of its vertices.
+ * Each number of `source` is read once. PCCD_E_INVAL (range; one that is negative or not
+ * finite), PCCD_E_LIMIT (one beyond 1e18), PCCD_E_STATE (committed), PCCD_E_NOMEM: part
+ * of the chunk may be written. */
+int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                         const double *source);
 
 /* Vertices and triangles that have arrived so far. */
 void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,

@@ -16,8 +16,11 @@
 #include "ingest.h"
 #include "kernel.h"
 #include "memory.h"
+#include "rings.h"
 #include "spacing.h"
 #include "topology.h"
+
+#define RADIUS_MAX 1e18
 
 /* Triangles of which the typical size is told. */
 #define FINENESS_SAMPLES 64u
@@ -66,6 +69,9 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->corners);
     eng_free(mesh->triangles);
     eng_free(mesh->edges);
+    eng_free(mesh->radii);
+    eng_free(mesh->reach);
+    eng_rings_deinit(mesh);
     eng_spacing_deinit(mesh);
     eng_free(mesh);
 }
@@ -81,6 +87,22 @@ static int check_chunk(const struct eng_mesh *mesh, uint32_t first, uint32_t cou
         return PCCD_E_INVAL;
     }
     return first > received ? PCCD_E_STATE : PCCD_OK;
+}
+
+static void drop_radii(struct eng_mesh *mesh)
+{
+    eng_free(mesh->radii);
+    eng_free(mesh->reach);
+    mesh->radii = NULL;
+    mesh->reach = NULL;
+}
+
+int eng_mesh_check_radius(double radius)
+{
+    if (!(radius >= 0 && radius < INFINITY)) {
+        return PCCD_E_INVAL;
+    }
+    return radius <= RADIUS_MAX ? PCCD_OK : PCCD_E_LIMIT;
 }
 
 int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
@@ -117,6 +139,52 @@ int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t cou
         }
     }
     return status;
+}
+
+int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                         const double *source)
+{
+    uint32_t total = mesh->info.vertex_count;
+    int status = check_chunk(mesh, first, count, total, total);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (!mesh->radii) {
+        mesh->radii = eng_alloc(total, sizeof *mesh->radii);
+        mesh->reach = eng_alloc(total, sizeof *mesh->reach);
+        if (!mesh->radii || !mesh->reach) {
+            drop_radii(mesh);
+            return PCCD_E_NOMEM;
+        }
+        memset(mesh->radii, 0, total * sizeof *mesh->radii);
+    }
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        double radius;
+        memcpy(&radius, source + i, sizeof radius);
+        status = eng_mesh_check_radius(radius);
+        mesh->radii[first + i] = status == PCCD_OK ? radius : 0;
+    }
+    return status;
+}
+
+/* How far the radii reach; nothing stays of radii that are all 0. */
+static void measure_radii(struct eng_mesh *mesh)
+{
+    for (uint32_t i = 0; mesh->radii && i < mesh->info.vertex_count; i++) {
+        mesh->reach[i] = mesh->radii[i];
+        mesh->radius_max = fmax(mesh->radius_max, mesh->radii[i]);
+    }
+    if (mesh->radius_max == 0) {
+        drop_radii(mesh);
+        return;
+    }
+    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+        const uint32_t *v = mesh->triangles[i].v;
+        double most = fmax(fmax(mesh->radii[v[0]], mesh->radii[v[1]]), mesh->radii[v[2]]);
+        for (int k = 0; k < 3; k++) {
+            mesh->reach[v[k]] = fmax(mesh->reach[v[k]], most);
+        }
+    }
 }
 
 void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
@@ -184,6 +252,7 @@ int eng_mesh_commit(struct eng_mesh *mesh)
     mesh->corners = NULL;
     mesh->bounds = eng_mesh_measure(mesh, (const double(*)[3])mesh->x);
     mesh->fineness = fineness_of(mesh);
+    measure_radii(mesh);
     mesh->committed = true;
     assert(eng_feature_validate(mesh));
     return PCCD_OK;
@@ -224,5 +293,7 @@ uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
     return sizeof *mesh + (uint64_t)info->vertex_count * sizeof *mesh->x +
            (uint64_t)info->triangle_count *
                (mesh->committed ? sizeof *mesh->triangles : sizeof *mesh->corners) +
-           (uint64_t)info->edge_count * sizeof *mesh->edges;
+           (uint64_t)info->edge_count * sizeof *mesh->edges +
+           (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
+           eng_rings_bytes(mesh);
 }

@@ -12,7 +12,9 @@
 
 #include "array.h"
 #include "memory.h"
+#include "rings.h"
 #include "stage.h"
+#include "thickness.h"
 #include "world.h"
 
 static bool settings_are_valid(const struct eng_scene_settings *settings)
@@ -183,6 +185,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     memcpy(scene->x[1] + object.vertices.first, mesh->x, x_bytes);
     eng_mesh_acquire(mesh);
     scene->objects[idx] = object;
+    eng_thickness_look(scene, &object);
     scene->triangle_count += mesh->info.triangle_count;
     scene->builds++;
     tell_changed(scene);
@@ -233,12 +236,17 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
         return PCCD_E_STATE;
     }
     int status = reserve_replaced(scene);
+    if (status == PCCD_OK) {
+        status = eng_rings_prepare(mesh, object->thickness.rest_rings);
+    }
     if (status != PCCD_OK) {
         return status;
     }
     struct eng_object before = *object;
     status = place(scene, object_idx, mesh, before.id);
     if (status == PCCD_OK) {
+        object->thickness = before.thickness;
+        eng_thickness_look(scene, object);
         scene->triangle_count -= before.mesh->info.triangle_count;
         scene->replaced[scene->replaced_count++] =
             (struct eng_replaced){.object = object_idx, .before = before};

@@ -9,6 +9,7 @@
 #include <assert.h>
 
 #include "spacing.h"
+#include "thickness.h"
 
 /* Of a step's share of a search, in tests of 20 ns: some 0.1 ms, and for large scenes a
  * tenth of what a step takes. By number, not by time: so what is counted in a step does
@@ -46,7 +47,8 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
     rigid->wanted = ENG_NO_OBJECT;
     for (uint32_t i = scene->object_capacity; i-- > 0;) {
         const struct eng_object *object = &scene->objects[i];
-        bool is_wanted = object->mesh && may_leave_out && scene->masks.entries[i].self;
+        bool is_wanted = object->mesh && may_leave_out && scene->masks.entries[i].self &&
+                         !eng_thickness_is_within(scene, object);
         enum eng_self self = ENG_SELF_TESTED;
         if (is_wanted && object->spacing > object->blur[0]) {
             self = object->has_near ? ENG_SELF_NEAR : ENG_SELF_APART;

@@ -12,7 +12,8 @@
  * both ends of the step are such poses; or it stands where the last one took it; or it
  * never moved. Anything else written to one of its vertices ends that, until the next
  * pose. What is left out has no contact, so answers stay as they are; mode `pairs`, whose
- * records are pairs of boxes, leaves nothing out.
+ * records are pairs of boxes, leaves nothing out. Nor is an object eligible if its
+ * features meet each other at a distance, which poses do not keep (thickness.h).
  */
 #ifndef ENG_RIGID_H
 #define ENG_RIGID_H

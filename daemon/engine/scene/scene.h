@@ -89,6 +89,34 @@ int eng_scene_set_filter(struct eng_scene *scene, uint32_t object_idx,
                          const struct eng_object_filter *filter);
 int eng_scene_get_filter(const struct eng_scene *scene, uint32_t object_idx,
                          struct eng_object_filter *filter);
+/* How thick an object is: its features meet others that come within the sum of both radii
+ * and the separation of the step (step_settings.h); two of its own count both of their
+ * radii. From the next step on; it stays when the object is replaced. */
+struct eng_object_thickness {
+    bool has_radius; /* else its radii are those of the mesh (eng_mesh_write_radii) */
+    double radius;   /* of all features; 0 .. 1e18 */
+    /* Pairs within the object that are left thin, as if all radii and the separation were
+     * 0: those nearer to each other than rest_distance, 0 .. 1e18, in the registered
+     * positions of the mesh, and those with a vertex each that at most rest_rings edges
+     * join, 0 .. 8. */
+    double rest_distance;
+    uint32_t rest_rings;
+};
+
+#define ENG_OBJECT_THICKNESS_DEFAULT                                                     \
+    {                                                                                    \
+        false, 0, 0, 0                                                                   \
+    }
+
+/* PCCD_E_INVAL: no such object; a number that is negative or not finite. PCCD_E_LIMIT:
+ * one beyond 1e18, or more than 8 rings; or vertices of the mesh have so many others in
+ * that many rings, more than 256 on average, that the lists of them would be too long
+ * (to replace the mesh may fail for it, too). PCCD_E_NOMEM. As before then. */
+int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,
+                            const struct eng_object_thickness *thickness);
+int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
+                            struct eng_object_thickness *thickness);
+
 /* Of an object that will be removed: from now on it meets nothing. PCCD_E_INVAL: there is
  * none. Then, once for all of these: the pairs that they are part of go. */
 int eng_scene_hide(struct eng_scene *scene, uint32_t object_idx);

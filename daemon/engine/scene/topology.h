@@ -46,6 +46,8 @@ struct eng_spacing {
     struct eng_spacing_search *search;
 };
 
+struct eng_rings; /* rings.h */
+
 struct eng_mesh {
     atomic_uint references;
     bool committed;
@@ -60,9 +62,19 @@ struct eng_mesh {
      * typical triangle beside that. */
     struct eng_bounds bounds;
     double fineness;
+    /* Thickness (thickness.h): radii of vertices; after commit also the largest radius of
+     * the features that a vertex is of, by which its box grows, and the largest of all.
+     * NULL, 0: there are none. */
+    double *radii;
+    double *reach;
+    double radius_max;
+    _Atomic(struct eng_rings *) rings[ENG_RINGS_MAX]; /* [n - 1], those that were asked */
     struct eng_spacing spacing; /* which is found out after commit, if at all */
     atomic_uint closed;         /* likewise (closed.h); 0: it is not known */
 };
+
+/* A radius that may be set: PCCD_E_INVAL, PCCD_E_LIMIT. */
+int eng_mesh_check_radius(double radius);
 
 /* The bounds of the mesh's triangles, with its vertices at x. Vertices that are in none
  * do not count. */

@@ -10,6 +10,8 @@
  * The vertices of all objects lie in one array; an object owns a range of it. Indices
  * into this array ("global") name vertices inside the engine; records carry object id and
  * local index. So an object comes or goes without touching the others.
+ *
+ * More than 200 lines: all that a scene is, phase by phase, in one place.
  */
 #ifndef ENG_WORLD_H
 #define ENG_WORLD_H
@@ -75,6 +77,7 @@ struct eng_object {
     void *slots[ENG_SLOTS];     /* what the owners of the slots keep of it */
     struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
     struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
+    struct eng_object_thickness thickness;
 };
 
 /* What moves in the last step that was committed (moving.h). */
@@ -95,6 +98,18 @@ struct eng_rigid {
     uint32_t objects;   /* that are left out, but for what is near */
     uint64_t triangles; /* of these */
     uint32_t wanted;    /* the first whose spacing is to be found; ENG_NO_OBJECT */
+};
+
+/* Which pairs meet at a distance (thickness.h). */
+struct eng_thickness {
+    bool is_on;          /* some do, in the step */
+    bool may_have_radii; /* an object has one, or had */
+    bool may_rest;       /* likewise: leaves pairs thin for their rest */
+    double most;         /* the largest radius of all objects */
+    bool has_changed;    /* a radius has, since the last step */
+    double separation;   /* of the step */
+    uint64_t number;     /* goes on with radii and separation; boxes and records say by it
+                          * what they were made for */
 };
 
 /* One object along one axis, while frames are chosen. */
@@ -162,12 +177,13 @@ struct eng_scene {
 
     struct eng_moving moving;
     struct eng_rigid rigid;
+    struct eng_thickness thickness;
     struct eng_framing framing;
     struct eng_masks masks;
 
     /* Staging. */
     bool staging, is_owed; /* owed: the last step has moved it, and given up */
-    bool is_trial;       /* staging that will be aborted: it writes to `start` alone */
+    bool is_trial;         /* staging that will be aborted: it writes to `start` alone */
     bool has_lost_start; /* staging was aborted: where the last step began is not known of
                           * what was written to, which stands where it is */
     uint64_t stage;

@@ -11,6 +11,11 @@
 #include "query.h"
 #include "worker.h"
 
+/* The names of candidates index[count] of those that a method has at hand. */
+typedef void (*eng_names_fn)(const struct eng_worker *worker, enum pccd_kind kind,
+                             const uint32_t *index, uint32_t count,
+                             struct pccd_pair *names);
+
 /* Count candidates whose boxes overlap, tested or not. */
 void eng_test_count(struct eng_worker *worker, enum pccd_kind kind, uint32_t candidates);
 

@@ -110,7 +110,8 @@ struct eng_wide {
     bool has_moving;      /* what moves is marked (wide_still.h) */
     uint64_t marks_of;    /* moving.number that the marks are of; 0: there are none */
     uint64_t feature_count;
-    uint64_t frames; /* of the last step: as in the scene */
+    uint64_t frames;    /* of the last step: as in the scene */
+    uint64_t thickness; /* likewise: its number */
     double frame_scale;
     uint32_t *slot_of; /* [slot_of_capacity] of vertices in the scene's arrays, or
                         * ENG_WIDE_NO_SLOT */

@@ -287,7 +287,8 @@ static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scen
 {
     return settings->tuning.still == ENG_STILL_KEPT && !wide->boxes_are_old &&
            wide->boxes_of != 0 && wide->boxes_of + 1 >= scene->moving.number &&
-           wide->frames == scene->framing.number && eng_moves_little(scene);
+           wide->frames == scene->framing.number &&
+           wide->thickness == scene->thickness.number && eng_moves_little(scene);
 }
 
 /* A part of the scene's triangles: with so many more, or fewer, that need no tests
@@ -321,7 +322,8 @@ static bool has_boxes(const struct eng_scene *scene)
     const struct eng_wide *wide = eng_wide_of(scene);
     return !wide->is_stale && !wide->boxes_are_old && wide->boxes_of != 0 &&
            wide->boxes_of == scene->moving.number &&
-           wide->frames == scene->framing.number;
+           wide->frames == scene->framing.number &&
+           wide->thickness == scene->thickness.number;
 }
 
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
@@ -343,6 +345,11 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
         wide->boxes_of = 0; /* until they are made, if nothing stops that */
     }
     eng_wide_still_begin(wide, team->scene, keeps, team->prunes);
+    if (wide->thickness != team->scene->thickness.number) {
+        /* Other boxes, other numbers of tests: they say nothing of the order. */
+        eng_wide_resort_unlearn(&eng_wide_state_of(team->scene)->resort);
+        wide->thickness = team->scene->thickness.number;
+    }
     wide->frames = team->scene->framing.number;
     wide->frame_scale = team->scene->framing.scale;
     if (keeps && team->scene->moving.objects == 0) {

@@ -10,6 +10,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "thickness.h"
 #include "wide_quantised.h"
 #include "wide_still.h"
 #include "world.h"
@@ -23,19 +24,38 @@ uint32_t eng_wide_refit_chunks(const struct eng_wide *wide, enum pccd_tree kind)
            ENG_WIDE_CHUNK_BLOCKS;
 }
 
-/* Slots first .. behind which a slot is nobody's or, where objects have frames, another
- * object's. */
+/* Slots first .. behind which a slot is nobody's or, where objects have frames or
+ * thickness, another object's. */
 static uint32_t end_of_run(const struct eng_wide *wide, const struct eng_scene *scene,
                            uint32_t first, uint32_t end)
 {
     uint64_t object = wide->points[first].word0 >> 32;
+    bool of_one = scene->framing.number > 0 || scene->thickness.is_on;
     uint32_t slot = first;
     for (; slot < end && wide->points[slot].word0 != ENG_WIDE_NOBODY; slot++) {
-        if (scene->framing.number > 0 && wide->points[slot].word0 >> 32 != object) {
+        if (of_one && wide->points[slot].word0 >> 32 != object) {
             break;
         }
     }
     return slot;
+}
+
+/* Boxes of vertices of one object, with its thickness. */
+static void grow(const struct eng_scene *scene, const struct eng_point *points,
+                 uint32_t count, struct eng_extents *boxes)
+{
+    const struct eng_object *object = &scene->objects[points->word0 >> 32];
+    bool by_vertex = eng_thickness_is_by_vertex(object);
+    float growth = eng_thickness_growth(scene, object, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        if (by_vertex) {
+            growth = eng_thickness_growth(scene, object, (uint32_t)points[i].word1);
+        }
+        float *side = boxes[i].side[0];
+        for (uint32_t k = 0; k < sizeof boxes[i].side / sizeof *side; k++) {
+            side[k] = eng_thickness_grown(side[k], growth);
+        }
+    }
 }
 
 /* Positions, boxes and, unless `swept`, marks of the vertices in slots first .. end - 1;
@@ -63,6 +83,9 @@ static void refit_points(struct eng_wide *wide, const struct eng_scene *scene,
         }
         wide->kernels->box_points(wide->points + run, slot - run, frame, swept,
                                   wide->point_boxes + run);
+        if (scene->thickness.is_on) {
+            grow(scene, wide->points + run, slot - run, wide->point_boxes + run);
+        }
         if (!swept && !wide->kernels->place_points(wide->points + run, slot - run, frame,
                                                    &wide->grid, wide->marks + run)) {
             atomic_store_explicit(&wide->left_grid, true, memory_order_relaxed);

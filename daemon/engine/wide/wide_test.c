@@ -13,6 +13,7 @@
 #include "memory.h"
 #include "near_work.h"
 #include "solvers.h"
+#include "thick_work.h"
 #include "wide_grid.h"
 #include "wide_state.h"
 
@@ -241,7 +242,7 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_near_query *near = worker->settings->near;
     struct eng_wide_work *work = eng_wide_work_of(worker);
-    double reach = near->growth * wide->grid.scale;
+    double reach = near->reach_growth * wide->grid.scale;
     uint32_t count = chunk->count;
     if (!eng_wide_has_marks(wide) || reach > ENG_GRID_REACH) {
         return false;
@@ -282,6 +283,29 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
     make_quads(wide, kind, chunk, work->quads);
     eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
                   chunk->count, is_sifted, name_near);
+}
+
+/* ---- what meets at a distance ------------------------------------------------------ */
+
+/* Pairs of a chunk that meet at a distance are tested: only the others stay. */
+static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
+                       struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    make_quads(wide, kind, chunk, work->quads);
+    uint32_t count =
+        eng_thick_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
+                       chunk->count, name_near);
+    const uint32_t *rest = eng_thick_work_of(worker)->rest;
+    if (worker->settings->brief && count < chunk->count) {
+        eng_worker_give_up(worker);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        chunk->a[i] = chunk->a[rest[i]];
+        chunk->b[i] = chunk->b[rest[i]];
+    }
+    chunk->count = count;
 }
 
 /* ---- chunks ------------------------------------------------------------------------ */
@@ -325,12 +349,15 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
 {
     struct eng_worker *worker = owner;
     uint64_t begin_ns = common_now_ns();
-    uint32_t count = chunk->count;
+    const uint32_t count = chunk->count;
     struct eng_wide_work *work = eng_wide_work_of(worker);
     work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
     eng_test_count(worker, kind, count + left_out_in_time(work, kind, count));
     if (worker->settings->brief && worker->record.tests + count > ENG_BRIEF_TESTS) {
         eng_worker_give_up(worker);
+    }
+    if (worker->scene->thickness.is_on && !worker->settings->near && count > 0) {
+        test_thick(worker, kind, chunk);
     }
     if (worker->settings->near) {
         test_near(worker, kind, chunk);

@@ -1,0 +1,25 @@
+/* daemon/engine/scene/rings.h - which vertices of a mesh few edges join.
+ *
+ * Room:     engine. May include: mesh.h.
+ * Does:     list the vertices that at most n edges lead to from each vertex, once for
+ *           each mesh and n, however many objects use it.
+ * Threads:  functions say.
+ */
+#ifndef ENG_RINGS_H
+#define ENG_RINGS_H
+
+#include "mesh.h"
+
+/* Have the lists of n = `rings`, 0 .. ENG_RINGS_MAX, of a committed mesh; n = 0 needs
+ * none. PCCD_E_LIMIT: they are long, more than 256 vertices on average; PCCD_E_NOMEM.
+ * O(their length). [any] */
+int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings);
+
+/* Do at most `rings` edges join the two? The lists are there. [any] */
+bool eng_rings_join(const struct eng_mesh *mesh, uint32_t rings, uint32_t v, uint32_t w);
+
+/* The mesh goes. */
+void eng_rings_deinit(struct eng_mesh *mesh);
+uint64_t eng_rings_bytes(const struct eng_mesh *mesh);
+
+#endif

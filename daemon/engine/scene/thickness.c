@@ -1,0 +1,85 @@
+/* daemon/engine/scene/thickness.c - how thick objects are.
+ *
+ * Room:     engine.
+ * Does:     see thickness.h.
+ * Threads:  thickness.h.
+ */
+#include "thickness.h"
+
+#include "rings.h"
+
+static double largest(const struct eng_scene *scene)
+{
+    double most = 0;
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        if (scene->objects[i].mesh) {
+            most = fmax(most, eng_thickness_most(&scene->objects[i]));
+        }
+    }
+    return most;
+}
+
+void eng_thickness_choose(struct eng_scene *scene, double separation)
+{
+    struct eng_thickness *thickness = &scene->thickness;
+    thickness->number += thickness->has_changed || separation != thickness->separation;
+    thickness->has_changed = false;
+    thickness->separation = separation;
+    thickness->most = thickness->may_have_radii ? largest(scene) : 0;
+    thickness->may_have_radii = thickness->most > 0;
+    thickness->is_on = separation > 0 || thickness->may_have_radii;
+}
+
+bool eng_thickness_is_within(const struct eng_scene *scene,
+                             const struct eng_object *object)
+{
+    return scene->thickness.separation > 0 || eng_thickness_most(object) > 0;
+}
+
+void eng_thickness_look(struct eng_scene *scene, const struct eng_object *object)
+{
+    scene->thickness.may_have_radii |= eng_thickness_most(object) > 0;
+    scene->thickness.may_rest |=
+        object->thickness.rest_distance > 0 || object->thickness.rest_rings > 0;
+}
+
+static int check(struct eng_mesh *mesh, const struct eng_object_thickness *thickness)
+{
+    int status = eng_mesh_check_radius(thickness->radius);
+    if (status == PCCD_OK) {
+        status = eng_mesh_check_radius(thickness->rest_distance);
+    }
+    if (status == PCCD_OK && thickness->rest_rings > ENG_RINGS_MAX) {
+        status = PCCD_E_LIMIT;
+    }
+    return status == PCCD_OK ? eng_rings_prepare(mesh, thickness->rest_rings) : status;
+}
+
+int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,
+                            const struct eng_object_thickness *thickness)
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    int status = object ? check(object->mesh, thickness) : PCCD_E_INVAL;
+    if (status != PCCD_OK) {
+        return status;
+    }
+    const struct eng_object_thickness *before = &object->thickness;
+    scene->thickness.has_changed |= before->radius != thickness->radius ||
+                                    before->has_radius != thickness->has_radius ||
+                                    before->rest_distance != thickness->rest_distance ||
+                                    before->rest_rings != thickness->rest_rings;
+    object->thickness = *thickness;
+    eng_thickness_look(scene, object);
+    return PCCD_OK;
+}
+
+int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
+                            struct eng_object_thickness *thickness)
+{
+    const struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (!object) {
+        return PCCD_E_INVAL;
+    }
+    *thickness = object->thickness;
+    return PCCD_OK;
+}

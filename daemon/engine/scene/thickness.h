@@ -1,0 +1,80 @@
+/* daemon/engine/scene/thickness.h - how thick objects are, and by how much their boxes
+ * grow for it.
+ *
+ * Room:     engine. May include: near_query.h, world.h.
+ * Does:     know whether any pair of a step has a distance; tell the radius of a feature,
+ *           and how far the box of a vertex reaches beyond it.
+ * Does not: test pairs (thick_work.h).
+ * Threads:  choose: [compute]; the rest [any], inside a step.
+ *
+ * A pair meets within r = radius of a + radius of b + separation. So the box of each
+ * vertex is larger by half of the separation and the largest radius of the features that
+ * it is of, at both ends; every other box is a union of these. Where two of them are
+ * apart in frames that keep distances (frames.h), the features are farther apart than r.
+ */
+#ifndef ENG_THICKNESS_H
+#define ENG_THICKNESS_H
+
+#include "near_query.h"
+#include "world.h"
+
+/* Before a step: its separation, and the radii as they are set, are what counts now. */
+void eng_thickness_choose(struct eng_scene *scene, double separation);
+
+/* An object is new, or has other radii. */
+void eng_thickness_look(struct eng_scene *scene, const struct eng_object *object);
+
+/* Has each vertex of the object a radius of its own? */
+static inline bool eng_thickness_is_by_vertex(const struct eng_object *object)
+{
+    return !object->thickness.has_radius && object->mesh->radii;
+}
+
+/* The largest radius of the object's features. */
+static inline double eng_thickness_most(const struct eng_object *object)
+{
+    return object->thickness.has_radius ? object->thickness.radius
+                                        : object->mesh->radius_max;
+}
+
+/* The radius of a feature of the object; v[count]: its vertices in the mesh. */
+static inline double eng_thickness_radius(const struct eng_object *object,
+                                          const uint32_t *v, uint32_t count)
+{
+    if (!eng_thickness_is_by_vertex(object)) {
+        return eng_thickness_most(object);
+    }
+    double most = object->mesh->radii[v[0]];
+    for (uint32_t i = 1; i < count; i++) {
+        most = fmax(most, object->mesh->radii[v[i]]);
+    }
+    return most;
+}
+
+/* Do two features of this object meet at a distance? */
+bool eng_thickness_is_within(const struct eng_scene *scene,
+                             const struct eng_object *object);
+
+/* By how much the box of a vertex of the object is larger, in its frame: not less than
+ * the largest radius of its features and half of the separation. */
+static inline float eng_thickness_growth(const struct eng_scene *scene,
+                                         const struct eng_object *object, uint32_t vertex)
+{
+    double half = 0.5 * scene->thickness.separation;
+    double reach =
+        half + (eng_thickness_is_by_vertex(object) ? object->mesh->reach[vertex]
+                                                   : eng_thickness_most(object));
+    /* Halves and the sum are off by less than the next double. */
+    return eng_near_growth(half > 0 ? nextafter(reach, INFINITY) : reach,
+                           scene->framing.scale);
+}
+
+/* A bound, as its distance outward, of a box that is larger by `growth`: two roundings of
+ * 2^-24 are less than what is added for them. */
+static inline float eng_thickness_grown(float outward, float growth)
+{
+    float sum = outward + growth;
+    return sum + fabsf(sum) * 0x1p-22f;
+}
+
+#endif
