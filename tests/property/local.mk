@@ -7,7 +7,8 @@ property_names = \
     tests/property/test_eng_standing \
     tests/property/test_eng_rigid \
     tests/property/test_eng_near \
-    tests/property/test_eng_near_oracle
+    tests/property/test_eng_near_oracle \
+    tests/property/test_eng_thick_plays
 check_PROGRAMS += $(property_names)
 TESTS += $(property_names)
 
@@ -54,6 +55,13 @@ tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracl
 tests_property_test_eng_near_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_oracle_LDADD = $(PROPERTY_LDADD)
+
+tests_property_test_eng_thick_plays_SOURCES = tests/property/test_eng_thick_plays.c \
+    tests/property/thick_judge.c \
+    tests/property/thick_judge.h
+tests_property_test_eng_thick_plays_CPPFLAGS = $(PROPERTY_CPPFLAGS)
+tests_property_test_eng_thick_plays_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+tests_property_test_eng_thick_plays_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_near_SOURCES = tests/property/test_eng_near.c
 tests_property_test_eng_near_CPPFLAGS = $(PROPERTY_CPPFLAGS)

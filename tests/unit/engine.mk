@@ -55,6 +55,7 @@ ENG_TESTS = \
     tests/unit/test_eng_separate \
     tests/unit/test_eng_solve \
     tests/unit/test_eng_thick \
+    tests/unit/test_eng_thick_step \
     tests/unit/test_eng_batch \
     tests/unit/test_eng_hash \
     tests/unit/test_eng_kernel \
@@ -200,6 +201,10 @@ tests_unit_test_eng_thick_SOURCES = tests/unit/test_eng_thick.c \
     tests/unit/thick_cases.c tests/unit/thick_cases.h
 tests_unit_test_eng_thick_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_thick_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_thick_step_SOURCES = tests/unit/test_eng_thick_step.c
+tests_unit_test_eng_thick_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_thick_step_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_solve_SOURCES = tests/unit/test_eng_solve.c
 tests_unit_test_eng_solve_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -1,0 +1,410 @@
+/* tests/property/test_eng_thick_plays.c - steps of thick objects against all pairs.
+ *
+ * Room:     engine (step.h, scene.h, near.h), client/oracle.
+ * Does:     play small random scenes of two objects and compare what steps say in every
+ *           mode, and what is near, with all pairs decided by the oracle: by both
+ *           methods, one and two threads, every instruction set; while radii, rest,
+ *           separation and approach change and much stands still, near the origin and far
+ *           from it.
+ * Threads:  one, and teams of two.
+ * Source:   step_settings.h, step_result.h, near.h.
+ */
+#include "eng_way.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "near.h"
+#include "thick_judge.h"
+
+#define TOLERANCE 1e-6
+
+/* ---- the step ---------------------------------------------------------------------- */
+
+static bool names(const struct pccd_pair *a, const void *record)
+{
+    return memcmp(a, record, sizeof *a) == 0;
+}
+
+/* The name of a contact has its flags in between. */
+static bool names_contact(const struct pccd_pair *a, const struct pccd_contact *contact)
+{
+    return a->kind == contact->kind && a->object_a == contact->object_a &&
+           a->feature_a == contact->feature_a && a->object_b == contact->object_b &&
+           a->feature_b == contact->feature_b;
+}
+
+static void check_pairs(const struct thick_play *play,
+                        const struct eng_step_result *result)
+{
+    const struct pccd_pair *pairs = result->records;
+    uint64_t seen = 0;
+    for (uint32_t i = 0; i < play->truth_count; i++) {
+        if (play->truths[i].is_candidate) {
+            assert_true(seen < result->count &&
+                        names(&play->truths[i].name, &pairs[seen]));
+            seen++;
+        }
+    }
+    assert_int_equal(seen, result->count);
+    assert_true(result->safe_step == (seen > 0 ? 0 : 1));
+}
+
+static void check_contact(const struct thick_play *play, const struct thick_truth *truth,
+                          const struct pccd_contact *contact)
+{
+    bool is_initial = oracle_first_compare(truth->first, 0) == 0;
+    bool is_inside = truth->is_inside && truth->is_thick && play->approach > 0;
+    uint32_t flags =
+        PCCD_PROVED | (is_initial ? PCCD_INITIAL : 0u) | (is_inside ? PCCD_INSIDE : 0u);
+    assert_true(names_contact(&truth->name, contact));
+    assert_int_equal(contact->flags, flags);
+    assert_true(oracle_first_compare(truth->first, contact->toi) >= 0 &&
+                oracle_first_compare(truth->first, contact->toi_hi) <= 0 &&
+                contact->toi_hi - contact->toi <= TOLERANCE);
+}
+
+/* `all`: else those that may be the earliest. */
+static void check_contacts(const struct thick_play *play,
+                           const struct eng_step_result *result, bool all)
+{
+    const struct pccd_contact *contacts = result->records;
+    uint64_t at = 0;
+    uint64_t initial = 0;
+    uint64_t inside = 0;
+    double toi = 2;
+    for (uint32_t i = 0; i < play->truth_count; i++) {
+        const struct thick_truth *truth = &play->truths[i];
+        bool is_there = at < result->count && names_contact(&truth->name, &contacts[at]);
+        if (truth->first && is_there) {
+            check_contact(play, truth, &contacts[at]);
+            initial += (contacts[at].flags & PCCD_INITIAL) != 0;
+            inside += (contacts[at].flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
+            toi = fmin(toi, contacts[at].toi);
+            at++;
+        } else if (truth->first) {
+            assert_false(all);
+            assert_true(oracle_first_compare(truth->first, result->toi_first) > 0);
+        } else {
+            assert_false(is_there);
+        }
+        assert_true(!truth->first ||
+                    oracle_first_compare(truth->first, result->safe_step) > 0 ||
+                    result->safe_step == 0);
+    }
+    assert_int_equal(at, result->count);
+    assert_true(result->toi_first == toi && result->initial == initial &&
+                result->thick.inside == inside);
+    assert_true(result->safe_step == (at == 0 ? 1 : toi == 0 ? 0 : nextafter(toi, 0)));
+}
+
+static void check_verdict(const struct thick_play *play,
+                          const struct eng_step_result *result)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < play->truth_count; i++) {
+        any |= play->truths[i].first != NULL;
+    }
+    assert_int_equal(result->verdict, any ? PCCD_VERDICT_YES : PCCD_VERDICT_NO);
+    assert_true(result->safe_step == (any ? 0 : 1));
+}
+
+static void check(const struct thick_play *play, const struct eng_step_result *result)
+{
+    assert_int_equal(result->incomplete, PCCD_COMPLETE);
+    switch (result->mode) {
+    case PCCD_MODE_PAIRS:
+        check_pairs(play, result);
+        break;
+    case PCCD_MODE_ANY:
+        check_verdict(play, result);
+        break;
+    default:
+        check_contacts(play, result, result->mode == PCCD_MODE_ALL);
+    }
+}
+
+static struct eng_step_settings way(const struct thick_play *play, uint32_t i,
+                                    enum pccd_mode mode)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    settings.tolerance = TOLERANCE;
+    settings.separation = play->separation;
+    settings.approach = play->approach;
+    settings.team_always = true;
+    settings.method = way_methods[i % WAY_METHODS];
+    settings.threads = 1 + i / WAY_METHODS % 2;
+    settings.kernels = way_kernels(i / WAY_METHODS / 2);
+    return settings;
+}
+
+static uint32_t way_count(void)
+{
+    return WAY_METHODS * 2 * way_kernels_count();
+}
+
+/* Take the step in every way, and compare the first answer with the truth. */
+static void step(struct thick_play *play, enum pccd_mode mode)
+{
+    struct eng_step_result first;
+    void *records = NULL;
+    thick_judge_decide(play);
+    for (uint32_t i = 0; i < way_count(); i++) {
+        struct eng_step_settings settings = way(play, i, mode);
+        struct eng_step_result result;
+        assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
+        assert_true(way_tree_is_sound(play->scenes[i], &result));
+        if (i == 0) {
+            check(play, &result);
+            first = result;
+            records = malloc(result.count * result.record_bytes + 1);
+            assert_non_null(records);
+            memcpy(records, result.records, result.count * result.record_bytes);
+        }
+        assert_int_equal(result.count, first.count);
+        assert_memory_equal(result.hash, first.hash, sizeof first.hash);
+        assert_memory_equal(result.records, records, first.count * first.record_bytes);
+        assert_true(result.safe_step == first.safe_step);
+    }
+    free(records);
+}
+
+/* ---- chance ------------------------------------------------------------------------ */
+
+/* Multiples of a fourth: features are often exactly r apart, or go along at that
+ * distance. Or any doubles. */
+static double draw_coordinate(struct thick_play *play, double size)
+{
+    double x = prng_between(&play->prng, -size, size);
+    return play->unit * (prng_below(&play->prng, 3) > 0 ? rint(4 * x) / 4 : x);
+}
+
+static void draw_point(struct thick_play *play, uint32_t object, double x[3])
+{
+    for (int k = 0; k < 3; k++) {
+        x[k] = draw_coordinate(play, 3);
+    }
+    x[0] += play->base + (object == 1 ? play->far : 0);
+}
+
+static double draw_length(struct thick_play *play)
+{
+    static const double lengths[8] = {0, 0, 0x1p-2, 0x1p-20, 0.1, 0.5, 1, 0.3};
+    return play->unit * lengths[prng_below(&play->prng, 8)];
+}
+
+/* ---- what is near ------------------------------------------------------------------ */
+
+static void check_near(const struct thick_play *play,
+                       const struct eng_near_result *result, double distance,
+                       uint32_t end)
+{
+    const struct pccd_near *records = result->records;
+    uint64_t at = 0;
+    assert_int_equal(result->incomplete, PCCD_COMPLETE);
+    for (uint32_t i = 0; i < play->truth_count; i++) {
+        const struct pccd_pair *name = &play->truths[i].name;
+        if (thick_judge_is_near(play, &play->truths[i], distance, end)) {
+            const struct pccd_near *record = &records[at++];
+            assert_true(at <= result->count && name->kind == record->kind &&
+                        name->object_a == record->object_a &&
+                        name->feature_a == record->feature_a &&
+                        name->object_b == record->object_b &&
+                        name->feature_b == record->feature_b);
+        }
+    }
+    assert_int_equal(at, result->count);
+}
+
+/* The names of a step's pairs are those that are near at an end of it. */
+static void ask(struct thick_play *play)
+{
+    struct eng_near_result first;
+    double distance = draw_length(play);
+    uint32_t end = (uint32_t)prng_below(&play->prng, 2);
+    for (uint32_t i = 0; i < way_count(); i++) {
+        struct eng_near_settings settings = {.step = way(play, i, PCCD_MODE_ALL),
+                                             .what = PCCD_NEAR_PAIRS,
+                                             .distance = distance,
+                                             .end = end};
+        struct eng_near_result result;
+        assert_int_equal(eng_near(play->scenes[i], &settings, &result), PCCD_OK);
+        if (i == 0) {
+            check_near(play, &result, distance, end);
+            first = result;
+        }
+        assert_int_equal(result.count, first.count);
+        assert_memory_equal(result.hash, first.hash, sizeof first.hash);
+    }
+}
+
+/* ---- plays ------------------------------------------------------------------------- */
+
+static void draw_thickness(struct thick_play *play)
+{
+    static const double approaches[4] = {0, 0, 0.25, 0.1};
+    play->approach = approaches[prng_below(&play->prng, 4)];
+    if (prng_below(&play->prng, 3) == 0) {
+        return;
+    }
+    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
+        struct thick_body *body = &play->bodies[object];
+        body->thickness = (struct eng_object_thickness){
+            .has_radius = prng_below(&play->prng, 3) > 0, .radius = draw_length(play)};
+        if (prng_below(&play->prng, 3) == 0) {
+            body->thickness.rest_distance = 4 * draw_length(play);
+            body->thickness.rest_rings = (uint32_t)prng_below(&play->prng, 3);
+        }
+        for (uint32_t i = 0; i < way_count(); i++) {
+            assert_int_equal(
+                eng_scene_set_thickness(play->scenes[i], object, &body->thickness),
+                PCCD_OK);
+        }
+    }
+    play->separation = prng_below(&play->prng, 2) ? 0 : draw_length(play);
+}
+
+/* A strip at its first positions, with radii of vertices if any is not 0. */
+static struct eng_mesh *strip(const struct thick_body *body)
+{
+    uint32_t triangles[THICK_TRIANGLES][3];
+    struct eng_mesh *mesh;
+    uint32_t bad;
+    for (uint32_t i = 0; i < THICK_TRIANGLES; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            triangles[i][k] = i + k;
+        }
+    }
+    assert_int_equal(eng_mesh_new(THICK_VERTICES, THICK_TRIANGLES, &mesh), PCCD_OK);
+    assert_int_equal(
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, THICK_VERTICES, body->x[1]),
+        PCCD_OK);
+    assert_int_equal(eng_mesh_write_triangles(mesh, 0, THICK_TRIANGLES, triangles, &bad),
+                     PCCD_OK);
+    for (uint32_t v = 0; v < THICK_VERTICES; v++) {
+        if (body->radii[v] > 0) {
+            assert_int_equal(eng_mesh_write_radii(mesh, v, 1, &body->radii[v]), PCCD_OK);
+        }
+    }
+    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    return mesh;
+}
+
+static void begin(struct thick_play *play, uint64_t seed, double base, double far,
+                  double unit)
+{
+    *play = (struct thick_play){.prng = {seed}, .base = base, .far = far, .unit = unit};
+    assert_true(way_count() <= THICK_WAYS_MAX);
+    for (uint32_t i = 0; i < way_count(); i++) {
+        assert_int_equal(eng_scene_new(NULL, &play->scenes[i]), PCCD_OK);
+    }
+    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
+        struct thick_body *body = &play->bodies[object];
+        bool has_radii = prng_below(&play->prng, 2) > 0;
+        for (uint32_t v = 0; v < THICK_VERTICES; v++) {
+            draw_point(play, object, body->x[1][v]);
+            body->radii[v] = has_radii ? draw_length(play) : 0;
+        }
+        memcpy(body->rest, body->x[1], sizeof body->rest);
+        body->mesh = strip(body);
+        for (uint32_t i = 0; i < way_count(); i++) {
+            uint32_t idx;
+            assert_int_equal(eng_scene_add(play->scenes[i], body->mesh, object + 1, &idx),
+                             PCCD_OK);
+            assert_int_equal(idx, object);
+        }
+    }
+}
+
+static void end(struct thick_play *play)
+{
+    thick_judge_forget(play);
+    for (uint32_t i = 0; i < way_count(); i++) {
+        eng_scene_free(play->scenes[i]);
+    }
+    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
+        eng_mesh_release(play->bodies[object].mesh);
+    }
+}
+
+/* Move all, some or none of the vertices. */
+static void move(struct thick_play *play)
+{
+    uint64_t part = prng_below(&play->prng, 3);
+    for (uint32_t i = 0; i < way_count(); i++) {
+        eng_stage_begin(play->scenes[i]);
+    }
+    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
+        struct thick_body *body = &play->bodies[object];
+        memcpy(body->x[0], body->x[1], sizeof body->x[0]);
+        for (uint32_t v = 0; v < THICK_VERTICES; v++) {
+            if (part == 0 || (part == 1 && prng_below(&play->prng, THICK_VERTICES) > 0)) {
+                continue;
+            }
+            draw_point(play, object, body->x[1][v]);
+            for (uint32_t i = 0; i < way_count(); i++) {
+                assert_int_equal(eng_stage_x1(play->scenes[i], object, PCCD_FORMAT_F64, v,
+                                              1, body->x[1][v]),
+                                 PCCD_OK);
+            }
+        }
+    }
+}
+
+static void play_steps(uint64_t seed, double base, double far, double unit)
+{
+    struct thick_play play;
+    begin(&play, seed, base, far, unit);
+    enum pccd_mode mode = (enum pccd_mode)(seed % PCCD_MODE_COUNT);
+    for (uint32_t i = 0; i < 5; i++) {
+        if (i == 0 || prng_below(&play.prng, 2)) {
+            draw_thickness(&play);
+        }
+        move(&play);
+        step(&play, mode);
+        if (prng_below(&play.prng, 2)) {
+            draw_thickness(&play);
+        }
+        ask(&play);
+    }
+    end(&play);
+}
+
+/* If it failed: pairs that come within r would be missed or invented, at another time or
+ * by some way of finding them; or boxes and records of an earlier radius would be
+ * kept. */
+static void step__says_of_thick_objects_what_all_pairs_say(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 8; i++) {
+        play_steps(prng_seed() + i, 0, 0.5, 1);
+    }
+}
+
+/* Objects that lie apart, where their boxes are measured in frames: of tiny features, and
+ * far from the origin. If it failed: frames would take objects within r for apart. */
+static void step__says_so_where_boxes_have_frames(void **state)
+{
+    (void)state;
+    for (uint64_t i = 0; i < 8; i++) {
+        double unit = i % 2 ? 0x1p-40 : 1;
+        double base = i % 4 == 0 ? 0x1p40 : 0;
+        play_steps(prng_seed() + 100 + i, base, unit * (i % 3 ? 7 : 0x1p40), unit);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(step__says_of_thick_objects_what_all_pairs_say),
+        cmocka_unit_test(step__says_so_where_boxes_have_frames),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

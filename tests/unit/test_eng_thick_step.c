@@ -1,0 +1,197 @@
+/* tests/unit/test_eng_thick_step.c - steps of thick objects that were made by hand.
+ *
+ * Room:     engine (step.h, scene.h).
+ * Does:     what frames, poses and rest might get wrong; numbers that are no lengths.
+ * Does not: compare with all pairs (tests/property/test_eng_thick_plays does).
+ * Threads:  one, and teams of two.
+ * Source:   step_settings.h, scene.h, mesh.h.
+ */
+#include "eng_way.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "eng_kit.h"
+
+static struct eng_step_settings way(uint32_t i, enum pccd_mode mode, double separation)
+{
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    settings.mode = mode;
+    settings.separation = separation;
+    settings.team_always = true;
+    settings.method = way_methods[i % WAY_METHODS];
+    settings.threads = 1 + i / WAY_METHODS % 2;
+    settings.kernels = way_kernels(i / WAY_METHODS / 2);
+    return settings;
+}
+
+static uint32_t way_count(void)
+{
+    return WAY_METHODS * 2 * way_kernels_count();
+}
+
+/* Two triangles that lie 1 apart. */
+static struct eng_mesh *two_triangles(void)
+{
+    static const double at[6][3] = {{0, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5},
+                                    {1, 0, 0}, {1, 0.5, 0}, {1, 0, 0.5}};
+    static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    return kit_mesh(at, 6, corners, 2);
+}
+
+/* A triangle of length 20 along x. */
+static void add_long_triangle(struct eng_scene *scene, uint32_t id, double x)
+{
+    const double at[3][3] = {{x, 0, 0}, {x + 20, 0.5, 0}, {x, 0, 0.5}};
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    struct eng_mesh *mesh = kit_mesh(at, 3, corners, 1);
+    uint32_t idx;
+    assert_int_equal(eng_scene_add(scene, mesh, id, &idx), PCCD_OK);
+    eng_mesh_release(mesh);
+}
+
+/* Objects far from the origin, of which one is far from the others. Two, 50 apart, go 60
+ * along x together, and r is 55. If it failed: frames, in which their boxes are 110
+ * apart, would be taken for the way between them, and the contact be missed. */
+static void step__finds_what_is_within_r_across_a_gap(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < way_count(); i++) {
+        struct eng_step_settings settings = way(i, PCCD_MODE_ANY, 55);
+        struct eng_step_result result;
+        struct eng_scene *scene;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        add_long_triangle(scene, 1, 0x1p40);
+        add_long_triangle(scene, 2, 0x1p40 + 70);
+        add_long_triangle(scene, 3, 0x1p40 + 0x1p20);
+        eng_stage_begin(scene);
+        for (uint32_t object = 0; object < 2; object++) {
+            double x[3][3];
+            memcpy(x, eng_scene_positions(scene, object, 1), sizeof x);
+            for (int v = 0; v < 3; v++) {
+                x[v][0] += 60;
+            }
+            assert_int_equal(eng_stage_x1(scene, object, PCCD_FORMAT_F64, 0, 3, x),
+                             PCCD_OK);
+        }
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_int_equal(result.verdict, PCCD_VERDICT_YES);
+        eng_scene_free(scene);
+    }
+}
+
+/* A body of two triangles that lie 1 apart is moved by poses, which prove without
+ * thickness that it does not meet itself. If it failed: they would be said to prove that
+ * of thick bodies, too. */
+static void step__tests_thick_bodies_that_poses_move(void **state)
+{
+    (void)state;
+    static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                                       {1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0}};
+    for (uint32_t method = 0; method < WAY_METHODS; method++) {
+        struct eng_step_settings settings = way(method, PCCD_MODE_ALL, 0);
+        struct eng_step_result result = {0};
+        struct eng_scene *scene;
+        struct eng_mesh *mesh = two_triangles();
+        uint32_t idx;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+        eng_mesh_release(mesh);
+        for (int i = 0; i < 20; i++) {
+            settings.separation = i == 19 ? 1.5 : 0;
+            eng_stage_begin(scene);
+            assert_int_equal(
+                eng_stage_rigid(scene, idx, 0, 6, pose[i % 2], pose[(i + 1) % 2]),
+                PCCD_OK);
+            if (i == 19) {
+                assert_true(result.counters.rigid_objects == 1 && result.count == 0);
+            }
+            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        }
+        assert_true(result.counters.rigid_objects == 0 && result.count > 0 &&
+                    result.initial == result.count && result.thick.is_crowded);
+        eng_scene_free(scene);
+    }
+}
+
+/* Two triangles that lie 1 apart, within r. If it failed: what is exactly as near at rest
+ * as the object wants it to be would be left thin, or what is nearer would not. */
+static void step__leaves_thin_what_is_nearer_at_rest(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
+        struct eng_step_settings settings = way(i / 2, PCCD_MODE_ALL, 1.5);
+        const struct eng_object_thickness thickness = {
+            .rest_distance = i % 2 == 0 ? 1 : nextafter(1, 2)};
+        struct eng_step_result result;
+        struct eng_scene *scene;
+        struct eng_mesh *mesh = two_triangles();
+        uint32_t idx;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+        assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+        assert_true((result.count > 0) == (i % 2 == 0));
+        eng_mesh_release(mesh);
+        eng_scene_free(scene);
+    }
+}
+
+/* If it failed: nonsense would be taken for a length. */
+static void step__refuses_what_is_no_length(void **state)
+{
+    (void)state;
+    static const struct {
+        double length;
+        int status;
+    } lengths[] = {{-1, PCCD_E_INVAL},     {NAN, PCCD_E_INVAL}, {INFINITY, PCCD_E_INVAL},
+                   {1.1e18, PCCD_E_LIMIT}, {1e18, PCCD_OK},     {0, PCCD_OK}};
+    struct eng_mesh *committed = two_triangles();
+    struct eng_mesh *mesh;
+    struct eng_scene *scene;
+    uint32_t idx;
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, committed, 1, &idx), PCCD_OK);
+    assert_int_equal(eng_mesh_new(3, 1, &mesh), PCCD_OK);
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        struct eng_object_thickness thickness = {.has_radius = true,
+                                                 .radius = lengths[i].length};
+        struct eng_step_settings settings = way(0, PCCD_MODE_ALL, 0);
+        struct eng_step_result result;
+        assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness),
+                         lengths[i].status);
+        assert_int_equal(eng_mesh_write_radii(mesh, 2, 1, &lengths[i].length),
+                         lengths[i].status);
+        thickness = (struct eng_object_thickness){.rest_distance = lengths[i].length};
+        assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness),
+                         lengths[i].status);
+        settings.separation = lengths[i].length;
+        assert_int_equal(eng_step(scene, &settings, &result), lengths[i].status);
+        settings.separation = 0;
+        settings.approach = lengths[i].length == 0 ? 1 : lengths[i].length;
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_E_INVAL);
+    }
+    struct eng_object_thickness thickness;
+    assert_int_equal(eng_scene_get_thickness(scene, idx, &thickness), PCCD_OK);
+    assert_true(!thickness.has_radius && thickness.rest_distance == 0);
+    assert_int_equal(eng_scene_get_thickness(scene, 9, &thickness), PCCD_E_INVAL);
+    thickness.rest_rings = 9;
+    assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_E_LIMIT);
+    double radius = 1;
+    assert_int_equal(eng_mesh_write_radii(mesh, 3, 1, &radius), PCCD_E_INVAL);
+    assert_int_equal(eng_mesh_write_radii(committed, 0, 1, &radius), PCCD_E_STATE);
+    eng_mesh_release(mesh);
+    eng_mesh_release(committed);
+    eng_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(step__finds_what_is_within_r_across_a_gap),
+        cmocka_unit_test(step__tests_thick_bodies_that_poses_move),
+        cmocka_unit_test(step__leaves_thin_what_is_nearer_at_rest),
+        cmocka_unit_test(step__refuses_what_is_no_length),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
