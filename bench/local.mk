@@ -7,7 +7,7 @@
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
 bench_names = bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
-    bench/connect
+    bench/connect bench/thickness
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -66,6 +66,10 @@ bench_exact_LDADD = $(bench_engine_libs)
 bench_slowest_SOURCES = bench/slowest.c $(bench_engine_sources)
 bench_slowest_CPPFLAGS = $(bench_engine_cppflags)
 bench_slowest_LDADD = $(bench_engine_libs)
+
+bench_thickness_SOURCES = bench/thickness.c $(bench_engine_sources)
+bench_thickness_CPPFLAGS = $(bench_engine_cppflags)
+bench_thickness_LDADD = $(bench_engine_libs)
 
 bench_kernels_SOURCES = \
     bench/gather.c \
