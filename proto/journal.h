@@ -20,6 +20,8 @@
  * | PAIRS | struct proto_journal_pairs, u32[2] each: handles of two objects |
  * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
  * |      | table (shm.h), all of it x0x1 and double, and positions |
+ * | SEPARATION | struct proto_journal_separation; before a STEP alone, and not before one |
+ * |      | of which both are 0 |
  * | NEAR | struct proto_journal_near, then the same; of this session alone: what others |
  * |      | ask is not noted, and what they move at that is a STEP |
  */
@@ -37,7 +39,8 @@ enum proto_journal_kind {
     PROTO_JOURNAL_FILTER = 3, /* has these attributes from now on */
     PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
     PROTO_JOURNAL_STEP = 5,   /* the scene was moved on */
-    PROTO_JOURNAL_NEAR = 6    /* this session has asked what is near */
+    PROTO_JOURNAL_NEAR = 6,   /* this session has asked what is near */
+    PROTO_JOURNAL_SEPARATION = 7 /* at which distance pairs meet in the step behind it */
 };
 
 struct proto_journal_entry {
@@ -68,6 +71,11 @@ struct proto_journal_step {
     char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
 };
 
+struct proto_journal_separation { /* as frame.submit has them */
+    double separation;
+    double approach;
+};
+
 /* As it was asked. */
 struct proto_journal_near {
     uint64_t step;
@@ -88,6 +96,7 @@ static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
 static_assert(sizeof(struct proto_journal_object) == 8, "object");
 static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
 static_assert(sizeof(struct proto_journal_step) == 104, "step");
+static_assert(sizeof(struct proto_journal_separation) == 16, "separation");
 static_assert(sizeof(struct proto_journal_near) == 120, "near");
 
 #endif

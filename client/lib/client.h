@@ -138,6 +138,9 @@ struct pccd_client {
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (filter.c). */
+int cli_check_thick(struct pccd_client *client, const char *method);
+
 /* When a wait of timeout_ms (< 0: the client's default) that begins now ends. */
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms);
 

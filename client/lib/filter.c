@@ -23,6 +23,17 @@ static int check_daemon(struct pccd_client *client, const char *method)
     return 0;
 }
 
+int cli_check_thick(struct pccd_client *client, const char *method)
+{
+    if ((client->link.features & PROTO_FEATURE_THICK) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "%s: the daemon at %s is older than this; to it all features are "
+                        "without thickness",
+                        method, client->url);
+    }
+    return 0;
+}
+
 static int check_settings(struct pccd_client *client,
                           const struct pccd_object_settings *settings)
 {
@@ -36,6 +47,10 @@ static int check_settings(struct pccd_client *client,
         return cli_fail(client, PCCD_E_INVAL,
                         "object.set: what is 0x%x, this library knows the bits 0x%x",
                         settings->what, COMMON_OBJECT_KNOWN);
+    }
+    if (settings->what != (uint32_t)PCCD_OBJECT_ALL &&
+        (settings->what & COMMON_OBJECT_THICK) != 0) {
+        return cli_check_thick(client, "object.set");
     }
     return 0;
 }

@@ -357,20 +357,37 @@ struct pccd_scene_news {
     uint64_t hash[2]; /* as in struct pccd_answer */
 };
 
-/* What an object may meet. Two objects of a scene are tested against each other if
+/* What an object may meet, and how thick it is. Two objects of a scene are tested against each other if
  * a.group & b.mask and b.group & a.mask are not 0, and the pair is not ignored; an object
  * is tested against itself if its self_collision is on. At first group is 1, mask all
- * bits, self_collision on. An object keeps its settings when its mesh is replaced. */
+ * bits, self_collision on. An object keeps its settings when its mesh is replaced.
+ *
+ * Thick features meet at a distance. For example, cloth of 2 mm has the radius 1e-3 (in
+ * metres): it touches a body of radius 0 when their surfaces are 1 mm apart, and itself
+ * when they are 2 mm apart. A pair meets when its Euclidean distance is at most r = the
+ * radius of a + the radius of b + the step's separation, the exact sum of three doubles;
+ * within one object its radius counts twice.
+ *
+ * Within one object what lies close together at rest would meet all the time. So pairs
+ * lose their radii and the separation, and meet as features without thickness do, if
+ * their distance in the registered positions is less than rest_distance, or if a vertex
+ * of one and a vertex of the other are joined by rest_rings edges or fewer. */
 struct pccd_object_settings {
-    size_t struct_bytes; /* sizeof(struct pccd_object_settings); 0 reads as that */
-    uint32_t what;       /* which of these to set: bits of enum pccd_object_what */
-    bool self_collision; /* PCCD_OBJECT_SELF */
-    uint64_t group;      /* PCCD_OBJECT_GROUP: the groups that it is in */
-    uint64_t mask;       /* PCCD_OBJECT_MASK: the groups that it may meet */
+    size_t struct_bytes;  /* sizeof(struct pccd_object_settings); 0 reads as that */
+    uint32_t what;        /* which of these to set: bits of enum pccd_object_what */
+    bool self_collision;  /* PCCD_OBJECT_SELF */
+    uint64_t group;       /* PCCD_OBJECT_GROUP: the groups that it is in */
+    uint64_t mask;        /* PCCD_OBJECT_MASK: the groups that it may meet */
+    double radius;        /* PCCD_OBJECT_RADIUS: half its thickness, 0 .. 1e18, in the
+                             unit of coordinates; at first 0: the radii of the mesh's
+                             vertices, if it has any */
+    double rest_distance; /* PCCD_OBJECT_REST_DISTANCE: 0 .. 1e18; at first 0 */
+    uint32_t rest_rings;  /* PCCD_OBJECT_REST_RINGS: 0 .. 16; at first 0 */
 };
 
 /* Set what settings->what names, for steps that are submitted from now on. Errors:
- * E_HANDLE, E_INVAL; E_VERSION: a daemon that does not know of filters. */
+ * E_HANDLE; E_INVAL: a radius or distance that is negative or not finite; E_LIMIT: one
+ * above 1e18, or too many rings; E_VERSION: a daemon that does not know of filters. */
 int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
                     const struct pccd_object_settings *settings);
 /* Get all of them; struct_bytes is neither read nor changed. */
@@ -430,6 +447,13 @@ struct pccd_step_settings {
                              time (E_BUSY). That step answers it, without records
                              (pccd_scene_read gives them). At its deadline, or when it
                              is cancelled, it is answered and still goes along */
+    double separation;       /* added to the radii of every pair (struct
+                                pccd_object_settings), 0 .. 1e18 */
+    double approach;         /* of pairs that begin at their distance r or nearer. 0: they
+                                meet at t = 0 (PCCD_INITIAL). Else above 0 and below 1:
+                                they have the flag PCCD_INSIDE, and meet when they come to
+                                `approach` times the distance that they begin with, also
+                                if they leave r and come back; 0.1, say */
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
@@ -470,6 +494,15 @@ struct pccd_answer {
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;
     struct pccd_step_counters counters;
+    /* From t = 0 to t = safe_step no pair meets: each is farther apart than the distance
+     * at which it would. 0 .. 1; 1: none meets; 0 if toi_first is 0, and where it is not
+     * known: of an incomplete answer, and of mode any or pairs that is not empty. To go
+     * there, see pccd_step_safe. */
+    double safe_step;
+    uint64_t inside; /* records with PCCD_INSIDE; in modes any and pairs 0 */
+    bool crowded;    /* there are thick pairs, and more than half of the records have
+                      * PCCD_INITIAL or PCCD_INSIDE: mostly a radius above the length of
+                      * the edges, for which rest_rings and rest_distance are */
     bool is_near; /* true: the answer of pccd_submit_near (pccd_near.h). Then the members
                    * below are set; mode, contacts, pairs, possible, initial, toi_first
                    * and number are not */

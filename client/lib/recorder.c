@@ -117,6 +117,16 @@ int cli_record_tuning(struct pccd_client *client, const char *text)
     return bytes > 0 ? cli_record_add(client, RECORD_TUNING, &part, 1) : 0;
 }
 
+int cli_record_separation(struct pccd_client *client, double separation, double approach)
+{
+    const struct record_separation at = {separation, approach};
+    const struct record_part part = {&at, sizeof at};
+
+    return separation != 0.0 || approach != 0.0
+               ? cli_record_add(client, RECORD_SEPARATION, &part, 1)
+               : 0;
+}
+
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&

@@ -113,6 +113,10 @@ static int write_filter(struct pccd_client *client, uint32_t scene, uint32_t obj
     memcpy(words, at, bytes);
     common_attributes_unpack(&told, words, bytes / sizeof words[0]);
     record_filter_make(&filter, scene, object, PCCD_OBJECT_ALL, &told);
+    if (!common_attributes_are_thick(&told) &&
+        (client->recorder->writer.features & RECORD_FEATURE_THICK) == 0) {
+        filter.what &= ~COMMON_OBJECT_THICK; /* programs of before can read the file */
+    }
     return cli_record_add(client, RECORD_FILTER,
                           &(struct record_part){&filter, sizeof filter}, 1);
 }
@@ -163,6 +167,18 @@ static int write_step(struct pccd_client *client, uint32_t scene, const uint8_t 
                ? status
                : cli_record_add(client, from.step != 0 ? RECORD_FRAME : RECORD_MOVE,
                                 parts, parts[1].bytes > 0 ? 2 : 1);
+}
+
+/* Of the step behind it. */
+static int write_separation(struct pccd_client *client, const uint8_t *at, uint64_t bytes)
+{
+    struct proto_journal_separation from;
+
+    if (bytes < sizeof from) {
+        return PCCD_E_BADMSG;
+    }
+    memcpy(&from, at, sizeof from);
+    return cli_record_separation(client, from.separation, from.approach);
 }
 
 /* This client has asked what is near. */
@@ -219,6 +235,8 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
         return write_step(client, scene, at, bytes);
     case PROTO_JOURNAL_NEAR:
         return write_near(client, scene, at, bytes);
+    case PROTO_JOURNAL_SEPARATION:
+        return write_separation(client, at, bytes);
     default:
         return 0; /* of a newer daemon, which says nothing that must be known */
     }

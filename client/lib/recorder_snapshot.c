@@ -250,9 +250,12 @@ static int write_frame(struct pccd_client *client, const struct cli_call *call)
                                  .threads = request->threads,
                                  .tolerance = request->tolerance,
                                  .deadline_ns = request->deadline_ns};
+    int status = cli_record_separation(client, request->separation, request->approach);
 
     client->recorder->segment_frames++;
-    return write_motion(client, call, RECORD_FRAME, request->tuning,
+    return status != 0
+               ? status
+               : write_motion(client, call, RECORD_FRAME, request->tuning,
                         (struct record_part){&frame, sizeof frame},
                         request->segments > 0);
 }

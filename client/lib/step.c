@@ -66,6 +66,9 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->possible = result->possible;
     answer->initial = result->initial;
     answer->toi_first = result->toi_first;
+    answer->safe_step = result->safe_step;
+    answer->inside = result->inside;
+    answer->crowded = result->crowded;
     answer->hash[0] = result->hash_hi;
     answer->hash[1] = result->hash_lo;
     answer->number = result->number;

@@ -57,6 +57,9 @@ static int read_settings(struct pccd_client *client,
         return cli_fail(client, PCCD_E_INVAL, "tuning: longer than %d bytes",
                         PCCD_TUNING_BYTES - 1);
     }
+    if (status == 0 && (settings->separation != 0.0 || settings->approach != 0.0)) {
+        status = cli_check_thick(client, "frame.submit");
+    }
     return status;
 }
 
@@ -100,6 +103,8 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
         request.tolerance = settings.tolerance;
         request.deadline_ns = settings.deadline_ns;
         request.hold = settings.hold;
+        request.separation = settings.separation;
+        request.approach = settings.approach;
     }
     if (status == 0 && slot != CLI_SLOT_NONE) {
         request.slot = slot;

@@ -24,6 +24,7 @@ static_assert(sizeof(struct record_object) == 16, "object");
 static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
+static_assert(sizeof(struct record_separation) == 16, "separation");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
@@ -267,6 +268,8 @@ static uint64_t least_bytes(uint16_t kind)
         return sizeof(struct record_frame);
     case RECORD_TUNING:
         return sizeof(struct record_tuning);
+    case RECORD_SEPARATION:
+        return sizeof(struct record_separation);
     case RECORD_GUEST:
         return sizeof(struct record_guest);
     case RECORD_ANSWER:

@@ -72,6 +72,11 @@ struct record_tuning {
     char text[PCCD_TUNING_BYTES]; /* with its NUL, filled up with zeros */
 };
 
+struct record_separation { /* as frame.submit has them; before none of it both are 0 */
+    double separation;
+    double approach;
+};
+
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;

@@ -74,6 +74,8 @@ struct pccd_object_info {
     uint64_t owner;       /* number of the session that added it */
     uint64_t group, mask; /* what it may meet, as pccd_object_set says */
     bool self_collision;
+    uint32_t rest_rings;
+    double radius, rest_distance;
 };
 
 struct pccd_registered_mesh {

@@ -98,6 +98,9 @@ enum pccd_object_what {
     PCCD_OBJECT_GROUP = 1,
     PCCD_OBJECT_MASK = 2,
     PCCD_OBJECT_SELF = 4,
+    PCCD_OBJECT_RADIUS = 8,
+    PCCD_OBJECT_REST_DISTANCE = 16,
+    PCCD_OBJECT_REST_RINGS = 32,
     PCCD_OBJECT_ALL = 2147483647 /* whatever there is to set */
 };
 

@@ -29,6 +29,7 @@
 #define PROTO_FEATURE_HELD    32u  /* scene.held is told */
 #define PROTO_FEATURE_HASH_2  64u  /* hashes of answers are of version 2; without: 1 */
 #define PROTO_FEATURE_NEAR    128u /* scene.near, near.fetch; place in any scene */
+#define PROTO_FEATURE_THICK   256u /* radii, separation and approach */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u
@@ -47,7 +48,8 @@
 
 /* Geometry. */
 #define PROTO_COUNT_MAX      2147483647u /* vertices, triangles or edges of a scene */
-#define PROTO_COORDINATE_MAX 1e18        /* |x| <= this */
+#define PROTO_COORDINATE_MAX 1e18        /* |x| <= this; radii and distances, too */
+#define PROTO_REST_RINGS_MAX 16u
 
 /* Default quotas of one uid, charged before allocation; options change them. */
 #define PROTO_CLIENTS_PER_UID   64u

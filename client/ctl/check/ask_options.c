@@ -20,6 +20,8 @@
 #define DEADLINE_MS_MAX  3600000u
 #define RESULT_BYTES_MIN 65536u
 #define RESULT_BYTES_MAX ((uint64_t)1 << 40)
+#define LENGTH_MAX       1e18
+#define RINGS_MAX        16u
 
 enum {
     OPTION_JSON = 256 + 96,
@@ -28,7 +30,10 @@ enum {
     OPTION_TUNING,
     OPTION_REPEAT,
     OPTION_DEADLINE,
-    OPTION_RESULT_BYTES
+    OPTION_RESULT_BYTES,
+    OPTION_THICKNESS,
+    OPTION_REST_EXCLUSION,
+    OPTION_RINGS
 };
 
 static const struct argp_option option_list[] = {
@@ -50,6 +55,18 @@ static const struct argp_option option_list[] = {
      "End after MS milliseconds; the answer may then be incomplete", 0},
     {"result-bytes", OPTION_RESULT_BYTES, "N", 0,
      "Size of the shared memory for answers; longer ones come in pages (default: 64 MiB)",
+     0},
+    {"thickness", OPTION_THICKNESS, "R", 0,
+     "Radius of every feature, in the unit of the files: two features of radius R meet "
+     "when they are 2 R apart (default: 0)",
+     0},
+    {"rest-exclusion", OPTION_REST_EXCLUSION, "D", 0,
+     "Of a mesh's own pairs, those that are nearer than D in the first file have no "
+     "thickness (default: 0)",
+     0},
+    {"rings", OPTION_RINGS, "N", 0,
+     "Of a mesh's own pairs, those that N edges or fewer join have no thickness, 0 to 16 "
+     "(default: 0)",
      0},
     {0},
 };
@@ -86,6 +103,30 @@ static error_t parse_how(int key, char *text, const struct argp_state *state)
     }
 }
 
+/* How thick each object is. */
+static error_t parse_object(int key, char *text, const struct argp_state *state)
+{
+    struct pccd_object_settings *object = &((struct ask_options *)state->input)->object;
+    switch (key) {
+    case OPTION_THICKNESS:
+        object->radius = ctl_option_real(state, "thickness", text, 0.0, LENGTH_MAX);
+        object->what |= PCCD_OBJECT_RADIUS;
+        return 0;
+    case OPTION_REST_EXCLUSION:
+        object->rest_distance =
+            ctl_option_real(state, "rest-exclusion", text, 0.0, LENGTH_MAX);
+        object->what |= PCCD_OBJECT_REST_DISTANCE;
+        return 0;
+    case OPTION_RINGS:
+        object->rest_rings =
+            (uint32_t)ctl_option_count(state, "rings", text, 0, RINGS_MAX);
+        object->what |= PCCD_OBJECT_REST_RINGS;
+        return 0;
+    default:
+        return parse_how(key, text, state);
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct ask_options *options = state->input;
@@ -105,7 +146,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->paths[options->path_count++] = text;
         return 0;
     default:
-        return parse_how(key, text, state);
+        return parse_object(key, text, state);
     }
 }
 
@@ -128,6 +169,14 @@ void ask_options_deinit(struct ask_options *options)
 {
     free(options->paths);
     ctl_link_deinit(&options->link);
+}
+
+int ask_set_object(const struct ask_options *options, struct pccd_client *client,
+                   uint32_t scene, uint32_t object)
+{
+    return options->object.what == 0
+               ? PCCD_OK
+               : pccd_object_set(client, scene, object, &options->object);
 }
 
 FILE *ask_report_to(const struct ask_options *options)

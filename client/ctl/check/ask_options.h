@@ -2,8 +2,8 @@
  *
  * Room:     client/ctl. May include: ctl.h, error.h, link.h, pccd.h.
  * Does:     provide the files, --json, --threads, --method, --tuning, --repeat,
- *           --deadline, --result-bytes and the daemon's options; say where the report
- *           goes, and end the command.
+ *           --deadline, --result-bytes, the options of thickness and the daemon's; say
+ *           where the report goes, and end the command.
  * Does not: know what is asked.
  * Threads:  one.
  */
@@ -22,6 +22,7 @@ struct ask_options {
     uint32_t threads; /* 0: the daemon decides */
     uint64_t deadline_ns;
     const char *tuning; /* NULL: the daemon decides; fits into PCCD_TUNING_BYTES */
+    struct pccd_object_settings object; /* what --thickness and others set of each */
     bool is_json;
     bool has_repeats;
     uint32_t repeats;
@@ -39,6 +40,10 @@ extern const struct argp ask_options_argp;
 int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
                      char **argv, void *input);
 void ask_options_deinit(struct ask_options *options);
+
+/* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */
+int ask_set_object(const struct ask_options *options, struct pccd_client *client,
+                   uint32_t scene, uint32_t object);
 
 /* The standard output, unless that is the CSV's. */
 FILE *ask_report_to(const struct ask_options *options);

@@ -82,6 +82,10 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
         return check_run_fail(run, status, "the mesh was not placed", error);
     }
     run->mesh.build_ms = now_ms() - start + (double)run->mesh.info.build_ns / 1e6;
+    status = ask_set_object(run->ask, run->client, run->scene, run->object);
+    if (status != PCCD_OK) {
+        return check_run_fail(run, status, "no thickness", error);
+    }
     return with_edges ? fetch_edges(run, handle, error) : PCCD_OK;
 }
 

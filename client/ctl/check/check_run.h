@@ -1,7 +1,8 @@
 /* client/ctl/check/check_run.h - runs `pccdctl check`: gives the frames of a mesh to a
  * daemon and collects its contacts.
  *
- * Room:     client/ctl. May include: meshfile.h, contacts_csv.h, report.h, pccd.h.
+ * Room:     client/ctl. May include: meshfile.h, ask_options.h, contacts_csv.h,
+ *           report.h, pccd.h.
  * Does:     register the first frame, run the steps as often as asked, fetch every page
  *           of contacts. `pccdctl near` repeats its question by the same loop.
  * Does not: read files or print.
@@ -14,6 +15,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "ask_options.h"
 #include "contacts_csv.h"
 #include "error.h"
 #include "meshfile.h"
@@ -23,6 +25,7 @@
 struct check_run {
     struct pccd_client *client; /* the caller's */
     struct pccd_step_settings settings;
+    const struct ask_options *ask; /* the caller's: what to set of objects */
     uint32_t repeats; /* timed runs after the first; 0: only the first */
     uint32_t scene, object;
     struct pccd_edge *edges;   /* ours, of the registered mesh; NULL unless asked for */

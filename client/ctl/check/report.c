@@ -134,10 +134,21 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
             "           %" PRIu64 " proved, %" PRIu64 " possible; %" PRIu64
             " touch at the start\n",
             answer->total - answer->possible, answer->possible, answer->initial);
+    if (answer->inside > 0) {
+        fprintf(to, "           %" PRIu64 " nearer than their distance from the start\n",
+                answer->inside);
+    }
     if (answer->toi_first < NO_TOI) {
         fprintf(to, "first at   t = %.17g\n", answer->toi_first);
     } else {
         fputs("first at   never\n", to);
+    }
+    fprintf(to, "safe step  %.17g\n", answer->safe_step);
+    if (answer->crowded) {
+        fputs("warning    most pairs are within their distance at the start: the thickness "
+              "is\n           above the length of the edges; see --rings and "
+              "--rest-exclusion\n",
+              to);
     }
 }
 

@@ -138,6 +138,9 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
         set(object, "verdict", mode_text(verdict < 4 ? verdicts[verdict] : NULL), ok);
     }
     set_toi(object, answer->toi_first, ok);
+    set(object, "safe_step", json_real(answer->safe_step), ok);
+    set_count(object, "inside", answer->inside, ok);
+    set(object, "crowded", json_boolean(answer->crowded), ok);
     report_json_rest(object, mesh->build_ms, step, ok);
 }
 

@@ -20,7 +20,8 @@
 #include "shown.h"
 #include "trace_file.h"
 
-#define TOLERANCE_MIN 1e-12
+#define TOLERANCE_MIN  1e-12
+#define SEPARATION_MAX 1e18
 
 enum {
     OPTION_MODE = 256 + 64,
@@ -28,6 +29,8 @@ enum {
     OPTION_QUALITY,
     OPTION_REBUILD_RATIO,
     OPTION_TOLERANCE,
+    OPTION_SEPARATION,
+    OPTION_APPROACH,
     OPTION_TRACE,
     OPTION_MIN_US,
     OPTION_EVENTS
@@ -58,6 +61,14 @@ static const struct argp_option option_list[] = {
      0},
     {"tolerance", OPTION_TOLERANCE, "T", 0,
      "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
+    {"separation", OPTION_SEPARATION, "S", 0,
+     "Two features meet when they are S farther apart than the sum of their radii "
+     "(default: 0)",
+     0},
+    {"approach", OPTION_APPROACH, "A", 0,
+     "What begins at its distance or nearer meets when it comes to A times the distance "
+     "that it begins with, A above 0 and below 1 (default: at t = 0)",
+     0},
     {"trace", OPTION_TRACE, "FILE", 0,
      "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
@@ -137,6 +148,16 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_TOLERANCE:
         settings->tolerance =
             ctl_option_real(state, "tolerance", text, TOLERANCE_MIN, 1.0);
+        break;
+    case OPTION_SEPARATION:
+        settings->separation =
+            ctl_option_real(state, "separation", text, 0.0, SEPARATION_MAX);
+        break;
+    case OPTION_APPROACH:
+        settings->approach = ctl_option_real(state, "approach", text, 0.0, 1.0);
+        if (settings->approach == 0.0 || settings->approach == 1.0) {
+            tool_misused(state, "--approach: above 0 and below 1");
+        }
         break;
     case ARGP_KEY_END:
         check_usage(state, options);
@@ -263,6 +284,7 @@ static int check_all(struct check *check, struct ctl_error *error)
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
     run->settings = options->settings;
+    run->ask = &options->ask;
     run->settings.threads = options->ask.threads;
     run->settings.method = options->ask.method;
     run->settings.tuning = options->ask.tuning;

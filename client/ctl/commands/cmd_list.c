@@ -168,20 +168,23 @@ static void print_object(void *context, const struct pccd_object_info *info)
     snprintf(mask, sizeof mask, "0x%" PRIx64, info->mask);
     if (!printer->is_json) {
         printf("%7" PRIu64 " %#10" PRIx32 " %#10" PRIx32 " %#10" PRIx32 " %10" PRIu64
-               " %7" PRIu64 " %18" PRIx64 " %18" PRIx64 " %s\n",
+               " %7" PRIu64 " %18" PRIx64 " %18" PRIx64 " %s %10g %10g %5" PRIu32 "\n",
                printer->session, printer->scene, info->object, info->mesh,
                info->triangles, info->owner, info->group, info->mask,
-               info->self_collision ? "self" : "-");
+               info->self_collision ? "self" : "-   ", info->radius, info->rest_distance,
+               info->rest_rings);
         return;
     }
     json_array_append_new(
         printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:s, s:b}", "session",
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:s, s:b, s:f, s:f, s:I}",
+                  "session",
                   (json_int_t)printer->session, "scene", (json_int_t)printer->scene,
                   "object", (json_int_t)info->object, "mesh", (json_int_t)info->mesh,
                   "triangles", (json_int_t)info->triangles, "owner",
                   (json_int_t)info->owner, "group", group, "mask", mask, "self_collision",
-                  info->self_collision));
+                  info->self_collision, "radius", info->radius, "rest_distance",
+                  info->rest_distance, "rest_rings", (json_int_t)info->rest_rings));
 }
 
 static void print_pair(void *context, const struct pccd_ignored_pair *pair)

@@ -146,7 +146,8 @@ static int run_near(const struct near_options *options)
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
     struct near_run near = {
-        .run = {.repeats = options->ask.has_repeats ? options->ask.repeats : 1},
+        .run = {.ask = &options->ask,
+                .repeats = options->ask.has_repeats ? options->ask.repeats : 1},
         .settings = options->settings};
     struct near_csv csv = {.path = options->ask.csv, .near = &near};
     FILE *to = ask_report_to(&options->ask);

@@ -62,6 +62,9 @@ static int add(struct near_run *near, struct near_object *object, bool with_edge
     if (status == PCCD_OK) {
         status = pccd_scene_add(run->client, run->scene, handle, &object->handle);
     }
+    if (status == PCCD_OK) {
+        status = ask_set_object(run->ask, run->client, run->scene, object->handle);
+    }
     if (status != PCCD_OK) {
         snprintf(what, sizeof what, "%s was not accepted", tool_shown(object->path));
         return check_run_fail(run, status, what, error);

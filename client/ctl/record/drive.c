@@ -443,7 +443,9 @@ static int submit(struct drive *drive, const struct record_frame *frame,
                                                 .threads = frame->threads,
                                                 .tuning = drive->tuning,
                                                 .tolerance = frame->tolerance,
-                                                .deadline_ns = frame->deadline_ns};
+                                                .deadline_ns = frame->deadline_ns,
+                                                .separation = drive->separation.separation,
+                                                .approach = drive->separation.approach};
     struct pccd_frame made;
     if (frame->segment_count == 0) {
         return pccd_submit_still(drive->client, frame->scene, &settings, step);

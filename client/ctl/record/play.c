@@ -229,6 +229,7 @@ static int show_step(struct player *player, const struct record_view *view,
     struct play_step step = {.number = frame->step,
                              .time_ns = view->time_ns,
                              .frame = frame,
+                             .separation = player->drive.separation,
                              .recorded = answers_find(&player->answers, frame->step),
                              .hash_version = record_reader_hash_version(&player->reader)};
     step.has_other_pairs = asks_daemon && frame->mode == PCCD_MODE_PAIRS &&
@@ -383,6 +384,13 @@ static int damaged(const struct player *player, int status, struct ctl_error *er
                                text, player->last_step - 1);
 }
 
+/* What was said of a step that has gone. */
+static void forget_settings(struct player *player)
+{
+    player->drive.tuning[0] = '\0';
+    player->drive.separation = (struct record_separation){0, 0};
+}
+
 /* A FRAME or a MOVE. How its threads shared the work, the chunk before has told; in
  * earlier recordings its head does. */
 static int follow_motion(struct player *player, const struct record_view *view,
@@ -393,7 +401,7 @@ static int follow_motion(struct player *player, const struct record_view *view,
     }
     int status = view->kind == RECORD_FRAME ? follow_frame(player, view, frame, error)
                                             : follow_move(player, view, frame, error);
-    player->drive.tuning[0] = '\0';
+    forget_settings(player);
     return status;
 }
 
@@ -407,6 +415,11 @@ static int follow(struct player *player, struct ctl_error *error)
         }
         if (view.kind == RECORD_TUNING) {
             memcpy(player->drive.tuning, view.payload, sizeof player->drive.tuning);
+            continue;
+        }
+        if (view.kind == RECORD_SEPARATION) {
+            memcpy(&player->drive.separation, view.payload,
+                   sizeof player->drive.separation);
             continue;
         }
         if (view.kind == RECORD_FRAME || view.kind == RECORD_MOVE) {
@@ -425,7 +438,7 @@ static int follow(struct player *player, struct ctl_error *error)
                 return PCCD_OK;
             }
             status = follow_near(player, &view, &near, error);
-            player->drive.tuning[0] = '\0';
+            forget_settings(player);
             continue;
         }
         if (player->drive.is_begun) {

@@ -25,6 +25,7 @@ struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct record_frame *frame;
+    struct record_separation separation;
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */

@@ -51,6 +51,8 @@ class Answer(abi.pccd_answer):
     total, possible, initial    records of the whole answer
     counts      of these, by kind: answer.counts[Kind.VF]
     toi_first   smallest toi; 2 without any record
+    safe_step   from t = 0 to this t no pair meets; 0 .. 1, 1: none does
+    inside, crowded    records that began within their distance; whether most did
     number      of the step among all of its scene, from 1
     hash        of all records: "2:", its version, and 32 hexadecimal digits
     records     (count,) of CONTACT or PAIR: read-only, in the daemon's memory, and

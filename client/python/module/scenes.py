@@ -165,7 +165,7 @@ class Scenes:
     # -- what objects may meet --
 
     def object_set(self, scene: int, object: int,
-                   **attributes: Optional[int]) -> ObjectSettings:
+                   **attributes: Optional[float]) -> ObjectSettings:
         """Set those of ObjectSettings that are given, for steps submitted from then on,
         and return all of them. E_HANDLE, E_VERSION; E_ACCESS: the object is another
         client's."""
@@ -175,8 +175,9 @@ class Scenes:
                 raise TypeError(f"an object has no attribute {name}")
             if value is None:
                 continue
-            setattr(settings, name, int(value))
-            if getattr(settings, name) != value:  # cut off
+            is_real = isinstance(getattr(settings, name), float)
+            setattr(settings, name, value if is_real else int(value))
+            if getattr(settings, name) != value:  # cut off, or NaN
                 raise refusal(Status.E_INVAL, f"{name} is {value}")
             settings.what |= 1 << ObjectSettings._fields.index(name)
         if settings.what:

@@ -81,11 +81,16 @@ class ObjectSettings(NamedTuple):
     """The attributes of an object, in the order of ObjectWhat's bits. Two objects are
     tested against each other if a.group & b.mask and b.group & a.mask have a bit in
     common each, and the pair is not ignored; an object against itself if its
-    self_collision is on."""
+    self_collision is on. A pair meets at the distance r = radius of a + radius of b + the
+    step's separation; within one object, pairs that are nearer than rest_distance as
+    registered, or that rest_rings edges or fewer join, have no thickness."""
 
     group: int  # of 64 bits: the groups that it is in; at first 1
     mask: int  # the groups that it may meet; at first all
     self_collision: bool
+    radius: float  # 0 .. 1e18; at first 0: the radii of the mesh's vertices, if any
+    rest_distance: float  # 0 .. 1e18; at first 0
+    rest_rings: int  # 0 .. 16; at first 0
 
 
 class Histogram(NamedTuple):
@@ -111,6 +116,9 @@ class StepSettings:
     hold: bool = False  # in a shared scene: move with the next step of another client,
     # which it is answered with, without records (scene_read has them); or at its
     # deadline, or cancelled: then it goes along nevertheless
+    separation: float = 0.0  # added to the radii of every pair, 0 .. 1e18
+    approach: float = 0.0  # of pairs that begin within their distance: 0: they meet at
+    # t = 0; above 0 and below 1: at this part of the distance that they begin with
 
     _as_parameter_: ClassVar[Any]  # the struct, for ctypes
 

@@ -1,15 +1,19 @@
-/* handlers_filter.c - object.set and scene.ignore: which objects are tested.
+/* handlers_filter.c - object.set and scene.ignore: which objects are tested, and how
+ * thick they are.
  *
  * Room:     service. See call.h.
  * Does:     admission on [loop]; the change on [compute], between the steps that were
  *           submitted before and after it.
  * Threads:  [loop], but for functions named work_.
  */
+#include <inttypes.h>
+
 #include "call.h"
 #include "invariant.h"
 #include "request.h"
 #include "session.h"
 #include "srv_journal.h"
+#include "stepping.h"
 
 /* Admission: a scene and an object that is in it, or soon will be; `is_own`: this
  * session's, which alone says what it may meet where a scene is shared. */
@@ -72,6 +76,10 @@ static int work_set(struct srv_request *request)
                                                  placed->attributes.self_collision};
         status = eng_scene_set_filter(scene->engine, placed->engine_idx, &filter);
         PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
+        struct eng_object_thickness thickness = ENG_OBJECT_THICKNESS_DEFAULT;
+        thickness.radius = placed->attributes.radius;
+        status = eng_scene_set_thickness(scene->engine, placed->engine_idx, &thickness);
+        PCCD_ASSERT(status == PCCD_OK); /* they were checked */
         srv_journal_filter(scene, placed);
     }
     COMMON_ATTRIBUTES_COPY(&request->result.OBJECT_SET, &placed->attributes);
@@ -88,6 +96,27 @@ static void finish_set(struct srv_request *request)
     if (item != NULL) { /* else it has gone meanwhile */
         COMMON_ATTRIBUTES_COPY(&item->attributes, &request->result.OBJECT_SET);
     }
+}
+
+/* Of those that are to be set. */
+static int check_thickness(struct srv_call *call)
+{
+    const struct proto_OBJECT_SET_request *asked = &call->params.OBJECT_SET;
+    uint32_t what = COMMON_OBJECT_BITS(asked->what);
+    int status = 0;
+    if ((what & PCCD_OBJECT_RADIUS) != 0) {
+        status = srv_check_length(call, "radius", asked->radius);
+    }
+    if (status == 0 && (what & PCCD_OBJECT_REST_DISTANCE) != 0) {
+        status = srv_check_length(call, "rest_distance", asked->rest_distance);
+    }
+    if (status == 0 && (what & PCCD_OBJECT_REST_RINGS) != 0 &&
+        asked->rest_rings > PROTO_REST_RINGS_MAX) {
+        status = proto_error_set(&call->error, PCCD_E_LIMIT,
+                                 "rest_rings is %" PRIu32 ", more than %u",
+                                 asked->rest_rings, PROTO_REST_RINGS_MAX);
+    }
+    return status;
 }
 
 int srv_on_OBJECT_SET(struct srv_call *call)
@@ -108,7 +137,8 @@ int srv_on_OBJECT_SET(struct srv_call *call)
                                "what is 0x%x, this daemon knows the bits 0x%x",
                                asked->what, COMMON_OBJECT_KNOWN);
     }
-    return queue(call, scene, work_set, finish_set);
+    status = check_thickness(call);
+    return status != 0 ? status : queue(call, scene, work_set, finish_set);
 }
 
 /* ---- scene.ignore ------------------------------------------------------------------ */

@@ -42,6 +42,9 @@ static void describe(const struct eng_step_result *step,
         .possible = step->possible,
         .initial = step->initial,
         .toi_first = step->toi_first,
+        .safe_step = step->safe_step,
+        .inside = step->thick.inside,
+        .crowded = step->thick.is_crowded,
         .hash_hi = step->hash[0],
         .hash_lo = step->hash[1],
         .threads = step->threads,
@@ -61,6 +64,8 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     struct eng_step_settings settings = srv_stepping_settings(request);
     settings.mode = (enum pccd_mode)submit->mode;
     settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
+    settings.separation = submit->separation;
+    settings.approach = submit->approach;
     return settings;
 }
 
@@ -343,7 +348,12 @@ static int check_settings(struct srv_call *call)
                                "tolerance is %g, not 0 or %g to %g", submit->tolerance,
                                TOLERANCE_MIN, TOLERANCE_MAX);
     }
-    return 0;
+    if (!(submit->approach >= 0.0 && submit->approach < 1.0)) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "approach is %g, not 0 or between 0 and 1",
+                               submit->approach);
+    }
+    return srv_check_length(call, "separation", submit->separation);
 }
 
 int srv_on_FRAME_SUBMIT(struct srv_call *call)

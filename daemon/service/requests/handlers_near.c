@@ -24,7 +24,6 @@
 #include "stepping.h"
 #include "tracing.h"
 
-#define DISTANCE_MAX  1e18
 #define DISTANCE_NONE 2e18 /* distance_min of no records */
 
 static uint32_t record_bytes_of(uint32_t what)
@@ -250,25 +249,6 @@ static void finish_near(struct srv_request *request)
 
 /* ---- what is asked ----------------------------------------------------------------- */
 
-/* A length of the request, 0 .. 1e18, where it is looked at. Written so that NaN is
- * refused. */
-static int check_length(struct srv_call *call, const char *name, double length,
-                        bool may_be_infinite)
-{
-    if (may_be_infinite && isinf(length) && length > 0.0) {
-        return 0;
-    }
-    if (!(length >= 0.0) || isinf(length)) {
-        return proto_error_set(&call->error, PCCD_E_INVAL, "%s is %g, not 0 to %g", name,
-                               length, DISTANCE_MAX);
-    }
-    if (length > DISTANCE_MAX) {
-        return proto_error_set(&call->error, PCCD_E_LIMIT, "%s is %g, at most %g may be",
-                               name, length, DISTANCE_MAX);
-    }
-    return 0;
-}
-
 static bool has_distance(uint32_t what)
 {
     return what != PCCD_NEAR_CROSSINGS && what != PCCD_NEAR_DEPTH;
@@ -282,10 +262,12 @@ static int check_question(struct srv_call *call)
     bool is_nearest = asked->what == PCCD_NEAR_NEAREST;
     int status = srv_stepping_choose(call, choices, 2);
     if (status == 0 && has_distance(asked->what)) {
-        status = check_length(call, "distance", asked->distance, is_nearest);
+        status = is_nearest && asked->distance == INFINITY
+                     ? 0
+                     : srv_check_length(call, "distance", asked->distance);
     }
     if (status == 0 && is_nearest) {
-        status = check_length(call, "gap", asked->gap, false);
+        status = srv_check_length(call, "gap", asked->gap);
     }
     if (status == 0 && (is_nearest || asked->what == PCCD_NEAR_DEPTH) &&
         asked->object_a != 0 && asked->object_a == asked->object_b) {

@@ -6,6 +6,7 @@
  */
 #include "stepping.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "admission.h"
@@ -51,6 +52,19 @@ int srv_stepping_choose(struct srv_call *call, const struct srv_choice *choices,
             return proto_error_set(&call->error, PCCD_E_INVAL, "unknown %s %u",
                                    choices[i].name, choices[i].value);
         }
+    }
+    return 0;
+}
+
+int srv_check_length(struct srv_call *call, const char *name, double length)
+{
+    if (!(length >= 0.0) || isinf(length)) { /* written so that NaN is refused */
+        return proto_error_set(&call->error, PCCD_E_INVAL, "%s is %g, not 0 to %g", name,
+                               length, PROTO_COORDINATE_MAX);
+    }
+    if (length > PROTO_COORDINATE_MAX) {
+        return proto_error_set(&call->error, PCCD_E_LIMIT, "%s is %g, at most %g may be",
+                               name, length, PROTO_COORDINATE_MAX);
     }
     return 0;
 }

@@ -42,6 +42,10 @@ struct srv_choice {
 int srv_stepping_choose(struct srv_call *call, const struct srv_choice *choices,
                         size_t count);
 
+/* A length of a message, 0 .. 1e18: 0; or, with call->error set, PCCD_E_INVAL: negative
+ * or not finite, PCCD_E_LIMIT: longer. [loop] */
+int srv_check_length(struct srv_call *call, const char *name, double length);
+
 /* Arrival plus the client's budget; 0: none. [any] */
 uint64_t srv_stepping_deadline(uint64_t budget_ns, uint64_t arrival_ns);
 

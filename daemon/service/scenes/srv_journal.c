@@ -261,15 +261,31 @@ static void write_motion(uint8_t *to, const struct srv_scene *scene, choose_fn i
     }
 }
 
+/* NULL: nobody was to meet anybody. */
+static void note_separation(struct srv_journal *journal,
+                            const struct proto_journal_separation *at)
+{
+    if (at == NULL || (at->separation == 0.0 && at->approach == 0.0)) {
+        return;
+    }
+    uint8_t *to = append(journal, PROTO_JOURNAL_SEPARATION, 0, sizeof *at);
+    if (to != NULL) {
+        memcpy(to, at, sizeof *at);
+    }
+}
+
 /* A step of the objects that are chosen, which were at the end `from`. */
 static void note_step(struct srv_journal *journal, const struct srv_scene *scene,
-                      struct proto_journal_step head, choose_fn is_chosen, unsigned from)
+                      struct proto_journal_step head,
+                      const struct proto_journal_separation *at, choose_fn is_chosen,
+                      unsigned from)
 {
     uint64_t bytes = 0;
     head.segments = measure(scene, is_chosen, &bytes);
     if (head.segments == 0 && head.step == 0) {
         return; /* nothing that a reader could not do without */
     }
+    note_separation(journal, at);
     uint8_t *to = append(journal, PROTO_JOURNAL_STEP, 0, sizeof head + bytes);
     if (to != NULL) {
         memcpy(to, &head, sizeof head);
@@ -297,13 +313,14 @@ void srv_journal_step(struct srv_scene *scene,
                                       .mode = submit->mode,
                                       .method = submit->method,
                                       .threads = submit->threads};
+    const struct proto_journal_separation at = {submit->separation, submit->approach};
     memcpy(head.tuning, submit->tuning, strnlen(submit->tuning, sizeof head.tuning));
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
         head.step = submit->place               ? 0
                     : journal->member == member ? submit->step
                                                 : number_of_held(taken, journal->member);
-        note_step(journal, scene, head, was_moved, 0);
+        note_step(journal, scene, head, &at, was_moved, 0);
     }
 }
 
@@ -348,7 +365,7 @@ void srv_journal_near(struct srv_scene *scene,
             note_near(journal, scene, head, moves ? was_moved : none);
         } else if (moves) {
             const struct proto_journal_step moved = {.step = 0};
-            note_step(journal, scene, moved, was_moved, 0);
+            note_step(journal, scene, moved, NULL, was_moved, 0);
         }
     }
 }
@@ -406,7 +423,7 @@ int srv_journal_begin(struct srv_scene *scene, const struct srv_member *member,
     if (scene->engine != NULL) {
         const struct proto_journal_step placing = {.step = 0};
         note_ignored(journal, scene);
-        note_step(journal, scene, placing, is_elsewhere, 1);
+        note_step(journal, scene, placing, NULL, is_elsewhere, 1);
     }
     int status = journal->status;
     if (status != 0) {
