@@ -89,6 +89,7 @@ libctl_la_SOURCES = \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
     client/ctl/record/verify_distance.c \
+    client/ctl/record/verify_meeting.c client/ctl/record/verify_meeting.h \
     client/ctl/record/verify_near.c \
     client/ctl/record/world.c client/ctl/record/world.h
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \

@@ -31,19 +31,26 @@ static void widen(double (*to)[3], const void *from, uint32_t format, size_t cou
     }
 }
 
+void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[3])
+{
+    size_t each = common_vertex_bytes(mesh->format);
+
+    assert(v < mesh->vertex_count);
+    widen((double(*)[3])x, (const uint8_t *)mesh->x + v * each, mesh->format, 1);
+}
+
 /* Where a transform takes registered positions. */
 static void transform(const struct registry_mesh *mesh, const void *matrix,
                       uint32_t first, uint32_t count, double (*to)[3])
 {
-    size_t each = common_vertex_bytes(mesh->format);
     double m[12];
 
     memcpy(m, matrix, sizeof m);
     for (uint32_t i = 0; i < count; i++) {
-        double x[1][3];
+        double x[3];
 
-        widen(x, (const uint8_t *)mesh->x + (first + (size_t)i) * each, mesh->format, 1);
-        common_transform(m, x[0], to[i]);
+        registry_registered(mesh, first + i, x);
+        common_transform(m, x, to[i]);
     }
 }
 

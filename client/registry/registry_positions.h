@@ -24,6 +24,9 @@ struct registry_motion {
     const void *end;
 };
 
+/* Where vertex `v` of a mesh was registered. */
+void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[3]);
+
 /* The object stands where its mesh was registered, whatever steps before `step` said. 0,
  * or PCCD_E_NOMEM where both ends are followed. */
 int registry_reset(struct registry_object *object, uint64_t step);

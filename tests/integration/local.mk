@@ -51,6 +51,7 @@ integration_names = \
     tests/integration/test_int_standing \
     tests/integration/test_int_step \
     tests/integration/test_int_supervise \
+    tests/integration/test_int_thick \
     tests/integration/test_int_threads \
     tests/integration/test_int_verify \
     tests/integration/test_int_verify_near \
@@ -262,6 +263,10 @@ tests_integration_test_int_step_LDADD = $(integration_libs)
 tests_integration_test_int_supervise_SOURCES = tests/integration/test_int_supervise.c
 tests_integration_test_int_supervise_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_supervise_LDADD = $(integration_libs)
+
+tests_integration_test_int_thick_SOURCES = tests/integration/test_int_thick.c
+tests_integration_test_int_thick_CPPFLAGS = $(integration_cppflags) -I$(top_srcdir)/client/record
+tests_integration_test_int_thick_LDADD = $(integration_libs)
 
 tests_integration_test_int_threads_SOURCES = tests/integration/test_int_threads.c
 tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)

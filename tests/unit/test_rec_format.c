@@ -500,7 +500,7 @@ static void tunings__of_before_are_numbers(void **state)
  * themselves, or do not, as they did not then. */
 static void filters__of_before_have_two_words(void **state)
 {
-    const struct common_attributes told = {5, 6, false};
+    const struct common_attributes told = {.group = 5, .mask = 6};
     struct common_attributes read;
     struct record_filter filter, again;
 

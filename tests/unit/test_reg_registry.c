@@ -33,7 +33,8 @@ static struct registry_mesh *triangle(void)
 static void set(struct registry_object *object, uint32_t what, uint64_t group,
                 uint64_t mask, bool self_collision)
 {
-    const struct common_attributes given = {group, mask, self_collision};
+    const struct common_attributes given = {
+        .group = group, .mask = mask, .self_collision = self_collision};
 
     registry_set_object(object, what, &given);
 }

@@ -18,6 +18,7 @@
 #include "answer_hash.h"
 #include "kinds.h"
 #include "oracle.h"
+#include "verify_meeting.h"
 
 #define TOLERANCE    1e-6
 #define BRACKET_BITS 60u
@@ -174,10 +175,11 @@ bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
     if (misnamed(step->scene, pair) != NULL) {
         return false;
     }
+    struct verify_meeting meeting;
+    verify_meet(step, pair, &meeting);
+    struct oracle_first *first = meeting.first;
     witness->has_pair = true;
-    verify_points(step->scene, pair, witness->p);
-    struct oracle_first *first =
-        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])witness->p);
+    memcpy(witness->p, meeting.p, sizeof witness->p);
     if (first != NULL) {
         mpq_t lo, hi;
         mpq_inits(lo, hi, NULL);
@@ -227,21 +229,21 @@ static bool check_exactly(const struct play_step *step,
                           const struct pccd_pair *pair, struct verify_counts *counts,
                           struct verify_witness *witness)
 {
-    double p[8][3];
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     const char *what = NULL;
-    verify_points(step->scene, pair, p);
-    struct oracle_first *first =
-        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])p);
+    struct verify_meeting meeting;
+    verify_meet(step, pair, &meeting);
+    struct oracle_first *first = meeting.first;
     if (first == NULL) {
         what = is_proved ? "a contact is claimed to be proved, and there is none" : NULL;
     } else if (oracle_first_compare(first, contact->toi) < 0) {
         what = "the first contact is before the record's time";
     } else if (is_proved && oracle_first_compare(first, contact->toi_hi) > 0) {
         what = "the first contact is after the record's time";
-    } else if (is_proved && (oracle_first_compare(first, 0) == 0) !=
-                                ((contact->flags & PCCD_INITIAL) != 0)) {
-        what = "whether the features touch at t = 0 is claimed wrongly";
+    } else if (is_proved &&
+               (contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) != meeting.flags) {
+        what = "whether the features meet at t = 0, or begin within their distance, is "
+               "claimed wrongly";
     }
     oracle_first_free(first);
     if (what != NULL) {

@@ -14,6 +14,7 @@
 #include "kinds.h"
 #include "oracle.h"
 #include "verify.h"
+#include "verify_meeting.h"
 
 #define NEAR      0.1  /* of the feature's own extent */
 #define DRAWS_MAX 400u /* of features, for one step */
@@ -59,7 +60,9 @@ static struct box box_of(const struct registry_object *object, const uint32_t *v
     return box;
 }
 
-static void widen(struct box *box)
+/* By a part of its extent, and what a pair meets at: then pairs are found that nearly
+ * meet, and those that do. */
+static void widen(struct box *box, double distance)
 {
     double extent = 0;
     for (uint32_t k = 0; k < 3; k++) {
@@ -67,8 +70,8 @@ static void widen(struct box *box)
         extent = here > extent ? here : extent;
     }
     for (uint32_t k = 0; k < 3; k++) {
-        box->lo[k] -= NEAR * extent;
-        box->hi[k] += NEAR * extent;
+        box->lo[k] -= NEAR * extent + (1 + NEAR) * distance;
+        box->hi[k] += NEAR * extent + (1 + NEAR) * distance;
     }
 }
 
@@ -110,16 +113,15 @@ static bool may_be_left_out(const struct play_step *step, struct oracle_first *f
 /* A pair that is near and may not be in the answer. */
 static bool judge(struct draw *draw, const struct pccd_pair *pair)
 {
-    double p[8][3];
+    struct verify_meeting meeting;
     if (draw->left == 0 || verify_has(draw->step, pair)) {
         return true;
     }
     draw->left--;
-    verify_points(draw->step->scene, pair, p);
-    struct oracle_first *first =
-        oracle_first_new((enum oracle_kind)pair->kind, (const double(*)[3])p);
-    bool is_right = first == NULL || may_be_left_out(draw->step, first);
-    oracle_first_free(first);
+    verify_meet(draw->step, pair, &meeting);
+    bool is_right =
+        meeting.first == NULL || may_be_left_out(draw->step, meeting.first);
+    oracle_first_free(meeting.first);
     if (!is_right) {
         return verify_wrong(draw->witness, draw->step, pair,
                             "a contact is missing in the answer");
@@ -136,10 +138,11 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = verify_feature(object->mesh, points[0], &feature);
-    struct box box = box_of(object, own, points[0]);
-    widen(&box);
+    double near_by = verify_radius(object) + draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct registry_object *other = &scene->objects[i];
+        struct box box = box_of(object, own, points[0]);
+        widen(&box, near_by + verify_radius(other));
         uint32_t count = verify_feature_count(other->mesh, points[1]);
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
             const uint32_t *v = verify_feature(other->mesh, points[1], &f);

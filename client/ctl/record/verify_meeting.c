@@ -1,0 +1,124 @@
+/* client/ctl/record/verify_meeting.c - when two features meet first, exactly.
+ *
+ * Room:     client/ctl.
+ * Does:     find a pair's radii, and whether rest excludes it; ask the oracle.
+ * Does not: look at the record (verify.c).
+ * Threads:  one.
+ * Source:   verify_meeting.h.
+ */
+#include "verify_meeting.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "kinds.h"
+#include "oracle_distance.h"
+#include "oracle_thick.h"
+#include "registry_positions.h"
+#include "verify.h"
+
+double verify_radius(const struct registry_object *object)
+{
+    return object->attributes.radius;
+}
+
+/* The registered positions of a pair of one object, as verify_points has them. */
+static void registered(const struct registry_mesh *mesh, const struct pccd_pair *pair,
+                       double p[4][3])
+{
+    const uint32_t *points = common_kinds[pair->kind].points;
+    const uint32_t features[2] = {pair->feature_a, pair->feature_b};
+    uint32_t at = 0;
+    for (int side = 0; side < 2; side++) {
+        const uint32_t *v = verify_feature(mesh, points[side], &features[side]);
+        for (uint32_t i = 0; i < points[side]; i++, at++) {
+            registry_registered(mesh, v[i], p[at]);
+        }
+    }
+    for (; at < 4; at++) {
+        memcpy(p[at], p[at - 1], sizeof p[at]);
+    }
+}
+
+/* Is the distance of the pair less than that, where the mesh was registered? */
+static bool is_nearer(const struct registry_mesh *mesh, const struct pccd_pair *pair,
+                      double distance)
+{
+    double p[4][3];
+    const double apart[4][3] = {{0}, {0}, {distance}, {distance}};
+    registered(mesh, pair, p);
+    return oracle_distance_compare((enum oracle_kind)pair->kind, (const double(*)[3])p,
+                                   ORACLE_EE, apart) < 0;
+}
+
+/* Mark what one more edge reaches. Returns whether a vertex of `goal` is marked. */
+static bool grow(const struct registry_mesh *mesh, uint8_t *marks, uint8_t ring,
+                 const uint32_t *goal, uint32_t goals)
+{
+    for (uint32_t e = 0; e < mesh->edge_count; e++) {
+        const uint32_t *v = mesh->edges[e];
+        for (int k = 0; k < 2; k++) {
+            if (marks[v[k]] != 0 && marks[v[k]] <= ring && marks[v[1 - k]] == 0) {
+                marks[v[1 - k]] = (uint8_t)(ring + 1);
+            }
+        }
+    }
+    for (uint32_t i = 0; i < goals; i++) {
+        if (marks[goal[i]] != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Do so many edges or fewer join a vertex of the one and a vertex of the other? Without
+ * memory: no, and the oracle says what is wrong. */
+static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair *pair,
+                       uint32_t rings)
+{
+    const uint32_t *points = common_kinds[pair->kind].points;
+    const uint32_t *a = verify_feature(mesh, points[0], &pair->feature_a);
+    const uint32_t *b = verify_feature(mesh, points[1], &pair->feature_b);
+    uint8_t *marks = calloc(mesh->vertex_count, sizeof *marks);
+    bool joined = false;
+    for (uint32_t i = 0; marks != NULL && i < points[0]; i++) {
+        marks[a[i]] = 1;
+    }
+    for (uint32_t ring = 1; marks != NULL && !joined && ring <= rings; ring++) {
+        joined = grow(mesh, marks, (uint8_t)ring, b, points[1]);
+    }
+    free(marks);
+    return joined;
+}
+
+static bool is_excluded(const struct registry_object *object,
+                        const struct pccd_pair *pair)
+{
+    const struct common_attributes *is = &object->attributes;
+    return (is->rest_distance > 0 &&
+            is_nearer(object->mesh, pair, is->rest_distance)) ||
+           (is->rest_rings > 0 && are_joined(object->mesh, pair, is->rest_rings));
+}
+
+void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
+                 struct verify_meeting *meeting)
+{
+    const struct registry_object *a = registry_object(step->scene, pair->object_a);
+    const struct registry_object *b = registry_object(step->scene, pair->object_b);
+    const struct oracle_thick thick = {
+        .points_a = (int)common_kinds[pair->kind].points[0],
+        .points_b = (int)common_kinds[pair->kind].points[1],
+        .p = (const double(*)[3])meeting->p,
+        .radius = {verify_radius(a), verify_radius(b), step->separation.separation},
+        .approach = step->separation.approach};
+    bool is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0 &&
+                    (a != b || !is_excluded(a, pair));
+    verify_points(step->scene, pair, meeting->p);
+    meeting->first = is_thick ? oracle_thick_first_new(&thick)
+                              : oracle_first_new((enum oracle_kind)pair->kind, thick.p);
+    bool at_once =
+        meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
+    bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
+    meeting->flags = (at_once ? (uint32_t)PCCD_INITIAL : 0) |
+                     (is_inside ? (uint32_t)PCCD_INSIDE : 0);
+}

@@ -1,0 +1,29 @@
+/* client/ctl/record/verify_meeting.h - when the features of a pair meet first in a
+ * recorded step, by exact arithmetic.
+ *
+ * Room:     client/ctl. May include: play.h, oracle.h, oracle_thick.h, oracle_distance.h.
+ * Does:     find the radii of a pair, leave out what rest excludes, and ask the oracle.
+ * Threads:  one.
+ * Source:   the definition of a contact in oracle.h, of a thick one in oracle_thick.h;
+ *           PROTOCOL.md, "How thick objects are".
+ */
+#ifndef CTL_VERIFY_MEETING_H
+#define CTL_VERIFY_MEETING_H
+
+#include "oracle.h"
+#include "play.h"
+
+struct verify_meeting {
+    double p[8][3];             /* of the pair, as oracle.h orders them */
+    struct oracle_first *first; /* NULL: they never meet; the caller's to free */
+    uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
+};
+
+/* The mesh of either object has its edges (world_edges). */
+void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
+                 struct verify_meeting *meeting);
+
+/* Of all features of an object. */
+double verify_radius(const struct registry_object *object);
+
+#endif

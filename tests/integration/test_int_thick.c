@@ -1,0 +1,349 @@
+/* test_int_thick.c - thickness through a real daemon: radii, separation, approach, and
+ * the step that is safe.
+ *
+ * Room:     tests/integration. May include: pccd.h, proto, tests/support.
+ * Does:     two triangles that come near each other, as every client can ask for them;
+ *           what is refused; a daemon that is killed; shared scenes; recordings.
+ * Threads:  one.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "fixture.h"
+#include "format.h"
+#include "recording.h"
+#include "run_ctl.h"
+
+/* Times are known to a cell of 2^-30. */
+#define CELL 0x1p-30
+
+#define PAIRS 15u /* of two triangles: six of a vertex and a face, nine of edges */
+
+/* Two triangles, one above the other, of which the upper one comes down. */
+struct pile {
+    struct pccd_client *client;
+    uint32_t scene, mesh;
+    uint32_t lower, upper;
+    float height; /* where the upper one is */
+};
+
+static void triangle_at(float x[3][3], float height)
+{
+    const float at[3][3] = {{0, 0, height}, {1, 0, height}, {0, 1, height}};
+
+    memcpy(x, at, sizeof at);
+}
+
+static void make(struct pile *pile)
+{
+    static const uint32_t triangle[1][3] = {{0, 1, 2}};
+    float x[3][3];
+
+    triangle_at(x, 0);
+    assert_int_equal(pccd_scene_create(pile->client, NULL, &pile->scene), 0);
+    assert_int_equal(pccd_mesh_create(pile->client, x, PCCD_FORMAT_F32, 3, triangle, 1,
+                                      &pile->mesh, NULL),
+                     0);
+    assert_int_equal(
+        pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->lower), 0);
+    assert_int_equal(
+        pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->upper), 0);
+}
+
+static void begin(struct pile *pile, const char *url)
+{
+    *pile = (struct pile){.client = test_connect(url)};
+    assert_non_null(pile->client);
+    make(pile);
+}
+
+static int set_radius(struct pile *pile, uint32_t object, double radius)
+{
+    const struct pccd_object_settings settings = {
+        .struct_bytes = sizeof settings, .what = PCCD_OBJECT_RADIUS, .radius = radius};
+
+    return pccd_object_set(pile->client, pile->scene, object, &settings);
+}
+
+/* The upper triangle goes from `from` to `to`. Returns the step's status; its records are
+ * given back, the first of them is *first. */
+static int move(struct pile *pile, float from, float to,
+                const struct pccd_step_settings *settings, struct pccd_answer *answer,
+                struct pccd_contact *first)
+{
+    struct pccd_motion motion = {
+        .object = pile->upper, .count = 3, .format = PCCD_FORMAT_F32};
+    float x0[3][3], x1[3][3];
+    uint64_t step;
+
+    triangle_at(x0, from);
+    triangle_at(x1, to);
+    motion.x0 = x0;
+    motion.x1 = x1;
+    *answer = (struct pccd_answer)PCCD_ANSWER_INIT;
+    int status = pccd_submit(pile->client, pile->scene, &motion, 1, settings, &step);
+    if (status != 0) {
+        return status;
+    }
+    status = pccd_wait(pile->client, step, -1, answer);
+    pile->height = to;
+    if (answer->count > 0 && first != NULL) {
+        *first = answer->contacts[0];
+    }
+    pccd_answer_release(pile->client, answer);
+    return status;
+}
+
+/* If it failed, features would meet at another distance than their radii and the
+ * separation make, or the step that a program takes would go through one of them. */
+static void thick__meets_at_the_sum_of_radii_and_separation(void **state)
+{
+    const struct {
+        double lower, upper, separation, time; /* time 2: they do not meet */
+    } cases[] = {{0.3, 0.3, 0, 0.8},   {0.3, 0.3, 0.2, 0.4}, {0, 0, 0.6, 0.8},
+                 {0.6, 0, 0, 0.8},     {0, 0, 0, 2},         {0.25, 0.125, 0, 2},
+                 {0.25, 0.25, 0, 1.0}, {0.125, 0.125, 0.25, 1.0}};
+    struct pccd_answer answer;
+    struct pccd_contact first;
+    struct pile pile;
+
+    (void)state;
+    begin(&pile, test_shared.url);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct pccd_step_settings settings = {.struct_bytes = sizeof settings,
+                                                    .separation = cases[i].separation};
+
+        assert_int_equal(set_radius(&pile, pile.lower, cases[i].lower), 0);
+        assert_int_equal(set_radius(&pile, pile.upper, cases[i].upper), 0);
+        assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, &first), 0);
+        assert_int_equal(answer.incomplete, PCCD_COMPLETE);
+        assert_false(answer.crowded);
+        assert_int_equal(answer.initial + answer.inside, 0);
+        if (cases[i].time > 1) {
+            assert_int_equal(answer.total, 0);
+            assert_true(answer.safe_step == 1);
+            continue;
+        }
+        assert_int_equal(answer.total, PAIRS);
+        assert_int_equal(first.flags, PCCD_PROVED);
+        assert_true(first.toi <= cases[i].time && first.toi_hi >= cases[i].time);
+        assert_true(answer.toi_first >= cases[i].time - 2 * CELL);
+        assert_true(answer.safe_step < answer.toi_first);
+        assert_true(answer.safe_step > answer.toi_first - CELL);
+    }
+    pccd_close(pile.client);
+}
+
+/* If it failed, cloth that begins within its thickness would stand still for ever, or
+ * would be let through. */
+static void thick__says_what_begins_within_the_distance(void **state)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer;
+    struct pccd_contact first;
+    struct pile pile;
+
+    (void)state;
+    begin(&pile, test_shared.url);
+    assert_int_equal(set_radius(&pile, pile.lower, 1), 0);
+    assert_int_equal(set_radius(&pile, pile.upper, 0.5), 0);
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, &first), 0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_int_equal(answer.initial, PAIRS);
+    assert_int_equal(answer.inside, 0);
+    assert_int_equal(first.flags, PCCD_PROVED | PCCD_INITIAL);
+    assert_true(answer.toi_first == 0 && answer.safe_step == 0 && answer.crowded);
+    settings.approach = 0.75; /* the nearest is 1 away, and may come to 0.75 */
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, &first), 0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_int_equal(answer.initial, 0);
+    assert_int_equal(answer.inside, PAIRS);
+    assert_true((first.flags & PCCD_INSIDE) != 0 && answer.crowded);
+    assert_true(answer.toi_first <= 0.5 && answer.toi_first > 0.5 - 2 * CELL);
+    settings.approach = 0.25;
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
+    assert_int_equal(answer.total, 0);
+    assert_true(answer.safe_step == 1 && !answer.crowded);
+    assert_int_equal(move(&pile, 0, 0.5f, &settings, &answer, &first), 0);
+    assert_true(answer.initial > 0 && answer.safe_step == 0); /* at a distance of 0 */
+    pccd_close(pile.client);
+}
+
+/* If it failed, a length that cannot be one would be taken, or one that was refused would
+ * count all the same. */
+static void thick__refuses_what_cannot_be(void **state)
+{
+    const double bad[] = {-1, NAN, INFINITY, -INFINITY};
+    const double approaches[] = {-0.25, 1, 2, NAN, INFINITY};
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings};
+    struct pccd_step_settings step = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer;
+    struct pile pile;
+
+    (void)state;
+    begin(&pile, test_shared.url);
+    assert_int_equal(set_radius(&pile, pile.lower, 0.125), 0);
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(set_radius(&pile, pile.lower, bad[i]), PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(pile.client), "radius"));
+        settings.what = PCCD_OBJECT_REST_DISTANCE;
+        settings.rest_distance = bad[i];
+        assert_int_equal(
+            pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
+            PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(pile.client), "rest_distance"));
+        step.separation = bad[i];
+        assert_int_equal(move(&pile, 1, 1, &step, &answer, NULL), PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(pile.client), "separation"));
+    }
+    assert_int_equal(set_radius(&pile, pile.lower, 2e18), PCCD_E_LIMIT);
+    settings.rest_distance = 2e18;
+    assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
+                     PCCD_E_LIMIT);
+    settings.what = PCCD_OBJECT_REST_RINGS;
+    settings.rest_rings = 17;
+    assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
+                     PCCD_E_LIMIT);
+    step.separation = 2e18;
+    assert_int_equal(move(&pile, 1, 1, &step, &answer, NULL), PCCD_E_LIMIT);
+    step.separation = 0;
+    for (size_t i = 0; i < 5; i++) {
+        step.approach = approaches[i];
+        assert_int_equal(move(&pile, 1, 1, &step, &answer, NULL), PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(pile.client), "approach"));
+    }
+    assert_int_equal(pccd_object_get(pile.client, pile.scene, pile.lower, &settings), 0);
+    assert_true(settings.radius == 0.125 && settings.rest_distance == 0 &&
+                settings.rest_rings == 0);
+    assert_int_equal(set_radius(&pile, pile.lower, 1e18), 0); /* the greatest there is */
+    assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.initial, PAIRS);
+    pccd_close(pile.client);
+}
+
+static void note_radius(void *context, const struct pccd_object_info *info)
+{
+    double *radius = context;
+
+    *radius = info->radius > 0 ? info->radius : *radius;
+}
+
+/* If it failed, a daemon that takes the place of one that crashed would let everything
+ * come nearer than before. */
+static void thick__comes_back_with_another_daemon(void **state)
+{
+    const char *const options[] = {"--supervise", "--threads", "1", NULL};
+    struct test_daemon daemon;
+    struct pccd_answer answer;
+    struct pile pile;
+    double listed = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    begin(&pile, daemon.url);
+    assert_int_equal(set_radius(&pile, pile.lower, 0.75), 0);
+    assert_int_equal(pccd_list_objects(pile.client, 0, pile.scene, note_radius, &listed),
+                     0);
+    assert_true(listed == 0.75);
+    assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(pile.client), SIGKILL), 0);
+    assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_true(answer.toi_first <= 0.5 && answer.toi_first > 0.5 - 2 * CELL);
+    pccd_close(pile.client);
+    (void)test_daemon_end(&daemon, SIGTERM, 10000);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* The feature bits of a recording. */
+static uint32_t features_of(const char *path)
+{
+    uint32_t head[4] = {0};
+    FILE *file = fopen(path, "rb");
+
+    assert_non_null(file);
+    assert_int_equal(fread(head, sizeof head, 1, file), 1);
+    (void)fclose(file);
+    return head[3];
+}
+
+/* If it failed, a session with thickness would be repeated without it, found right though
+ * it is not, or be read by a program that knows of none. */
+static void thick__is_recorded_repeated_and_verified(void **state)
+{
+    const struct pccd_record_settings kept = {.contacts = 1};
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_object_settings rest = {.struct_bytes = sizeof rest,
+                                        .what = PCCD_OBJECT_REST_RINGS,
+                                        .rest_rings = 2};
+    struct pccd_answer answer;
+    struct pile pile = {.client = test_connect(test_shared.url)};
+    char said[4096];
+
+    (void)state;
+    assert_non_null(pile.client);
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(pile.client, test_recording, &kept), 0);
+    make(&pile);
+    assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
+    assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK, 0);
+    assert_int_equal(set_radius(&pile, pile.lower, 0.25), 0);
+    assert_int_equal(
+        pccd_object_set(pile.client, pile.scene, pile.lower, &rest), 0);
+    settings.separation = 0.5;
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK,
+                     RECORD_FEATURE_THICK);
+    settings.separation = 1; /* within it at first */
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
+    assert_int_equal(answer.initial, PAIRS);
+    settings.approach = 0.75;
+    assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
+    assert_int_equal(answer.inside, PAIRS);
+    assert_int_equal(move(&pile, 1, 0.375f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 0); /* the separation was of one step */
+    pccd_close(pile.client);
+    assert_int_equal(test_recording_repeats("--json", test_recording, 5), 5);
+    assert_int_equal(test_recording_repeats("--json --url direct: --method paper",
+                                            test_recording, 5),
+                     5);
+    assert_int_equal(test_ctl("verify", "--sample 1000 --json", test_recording, said,
+                              sizeof said),
+                     0);
+    assert_int_equal(test_ctl_number(said, "contacts"), 3 * PAIRS);
+    assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
+}
+
+static int set_up(void **state)
+{
+    return test_recording_begin() ? test_shared_start(state) : -1;
+}
+
+static int tear_down(void **state)
+{
+    return test_recording_end() ? test_shared_stop(state) : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(thick__meets_at_the_sum_of_radii_and_separation),
+        cmocka_unit_test(thick__says_what_begins_within_the_distance),
+        cmocka_unit_test(thick__refuses_what_cannot_be),
+        cmocka_unit_test(thick__comes_back_with_another_daemon),
+        cmocka_unit_test(thick__is_recorded_repeated_and_verified),
+    };
+
+    return cmocka_run_group_tests_name("thick", tests, set_up, tear_down);
+}
