@@ -68,6 +68,7 @@ libclient_la_SOURCES = \
     client/lib/shared.c \
     client/lib/shared.h \
     client/lib/stats.c \
+    client/lib/safe.c \
     client/lib/step.c \
     client/lib/step.h \
     client/lib/struct_size.c \

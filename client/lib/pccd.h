@@ -494,15 +494,6 @@ struct pccd_answer {
     char tuning[PCCD_TUNING_BYTES]; /* what was used; "": one thread, nothing to share */
     struct pccd_step_times times;
     struct pccd_step_counters counters;
-    /* From t = 0 to t = safe_step no pair meets: each is farther apart than the distance
-     * at which it would. 0 .. 1; 1: none meets; 0 if toi_first is 0, and where it is not
-     * known: of an incomplete answer, and of mode any or pairs that is not empty. To go
-     * there, see pccd_step_safe. */
-    double safe_step;
-    uint64_t inside; /* records with PCCD_INSIDE; in modes any and pairs 0 */
-    bool crowded;    /* there are thick pairs, and more than half of the records have
-                      * PCCD_INITIAL or PCCD_INSIDE: mostly a radius above the length of
-                      * the edges, for which rest_rings and rest_distance are */
     bool is_near; /* true: the answer of pccd_submit_near (pccd_near.h). Then the members
                    * below are set; mode, contacts, pairs, possible, initial, toi_first
                    * and number are not */
@@ -512,6 +503,15 @@ struct pccd_answer {
     double distance_min, distance_max;
     uint64_t crossings;
     uint64_t reserved[2]; /* the library's */
+    /* From t = 0 to t = safe_step no pair meets: each is farther apart than the distance
+     * at which it would. 0 .. 1; 1: none meets; 0 if toi_first is 0, and where it is not
+     * known: of an incomplete answer, and of mode any or pairs that is not empty. To go
+     * there, see pccd_step_safe. */
+    double safe_step;
+    uint64_t inside; /* records with PCCD_INSIDE; in modes any and pairs 0 */
+    bool crowded;    /* there are thick pairs, and more than half of the records have
+                      * PCCD_INITIAL or PCCD_INSIDE: mostly a radius above the length of
+                      * the edges, for which rest_rings and rest_distance are */
 };
 
 /* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -633,7 +633,26 @@ void pccd_abandon(struct pccd_client *client, uint64_t step);
 int pccd_step(struct pccd_client *client, uint32_t scene,
               const struct pccd_motion *motions, uint32_t motion_count,
               const struct pccd_step_settings *settings, struct pccd_answer *answer);
-/* The same for the first vertex_count vertices of one object; all other vertices stand
+/* Go as far as nothing meets. The step of the motions is answered as by pccd_step. Then,
+ * if something meets, the objects go to x = x0 + part (x1 - x0) instead, rounded to the
+ * motion's format: so far that the step from x0 to these x, which was tested too, has no
+ * contact and no pair that comes nearer than its distance. For example:
+ *
+ *     void *x[1] = {next};
+ *     double part;
+ *     pccd_step_safe(client, scene, &motion, 1, &settings, x, &part, &answer);
+ *
+ * Each motion has x0 and x1; x[i] is memory for as many vertices in the same format, and
+ * neither of the two. *part is 0 .. 1; 1: x is x1. 0: x is x0, as what meets at t = 0
+ * (PCCD_INITIAL) leaves no way to go, unless the settings have an `approach`. The answer
+ * is that of the whole step, in the mode that was asked for, and the caller's to release;
+ * an incomplete one, and mode any or pairs with a hit, are taken for a contact at t = 0.
+ * Errors: those of pccd_step; E_INVAL: no x0, x1 or x. */
+int pccd_step_safe(struct pccd_client *client, uint32_t scene,
+                   const struct pccd_motion *motions, uint32_t motion_count,
+                   const struct pccd_step_settings *settings, void *const *x,
+                   double *part, struct pccd_answer *answer);
+/* pccd_step for the first vertex_count vertices of one object; all other vertices stand
  * still. E_SEGMENT: the object has fewer. */
 int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
                  const void *x1, enum pccd_format format, uint32_t vertex_count,

@@ -128,12 +128,15 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_record_info, ns, 32);
     AT(pccd_record_info, segments, 40);
     AT(pccd_record_info, status, 44);
-    SIZE(pccd_object_settings, 32);
+    SIZE(pccd_object_settings, 56);
     AT(pccd_object_settings, struct_bytes, 0);
     AT(pccd_object_settings, what, 8);
     AT(pccd_object_settings, self_collision, 12);
     AT(pccd_object_settings, group, 16);
     AT(pccd_object_settings, mask, 24);
+    AT(pccd_object_settings, radius, 32);
+    AT(pccd_object_settings, rest_distance, 40);
+    AT(pccd_object_settings, rest_rings, 48);
     SIZE(pccd_scene_settings, 32);
     AT(pccd_scene_settings, quality, 0);
     AT(pccd_scene_settings, rebuild_triangles_max, 4);
@@ -193,7 +196,7 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_motion, x1, 24);
     AT(pccd_motion, m0, 32);
     AT(pccd_motion, m1, 40);
-    SIZE(pccd_step_settings, 56);
+    SIZE(pccd_step_settings, 72);
     AT(pccd_step_settings, struct_bytes, 0);
     AT(pccd_step_settings, mode, 8);
     AT(pccd_step_settings, method, 12);
@@ -202,6 +205,8 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_settings, tolerance, 32);
     AT(pccd_step_settings, deadline_ns, 40);
     AT(pccd_step_settings, hold, 48);
+    AT(pccd_step_settings, separation, 56);
+    AT(pccd_step_settings, approach, 64);
     SIZE(pccd_near_settings, 128);
     AT(pccd_near_settings, struct_bytes, 0);
     AT(pccd_near_settings, what, 8);
@@ -248,7 +253,7 @@ static void step__structs_keep_their_layout(void **state)
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 600);
+    SIZE(pccd_answer, 624);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -280,6 +285,9 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, distance_max, 568);
     AT(pccd_answer, crossings, 576);
     AT(pccd_answer, reserved, 584);
+    AT(pccd_answer, safe_step, 600);
+    AT(pccd_answer, inside, 608);
+    AT(pccd_answer, crowded, 616);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);
@@ -383,6 +391,9 @@ static void enums__keep_their_values(void **state)
     VALUE(PCCD_OBJECT_GROUP, 1);
     VALUE(PCCD_OBJECT_MASK, 2);
     VALUE(PCCD_OBJECT_SELF, 4);
+    VALUE(PCCD_OBJECT_RADIUS, 8);
+    VALUE(PCCD_OBJECT_REST_DISTANCE, 16);
+    VALUE(PCCD_OBJECT_REST_RINGS, 32);
     VALUE(PCCD_OBJECT_ALL, 0x7fffffff);
     VALUE(PCCD_KINDS_MAX, 8);
     VALUE(PCCD_FORMAT_F32, 0);

@@ -148,6 +148,25 @@ ctl check --json --repeat 3 t0.ply t1.ply &&
         '"merge": [0-9]' '"step": [0-9]'
 report "check --json has the promised keys, and a warm step builds and allocates nothing"
 
+# The vertex begins 1 above the face and comes down by 2. Its distance is 2 R = 0.5 at a
+# quarter, and half of what it began with there, too.
+ctl check --thickness 0.25 t0.ply t1.ply && says '^safe step +0\.2(5|4999)' &&
+    ctl check --json --thickness 0.25 t0.ply t1.ply &&
+    says '"toi_first": 0\.2(5|4999)' '"safe_step": 0\.2(5|4999)' &&
+    [ "$(json_value inside)" = 0 ] && [ "$(json_value crowded)" = false ] &&
+    ctl check --json --separation 0.5 t0.ply t1.ply && says '"safe_step": 0\.2(5|4999)' &&
+    ctl check --json --thickness 2 t0.ply t1.ply && says '"safe_step": 0\.0,' &&
+    [ "$(json_value crowded)" = true ] &&
+    ctl check --thickness 2 t0.ply t1.ply && says '^warning .*thickness' &&
+    ctl check --json --thickness 2 --approach 0.5 t0.ply t1.ply &&
+    says '"safe_step": 0\.2(5|4999)' && [ "$(json_value inside)" -gt 0 ] &&
+    ctl check --json --thickness 0.25 --rings 2 --rest-exclusion 2 t0.ply t1.ply &&
+    says '"toi_first": 0\.(5|4999)' &&
+    ! ctl check --thickness nan t0.ply t1.ply && ! ctl check --approach 1 t0.ply t1.ply &&
+    ! ctl check --rings 17 t0.ply t1.ply
+report "check has thickness, separation, approach and what rest excludes"
+
+ctl check --json t0.ply t1.ply
 hash=$(json_value hash)
 ctl check --json t0.obj t1.obj && [ "$(json_value hash)" = "$hash" ] && [ -n "$hash" ]
 report "OBJ in double gives the hash of PLY in float"

@@ -230,6 +230,58 @@ static void thick__refuses_what_cannot_be(void **state)
     pccd_close(pile.client);
 }
 
+/* If it failed, who goes where he is told to would touch what he must not, or go nowhere
+ * where he could. */
+static void thick__goes_as_far_as_is_safe(void **state)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    float x0[3][3], x1[3][3], x[3][3] = {{0}};
+    struct pccd_motion motion = {
+        .count = 3, .format = PCCD_FORMAT_F32, .x0 = x0, .x1 = x1};
+    void *to[1] = {x};
+    struct pile pile;
+    double part = 2;
+
+    (void)state;
+    begin(&pile, test_shared.url);
+    motion.object = pile.upper;
+    assert_int_equal(set_radius(&pile, pile.lower, 0.3), 0);
+    triangle_at(x0, 1);
+    triangle_at(x1, -1);
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
+                                    &part, &answer),
+                     0);
+    assert_int_equal(answer.total, PAIRS);
+    assert_true(part > 0.35 - 1e-6 && part < 0.35);
+    for (int v = 0; v < 3; v++) {
+        assert_true((double)x[v][2] > 0.3 && (double)x[v][2] < 0.3 + 1e-6);
+    }
+    pccd_answer_release(pile.client, &answer);
+    /* Nothing meets where it stands now. */
+    assert_int_equal(pccd_step(pile.client, pile.scene, NULL, 0, NULL, &answer), 0);
+    assert_int_equal(answer.total, 0);
+    pccd_answer_release(pile.client, &answer);
+    triangle_at(x0, 0.25f); /* within the radius: no way, but by an approach */
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
+                                    &part, &answer),
+                     0);
+    pccd_answer_release(pile.client, &answer);
+    assert_true(part == 0 && memcmp(x, x0, sizeof x) == 0);
+    settings.approach = 0.5;
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
+                                    &part, &answer),
+                     0);
+    assert_int_equal(answer.inside, PAIRS);
+    pccd_answer_release(pile.client, &answer);
+    assert_true((double)x[0][2] > 0.125 && (double)x[0][2] < 0.125 + 1e-6);
+    to[0] = NULL;
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
+                                    &part, &answer),
+                     PCCD_E_INVAL);
+    pccd_close(pile.client);
+}
+
 static void note_radius(void *context, const struct pccd_object_info *info)
 {
     double *radius = context;
@@ -340,6 +392,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thick__meets_at_the_sum_of_radii_and_separation),
         cmocka_unit_test(thick__says_what_begins_within_the_distance),
+        cmocka_unit_test(thick__goes_as_far_as_is_safe),
         cmocka_unit_test(thick__refuses_what_cannot_be),
         cmocka_unit_test(thick__comes_back_with_another_daemon),
         cmocka_unit_test(thick__is_recorded_repeated_and_verified),

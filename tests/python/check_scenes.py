@@ -86,10 +86,10 @@ class Filters(Case):
     # If this failed, what a client says of its objects would not be what is tested.
     def test_objects__meet_what_they_may(self):
         client, scene = self.client, self.scene
-        self.assertEqual(client.object_get(scene, self.tent), (1, 2**64 - 1, True))
+        self.assertEqual(client.object_get(scene, self.tent), (1, 2**64 - 1, True, 0, 0, 0))
         both = self.total()
         self.assertEqual(client.object_set(scene, self.tent, self_collision=False),
-                         (1, 2**64 - 1, False))
+                         (1, 2**64 - 1, False, 0, 0, 0))
         others = self.total()
         self.assertTrue(0 < others < both)
         client.pair_ignore(scene, self.floor, self.tent)
@@ -104,7 +104,7 @@ class Filters(Case):
         client.pair_ignore(scene, self.tent, self.floor, False)
         self.assertEqual(client.list_pairs(scene), [])
         self.assertEqual(client.object_set(scene, self.floor, group=2, mask=2**63),
-                         (2, 2**63, True))
+                         (2, 2**63, True, 0, 0, 0))
         self.assertEqual(self.total(), alone)
         client.object_set(scene, self.tent, group=2**63)
         self.assertEqual(self.total(), both)
@@ -130,7 +130,7 @@ class Filters(Case):
             os.kill(pid, signal.SIGKILL)
             self.assertTrue(ends(pid))
             self.assertEqual(self.total(), 0 if ignored else others)
-            self.assertEqual(client.object_get(scene, self.tent), (6, 2**64 - 1, False))
+            self.assertEqual(client.object_get(scene, self.tent), (6, 2**64 - 1, False, 0, 0, 0))
 
 
 class Shared(Case):

@@ -14,6 +14,7 @@ EXTRA_DIST += \
     tests/python/check_near.py \
     tests/python/check_raw.py \
     tests/python/check_scenes.py \
+    tests/python/check_thick.py \
     tests/python/find.sh \
     tests/python/raw_client.py \
     tests/python/support.py \

@@ -265,7 +265,7 @@ static void print_head(enum what what)
             "SESSION      SCENE OBJECTS      STEPS   CONTACTS  LAST STEP IGNORED HASH OF "
             "THE LAST ANSWER            SHARED",
         [OBJECTS] = "SESSION      SCENE     OBJECT       MESH  TRIANGLES   OWNER     "
-                    "         GROUP               MASK MEETS",
+                    "         GROUP               MASK MEETS     RADIUS       REST RINGS",
         [PAIRS] = "SESSION      SCENE   OBJECT A   OBJECT B",
         [MESHES] = "SESSION       MESH   VERTICES  TRIANGLES OBJECTS GENERATION STATE"};
     printf("%s%s%s\n", terminal_begin(TERMINAL_BOLD), heads[what], terminal_end());

@@ -15,9 +15,9 @@ import sys
 import weakref
 from ctypes import byref
 from types import TracebackType
-from typing import Any, Deque, Iterator, Optional, Type
+from typing import Any, Deque, Iterator, Optional, Sequence, Tuple, Type
 
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import abi
 from .abi import Incomplete, NearWhat, Status
@@ -159,6 +159,29 @@ class Client(Observe):
         if status:
             raise self._failure(status)
         return self._finish()
+
+    def step_safe(self, scene: int, motions: Motions, x: Sequence[NDArray[Any]],
+                  settings: StepSettings = DEFAULT) -> Tuple[float, Answer]:
+        """Go as far as nothing meets: the part of the way, 0 .. 1, and the answer to the
+        whole step. Each of the motions is an x0x1; its vertices come to the array of x at
+        its place, of the same shape and type: x0 + part (x1 - x0), rounded. The step from
+        x0 to these, which is where the objects then are, was tested, too: nothing meets
+        in it. part is 0 where something meets at once."""
+        if len(x) != motions._count:
+            raise refusal(Status.E_INVAL, f"{motions._count} motions and {len(x)} arrays")
+        for k, array in enumerate(x):
+            motion = motions._structs[k]
+            Motions._check(f"x[{k}]", array, (motion.count, 3))
+            if format_of(array.dtype) != motion.format or not array.flags.writeable:
+                raise refusal(Status.E_INVAL, f"x[{k}] is {array.dtype}, or not writeable")
+        to = (ctypes.c_void_p * max(len(x), 1))(*(array.ctypes.data for array in x))
+        part, answer = ctypes.c_double(), self._new_answer()
+        self._check(lib.pccd_step_safe(self._handle, u32("scene", scene),
+                                       motions._structs, motions._count,
+                                       settings._as_parameter_, to, byref(part),
+                                       byref(answer)))
+        answer._client = self
+        return part.value, answer
 
     def step_x1(self, scene: int, object: int, x1: ArrayLike,
                 settings: StepSettings = DEFAULT) -> Answer:

@@ -1,0 +1,144 @@
+/* safe.c - go as far as nothing meets.
+ *
+ * Room:     client/lib. May include: step.h.
+ * Does:     step to the end, then to rounded positions before what meets there, until a
+ *           step to such positions is itself free of contacts.
+ * Does not: decide anything: every step is an answer of the daemon.
+ * Threads:  [owner].
+ */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "client.h"
+#include "coordinates.h"
+#include "step.h"
+
+/* Rounding moves a position by an ulp, so that the second step is free nearly always. The
+ * later ones go half as far as the one before. */
+#define TRIES 48u
+
+/* What is left of the way of a step that was not free. */
+#define SHORTER (1 - 0x1p-20)
+
+static int check(struct pccd_client *client, const struct pccd_motion *motions,
+                 uint32_t motion_count, void *const *x, const double *part)
+{
+    if (part == NULL || (motion_count > 0 && (motions == NULL || x == NULL))) {
+        return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
+                        part == NULL ? "part" : motions == NULL ? "motions" : "x");
+    }
+    for (uint32_t i = 0; i < motion_count; i++) {
+        const struct pccd_motion *motion = &motions[i];
+
+        if (motion->x0 == NULL || motion->x1 == NULL || x[i] == NULL) {
+            return cli_fail(client, PCCD_E_INVAL,
+                            "motion %u: it needs x0 and x1, and where to put x", i);
+        }
+        if (motion->format != PCCD_FORMAT_F32 && motion->format != PCCD_FORMAT_F64) {
+            return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %d", i,
+                            (int)motion->format);
+        }
+    }
+    return 0;
+}
+
+/* x = x0 + part (x1 - x0), rounded to the motion's format; both ends are exact. */
+static void go(const struct pccd_motion *motion, double part, void *x)
+{
+    size_t count = 3 * (size_t)motion->count;
+    bool is_double = motion->format == PCCD_FORMAT_F64;
+
+    if (part == 0 || part == 1) {
+        memcpy(x, part == 0 ? motion->x0 : motion->x1,
+               motion->count * common_vertex_bytes((uint32_t)motion->format));
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double a = is_double ? ((const double *)motion->x0)[i]
+                             : (double)((const float *)motion->x0)[i];
+        double b = is_double ? ((const double *)motion->x1)[i]
+                             : (double)((const float *)motion->x1)[i];
+        double at = a + part * (b - a);
+
+        if (is_double) {
+            ((double *)x)[i] = at;
+        } else {
+            ((float *)x)[i] = (float)at;
+        }
+    }
+}
+
+/* How far one more try goes when the last one, to `part`, was free up to `safe` of it. */
+static double shorten(double part, double safe, uint32_t tried)
+{
+    if (tried + 1 == TRIES) {
+        return 0;
+    }
+    if (tried == 0) {
+        return part * safe; /* of the step as it was asked for */
+    }
+    return part * (safe > 0.5 && tried < 4 ? safe * SHORTER : 0.5);
+}
+
+int pccd_step_safe(struct pccd_client *client, uint32_t scene,
+                   const struct pccd_motion *motions, uint32_t motion_count,
+                   const struct pccd_step_settings *settings, void *const *x,
+                   double *part, struct pccd_answer *answer)
+{
+    struct pccd_step_settings quick = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_motion *shorter = NULL;
+    double at = 1;
+    double safe;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    status = check(client, motions, motion_count, x, part);
+    if (status == 0) {
+        status = pccd_step(client, scene, motions, motion_count, settings, answer);
+    }
+    if (status != 0) {
+        return status;
+    }
+    if (settings != NULL) {
+        memcpy(&quick, settings,
+               settings->struct_bytes != 0 && settings->struct_bytes < sizeof quick
+                   ? settings->struct_bytes
+                   : sizeof quick);
+        quick.struct_bytes = sizeof quick;
+    }
+    quick.mode = PCCD_MODE_FIRST;
+    shorter = malloc(((size_t)motion_count + 1) * sizeof *shorter);
+    if (shorter == NULL) {
+        pccd_answer_release(client, answer);
+        return cli_fail(client, PCCD_E_NOMEM, "no memory for the motions");
+    }
+    safe = answer->safe_step;
+    for (uint32_t tried = 0; status == 0 && safe < 1 && at > 0; tried++) {
+        struct pccd_answer again = PCCD_ANSWER_INIT;
+
+        at = shorten(at, safe, tried);
+        for (uint32_t i = 0; i < motion_count; i++) {
+            shorter[i] = motions[i];
+            go(&motions[i], at, x[i]);
+            shorter[i].x1 = x[i];
+        }
+        status = pccd_step(client, scene, shorter, motion_count, &quick, &again);
+        safe = again.safe_step;
+        pccd_answer_release(client, &again);
+    }
+    if (at == 1) {
+        for (uint32_t i = 0; i < motion_count; i++) {
+            go(&motions[i], 1, x[i]);
+        }
+    }
+    free(shorter);
+    if (status != 0) {
+        pccd_answer_release(client, answer);
+        return status;
+    }
+    *part = at;
+    return 0;
+}

@@ -1,0 +1,102 @@
+"""check_thick.py - thickness, from Python, against a real daemon and in this process.
+
+Room:     tests/python. Needs PCCD_DAEMON, set by make check.
+Does:     radii, separation, approach and the safe step of two triangles.
+"""
+
+import math
+import unittest
+
+import numpy as np
+
+import pccd
+from check_client import Case
+
+FACE = np.array([[0, 1, 2]], np.uint32)
+
+
+def at(height):
+    """A triangle at that height."""
+    return np.array([[0, 0, height], [1, 0, height], [0, 1, height]])
+
+
+class Thick(Case):
+    """One triangle comes down to another one."""
+
+    def pile(self, client):
+        """A scene, the lower and the upper triangle."""
+        scene = client.scene_create()
+        mesh = client.mesh_create(at(0), FACE)
+        return scene, client.scene_add(scene, mesh), client.scene_add(scene, mesh)
+
+    def fall(self, client, scene, upper, settings=pccd.StepSettings()):
+        """From a height of 1 to a half: total, inside, crowded, safe step."""
+        with client.step_x0x1(scene, upper, at(1), at(0.5), settings) as answer:
+            return answer.total, answer.inside, answer.crowded, answer.safe_step
+
+    # If this failed, a Python program would have other distances than a C program.
+    def test_thick__meets_at_its_distance(self):
+        for client in (self.client, pccd.connect("direct:", result_bytes=1 << 21)):
+            scene, lower, upper = self.pile(client)
+            self.assertEqual(self.fall(client, scene, upper), (0, 0, False, 1))
+            self.assertEqual(client.object_set(scene, lower, radius=0.5).radius, 0.5)
+            client.object_set(scene, upper, radius=0.25)
+            total, inside, crowded, safe = self.fall(client, scene, upper)
+            self.assertEqual((total, inside, crowded), (15, 0, False))
+            self.assertAlmostEqual(safe, 0.5, delta=1e-8)
+            self.assertLess(safe, 0.5)
+            settings = pccd.StepSettings(separation=1.0)
+            self.assertEqual(self.fall(client, scene, upper, settings), (15, 0, True, 0))
+            settings = pccd.StepSettings(separation=1.0, approach=0.75)
+            total, inside, crowded, safe = self.fall(client, scene, upper, settings)
+            self.assertEqual((total, inside, crowded), (15, 15, True))
+            self.assertAlmostEqual(safe, 0.5, delta=1e-8)
+
+    # If this failed, who goes where he is told to would be in what he must not touch.
+    def test_thick__goes_as_far_as_is_safe(self):
+        for dtype in (np.float32, np.float64):
+            scene, lower, upper = self.pile(self.client)
+            self.client.object_set(scene, lower, radius=0.1)
+            begin, end = at(1).astype(dtype), at(-1).astype(dtype)
+            reached = np.empty_like(begin)
+            motions = pccd.Motions()
+            motions.x0x1(upper, begin, end)
+            part, answer = self.client.step_safe(scene, motions, [reached])
+            with answer:
+                self.assertEqual(answer.total, 15)
+            self.assertAlmostEqual(part, 0.45, delta=1e-6)
+            heights = reached[:, 2].astype(float)
+            self.assertTrue(np.all((heights > 0.1) & (heights < 0.1 + 1e-6)))
+            begin[:] = reached  # from where it is, downwards and upwards
+            part, answer = self.client.step_safe(scene, motions, [reached])
+            answer.release()
+            self.assertTrue(0 <= part < 1e-5)
+            end[:] = at(2)
+            part, answer = self.client.step_safe(scene, motions, [reached])
+            answer.release()
+            self.assertEqual(part, 1)
+            self.assertTrue(np.array_equal(reached, end))
+            begin[:] = at(0.0625)  # within its distance
+            part, answer = self.client.step_safe(scene, motions, [reached])
+            answer.release()
+            self.assertEqual(part, 0)
+            self.assertTrue(np.array_equal(reached, begin))
+            self.fails(pccd.Status.E_INVAL, self.client.step_safe, scene, motions, [])
+
+    # If this failed, a mistake would be taken for a length.
+    def test_thick__refuses_what_is_no_length(self):
+        client = self.client
+        scene, lower, upper = self.pile(client)
+        for radius in (-1.0, math.nan, math.inf):
+            self.fails(pccd.Status.E_INVAL, client.object_set, scene, lower,
+                       radius=radius)
+        self.fails(pccd.Status.E_LIMIT, client.object_set, scene, lower, radius=2e18)
+        self.fails(pccd.Status.E_LIMIT, client.object_set, scene, lower, rest_rings=17)
+        client.object_set(scene, lower, rest_rings=16, rest_distance=0.125)
+        self.assertEqual(client.object_get(scene, lower)[3:], (0, 0.125, 16))
+        self.fails(pccd.Status.E_INVAL, self.fall, client, scene, upper,
+                   pccd.StepSettings(approach=1.0))
+
+
+if __name__ == "__main__":
+    unittest.main()
