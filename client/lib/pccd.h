@@ -382,7 +382,7 @@ struct pccd_object_settings {
                              unit of coordinates; at first 0: the radii of the mesh's
                              vertices, if it has any */
     double rest_distance; /* PCCD_OBJECT_REST_DISTANCE: 0 .. 1e18; at first 0 */
-    uint32_t rest_rings;  /* PCCD_OBJECT_REST_RINGS: 0 .. 16; at first 0 */
+    uint32_t rest_rings;  /* PCCD_OBJECT_REST_RINGS: 0 .. 8; at first 0 */
 };
 
 /* Set what settings->what names, for steps that are submitted from now on. Errors:

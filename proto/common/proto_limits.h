@@ -49,7 +49,7 @@
 /* Geometry. */
 #define PROTO_COUNT_MAX      2147483647u /* vertices, triangles or edges of a scene */
 #define PROTO_COORDINATE_MAX 1e18        /* |x| <= this; radii and distances, too */
-#define PROTO_REST_RINGS_MAX 16u
+#define PROTO_REST_RINGS_MAX 8u
 
 /* Default quotas of one uid, charged before allocation; options change them. */
 #define PROTO_CLIENTS_PER_UID   64u

@@ -210,7 +210,7 @@ static void thick__refuses_what_cannot_be(void **state)
     assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
                      PCCD_E_LIMIT);
     settings.what = PCCD_OBJECT_REST_RINGS;
-    settings.rest_rings = 17;
+    settings.rest_rings = 9;
     assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
                      PCCD_E_LIMIT);
     step.separation = 2e18;

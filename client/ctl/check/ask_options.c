@@ -21,7 +21,7 @@
 #define RESULT_BYTES_MIN 65536u
 #define RESULT_BYTES_MAX ((uint64_t)1 << 40)
 #define LENGTH_MAX       1e18
-#define RINGS_MAX        16u
+#define RINGS_MAX        8u
 
 enum {
     OPTION_JSON = 256 + 96,
@@ -65,7 +65,7 @@ static const struct argp_option option_list[] = {
      "thickness (default: 0)",
      0},
     {"rings", OPTION_RINGS, "N", 0,
-     "Of a mesh's own pairs, those that N edges or fewer join have no thickness, 0 to 16 "
+     "Of a mesh's own pairs, those that N edges or fewer join have no thickness, 0 to 8 "
      "(default: 0)",
      0},
     {0},

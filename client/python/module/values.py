@@ -90,7 +90,7 @@ class ObjectSettings(NamedTuple):
     self_collision: bool
     radius: float  # 0 .. 1e18; at first 0: the radii of the mesh's vertices, if any
     rest_distance: float  # 0 .. 1e18; at first 0
-    rest_rings: int  # 0 .. 16; at first 0
+    rest_rings: int  # 0 .. 8; at first 0
 
 
 class Histogram(NamedTuple):

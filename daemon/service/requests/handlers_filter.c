@@ -58,10 +58,39 @@ static int queue(struct srv_call *call, struct srv_scene *scene,
 
 /* ---- object.set -------------------------------------------------------------------- */
 
+/* Have the engine go by the attributes that are given; or none of it is changed. */
+static int change(struct srv_request *request, struct srv_placed *placed,
+                  const struct common_attributes *given)
+{
+    const struct proto_OBJECT_SET_request *asked = &request->params.OBJECT_SET;
+    struct eng_scene *engine = request->plan.scene->engine;
+    struct common_attributes now = placed->attributes;
+    common_attributes_set(&now, asked->what, given);
+    const struct eng_object_filter filter = {now.group, now.mask, now.self_collision};
+    const struct eng_object_thickness thickness = {.has_radius = now.radius > 0,
+                                                   .radius = now.radius,
+                                                   .rest_distance = now.rest_distance,
+                                                   .rest_rings = now.rest_rings};
+    int status = eng_scene_set_thickness(engine, placed->engine_idx, &thickness);
+    if (status == PCCD_E_LIMIT) { /* lengths were looked at before */
+        return proto_error_set(&request->error, status,
+                               "rest_rings is %" PRIu32 ": so many edges join the "
+                               "vertices of object 0x%x with more than 256 others each",
+                               now.rest_rings, asked->object);
+    }
+    if (status != 0) {
+        return proto_error_set(&request->error, status, "no memory for the thickness");
+    }
+    status = eng_scene_set_filter(engine, placed->engine_idx, &filter);
+    PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
+    placed->attributes = now;
+    srv_journal_filter(request->plan.scene, placed);
+    return 0;
+}
+
 static int work_set(struct srv_request *request)
 {
     const struct proto_OBJECT_SET_request *asked = &request->params.OBJECT_SET;
-    struct srv_scene *scene = request->plan.scene;
     struct common_attributes given;
     struct srv_placed *placed = NULL;
     int status = find_placed(request, asked->object, &placed);
@@ -70,17 +99,10 @@ static int work_set(struct srv_request *request)
     }
     if (asked->what != 0) {
         COMMON_ATTRIBUTES_COPY(&given, asked);
-        common_attributes_set(&placed->attributes, asked->what, &given);
-        const struct eng_object_filter filter = {placed->attributes.group,
-                                                 placed->attributes.mask,
-                                                 placed->attributes.self_collision};
-        status = eng_scene_set_filter(scene->engine, placed->engine_idx, &filter);
-        PCCD_ASSERT(status == PCCD_OK); /* the engine has every object that is placed */
-        struct eng_object_thickness thickness = ENG_OBJECT_THICKNESS_DEFAULT;
-        thickness.radius = placed->attributes.radius;
-        status = eng_scene_set_thickness(scene->engine, placed->engine_idx, &thickness);
-        PCCD_ASSERT(status == PCCD_OK); /* they were checked */
-        srv_journal_filter(scene, placed);
+        status = change(request, placed, &given);
+    }
+    if (status != 0) {
+        return status;
     }
     COMMON_ATTRIBUTES_COPY(&request->result.OBJECT_SET, &placed->attributes);
     return 0;
