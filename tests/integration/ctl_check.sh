@@ -158,7 +158,7 @@ ctl check --thickness 0.25 t0.ply t1.ply && says '^safe step +0\.2(5|4999)' &&
     ctl check --json --thickness 2 t0.ply t1.ply && says '"safe_step": 0\.0,' &&
     [ "$(json_value crowded)" = true ] &&
     ctl check --thickness 2 t0.ply t1.ply && says '^warning .*thickness' &&
-    ctl check --json --thickness 0.6 --approach 0.5 t0.ply t1.ply &&
+    ctl check --json --thickness 2.5 --approach 0.5 t0.ply t1.ply &&
     says '"safe_step": 0\.2(5|4999)' && [ "$(json_value inside)" -gt 0 ] &&
     ctl check --json --thickness 0.25 --rings 2 --rest-exclusion 2 t0.ply t1.ply &&
     says '"toi_first": 0\.(5|4999)' &&
