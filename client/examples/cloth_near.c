@@ -19,27 +19,6 @@ enum { SHEET = 2 * (SIDE - 1) * (SIDE - 1), TRIANGLES = 2 * SHEET };
 static double x[VERTICES][3], was[VERTICES][3], end[VERTICES][3], bound[VERTICES];
 static uint32_t triangles[TRIANGLES][3];
 
-/* The cloth, and the upper sixth of a ball: a face of a cube, brought to its radius. */
-static void make(void)
-{
-    sheet_triangles(SIDE, triangles);
-    sheet_triangles(SIDE, triangles + SHEET);
-    for (uint32_t i = 0; i < 3 * SHEET; i++) {
-        triangles[SHEET + i / 3][i % 3] += CLOTH;
-    }
-    for (uint32_t i = 0; i < CLOTH; i++) {
-        double u = (i % SIDE) / (SIDE - 1.0), v = (i / SIDE) / (SIDE - 1.0);
-        double cube[3] = {2 * u - 1, 2 * v - 1, 1};
-        double length = sqrt(cube[0] * cube[0] + cube[1] * cube[1] + 1);
-        memcpy(x[i], (double[]){u - 0.47, v - 0.52, RADIUS + 0.02}, sizeof x[i]);
-        for (int k = 0; k < 3; k++) {
-            x[CLOTH + i][k] = RADIUS * cube[k] / length;
-        }
-    }
-    memcpy(was, x, sizeof x);
-    memcpy(end, x, sizeof x);
-}
-
 /* Go on to `end`, each vertex by less than half its bound. Returns how many were held. */
 static uint32_t move(void)
 {
@@ -66,7 +45,9 @@ int main(void)
     uint32_t scene, mesh;
     unsigned long long held = 0;
 
-    make();
+    sheet_and_ball(SIDE, RADIUS, x, triangles);
+    memcpy(was, x, sizeof x);
+    memcpy(end, x, sizeof x);
     settings.distance = REACH;
     ok(client, pccd_connect(&(struct pccd_options){.private_daemon = true}, &client));
     ok(client, pccd_scene_create(client, NULL, &scene));

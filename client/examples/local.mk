@@ -7,6 +7,7 @@ example_names = \
     client/examples/hello \
     client/examples/cloth \
     client/examples/cloth_near \
+    client/examples/cloth_thick \
     client/examples/game_loop \
     client/examples/two_processes
 noinst_HEADERS += client/examples/sheet.h
@@ -20,6 +21,10 @@ client_examples_hello_LDADD = libpccd.la
 client_examples_cloth_SOURCES = client/examples/cloth.c
 client_examples_cloth_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_LDADD = libpccd.la -lm
+client_examples_cloth_thick_SOURCES = client/examples/cloth_thick.c
+client_examples_cloth_thick_CPPFLAGS = $(example_cppflags)
+client_examples_cloth_thick_LDADD = libpccd.la -lm
+
 client_examples_cloth_near_SOURCES = client/examples/cloth_near.c
 client_examples_cloth_near_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_near_LDADD = libpccd.la -lm

@@ -35,6 +35,30 @@ static inline void sheet_triangles(uint32_t side, uint32_t (*triangles)[3])
     }
 }
 
+/* A sheet of side 1 a little above the upper sixth of a ball, a face of a cube that is
+ * brought to its radius: 2 side^2 vertices, those of the sheet first, and twice the
+ * triangles of a sheet. */
+static inline void sheet_and_ball(uint32_t side, double radius, double (*x)[3],
+                                  uint32_t (*triangles)[3])
+{
+    uint32_t count = side * side, faces = 2 * (side - 1) * (side - 1);
+
+    sheet_triangles(side, triangles);
+    sheet_triangles(side, triangles + faces);
+    for (uint32_t i = 0; i < 3 * faces; i++) {
+        triangles[faces + i / 3][i % 3] += count;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        double u = (i % side) / (side - 1.0), v = (i / side) / (side - 1.0);
+        double cube[3] = {2 * u - 1, 2 * v - 1, 1};
+        double length = sqrt(cube[0] * cube[0] + cube[1] * cube[1] + 1);
+        memcpy(x[i], (double[]){u - 0.47, v - 0.52, radius + 0.02}, sizeof x[i]);
+        for (int k = 0; k < 3; k++) {
+            x[count + i][k] = radius * cube[k] / length;
+        }
+    }
+}
+
 /* Bring two vertices to where the sheet has its length again. */
 static inline void sheet_relax(uint32_t side, double (*end)[3], uint32_t a, uint32_t b)
 {
