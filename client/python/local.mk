@@ -42,4 +42,5 @@ clean-python:
 	rm -rf python
 .PHONY: clean-python
 EXTRA_DIST += client/python/abi.awk client/python/example_cloth.py \
-    client/python/example_cloth_near.py client/python/example_shared.py
+    client/python/example_cloth_near.py client/python/example_cloth_thick.py \
+    client/python/example_shared.py

@@ -35,6 +35,10 @@ run example__cloth_stays_outside "$python" "$top_srcdir/client/python/example_cl
 # after each move whether anything crosses or touches.
 run example__cloth_moves_by_bounds "$python" \
     "$top_srcdir/client/python/example_cloth_near.py"
+# If this failed, thickness would be of no use from Python, or not hold: it asks after
+# each frame whether anything is nearer than it allows.
+run example__cloth_keeps_its_thickness "$python" \
+    "$top_srcdir/client/python/example_cloth_thick.py"
 run example__three_clients_share_a_scene "$python" "$top_srcdir/client/python/example_shared.py"
 
 # If this failed, the ten lines of README.md would not do what they say.
