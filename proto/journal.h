@@ -22,6 +22,7 @@
  * |      | table (shm.h), all of it x0x1 and double, and positions |
  * | SEPARATION | struct proto_journal_separation; before a STEP alone, and not before one |
  * |      | of which both are 0 |
+ * | RADII | struct proto_journal_radii, double each; before an OBJECT that has any |
  * | NEAR | struct proto_journal_near, then the same; of this session alone: what others |
  * |      | ask is not noted, and what they move at that is a STEP |
  */
@@ -40,7 +41,8 @@ enum proto_journal_kind {
     PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
     PROTO_JOURNAL_STEP = 5,   /* the scene was moved on */
     PROTO_JOURNAL_NEAR = 6,   /* this session has asked what is near */
-    PROTO_JOURNAL_SEPARATION = 7 /* at which distance pairs meet in the step behind it */
+    PROTO_JOURNAL_SEPARATION = 7, /* at which distance pairs meet in the step behind it */
+    PROTO_JOURNAL_RADII = 8       /* of the vertices of the object behind it */
 };
 
 struct proto_journal_entry {
@@ -69,6 +71,11 @@ struct proto_journal_step {
     uint32_t threads;
     uint32_t segments;
     char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
+};
+
+struct proto_journal_radii {
+    uint32_t vertex_count;
+    uint32_t reserved;
 };
 
 struct proto_journal_separation { /* as frame.submit has them */

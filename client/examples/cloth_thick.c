@@ -51,7 +51,7 @@ static void push(const struct pccd_contact *c)
 }
 
 /* Nothing is nearer than the thickness, and nothing crosses. */
-static void check(struct pccd_client *client, uint32_t scene, unsigned long long frame)
+static void check(struct pccd_client *client, uint32_t scene)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
@@ -59,10 +59,7 @@ static void check(struct pccd_client *client, uint32_t scene, unsigned long long
     for (int k = 0; k < 2; k++) {
         settings.what = k == 0 ? PCCD_NEAR_PAIRS : PCCD_NEAR_CROSSINGS;
         ok(client, pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
-        if (answer.incomplete != 0 || answer.total > 0) {
-            printf("frame %llu: %llu pairs\n", frame, (unsigned long long)answer.total);
-            exit(1);
-        }
+        ok(client, answer.incomplete != 0 || answer.total > 0);
         pccd_answer_release(client, &answer);
     }
 }
@@ -114,7 +111,7 @@ int main(int argc, char **argv)
         pccd_answer_release(client, &answer);
         short_of += part < 1;
         memcpy(x, next, sizeof x);
-        check(client, scene, frame);
+        check(client, scene);
     }
     printf("%llu frames, %llu contacts, %llu frames went less than the whole way, nothing "
            "is nearer than %g\n",

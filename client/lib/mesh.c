@@ -18,17 +18,18 @@
 #include "page.h"
 #include "recorder_events.h"
 #include "rpc.h"
+#include "struct_size.h"
 
 #define CHUNK_BYTES                                                                      \
     (1u << 20) /* of a slot at most: small enough to overlap copy and check */
 
-#define PART_VERTICES  0u
-#define PART_TRIANGLES 1u
+/* Parts of a mesh, each an array; the last may be empty. */
+enum { PART_VERTICES, PART_TRIANGLES, PART_RADII, PARTS };
 
 /* One array on its way to the daemon. */
 struct upload {
     uint32_t mesh;
-    uint32_t part; /* PART_VERTICES or PART_TRIANGLES */
+    uint32_t part;
     uint32_t format;
     const uint8_t *source;
     uint32_t item_bytes;
@@ -80,17 +81,27 @@ static int send_array(struct cli_flight *flight, const struct upload *upload)
     return status;
 }
 
+static int send_arrays(struct cli_flight *flight, const struct upload arrays[PARTS])
+{
+    int status = 0;
+
+    for (int part = 0; status == 0 && part < PARTS; part++) {
+        status = send_array(flight, &arrays[part]);
+    }
+    return status;
+}
+
 /* Upload and commit a mesh that the daemon has announced. What has not arrived whole is
  * not committed. */
-static int fill_mesh(struct pccd_client *client, const struct upload arrays[2],
+static int fill_mesh(struct pccd_client *client, const struct upload arrays[PARTS],
                      struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_COMMIT_request request = {.mesh = arrays[0].mesh};
     struct cli_flight flight = {.client = client};
-    int status = cli_flight_end(&flight, send_array(&flight, &arrays[0]));
+    int status = 0;
 
-    if (status == 0) {
-        status = cli_flight_end(&flight, send_array(&flight, &arrays[1]));
+    for (int part = 0; status == 0 && part < PARTS; part++) {
+        status = cli_flight_end(&flight, send_array(&flight, &arrays[part]));
     }
     if (status == 0) {
         status = cli_call_sync(client, PROTO_METHOD_MESH_COMMIT, &request, result,
@@ -130,48 +141,59 @@ static uint64_t first_slot_bytes(const struct pccd_client *client,
 }
 
 /* The arguments of create and replace, and a ring to send them through. */
-static int check_mesh(struct pccd_client *client, const void *x, enum pccd_format format,
-                      uint32_t vertex_count, const uint32_t (*triangles)[3],
-                      uint32_t triangle_count)
+static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *data)
 {
     int status;
 
-    if (x == NULL || triangles == NULL || vertex_count == 0 || triangle_count == 0 ||
-        (unsigned)format >= PCCD_FORMAT_COUNT) {
+    if (data->x == NULL || data->triangles == NULL || data->vertex_count == 0 ||
+        data->triangle_count == 0 || (unsigned)data->format >= PCCD_FORMAT_COUNT) {
         return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
-                        x == NULL             ? "x is NULL"
-                        : triangles == NULL   ? "triangles is NULL"
-                        : vertex_count == 0   ? "no vertices"
-                        : triangle_count == 0 ? "no triangles"
-                                              : "unknown format");
+                        data->x == NULL             ? "x is NULL"
+                        : data->triangles == NULL   ? "triangles is NULL"
+                        : data->vertex_count == 0   ? "no vertices"
+                        : data->triangle_count == 0 ? "no triangles"
+                                                    : "unknown format");
     }
     status = cli_alive(client);
+    if (status == 0 && data->radii != NULL) {
+        status = cli_check_thick(client, "mesh.data");
+    }
     if (status == 0 && client->ring.upload.base == NULL) {
-        status = cli_ring_reserve(
-            client, first_slot_bytes(client, format, vertex_count, triangle_count),
-            cli_deadline(client, -1));
+        status = cli_ring_reserve(client,
+                                  first_slot_bytes(client, data->format,
+                                                   data->vertex_count,
+                                                   data->triangle_count),
+                                  cli_deadline(client, -1));
     }
     return status;
 }
 
-/* Both arrays of a mesh. */
-static void arrays_of(uint32_t mesh, const void *x, enum pccd_format format,
-                      uint32_t vertex_count, const uint32_t (*triangles)[3],
-                      uint32_t triangle_count, struct upload arrays[2])
+static void arrays_of(uint32_t mesh, const struct pccd_mesh_data *data,
+                      struct upload arrays[PARTS])
 {
-    arrays[0] = (struct upload){mesh,
-                                PART_VERTICES,
-                                (uint32_t)format,
-                                x,
-                                (uint32_t)common_vertex_bytes(format),
-                                vertex_count};
-    arrays[1] = (struct upload){
-        mesh,          PART_TRIANGLES, 0, (const uint8_t *)triangles, sizeof(uint32_t[3]),
-        triangle_count};
+    arrays[PART_VERTICES] =
+        (struct upload){mesh,
+                        PART_VERTICES,
+                        (uint32_t)data->format,
+                        data->x,
+                        (uint32_t)common_vertex_bytes((uint32_t)data->format),
+                        data->vertex_count};
+    arrays[PART_TRIANGLES] = (struct upload){mesh,
+                                             PART_TRIANGLES,
+                                             0,
+                                             (const uint8_t *)data->triangles,
+                                             sizeof(uint32_t[3]),
+                                             data->triangle_count};
+    arrays[PART_RADII] = (struct upload){mesh,
+                                         PART_RADII,
+                                         0,
+                                         (const uint8_t *)data->radii,
+                                         sizeof(double),
+                                         data->radii != NULL ? data->vertex_count : 0};
 }
 
 /* Announce, upload and commit; arrays[].mesh is set to the new handle. */
-static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32_t want,
+static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS], uint32_t want,
                      struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_CREATE_request request = {
@@ -185,7 +207,9 @@ static int make_mesh(struct pccd_client *client, struct upload arrays[2], uint32
     if (status != 0) {
         return status;
     }
-    arrays[0].mesh = arrays[1].mesh = created.mesh;
+    for (int part = 0; part < PARTS; part++) {
+        arrays[part].mesh = created.mesh;
+    }
     status = fill_mesh(client, arrays, result);
     if (status == 0) {
         return 0;
@@ -207,24 +231,29 @@ int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
                                                .want = want};
     struct proto_MESH_CREATE_result created = {.mesh = want};
     struct proto_MESH_COMMIT_request commit;
-    struct upload arrays[2];
+    struct upload arrays[PARTS];
     int status = want != 0 ? cli_flight_send(flight, PROTO_METHOD_MESH_CREATE, &create,
                                              CLI_SLOT_NONE, NULL)
                            : cli_call_sync(client, PROTO_METHOD_MESH_CREATE, &create,
                                            &created, cli_deadline(client, -1));
 
     *handle = commit.mesh = created.mesh;
-    arrays_of(created.mesh, copy->x, (enum pccd_format)copy->format, copy->vertex_count,
-              (const uint32_t(*)[3])copy->triangles, copy->triangle_count, arrays);
-    status = status != 0 ? status : send_array(flight, &arrays[0]);
-    status = status != 0 ? status : send_array(flight, &arrays[1]);
+    arrays_of(created.mesh,
+              &(struct pccd_mesh_data){.x = copy->x,
+                                       .format = (enum pccd_format)copy->format,
+                                       .vertex_count = copy->vertex_count,
+                                       .triangle_count = copy->triangle_count,
+                                       .triangles = copy->triangles[0],
+                                       .radii = copy->radii},
+              arrays);
+    status = status != 0 ? status : send_arrays(flight, arrays);
     return status != 0 ? status
                        : cli_flight_send(flight, PROTO_METHOD_MESH_COMMIT, &commit,
                                          CLI_SLOT_NONE, NULL);
 }
 
 /* Announce other contents for a mesh, upload and commit them. */
-static int replace_mesh(struct pccd_client *client, const struct upload arrays[2],
+static int replace_mesh(struct pccd_client *client, const struct upload arrays[PARTS],
                         struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_REPLACE_request request = {.mesh = arrays[0].mesh,
@@ -254,7 +283,7 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[2
 /* Create a mesh (*mesh = 0) or replace one, and keep a copy. When another daemon took
  * over on the way, all is sent to that one from the beginning; but a mesh over which
  * daemons end is as any request is (recover.c). */
-static int register_mesh(struct pccd_client *client, struct upload arrays[2],
+static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS],
                          uint32_t *mesh, struct pccd_mesh_info *info)
 {
     struct registry_mesh *copy = NULL;
@@ -263,10 +292,14 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
     uint32_t want;
     int status;
 
+    const double *radii = arrays[PART_RADII].count > 0
+                              ? (const double *)(const void *)arrays[PART_RADII].source
+                              : NULL;
+
     assert(arrays[0].part == PART_VERTICES && arrays[1].part == PART_TRIANGLES);
     if (client->keeps) {
         copy = registry_mesh_copy(arrays[0].source, arrays[0].format, arrays[0].count,
-                                  arrays[1].source, arrays[1].count);
+                                  arrays[1].source, arrays[1].count, radii);
         if (copy == NULL) {
             return cli_fail(client, PCCD_E_NOMEM,
                             "no memory for a copy of the mesh (options.no_keep)");
@@ -293,33 +326,56 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[2],
         cli_keep_mesh(client, *mesh, copy);
     }
     cli_record_mesh(client, *mesh, arrays[0].format, arrays[0].count, arrays[0].source,
-                    arrays[1].count, arrays[1].source);
+                    arrays[1].count, arrays[1].source, radii);
     if (info != NULL) {
         fill_info(info, &result);
     }
     return 0;
 }
 
-int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
-                     uint32_t vertex_count, const uint32_t (*triangles)[3],
-                     uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
+int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked,
+                  uint32_t *mesh, struct pccd_mesh_info *info)
 {
-    struct upload arrays[2];
-    uint32_t made = 0;
+    struct pccd_mesh_data data;
+    struct upload arrays[PARTS];
+    uint32_t handle;
     int status;
 
     if (client == NULL) {
         return PCCD_E_INVAL;
     }
-    if (mesh == NULL) {
-        return cli_fail(client, PCCD_E_INVAL, "mesh: mesh is NULL");
+    if (asked == NULL || mesh == NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "mesh: %s is NULL",
+                        asked == NULL ? "data" : "mesh");
     }
-    status = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
+    status = cli_struct_read(client, "data of the mesh", asked, &data, sizeof data);
+    status = status != 0 ? status : check_mesh(client, &data);
     if (status != 0) {
         return status;
     }
-    arrays_of(0, x, format, vertex_count, triangles, triangle_count, arrays);
-    status = register_mesh(client, arrays, &made, info);
+    handle = *mesh;
+    arrays_of(handle, &data, arrays);
+    status = register_mesh(client, arrays, &handle, info);
+    if (status == 0) {
+        *mesh = handle;
+    }
+    return status;
+}
+
+int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
+                     uint32_t vertex_count, const uint32_t (*triangles)[3],
+                     uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
+{
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x,
+                                        .format = format,
+                                        .vertex_count = vertex_count,
+                                        .triangle_count = triangle_count,
+                                        .triangles =
+                                            triangles != NULL ? triangles[0] : NULL};
+    uint32_t made = 0;
+    int status = pccd_mesh_put(client, &data, mesh != NULL ? &made : NULL, info);
+
     if (status == 0) {
         *mesh = made;
     }
@@ -331,21 +387,18 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
                       struct pccd_mesh_info *info)
 {
-    struct upload arrays[2];
-    int status;
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x,
+                                        .format = format,
+                                        .vertex_count = vertex_count,
+                                        .triangle_count = triangle_count,
+                                        .triangles =
+                                            triangles != NULL ? triangles[0] : NULL};
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    status = check_mesh(client, x, format, vertex_count, triangles, triangle_count);
-    if (status != 0) {
-        return status;
-    }
-    if (mesh == 0) {
+    if (client != NULL && mesh == 0) {
         return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");
     }
-    arrays_of(mesh, x, format, vertex_count, triangles, triangle_count, arrays);
-    return register_mesh(client, arrays, &mesh, info);
+    return pccd_mesh_put(client, &data, &mesh, info);
 }
 
 /* One page of edges: as many as the result region has room for. */

@@ -293,6 +293,22 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       struct pccd_mesh_info *info);
 /* The unique edges in the order of the records' feature numbers, copied to
  * edges[info.edge_count]. */
+/* Everything that a mesh can have. */
+struct pccd_mesh_data {
+    size_t struct_bytes; /* sizeof(struct pccd_mesh_data); 0 reads as that */
+    const void *x;       /* [vertex_count][3], of `format` */
+    enum pccd_format format;
+    uint32_t vertex_count, triangle_count;
+    const uint32_t *triangles; /* [triangle_count][3], one behind the other */
+    const double *radii; /* [vertex_count], 0 .. 1e18, for objects that have no radius of
+                            their own (struct pccd_object_settings): a feature has the
+                            largest of its vertices. NULL: none */
+};
+/* pccd_mesh_create where *mesh is 0, pccd_mesh_replace of *mesh where it is not. The
+ * errors of both; also E_INVAL: a radius that is negative or not finite, E_LIMIT: one
+ * above 1e18, E_VERSION: a daemon that knows of no radii. */
+int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
+                  uint32_t *mesh, struct pccd_mesh_info *info);
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);

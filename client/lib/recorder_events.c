@@ -104,7 +104,7 @@ static void count_time(struct pccd_client *client, uint64_t begin_ns)
 
 void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
                      uint32_t vertex_count, const void *x, uint32_t triangle_count,
-                     const void *triangles)
+                     const void *triangles, const double *radii)
 {
     const struct record_mesh head = {.mesh = mesh,
                                      .format = format,
@@ -112,7 +112,7 @@ void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
                                      .triangle_count = triangle_count};
 
     if (cli_record_is_on(client)) {
-        (void)cli_record_put_mesh(client, &head, x, triangles, add_or_turn);
+        (void)cli_record_put_mesh(client, &head, x, triangles, radii, add_or_turn);
     }
 }
 

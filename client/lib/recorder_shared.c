@@ -169,6 +169,26 @@ static int write_step(struct pccd_client *client, uint32_t scene, const uint8_t 
                                 parts, parts[1].bytes > 0 ? 2 : 1);
 }
 
+/* Of the object behind them. */
+static int write_radii(struct pccd_client *client, const uint8_t *at, uint64_t bytes)
+{
+    struct proto_journal_radii from;
+    struct record_radii radii = {.vertex_count = 0};
+    struct record_part parts[2] = {{&radii, sizeof radii}};
+
+    if (bytes < sizeof from) {
+        return PCCD_E_BADMSG;
+    }
+    memcpy(&from, at, sizeof from);
+    if ((bytes - sizeof from) / sizeof(double) < from.vertex_count) {
+        return PCCD_E_BADMSG;
+    }
+    radii.vertex_count = from.vertex_count;
+    parts[1] =
+        (struct record_part){at + sizeof from, from.vertex_count * sizeof(double)};
+    return cli_record_add(client, RECORD_RADII, parts, 2);
+}
+
 /* Of the step behind it. */
 static int write_separation(struct pccd_client *client, const uint8_t *at, uint64_t bytes)
 {
@@ -235,6 +255,8 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
         return write_step(client, scene, at, bytes);
     case PROTO_JOURNAL_NEAR:
         return write_near(client, scene, at, bytes);
+    case PROTO_JOURNAL_RADII:
+        return write_radii(client, at, bytes);
     case PROTO_JOURNAL_SEPARATION:
         return write_separation(client, at, bytes);
     default:

@@ -50,7 +50,8 @@ static int write_scene(struct pccd_client *client, const struct registry_scene *
 }
 
 int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *head,
-                        const void *x, const void *triangles, cli_record_fn add)
+                        const void *x, const void *triangles, const double *radii,
+                        cli_record_fn add)
 {
     static const uint8_t zeros[8];
     size_t bytes = head->vertex_count * common_vertex_bytes(head->format);
@@ -59,8 +60,12 @@ int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *he
         {x, bytes},
         {zeros, (8 - bytes % 8) % 8},
         {triangles, head->triangle_count * sizeof(uint32_t[3])}};
+    const struct record_radii count = {.vertex_count = head->vertex_count};
+    const struct record_part before[] = {
+        {&count, sizeof count}, {radii, head->vertex_count * sizeof *radii}};
+    int status = radii != NULL ? add(client, RECORD_RADII, before, 2) : 0;
 
-    return add(client, RECORD_MESH, parts, 4);
+    return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
 }
 
 static int write_meshes(struct pccd_client *client)
@@ -75,7 +80,8 @@ static int write_meshes(struct pccd_client *client)
                                          .triangle_count = mesh->triangle_count};
 
         status =
-            cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, cli_record_add);
+            cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, mesh->radii,
+                                cli_record_add);
     }
     return status;
 }

@@ -74,6 +74,7 @@ uint32_t record_kind_feature(uint16_t kind)
 {
     switch (kind) {
     case RECORD_SEPARATION:
+    case RECORD_RADII:
         return RECORD_FEATURE_THICK;
     case RECORD_FILTER:
     case RECORD_PAIRS:

@@ -81,7 +81,8 @@
     X(NEAR, 20, "it was asked what is near, after a movement or without")                \
     X(NEAR_ANSWER, 21, "that was answered")                                              \
     X(NEAR_RECORDS, 22, "records of that answer")                                        \
-    X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")
+    X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")         \
+    X(RADII, 24, "radii of the vertices of the next MESH or GUEST")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -96,7 +97,7 @@ enum record_feature {
     RECORD_FEATURE_SHARED = 2,  /* GUEST and MOVE */
     RECORD_FEATURE_HASH_2 = 4,  /* hashes of answers are of version 2; without: of 1 */
     RECORD_FEATURE_NEAR = 8,    /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
-    RECORD_FEATURE_THICK = 16,  /* SEPARATION, and radii in FILTER */
+    RECORD_FEATURE_THICK = 16,  /* SEPARATION, RADII, and radii in FILTER */
     RECORD_FEATURES = 31        /* all of them */
 };
 

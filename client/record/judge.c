@@ -25,6 +25,7 @@ static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_separation) == 16, "separation");
+static_assert(sizeof(struct record_radii) == 8, "radii");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
@@ -226,6 +227,26 @@ static int judge_filter(const void *payload, char text[RECORD_TEXT_BYTES])
                : bad(text, "a filter of unknown kind");
 }
 
+static int judge_radii(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_radii);
+    struct record_radii radii;
+
+    memcpy(&radii, payload, sizeof radii);
+    if (bytes != sizeof radii + radii.vertex_count * sizeof(double)) {
+        return bad(text, "radii of another length");
+    }
+    for (uint32_t i = 0; i < radii.vertex_count; i++) {
+        double radius;
+
+        memcpy(&radius, at + i * sizeof radius, sizeof radius);
+        if (!(radius >= 0.0 && radius <= PROTO_COORDINATE_MAX)) {
+            return bad(text, "a radius that cannot be one");
+        }
+    }
+    return PCCD_OK;
+}
+
 static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_pairs);
@@ -270,6 +291,8 @@ static uint64_t least_bytes(uint16_t kind)
         return sizeof(struct record_tuning);
     case RECORD_SEPARATION:
         return sizeof(struct record_separation);
+    case RECORD_RADII:
+        return sizeof(struct record_radii);
     case RECORD_GUEST:
         return sizeof(struct record_guest);
     case RECORD_ANSWER:
@@ -325,6 +348,8 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_filter(payload, text);
     case RECORD_PAIRS:
         return judge_pairs(payload, bytes, text);
+    case RECORD_RADII:
+        return judge_radii(payload, bytes, text);
     case RECORD_TUNING:
         return memchr(payload, '\0', sizeof(struct record_tuning)) != NULL
                    ? PCCD_OK

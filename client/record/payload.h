@@ -77,6 +77,11 @@ struct record_separation { /* as frame.submit has them; before none of it both a
     double approach;
 };
 
+struct record_radii { /* and a double for each vertex */
+    uint32_t vertex_count;
+    uint32_t reserved;
+};
+
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;

@@ -23,6 +23,7 @@ void registry_mesh_free(struct registry_mesh *mesh)
     if (mesh != NULL) {
         free(mesh->x);
         free(mesh->triangles);
+        free(mesh->radii);
         free(mesh->edges);
         free(mesh);
     }
@@ -30,7 +31,7 @@ void registry_mesh_free(struct registry_mesh *mesh)
 
 struct registry_mesh *registry_mesh_copy(const void *x, uint32_t format,
                                          uint32_t vertex_count, const void *triangles,
-                                         uint32_t triangle_count)
+                                         uint32_t triangle_count, const void *radii)
 {
     size_t x_bytes = vertex_count * common_vertex_bytes(format);
     size_t triangle_bytes = triangle_count * sizeof(uint32_t[3]);
@@ -44,9 +45,14 @@ struct registry_mesh *registry_mesh_copy(const void *x, uint32_t format,
     made->triangle_count = triangle_count;
     made->x = malloc(x_bytes);
     made->triangles = malloc(triangle_bytes);
-    if (made->x == NULL || made->triangles == NULL) {
+    made->radii = radii != NULL ? malloc(vertex_count * sizeof *made->radii) : NULL;
+    if (made->x == NULL || made->triangles == NULL ||
+        (radii != NULL && made->radii == NULL)) {
         registry_mesh_free(made);
         return NULL;
+    }
+    if (radii != NULL) {
+        memcpy(made->radii, radii, vertex_count * sizeof *made->radii);
     }
     memcpy(made->x, x, x_bytes);
     memcpy(made->triangles, triangles, triangle_bytes);
@@ -297,12 +303,14 @@ int registry_put_mesh(struct registry *registry, uint32_t handle,
     }
     free(mesh->x);
     free(mesh->triangles);
+    free(mesh->radii);
     free(mesh->edges);
     mesh->format = copy->format;
     mesh->vertex_count = copy->vertex_count;
     mesh->triangle_count = copy->triangle_count;
     mesh->x = copy->x;
     mesh->triangles = copy->triangles;
+    mesh->radii = copy->radii;
     mesh->edges = NULL;
     free(copy);
     return reset_objects(registry, mesh, step);
@@ -349,4 +357,7 @@ void registry_deinit(struct registry *registry)
         registry->meshes = mesh->next;
         registry_mesh_free(mesh);
     }
+    free(registry->next_radii);
+    registry->next_radii = NULL;
+    registry->next_radii_count = 0;
 }

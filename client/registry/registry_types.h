@@ -30,6 +30,7 @@ struct registry_mesh {
     uint32_t edge_count;
     void *x; /* [vertex_count][3] */
     uint32_t (*triangles)[3];
+    double *radii;        /* [vertex_count]; NULL: there are none */
     uint32_t (*edges)[2]; /* as records number them; NULL: nobody has asked yet */
 };
 
@@ -78,6 +79,8 @@ struct registry_scene {
 struct registry {
     struct registry_mesh *meshes; /* in the order in which they were registered */
     struct registry_scene *scenes;
+    double *next_radii; /* recordings: of the vertices of the mesh that comes next */
+    uint32_t next_radii_count;
 };
 
 #endif

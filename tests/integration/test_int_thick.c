@@ -282,6 +282,62 @@ static void thick__goes_as_far_as_is_safe(void **state)
     pccd_close(pile.client);
 }
 
+/* The mesh again, with radii of its vertices. */
+static int put_radii(struct pile *pile, const double radii[3])
+{
+    static const uint32_t triangle[1][3] = {{0, 1, 2}};
+    float x[3][3];
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x,
+                                        .format = PCCD_FORMAT_F32,
+                                        .vertex_count = 3,
+                                        .triangle_count = 1,
+                                        .triangles = triangle[0],
+                                        .radii = radii};
+
+    triangle_at(x, 0);
+    return pccd_mesh_put(pile->client, &data, &pile->mesh, NULL);
+}
+
+/* If it failed, a cloth with a thick hem would be as thick everywhere, or nowhere. */
+static void thick__vertices_have_radii(void **state)
+{
+    const double radii[3] = {0.25, 0.125, 0}, bad[3] = {0, -1, 0}, large[3] = {0, 0, 2e18};
+    struct pccd_answer answer;
+    struct pile pile;
+
+    (void)state;
+    begin(&pile, test_shared.url);
+    assert_int_equal(put_radii(&pile, radii), 0);
+    assert_int_equal(move(&pile, 1, 0.25f, NULL, &answer, NULL), 0);
+    /* The face has 1/4, the edges 1/4, 1/4 and 1/8, the vertices 1/4, 1/8 and 0. All sums
+     * are 1/4 at least, which is the height in the end. */
+    assert_int_equal(answer.counts[PCCD_VF], 6);
+    assert_int_equal(answer.counts[PCCD_EE], 9);
+    assert_true(answer.toi_first <= 2.0 / 3 && answer.toi_first > 2.0 / 3 - 2 * CELL);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.counts[PCCD_VF], 4); /* vertex 2 has 1/4 in all */
+    assert_int_equal(answer.counts[PCCD_EE], 8);
+    /* An object's own radius takes their place, and gives it back. */
+    assert_int_equal(set_radius(&pile, pile.lower, 0.0625), 0);
+    assert_int_equal(set_radius(&pile, pile.upper, 0.0625), 0);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 0);
+    assert_int_equal(set_radius(&pile, pile.lower, 0), 0);
+    assert_int_equal(set_radius(&pile, pile.upper, 0), 0);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 12);
+    assert_int_equal(put_radii(&pile, bad), PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(pile.client), "radius"));
+    assert_int_equal(put_radii(&pile, large), PCCD_E_LIMIT);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 12); /* as before */
+    assert_int_equal(put_radii(&pile, NULL), 0);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 0);
+    pccd_close(pile.client);
+}
+
 static void note_radius(void *context, const struct pccd_object_info *info)
 {
     double *radius = context;
@@ -365,15 +421,19 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     assert_int_equal(answer.inside, PAIRS);
     assert_int_equal(move(&pile, 1, 0.375f, NULL, &answer, NULL), 0);
     assert_int_equal(answer.total, 0); /* the separation was of one step */
+    assert_int_equal(set_radius(&pile, pile.lower, 0), 0);
+    assert_int_equal(put_radii(&pile, (const double[3]){0.25, 0.125, 0}), 0);
+    assert_int_equal(move(&pile, 1, 0.3125f, NULL, &answer, NULL), 0);
+    assert_int_equal(answer.total, 12);
     pccd_close(pile.client);
-    assert_int_equal(test_recording_repeats("--json", test_recording, 5), 5);
+    assert_int_equal(test_recording_repeats("--json", test_recording, 6), 6);
     assert_int_equal(test_recording_repeats("--json --url direct: --method paper",
-                                            test_recording, 5),
-                     5);
+                                            test_recording, 6),
+                     6);
     assert_int_equal(test_ctl("verify", "--sample 1000 --json", test_recording, said,
                               sizeof said),
                      0);
-    assert_int_equal(test_ctl_number(said, "contacts"), 3 * PAIRS);
+    assert_int_equal(test_ctl_number(said, "contacts"), 3 * PAIRS + 12);
     assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
 }
 
@@ -392,6 +452,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thick__meets_at_the_sum_of_radii_and_separation),
         cmocka_unit_test(thick__says_what_begins_within_the_distance),
+        cmocka_unit_test(thick__vertices_have_radii),
         cmocka_unit_test(thick__goes_as_far_as_is_safe),
         cmocka_unit_test(thick__refuses_what_cannot_be),
         cmocka_unit_test(thick__comes_back_with_another_daemon),

@@ -52,6 +52,19 @@ class Thick(Case):
             self.assertEqual((total, inside, crowded), (15, 15, True))
             self.assertAlmostEqual(safe, 0.5, delta=1e-8)
 
+    # If this failed, Python could not make a hem thicker than the cloth.
+    def test_thick__vertices_have_radii(self):
+        scene = self.client.scene_create()
+        thick = self.client.mesh_create(at(0), FACE, radii=[0.75, 0, 0])
+        self.client.scene_add(scene, thick)
+        upper = self.client.scene_add(scene, self.client.mesh_create(at(0), FACE))
+        total, _, _, safe = self.fall(self.client, scene, upper)
+        self.assertEqual(total, 10)  # all with the thick face, edges and vertex
+        self.assertAlmostEqual(safe, 0.5, delta=1e-8)
+        self.fails(pccd.Status.E_INVAL, self.client.mesh_create, at(0), FACE, [1.0])
+        self.fails(pccd.Status.E_INVAL, self.client.mesh_create, at(0), FACE,
+                   [0, -1.0, 0])
+
     # If this failed, who goes where he is told to would be in what he must not touch.
     def test_thick__goes_as_far_as_is_safe(self):
         for dtype in (np.float32, np.float64):

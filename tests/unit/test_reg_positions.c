@@ -77,7 +77,7 @@ static struct registry_object *make(struct prng *prng, struct registry *registry
     struct registry_object *object;
 
     fill(prng, &whole, x);
-    mesh = registry_mesh_copy(x, format, VERTICES, faces, 1);
+    mesh = registry_mesh_copy(x, format, VERTICES, faces, 1, NULL);
     assert_true(scene != NULL && mesh != NULL);
     assert_int_equal(registry_put_mesh(registry, 2, mesh, 1), 0);
     object = registry_add_object(scene, mesh, 3, 1);

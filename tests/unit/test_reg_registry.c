@@ -24,7 +24,7 @@ static const struct registry_settings plain = {.rebuild_ratio = 0.5, .name = ""}
 static struct registry_mesh *triangle(void)
 {
     struct registry_mesh *made =
-        registry_mesh_copy(corners, PCCD_FORMAT_F32, 3, faces, 1);
+        registry_mesh_copy(corners, PCCD_FORMAT_F32, 3, faces, 1, NULL);
 
     assert_non_null(made);
     return made;

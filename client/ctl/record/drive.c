@@ -61,9 +61,15 @@ static int make_mesh(struct drive *drive, const struct registry_mesh *mesh, uint
                      uint32_t *made, struct ctl_error *error)
 {
     pccd_want(drive->client, want);
-    int status = pccd_mesh_create(
-        drive->client, mesh->x, (enum pccd_format)mesh->format, mesh->vertex_count,
-        (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count, made, NULL);
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = mesh->x,
+                                        .format = (enum pccd_format)mesh->format,
+                                        .vertex_count = mesh->vertex_count,
+                                        .triangle_count = mesh->triangle_count,
+                                        .triangles = mesh->triangles[0],
+                                        .radii = mesh->radii};
+    *made = 0;
+    int status = pccd_mesh_put(drive->client, &data, made, NULL);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded mesh", error);
     }
@@ -237,18 +243,19 @@ static int follow_mesh(struct drive *drive, const struct registry *world,
     memcpy(&head, view->payload, sizeof head);
     size_t each = common_vertex_bytes(head.format);
     const void *triangles = x + (head.vertex_count * each + 7) / 8 * 8;
-    uint32_t made = head.mesh;
-    int status;
-    if (registry_mesh(world, head.mesh) != NULL) {
-        status =
-            pccd_mesh_replace(drive->client, head.mesh, x, (enum pccd_format)head.format,
-                              head.vertex_count, triangles, head.triangle_count, NULL);
-    } else {
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x,
+                                        .format = (enum pccd_format)head.format,
+                                        .vertex_count = head.vertex_count,
+                                        .triangle_count = head.triangle_count,
+                                        .triangles = triangles,
+                                        .radii = world_radii(world, head.vertex_count)};
+    bool is_known = registry_mesh(world, head.mesh) != NULL;
+    uint32_t made = is_known ? head.mesh : 0;
+    if (!is_known) {
         pccd_want(drive->client, head.mesh);
-        status = pccd_mesh_create(drive->client, x, (enum pccd_format)head.format,
-                                  head.vertex_count, triangles, head.triangle_count,
-                                  &made, NULL);
     }
+    int status = pccd_mesh_put(drive->client, &data, &made, NULL);
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded mesh", error);
     }
@@ -322,11 +329,16 @@ static int follow_guest(struct drive *drive, const struct registry *world,
         status = pccd_scene_remove(drive->client, head.scene, head.object);
     }
     if (status == PCCD_OK) {
-        status =
-            pccd_mesh_create(drive->client, x, PCCD_FORMAT_F64, head.vertex_count,
-                             (const uint32_t(*)[3])(
-                                 const void *)(x + head.vertex_count * sizeof(double[3])),
-                             head.triangle_count, &mesh, NULL);
+        const struct pccd_mesh_data data = {
+            .struct_bytes = sizeof data,
+            .x = x,
+            .format = PCCD_FORMAT_F64,
+            .vertex_count = head.vertex_count,
+            .triangle_count = head.triangle_count,
+            .triangles = (const uint32_t *)(
+                const void *)(x + head.vertex_count * sizeof(double[3])),
+            .radii = world_radii(world, head.vertex_count)};
+        status = pccd_mesh_put(drive->client, &data, &mesh, NULL);
     }
     if (status != PCCD_OK) {
         return failed(drive, status, "a recorded object", error);

@@ -8,6 +8,7 @@
  */
 #include "verify_meeting.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,9 +18,17 @@
 #include "registry_positions.h"
 #include "verify.h"
 
-double verify_radius(const struct registry_object *object)
+double verify_radius(const struct registry_object *object, const uint32_t *v,
+                     uint32_t count)
 {
-    return object->attributes.radius;
+    double most = 0;
+    if (object->attributes.radius > 0 || object->mesh->radii == NULL) {
+        return object->attributes.radius;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        most = fmax(most, object->mesh->radii[v[i]]);
+    }
+    return most;
 }
 
 /* The registered positions of a pair of one object, as verify_points has them. */
@@ -105,11 +114,15 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
 {
     const struct registry_object *a = registry_object(step->scene, pair->object_a);
     const struct registry_object *b = registry_object(step->scene, pair->object_b);
+    const uint32_t *points = common_kinds[pair->kind].points;
+    const uint32_t *va = verify_feature(a->mesh, points[0], &pair->feature_a);
+    const uint32_t *vb = verify_feature(b->mesh, points[1], &pair->feature_b);
     const struct oracle_thick thick = {
-        .points_a = (int)common_kinds[pair->kind].points[0],
-        .points_b = (int)common_kinds[pair->kind].points[1],
+        .points_a = (int)points[0],
+        .points_b = (int)points[1],
         .p = (const double(*)[3])meeting->p,
-        .radius = {verify_radius(a), verify_radius(b), step->separation.separation},
+        .radius = {verify_radius(a, va, points[0]), verify_radius(b, vb, points[1]),
+                   step->separation.separation},
         .approach = step->separation.approach};
     bool is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0 &&
                     (a != b || !is_excluded(a, pair));

@@ -23,7 +23,8 @@ struct verify_meeting {
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);
 
-/* Of all features of an object. */
-double verify_radius(const struct registry_object *object);
+/* Of a feature of an object that has these vertices. */
+double verify_radius(const struct registry_object *object, const uint32_t *v,
+                     uint32_t count);
 
 #endif

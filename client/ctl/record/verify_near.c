@@ -138,15 +138,16 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = verify_feature(object->mesh, points[0], &feature);
-    double near_by = verify_radius(object) + draw->step->separation.separation;
+    double near_by = verify_radius(object, own, points[0]) +
+                     draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct registry_object *other = &scene->objects[i];
-        struct box box = box_of(object, own, points[0]);
-        widen(&box, near_by + verify_radius(other));
         uint32_t count = verify_feature_count(other->mesh, points[1]);
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
             const uint32_t *v = verify_feature(other->mesh, points[1], &f);
             struct box near = box_of(other, v, points[1]);
+            struct box box = box_of(object, own, points[0]);
+            widen(&box, near_by + verify_radius(other, v, points[1]));
             if (!meet(&box, &near) ||
                 (other == object && share(own, points[0], v, points[1]))) {
                 continue;

@@ -9,6 +9,7 @@
 #include "world.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "coordinates.h"
@@ -36,6 +37,34 @@ static int twice(struct ctl_error *error, const char *what, uint32_t handle)
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
+const double *world_radii(const struct registry *world, uint32_t vertex_count)
+{
+    return world->next_radii_count == vertex_count ? world->next_radii : NULL;
+}
+
+static void forget_radii(struct registry *world)
+{
+    free(world->next_radii);
+    world->next_radii = NULL;
+    world->next_radii_count = 0;
+}
+
+static int follow_radii(struct registry *world, const struct record_view *view,
+                        struct ctl_error *error)
+{
+    struct record_radii head;
+    memcpy(&head, view->payload, sizeof head);
+    forget_radii(world);
+    world->next_radii = malloc((head.vertex_count + 1) * sizeof *world->next_radii);
+    if (world->next_radii == NULL) {
+        return no_memory(error);
+    }
+    memcpy(world->next_radii, (const uint8_t *)view->payload + sizeof head,
+           head.vertex_count * sizeof *world->next_radii);
+    world->next_radii_count = head.vertex_count;
+    return PCCD_OK;
+}
+
 static int follow_mesh(struct registry *world, const struct record_view *view,
                        struct ctl_error *error)
 {
@@ -45,7 +74,8 @@ static int follow_mesh(struct registry *world, const struct record_view *view,
     size_t x_bytes = head.vertex_count * common_vertex_bytes(head.format);
     struct registry_mesh *copy =
         registry_mesh_copy(x, head.format, head.vertex_count, x + (x_bytes + 7) / 8 * 8,
-                           head.triangle_count);
+                           head.triangle_count, world_radii(world, head.vertex_count));
+    forget_radii(world);
     return copy != NULL && registry_put_mesh(world, head.mesh, copy, 0) == 0
                ? PCCD_OK
                : no_memory(error);
@@ -124,7 +154,8 @@ static int follow_guest(struct registry *world, const struct record_view *view,
     }
     struct registry_mesh *copy = registry_mesh_copy(
         x, PCCD_FORMAT_F64, head.vertex_count, x + head.vertex_count * sizeof(double[3]),
-        head.triangle_count);
+        head.triangle_count, world_radii(world, head.vertex_count));
+    forget_radii(world);
     struct registry_object *object =
         copy != NULL ? registry_put_guest(world, scene, head.object, copy) : NULL;
     if (object == NULL) {
@@ -246,6 +277,8 @@ int world_follow(struct registry *world, const struct record_view *view,
                  struct ctl_error *error)
 {
     switch (view->kind) {
+    case RECORD_RADII:
+        return follow_radii(world, view, error);
     case RECORD_MESH:
         return follow_mesh(world, view, error);
     case RECORD_SCENE:

@@ -56,27 +56,39 @@ class Scenes:
 
     # -- meshes --
 
-    def mesh_create(self, x: ArrayLike, triangles: ArrayLike) -> int:
-        """Register a mesh, x: (n, 3) float32 or float64, triangles: (m, 3) vertex
-        indices. Copied. E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL."""
+    def _mesh_put(self, mesh: int, x: ArrayLike, triangles: ArrayLike,
+                  radii: Optional[ArrayLike]) -> int:
         vertices, faces = pack_vertices("x", x), pack_triangles(triangles)
-        mesh, info = ctypes.c_uint32(), abi.pccd_mesh_info()
-        self._check(lib.pccd_mesh_create(
-            self._handle, vertices.ctypes.data, format_of(vertices.dtype), len(vertices),
-            faces.ctypes.data, len(faces), byref(mesh), byref(info)))
-        self._infos[mesh.value] = MeshInfo.of(info)
-        return mesh.value
+        data, info = with_size(abi.pccd_mesh_data()), abi.pccd_mesh_info()
+        data.x, data.format = vertices.ctypes.data, format_of(vertices.dtype)
+        data.vertex_count, data.triangle_count = len(vertices), len(faces)
+        data.triangles = faces.ctypes.data
+        if radii is not None:
+            thick = np.ascontiguousarray(radii, np.float64)
+            if thick.shape != (len(vertices),):
+                raise refusal(Status.E_INVAL, f"radii is {thick.shape}, not "
+                              f"({len(vertices)},)")
+            data.radii = thick.ctypes.data
+        made = ctypes.c_uint32(mesh)
+        self._check(lib.pccd_mesh_put(self._handle, byref(data), byref(made),
+                                      byref(info)))
+        self._infos[made.value] = MeshInfo.of(info)
+        return made.value
 
-    def mesh_replace(self, mesh: int, x: ArrayLike, triangles: ArrayLike) -> Any:
+    def mesh_create(self, x: ArrayLike, triangles: ArrayLike,
+                    radii: Optional[ArrayLike] = None) -> int:
+        """Register a mesh, x: (n, 3) float32 or float64, triangles: (m, 3) vertex
+        indices, radii: (n,), of vertices, for objects without a radius of their own.
+        Copied. E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL."""
+        return self._mesh_put(0, x, triangles, radii)
+
+    def mesh_replace(self, mesh: int, x: ArrayLike, triangles: ArrayLike,
+                     radii: Optional[ArrayLike] = None) -> Any:
         """Give a mesh, and every object made of it, other vertices and triangles, at the
         positions given here; on failure they go on as they were. Its MeshInfo."""
-        vertices, faces = pack_vertices("x", x), pack_triangles(triangles)
-        mesh, info = u32("mesh", mesh), abi.pccd_mesh_info()
-        self._check(lib.pccd_mesh_replace(
-            self._handle, mesh, vertices.ctypes.data, format_of(vertices.dtype),
-            len(vertices), faces.ctypes.data, len(faces), byref(info)))
-        self._infos[mesh] = MeshInfo.of(info)
-        return self._infos[mesh]
+        if u32("mesh", mesh) == 0:
+            raise refusal(Status.E_HANDLE, "there is no mesh 0")
+        return self._infos[self._mesh_put(mesh, x, triangles, radii)]
 
     def mesh_info(self, mesh: int) -> Any:
         """The MeshInfo of when the mesh was made or replaced last."""

@@ -78,6 +78,8 @@ const uint32_t (*eng_mesh_edges(const struct eng_mesh *mesh))[2];
 
 /* Registered positions [vertex_count], exactly as they came. */
 const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3];
+/* Radii of vertices [vertex_count]; NULL: there are none. */
+const double *eng_mesh_radii(const struct eng_mesh *mesh);
 /* The corners of all triangles of a committed mesh, to corners[triangle_count]. */
 void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3]);
 

@@ -279,6 +279,11 @@ const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3]
     return (const double(*)[3])mesh->x;
 }
 
+const double *eng_mesh_radii(const struct eng_mesh *mesh)
+{
+    return mesh->radii;
+}
+
 void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3])
 {
     assert(mesh->committed && corners);

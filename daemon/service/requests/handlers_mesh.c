@@ -21,7 +21,7 @@
 /* Copied at a time, and then it is the turn of others: 0.2 ms, page faults included. */
 #define PART_ITEMS 16384u
 
-enum { PART_VERTICES = 0, PART_TRIANGLES = 1, PART_COUNT = 2 };
+enum { PART_VERTICES = 0, PART_TRIANGLES = 1, PART_RADII = 2, PART_COUNT = 3 };
 
 /* The mesh of a handle; NULL with the error set: there is none, or it is busy. */
 static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
@@ -115,8 +115,25 @@ int srv_on_MESH_REPLACE(struct srv_call *call)
 
 static uint64_t item_bytes_of(const struct proto_MESH_DATA_request *data)
 {
-    return data->part == PART_VERTICES ? common_vertex_bytes(data->format)
-                                       : sizeof(uint32_t[3]);
+    return data->part == PART_VERTICES    ? common_vertex_bytes(data->format)
+           : data->part == PART_TRIANGLES ? sizeof(uint32_t[3])
+                                          : sizeof(double);
+}
+
+static int write_items(struct eng_mesh *engine, const struct proto_MESH_DATA_request *data,
+                       uint32_t first, uint32_t count, const uint8_t *payload,
+                       uint32_t *bad_triangle)
+{
+    switch (data->part) {
+    case PART_VERTICES:
+        return eng_mesh_write_vertices(engine, (enum pccd_format)data->format, first,
+                                       count, payload);
+    case PART_TRIANGLES:
+        return eng_mesh_write_triangles(engine, first, count, payload, bad_triangle);
+    default: /* slots are aligned to 8 bytes */
+        return eng_mesh_write_radii(engine, first, count,
+                                    (const double *)(const void *)payload);
+    }
 }
 
 /* Copy the next part of a chunk from its slot into the engine's mesh. */
@@ -129,11 +146,7 @@ static int copy_part(struct srv_request *request, struct eng_mesh *engine)
     uint32_t bad_triangle = 0;
     const uint8_t *payload = request->payload + request->items_done * item_bytes_of(data);
     request->items_done += count;
-    int status =
-        data->part == PART_VERTICES
-            ? eng_mesh_write_vertices(engine, (enum pccd_format)data->format, first,
-                                      count, payload)
-            : eng_mesh_write_triangles(engine, first, count, payload, &bad_triangle);
+    int status = write_items(engine, data, first, count, payload, &bad_triangle);
     switch (status) {
     case PCCD_OK:
         return 0;
@@ -145,6 +158,13 @@ static int copy_part(struct srv_request *request, struct eng_mesh *engine)
         return proto_error_set(&request->error, PCCD_E_NOTFINITE,
                                "a vertex from %u to %u is not finite or beyond 1e18",
                                data->first, data->first + data->count - 1);
+    case PCCD_E_INVAL:
+    case PCCD_E_LIMIT:
+        return proto_error_set(&request->error, status,
+                               "a radius from vertex %u to %u is %s", data->first,
+                               data->first + data->count - 1,
+                               status == PCCD_E_LIMIT ? "beyond 1e18"
+                                                      : "negative or not finite");
     case PCCD_E_STATE:
         return proto_error_set(&request->error, PCCD_E_STATE,
                                eng_mesh_is_committed(engine)
@@ -204,7 +224,9 @@ static int work_data(struct srv_request *request)
     uint32_t triangles = 0;
     eng_mesh_received(engine, &vertices, &triangles);
     request->result.MESH_DATA.received =
-        data->part == PART_VERTICES ? vertices : triangles;
+        data->part == PART_VERTICES    ? vertices
+        : data->part == PART_TRIANGLES ? triangles
+                                       : data->first + data->count;
     return 0;
 }
 
@@ -217,12 +239,12 @@ static int check_chunk(struct srv_call *call, const struct srv_shape *shape,
         return proto_error_set(&call->error, PCCD_E_INVAL, "unknown part %u or format %u",
                                data->part, data->format);
     }
-    bool vertices = data->part == PART_VERTICES;
-    uint32_t limit = vertices ? shape->vertex_count : shape->triangle_count;
+    bool triangles = data->part == PART_TRIANGLES;
+    uint32_t limit = triangles ? shape->triangle_count : shape->vertex_count;
     if (data->count < 1 || data->first >= limit || data->count > limit - data->first) {
         return proto_error_set(
             &call->error, PCCD_E_INVAL, "%u %s from %u on; mesh 0x%x has %u", data->count,
-            vertices ? "vertices" : "triangles", data->first, data->mesh, limit);
+            triangles ? "triangles" : "vertices", data->first, data->mesh, limit);
     }
     uint64_t item_bytes = item_bytes_of(data);
     if (data->count > ring->slot_stride / item_bytes) {

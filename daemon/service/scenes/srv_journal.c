@@ -120,6 +120,21 @@ void srv_journal_end(struct srv_scene *scene, const struct srv_member *member)
 
 /* ---- objects ----------------------------------------------------------------------- */
 
+static void note_radii(struct srv_journal *journal, const struct eng_mesh *mesh,
+                       uint32_t vertex_count)
+{
+    const double *radii = eng_mesh_radii(mesh);
+    const struct proto_journal_radii head = {.vertex_count = vertex_count};
+    uint64_t bytes = vertex_count * sizeof *radii;
+    uint8_t *to = radii != NULL
+                      ? append(journal, PROTO_JOURNAL_RADII, 0, sizeof head + bytes)
+                      : NULL;
+    if (to != NULL) {
+        memcpy(to, &head, sizeof head);
+        memcpy(to + sizeof head, radii, bytes);
+    }
+}
+
 static void note_object(struct srv_journal *journal, const struct srv_scene *scene,
                         const struct srv_placed *placed)
 {
@@ -128,6 +143,7 @@ static void note_object(struct srv_journal *journal, const struct srv_scene *sce
     eng_mesh_get_info(mesh, &info);
     const struct proto_journal_object head = {info.vertex_count, info.triangle_count};
     uint64_t x_bytes = info.vertex_count * sizeof(double[3]);
+    note_radii(journal, mesh, info.vertex_count);
     uint8_t *to =
         append(journal, PROTO_JOURNAL_OBJECT, placed->handle,
                sizeof head + x_bytes + info.triangle_count * sizeof(uint32_t[3]));
