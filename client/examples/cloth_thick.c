@@ -4,7 +4,7 @@
  * Room:     client/examples. May include: pccd.h.
  * Does:     ask which features come within their distance on the way, move those apart
  *           along the normals, ask again; then go as far as is safe. After each frame it
- *           looks whether anything is nearer than the thickness allows, or crosses.
+ *           looks whether anything is nearer than that, or crosses.
  * Threads:  one.
  *
  *     cloth_thick [FRAMES [FILE]]     FILE: a recording, for pccdctl render
@@ -14,8 +14,8 @@
 enum { SIDE = 24, CLOTH = SIDE * SIDE, VERTICES = 2 * CLOTH, ROUNDS = 8 };
 enum { SHEET = 2 * (SIDE - 1) * (SIDE - 1), TRIANGLES = 2 * SHEET };
 #define RADIUS 0.3
-#define FALL   5e-5 /* gravity, in units per frame squared */
-#define THICK  2e-3 /* half the cloth's thickness; an edge is 0.043 */
+#define FALL   5e-5               /* gravity, in units per frame squared */
+#define THICK  2e-3               /* half the cloth's thickness; an edge is 0.043 */
 #define APART  (2 * THICK * 1.05) /* where the response brings what meets */
 
 static double x[VERTICES][3], was[VERTICES][3], end[VERTICES][3], next[VERTICES][3];
@@ -66,8 +66,7 @@ static void check(struct pccd_client *client, uint32_t scene)
 
 int main(int argc, char **argv)
 {
-    const struct pccd_object_settings thick = {.struct_bytes = sizeof thick,
-                                               .what = PCCD_OBJECT_RADIUS,
+    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS,
                                                .radius = THICK};
     const unsigned long long frames = argc > 1 ? strtoull(argv[1], NULL, 10) : 200;
     struct pccd_motion motion = {
@@ -94,7 +93,6 @@ int main(int argc, char **argv)
     for (unsigned long long frame = 0; frame < frames; frame++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
         double part = 0;
-
         sheet_predict(SIDE, x, was, end, FALL);
         memcpy(was, x, sizeof x);
         for (int round = 0; round < ROUNDS; round++) {
@@ -113,9 +111,8 @@ int main(int argc, char **argv)
         memcpy(x, next, sizeof x);
         check(client, scene);
     }
-    printf("%llu frames, %llu contacts, %llu frames went less than the whole way, nothing "
-           "is nearer than %g\n",
-           frames, met, short_of, 2 * THICK);
+    printf("%llu frames, %llu not the whole way, %llu contacts, nothing nearer than %g\n",
+           frames, short_of, met, 2 * THICK);
     free(edges);
     pccd_close(client);
     return met == 0;
