@@ -58,7 +58,8 @@ struct eng_worker *model_walker_begin(struct model_walker *walker)
     eng_paper_work_begin(walker->worker);
     if (walker->settings.near) {
         model_must(eng_near_work_reserve(walker->worker) == PCCD_OK, "distances");
-        eng_near_work_begin(walker->worker);
+        const struct eng_name_range range = eng_near_range(walker->scene);
+        eng_near_work_begin(walker->worker, &range);
     }
     walker->worker->thread = 0;
     return walker->worker;
