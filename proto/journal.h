@@ -20,8 +20,7 @@
  * | PAIRS | struct proto_journal_pairs, u32[2] each: handles of two objects |
  * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
  * |      | table (shm.h), all of it x0x1 and double, and positions |
- * | SEPARATION | struct proto_journal_separation; before a STEP alone, and not before one |
- * |      | of which both are 0 |
+ * | SEPARATION | struct proto_journal_separation; before a STEP, unless both are 0 |
  * | RADII | struct proto_journal_radii, double each; before an OBJECT that has any |
  * | NEAR | struct proto_journal_near, then the same; of this session alone: what others |
  * |      | ask is not noted, and what they move at that is a STEP |
@@ -35,12 +34,12 @@
 #include "pccd_types.h"
 
 enum proto_journal_kind {
-    PROTO_JOURNAL_OBJECT = 1, /* was added, or got another shape */
-    PROTO_JOURNAL_GONE = 2,   /* was removed, or its session has left */
-    PROTO_JOURNAL_FILTER = 3, /* has these attributes from now on */
-    PROTO_JOURNAL_PAIRS = 4,  /* ignore each other from now on, or not any more */
-    PROTO_JOURNAL_STEP = 5,   /* the scene was moved on */
-    PROTO_JOURNAL_NEAR = 6,   /* this session has asked what is near */
+    PROTO_JOURNAL_OBJECT = 1,     /* was added, or got another shape */
+    PROTO_JOURNAL_GONE = 2,       /* was removed, or its session has left */
+    PROTO_JOURNAL_FILTER = 3,     /* has these attributes from now on */
+    PROTO_JOURNAL_PAIRS = 4,      /* ignore each other from now on, or not any more */
+    PROTO_JOURNAL_STEP = 5,       /* the scene was moved on */
+    PROTO_JOURNAL_NEAR = 6,       /* this session has asked what is near */
     PROTO_JOURNAL_SEPARATION = 7, /* at which distance pairs meet in the step behind it */
     PROTO_JOURNAL_RADII = 8       /* of the vertices of the object behind it */
 };

@@ -159,11 +159,11 @@ static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *d
         status = cli_check_thick(client, "mesh.data");
     }
     if (status == 0 && client->ring.upload.base == NULL) {
-        status = cli_ring_reserve(client,
-                                  first_slot_bytes(client, data->format,
-                                                   data->vertex_count,
-                                                   data->triangle_count),
-                                  cli_deadline(client, -1));
+        status =
+            cli_ring_reserve(client,
+                             first_slot_bytes(client, data->format, data->vertex_count,
+                                              data->triangle_count),
+                             cli_deadline(client, -1));
     }
     return status;
 }
@@ -193,8 +193,8 @@ static void arrays_of(uint32_t mesh, const struct pccd_mesh_data *data,
 }
 
 /* Announce, upload and commit; arrays[].mesh is set to the new handle. */
-static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS], uint32_t want,
-                     struct proto_MESH_COMMIT_result *result)
+static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS],
+                     uint32_t want, struct proto_MESH_COMMIT_result *result)
 {
     struct proto_MESH_CREATE_request request = {
         .vertex_count = arrays[0].count, .triangle_count = arrays[1].count, .want = want};

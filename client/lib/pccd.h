@@ -373,10 +373,11 @@ struct pccd_scene_news {
     uint64_t hash[2]; /* as in struct pccd_answer */
 };
 
-/* What an object may meet, and how thick it is. Two objects of a scene are tested against each other if
- * a.group & b.mask and b.group & a.mask are not 0, and the pair is not ignored; an object
- * is tested against itself if its self_collision is on. At first group is 1, mask all
- * bits, self_collision on. An object keeps its settings when its mesh is replaced.
+/* What an object may meet, and how thick it is. Two objects of a scene are tested against
+ * each other if a.group & b.mask and b.group & a.mask are not 0, and the pair is not
+ * ignored; an object is tested against itself if its self_collision is on. At first group
+ * is 1, mask all bits, self_collision on. An object keeps its settings when its mesh is
+ * replaced.
  *
  * Thick features meet at a distance. For example, cloth of 2 mm has the radius 1e-3 (in
  * metres): it touches a body of radius 0 when their surfaces are 1 mm apart, and itself

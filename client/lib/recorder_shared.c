@@ -184,8 +184,7 @@ static int write_radii(struct pccd_client *client, const uint8_t *at, uint64_t b
         return PCCD_E_BADMSG;
     }
     radii.vertex_count = from.vertex_count;
-    parts[1] =
-        (struct record_part){at + sizeof from, from.vertex_count * sizeof(double)};
+    parts[1] = (struct record_part){at + sizeof from, from.vertex_count * sizeof(double)};
     return cli_record_add(client, RECORD_RADII, parts, 2);
 }
 

@@ -61,8 +61,8 @@ int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *he
         {zeros, (8 - bytes % 8) % 8},
         {triangles, head->triangle_count * sizeof(uint32_t[3])}};
     const struct record_radii count = {.vertex_count = head->vertex_count};
-    const struct record_part before[] = {
-        {&count, sizeof count}, {radii, head->vertex_count * sizeof *radii}};
+    const struct record_part before[] = {{&count, sizeof count},
+                                         {radii, head->vertex_count * sizeof *radii}};
     int status = radii != NULL ? add(client, RECORD_RADII, before, 2) : 0;
 
     return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
@@ -79,9 +79,8 @@ static int write_meshes(struct pccd_client *client)
                                          .vertex_count = mesh->vertex_count,
                                          .triangle_count = mesh->triangle_count};
 
-        status =
-            cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, mesh->radii,
-                                cli_record_add);
+        status = cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, mesh->radii,
+                                     cli_record_add);
     }
     return status;
 }
@@ -259,11 +258,10 @@ static int write_frame(struct pccd_client *client, const struct cli_call *call)
     int status = cli_record_separation(client, request->separation, request->approach);
 
     client->recorder->segment_frames++;
-    return status != 0
-               ? status
-               : write_motion(client, call, RECORD_FRAME, request->tuning,
-                        (struct record_part){&frame, sizeof frame},
-                        request->segments > 0);
+    return status != 0 ? status
+                       : write_motion(client, call, RECORD_FRAME, request->tuning,
+                                      (struct record_part){&frame, sizeof frame},
+                                      request->segments > 0);
 }
 
 int cli_record_step(struct pccd_client *client, const struct cli_call *call)

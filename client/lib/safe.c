@@ -26,7 +26,9 @@ static int check(struct pccd_client *client, const struct pccd_motion *motions,
 {
     if (part == NULL || (motion_count > 0 && (motions == NULL || x == NULL))) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
-                        part == NULL ? "part" : motions == NULL ? "motions" : "x");
+                        part == NULL      ? "part"
+                        : motions == NULL ? "motions"
+                                          : "x");
     }
     for (uint32_t i = 0; i < motion_count; i++) {
         const struct pccd_motion *motion = &motions[i];

@@ -67,7 +67,9 @@ uint32_t record_payload_feature(uint16_t kind, const void *payload)
     }
     memcpy(&filter, payload, RECORD_FILTER_BYTES);
     return record_kind_feature(kind) |
-           ((COMMON_OBJECT_BITS(filter.what) & COMMON_OBJECT_THICK) != 0 ? RECORD_FEATURE_THICK : 0);
+           ((COMMON_OBJECT_BITS(filter.what) & COMMON_OBJECT_THICK) != 0
+                ? RECORD_FEATURE_THICK
+                : 0);
 }
 
 uint32_t record_kind_feature(uint16_t kind)
@@ -299,8 +301,8 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
     chunk.header_sum = header_sum(&chunk);
     memcpy(writer->out, &chunk, sizeof chunk);
     memset(body + stored, 0, padded(stored) - stored);
-    status = record_writer_need(writer,
-                                record_payload_feature((uint16_t)kind, writer->raw));
+    status =
+        record_writer_need(writer, record_payload_feature((uint16_t)kind, writer->raw));
     status =
         status != 0 ? status : append(writer, writer->out, sizeof chunk + padded(stored));
     if (status == 0) {

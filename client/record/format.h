@@ -81,7 +81,7 @@
     X(NEAR, 20, "it was asked what is near, after a movement or without")                \
     X(NEAR_ANSWER, 21, "that was answered")                                              \
     X(NEAR_RECORDS, 22, "records of that answer")                                        \
-    X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")         \
+    X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),

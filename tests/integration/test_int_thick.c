@@ -53,10 +53,10 @@ static void make(struct pile *pile)
     assert_int_equal(pccd_mesh_create(pile->client, x, PCCD_FORMAT_F32, 3, triangle, 1,
                                       &pile->mesh, NULL),
                      0);
-    assert_int_equal(
-        pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->lower), 0);
-    assert_int_equal(
-        pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->upper), 0);
+    assert_int_equal(pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->lower),
+                     0);
+    assert_int_equal(pccd_scene_add(pile->client, pile->scene, pile->mesh, &pile->upper),
+                     0);
 }
 
 static void begin(struct pile *pile, const char *url)
@@ -109,8 +109,9 @@ static void thick__meets_at_the_sum_of_radii_and_separation(void **state)
 {
     const struct {
         double lower, upper, separation, time; /* time 2: they do not meet */
-    } cases[] = {{0.3, 0.3, 0, 0.8},   {0.3, 0.3, 0.2, 0.4}, {0, 0, 0.6, 0.8},
-                 {0.6, 0, 0, 0.8},     {0, 0, 0, 2},         {0.25, 0.125, 0, 2},
+    } cases[] = {{0.3, 0.3, 0, 0.8},   {0.3, 0.3, 0.2, 0.4},
+                 {0, 0, 0.6, 0.8},     {0.6, 0, 0, 0.8},
+                 {0, 0, 0, 2},         {0.25, 0.125, 0, 2},
                  {0.25, 0.25, 0, 1.0}, {0.125, 0.125, 0.25, 1.0}};
     struct pccd_answer answer;
     struct pccd_contact first;
@@ -197,9 +198,8 @@ static void thick__refuses_what_cannot_be(void **state)
         assert_non_null(strstr(pccd_error_text(pile.client), "radius"));
         settings.what = PCCD_OBJECT_REST_DISTANCE;
         settings.rest_distance = bad[i];
-        assert_int_equal(
-            pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
-            PCCD_E_INVAL);
+        assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &settings),
+                         PCCD_E_INVAL);
         assert_non_null(strstr(pccd_error_text(pile.client), "rest_distance"));
         step.separation = bad[i];
         assert_int_equal(move(&pile, 1, 1, &step, &answer, NULL), PCCD_E_INVAL);
@@ -302,7 +302,8 @@ static int put_radii(struct pile *pile, const double radii[3])
 /* If it failed, a cloth with a thick hem would be as thick everywhere, or nowhere. */
 static void thick__vertices_have_radii(void **state)
 {
-    const double radii[3] = {0.25, 0.125, 0}, bad[3] = {0, -1, 0}, large[3] = {0, 0, 2e18};
+    const double radii[3] = {0.25, 0.125, 0}, bad[3] = {0, -1, 0},
+                 large[3] = {0, 0, 2e18};
     struct pccd_answer answer;
     struct pile pile;
 
@@ -391,9 +392,8 @@ static void thick__is_recorded_repeated_and_verified(void **state)
 {
     const struct pccd_record_settings kept = {.contacts = 1};
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
-    struct pccd_object_settings rest = {.struct_bytes = sizeof rest,
-                                        .what = PCCD_OBJECT_REST_RINGS,
-                                        .rest_rings = 2};
+    struct pccd_object_settings rest = {
+        .struct_bytes = sizeof rest, .what = PCCD_OBJECT_REST_RINGS, .rest_rings = 2};
     struct pccd_answer answer;
     struct pile pile = {.client = test_connect(test_shared.url)};
     char said[4096];
@@ -406,8 +406,7 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     assert_int_equal(move(&pile, 1, 0.5f, NULL, &answer, NULL), 0);
     assert_int_equal(features_of(test_recording) & RECORD_FEATURE_THICK, 0);
     assert_int_equal(set_radius(&pile, pile.lower, 0.25), 0);
-    assert_int_equal(
-        pccd_object_set(pile.client, pile.scene, pile.lower, &rest), 0);
+    assert_int_equal(pccd_object_set(pile.client, pile.scene, pile.lower, &rest), 0);
     settings.separation = 0.5;
     assert_int_equal(move(&pile, 1, 0.5f, &settings, &answer, NULL), 0);
     assert_int_equal(answer.total, PAIRS);
@@ -427,12 +426,11 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     assert_int_equal(answer.total, 12);
     pccd_close(pile.client);
     assert_int_equal(test_recording_repeats("--json", test_recording, 6), 6);
-    assert_int_equal(test_recording_repeats("--json --url direct: --method paper",
-                                            test_recording, 6),
-                     6);
-    assert_int_equal(test_ctl("verify", "--sample 1000 --json", test_recording, said,
-                              sizeof said),
-                     0);
+    assert_int_equal(
+        test_recording_repeats("--json --url direct: --method paper", test_recording, 6),
+        6);
+    assert_int_equal(
+        test_ctl("verify", "--sample 1000 --json", test_recording, said, sizeof said), 0);
     assert_int_equal(test_ctl_number(said, "contacts"), 3 * PAIRS + 12);
     assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
 }

@@ -178,13 +178,13 @@ static void print_object(void *context, const struct pccd_object_info *info)
     json_array_append_new(
         printer->array,
         json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:s, s:s, s:b, s:f, s:f, s:I}",
-                  "session",
-                  (json_int_t)printer->session, "scene", (json_int_t)printer->scene,
-                  "object", (json_int_t)info->object, "mesh", (json_int_t)info->mesh,
-                  "triangles", (json_int_t)info->triangles, "owner",
-                  (json_int_t)info->owner, "group", group, "mask", mask, "self_collision",
-                  info->self_collision, "radius", info->radius, "rest_distance",
-                  info->rest_distance, "rest_rings", (json_int_t)info->rest_rings));
+                  "session", (json_int_t)printer->session, "scene",
+                  (json_int_t)printer->scene, "object", (json_int_t)info->object, "mesh",
+                  (json_int_t)info->mesh, "triangles", (json_int_t)info->triangles,
+                  "owner", (json_int_t)info->owner, "group", group, "mask", mask,
+                  "self_collision", info->self_collision, "radius", info->radius,
+                  "rest_distance", info->rest_distance, "rest_rings",
+                  (json_int_t)info->rest_rings));
 }
 
 static void print_pair(void *context, const struct pccd_ignored_pair *pair)

@@ -335,8 +335,8 @@ static int follow_guest(struct drive *drive, const struct registry *world,
             .format = PCCD_FORMAT_F64,
             .vertex_count = head.vertex_count,
             .triangle_count = head.triangle_count,
-            .triangles = (const uint32_t *)(
-                const void *)(x + head.vertex_count * sizeof(double[3])),
+            .triangles = (const uint32_t *)(const void *)(x + head.vertex_count *
+                                                                  sizeof(double[3])),
             .radii = world_radii(world, head.vertex_count)};
         status = pccd_mesh_put(drive->client, &data, &mesh, NULL);
     }
@@ -448,16 +448,16 @@ static int begin_frame(struct drive *drive, uint32_t scene, uint32_t segment_cou
 static int submit(struct drive *drive, const struct record_frame *frame,
                   const uint8_t *slot, uint64_t *step)
 {
-    const struct pccd_step_settings settings = {.struct_bytes =
-                                                    sizeof(struct pccd_step_settings),
-                                                .mode = (enum pccd_mode)frame->mode,
-                                                .method = (enum pccd_method)frame->method,
-                                                .threads = frame->threads,
-                                                .tuning = drive->tuning,
-                                                .tolerance = frame->tolerance,
-                                                .deadline_ns = frame->deadline_ns,
-                                                .separation = drive->separation.separation,
-                                                .approach = drive->separation.approach};
+    const struct pccd_step_settings settings = {
+        .struct_bytes = sizeof(struct pccd_step_settings),
+        .mode = (enum pccd_mode)frame->mode,
+        .method = (enum pccd_method)frame->method,
+        .threads = frame->threads,
+        .tuning = drive->tuning,
+        .tolerance = frame->tolerance,
+        .deadline_ns = frame->deadline_ns,
+        .separation = drive->separation.separation,
+        .approach = drive->separation.approach};
     struct pccd_frame made;
     if (frame->segment_count == 0) {
         return pccd_submit_still(drive->client, frame->scene, &settings, step);

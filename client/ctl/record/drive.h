@@ -15,10 +15,10 @@
 struct drive {
     struct pccd_client *client; /* the caller's */
     bool is_begun;
-    char tuning[PCCD_TUNING_BYTES]; /* of the next step; the caller's to set */
+    char tuning[PCCD_TUNING_BYTES];      /* of the next step; the caller's to set */
     struct record_separation separation; /* likewise */
-    struct pccd_answer answer;      /* of the last step: numbers; no records */
-    void *records;                  /* ours: those that were collected */
+    struct pccd_answer answer;           /* of the last step: numbers; no records */
+    void *records;                       /* ours: those that were collected */
     uint64_t record_count;
     size_t record_room; /* bytes */
 };

@@ -104,8 +104,7 @@ static bool is_excluded(const struct registry_object *object,
                         const struct pccd_pair *pair)
 {
     const struct common_attributes *is = &object->attributes;
-    return (is->rest_distance > 0 &&
-            is_nearer(object->mesh, pair, is->rest_distance)) ||
+    return (is->rest_distance > 0 && is_nearer(object->mesh, pair, is->rest_distance)) ||
            (is->rest_rings > 0 && are_joined(object->mesh, pair, is->rest_rings));
 }
 
@@ -117,21 +116,20 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
     const uint32_t *points = common_kinds[pair->kind].points;
     const uint32_t *va = verify_feature(a->mesh, points[0], &pair->feature_a);
     const uint32_t *vb = verify_feature(b->mesh, points[1], &pair->feature_b);
-    const struct oracle_thick thick = {
-        .points_a = (int)points[0],
-        .points_b = (int)points[1],
-        .p = (const double(*)[3])meeting->p,
-        .radius = {verify_radius(a, va, points[0]), verify_radius(b, vb, points[1]),
-                   step->separation.separation},
-        .approach = step->separation.approach};
+    const struct oracle_thick thick = {.points_a = (int)points[0],
+                                       .points_b = (int)points[1],
+                                       .p = (const double(*)[3])meeting->p,
+                                       .radius = {verify_radius(a, va, points[0]),
+                                                  verify_radius(b, vb, points[1]),
+                                                  step->separation.separation},
+                                       .approach = step->separation.approach};
     bool is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0 &&
                     (a != b || !is_excluded(a, pair));
     verify_points(step->scene, pair, meeting->p);
     meeting->first = is_thick ? oracle_thick_first_new(&thick)
                               : oracle_first_new((enum oracle_kind)pair->kind, thick.p);
-    bool at_once =
-        meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
+    bool at_once = meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
     bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
-    meeting->flags = (at_once ? (uint32_t)PCCD_INITIAL : 0) |
-                     (is_inside ? (uint32_t)PCCD_INSIDE : 0);
+    meeting->flags =
+        (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
 }

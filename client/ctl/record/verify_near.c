@@ -119,8 +119,7 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     }
     draw->left--;
     verify_meet(draw->step, pair, &meeting);
-    bool is_right =
-        meeting.first == NULL || may_be_left_out(draw->step, meeting.first);
+    bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first);
     oracle_first_free(meeting.first);
     if (!is_right) {
         return verify_wrong(draw->witness, draw->step, pair,
@@ -138,8 +137,8 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = verify_feature(object->mesh, points[0], &feature);
-    double near_by = verify_radius(object, own, points[0]) +
-                     draw->step->separation.separation;
+    double near_by =
+        verify_radius(object, own, points[0]) + draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct registry_object *other = &scene->objects[i];
         uint32_t count = verify_feature_count(other->mesh, points[1]);

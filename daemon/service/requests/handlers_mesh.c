@@ -120,9 +120,9 @@ static uint64_t item_bytes_of(const struct proto_MESH_DATA_request *data)
                                           : sizeof(double);
 }
 
-static int write_items(struct eng_mesh *engine, const struct proto_MESH_DATA_request *data,
-                       uint32_t first, uint32_t count, const uint8_t *payload,
-                       uint32_t *bad_triangle)
+static int write_items(struct eng_mesh *engine,
+                       const struct proto_MESH_DATA_request *data, uint32_t first,
+                       uint32_t count, const uint8_t *payload, uint32_t *bad_triangle)
 {
     switch (data->part) {
     case PART_VERTICES:
@@ -160,11 +160,10 @@ static int copy_part(struct srv_request *request, struct eng_mesh *engine)
                                data->first, data->first + data->count - 1);
     case PCCD_E_INVAL:
     case PCCD_E_LIMIT:
-        return proto_error_set(&request->error, status,
-                               "a radius from vertex %u to %u is %s", data->first,
-                               data->first + data->count - 1,
-                               status == PCCD_E_LIMIT ? "beyond 1e18"
-                                                      : "negative or not finite");
+        return proto_error_set(
+            &request->error, status, "a radius from vertex %u to %u is %s", data->first,
+            data->first + data->count - 1,
+            status == PCCD_E_LIMIT ? "beyond 1e18" : "negative or not finite");
     case PCCD_E_STATE:
         return proto_error_set(&request->error, PCCD_E_STATE,
                                eng_mesh_is_committed(engine)
@@ -223,10 +222,10 @@ static int work_data(struct srv_request *request)
     uint32_t vertices = 0;
     uint32_t triangles = 0;
     eng_mesh_received(engine, &vertices, &triangles);
-    request->result.MESH_DATA.received =
-        data->part == PART_VERTICES    ? vertices
-        : data->part == PART_TRIANGLES ? triangles
-                                       : data->first + data->count;
+    request->result.MESH_DATA.received = data->part == PART_VERTICES ? vertices
+                                         : data->part == PART_TRIANGLES
+                                             ? triangles
+                                             : data->first + data->count;
     return 0;
 }
 

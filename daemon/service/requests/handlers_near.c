@@ -71,6 +71,11 @@ static int explain(struct srv_request *request, int status,
             near->open_object, near->open_runs[0], near->open_edge[0], near->open_edge[1],
             near->open_runs[1]);
     }
+    if (status == PCCD_E_LIMIT) {
+        return proto_error_set(&request->error, status,
+                               "distance and the radii of a pair are together beyond %g",
+                               PROTO_COORDINATE_MAX);
+    }
     return proto_error_set(&request->error, status, "scene.near: %s",
                            proto_status_text(status));
 }
