@@ -75,7 +75,8 @@ def main():
         moves = pccd.Motions()
         moves.x0x1(handle, x, end)  # reads the arrays as they are then
         for frame in range(frames):
-            end[:count] = relax(x[:count] + 0.98 * (x - was)[:count] - (0, 0, FALL), links)
+            free = x + 0.98 * (x - was) - (0, 0, FALL)
+            end[:count] = relax(free[:count], links)
             was[:] = x
             for _ in range(ROUNDS):
                 with client.step(scene, moves) as answer:

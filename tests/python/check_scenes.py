@@ -86,7 +86,8 @@ class Filters(Case):
     # If this failed, what a client says of its objects would not be what is tested.
     def test_objects__meet_what_they_may(self):
         client, scene = self.client, self.scene
-        self.assertEqual(client.object_get(scene, self.tent), (1, 2**64 - 1, True, 0, 0, 0))
+        self.assertEqual(client.object_get(scene, self.tent),
+                         (1, 2**64 - 1, True, 0, 0, 0))
         both = self.total()
         self.assertEqual(client.object_set(scene, self.tent, self_collision=False),
                          (1, 2**64 - 1, False, 0, 0, 0))
@@ -130,7 +131,8 @@ class Filters(Case):
             os.kill(pid, signal.SIGKILL)
             self.assertTrue(ends(pid))
             self.assertEqual(self.total(), 0 if ignored else others)
-            self.assertEqual(client.object_get(scene, self.tent), (6, 2**64 - 1, False, 0, 0, 0))
+            self.assertEqual(client.object_get(scene, self.tent),
+                             (6, 2**64 - 1, False, 0, 0, 0))
 
 
 class Shared(Case):

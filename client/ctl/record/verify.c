@@ -83,46 +83,7 @@ bool verify_has(const struct play_step *step, const struct pccd_pair *pair)
     return false;
 }
 
-/* ---- features ---------------------------------------------------------------------- */
-
-const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
-                               const uint32_t *feature)
-{
-    if (*feature >= verify_feature_count(mesh, points)) {
-        return NULL;
-    }
-    return points == 1   ? feature
-           : points == 2 ? mesh->edges[*feature]
-                         : mesh->triangles[*feature];
-}
-
-uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points)
-{
-    return points == 1   ? mesh->vertex_count
-           : points == 2 ? mesh->edge_count
-                         : mesh->triangle_count;
-}
-
-void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
-                   double p[8][3])
-{
-    const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t handles[2] = {pair->object_a, pair->object_b};
-    const uint32_t features[2] = {pair->feature_a, pair->feature_b};
-    uint32_t at = 0;
-    for (int side = 0; side < 2; side++) {
-        const struct registry_object *object = registry_object(scene, handles[side]);
-        const uint32_t *v = verify_feature(object->mesh, points[side], &features[side]);
-        for (uint32_t i = 0; i < points[side]; i++, at++) {
-            memcpy(p[at], object->x0[v[i]], sizeof p[at]);
-            memcpy(p[4 + at], object->x1[v[i]], sizeof p[4 + at]);
-        }
-    }
-    for (; at < 4; at++) {
-        memcpy(p[at], p[at - 1], sizeof p[at]);
-        memcpy(p[4 + at], p[3 + at], sizeof p[4 + at]);
-    }
-}
+/* ---- records ---------------------------------------------------------------------- */
 
 /* Whether a pair names two features that there are and that may touch; else why not. */
 static const char *misnamed(const struct registry_scene *scene,

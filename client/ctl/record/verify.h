@@ -61,15 +61,6 @@ int verify_distances(const struct play_near *near, struct verify_counts *counts,
 
 /* Whether the answer holds the pair. */
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
-/* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
- * there is none of that index. A vertex is its own. */
-uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points);
-const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
-                               const uint32_t *feature);
-/* The eight points of a pair of features that exist, in the order of oracle.h; a kind of
- * fewer repeats the last. */
-void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
-                   double p[8][3]);
 /* *witness, with the exact time of the pair's contact if it has one. Returns false. */
 bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
                   const struct pccd_pair *pair, const char *format, ...)

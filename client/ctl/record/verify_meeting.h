@@ -19,6 +19,15 @@ struct verify_meeting {
     uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
 };
 
+/* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
+ * there is none of that index. A vertex is its own. */
+uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points);
+const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
+                               const uint32_t *feature);
+/* The eight points of a pair of features that exist, in the order of oracle.h; a kind of
+ * fewer repeats the last. */
+void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
+                   double p[8][3]);
 /* The mesh of either object has its edges (world_edges). */
 void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                  struct verify_meeting *meeting);

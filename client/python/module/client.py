@@ -173,7 +173,8 @@ class Client(Observe):
             motion = motions._structs[k]
             Motions._check(f"x[{k}]", array, (motion.count, 3))
             if format_of(array.dtype) != motion.format or not array.flags.writeable:
-                raise refusal(Status.E_INVAL, f"x[{k}] is {array.dtype}, or not writeable")
+                raise refusal(Status.E_INVAL,
+                              f"x[{k}] is {array.dtype}, or not writeable")
         to = (ctypes.c_void_p * max(len(x), 1))(*(array.ctypes.data for array in x))
         part, answer = ctypes.c_double(), self._new_answer()
         self._check(lib.pccd_step_safe(self._handle, u32("scene", scene),
