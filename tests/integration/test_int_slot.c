@@ -373,7 +373,9 @@ static void mesh__chunks_that_do_not_fit_are_refused(void **state)
     assert_int_equal(send_chunk(handle, 0, 0, SLOT_BYTES / 12 + 1), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, 19999, 2), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, UINT32_MAX, 2), PCCD_E_INVAL);
-    assert_int_equal(send_chunk(handle, 2, 0, 1), PCCD_E_INVAL);
+    assert_int_equal(send_chunk(handle, 3, 0, 1), PCCD_E_INVAL);
+    assert_int_equal(send_chunk(handle, 2, 19999, 2), PCCD_E_INVAL); /* radii */
+    assert_int_equal(send_chunk(handle, 2, 0, SLOT_BYTES / 8 + 1), PCCD_E_INVAL);
     assert_int_equal(send_chunk(handle, 0, 5, 1), PCCD_E_STATE); /* leaves a gap */
     assert_int_equal(send_chunk(handle + 77, 0, 0, 1), PCCD_E_HANDLE);
     for (uint32_t first = 0; first < 20000; first += 5000) {

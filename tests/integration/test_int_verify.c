@@ -371,7 +371,7 @@ static void verify__shows_what_is_wrong(void **state)
         [FORGE_INVENTED] = "a contact is claimed to be proved, and there is none",
         [FORGE_LATE] = "the first contact is before the record's time",
         [FORGE_EARLY] = "the first contact is after the record's time",
-        [FORGE_INITIAL] = "touch at t = 0 is claimed wrongly",
+        [FORGE_INITIAL] = "meet at t = 0, or begin within their distance, is claimed",
         [FORGE_HASH] = "the recorded hash is not that of the recorded records",
         [FORGE_MOTION] = "there is none",
         [FORGE_MASK] = "the record's objects may not meet each other",
