@@ -525,7 +525,8 @@ struct pccd_answer {
      * known: of an incomplete answer, and of mode any or pairs that is not empty. To go
      * there, see pccd_step_safe. */
     double safe_step;
-    uint64_t inside; /* records with PCCD_INSIDE; in modes any and pairs 0 */
+    uint64_t inside; /* records with PCCD_INSIDE, but for those with PCCD_INITIAL, too; in
+                      * modes any and pairs 0 */
     bool crowded;    /* there are thick pairs, and more than half of the records have
                       * PCCD_INITIAL or PCCD_INSIDE: mostly a radius above the length of
                       * the edges, for which rest_rings and rest_distance are */

@@ -113,6 +113,9 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
         eng_detect_count(team, memory->threads.items, &result->times, &result->counters);
     eng_detect_count_thick(team, &result->thick);
     result->counters.exact += result->thick.exact;
+    result->counters.thick_candidates = result->thick.candidates;
+    result->counters.thick_survivors = result->thick.survivors;
+    result->counters.thick_exact = result->thick.exact;
     result->counters.rigid_objects = team->scene->rigid.objects;
     struct eng_effort *effort = &memory->effort[result->method];
     if (result->incomplete == PCCD_COMPLETE && team->prunes) {

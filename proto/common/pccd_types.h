@@ -251,6 +251,11 @@ struct pccd_step_counters {
     uint64_t still_pairs;    /* pairs of nodes or features left out: neither moves */
     uint64_t kept_records;   /* of pairs that stand, from the last answer of this mode */
     uint64_t rigid_objects;  /* whose poses prove that they do not meet themselves */
+    /* Of the candidates, those that meet at a distance above 0; how many of these were
+     * asked one by one; how many of these needed exact arithmetic. */
+    uint64_t thick_candidates;
+    uint64_t thick_survivors;
+    uint64_t thick_exact;
 };
 
 #define PCCD_HASH_VERSION 2u /* of answers: PROTOCOL.md, "The hash of an answer" */

@@ -63,6 +63,10 @@
     X(F, kept_records, OPT, counters.kept_records,                                       \
       "records of what stands still, from the last answer")                              \
     X(F, rigid_objects, OPT, counters.rigid_objects,                                     \
-      "objects whose rigid motion proves that they do not meet themselves")
+      "objects whose rigid motion proves that they do not meet themselves")              \
+    X(F, thick_candidates, OPT, counters.thick_candidates,                               \
+      "candidates that meet at a distance above 0")                                      \
+    X(F, thick_survivors, OPT, counters.thick_survivors, "of these, asked one by one")   \
+    X(F, thick_exact, OPT, counters.thick_exact, "of these, by exact arithmetic")
 
 #endif

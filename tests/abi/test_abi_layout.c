@@ -230,7 +230,7 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_times, low, 56);
     AT(pccd_step_times, high, 64);
     AT(pccd_step_times, rebuild, 72);
-    SIZE(pccd_step_counters, 184);
+    SIZE(pccd_step_counters, 208);
     AT(pccd_step_counters, task_units, 0);
     AT(pccd_step_counters, box_tests, 8);
     AT(pccd_step_counters, leaf_pairs, 16);
@@ -247,13 +247,15 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_counters, still_pairs, 160);
     AT(pccd_step_counters, kept_records, 168);
     AT(pccd_step_counters, rigid_objects, 176);
+    AT(pccd_step_counters, thick_candidates, 184);
+    AT(pccd_step_counters, thick_exact, 200);
 }
 
 /* If this failed, a program would read an answer's members at the wrong places. */
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 624);
+    SIZE(pccd_answer, 648);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -277,17 +279,17 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, tuning, 204);
     AT(pccd_answer, times, 272);
     AT(pccd_answer, counters, 352);
-    AT(pccd_answer, is_near, 536);
-    AT(pccd_answer, what, 540);
-    AT(pccd_answer, near, 544);
-    AT(pccd_answer, vertex_bounds, 552);
-    AT(pccd_answer, distance_min, 560);
-    AT(pccd_answer, distance_max, 568);
-    AT(pccd_answer, crossings, 576);
-    AT(pccd_answer, reserved, 584);
-    AT(pccd_answer, safe_step, 600);
-    AT(pccd_answer, inside, 608);
-    AT(pccd_answer, crowded, 616);
+    AT(pccd_answer, is_near, 560);
+    AT(pccd_answer, what, 564);
+    AT(pccd_answer, near, 568);
+    AT(pccd_answer, vertex_bounds, 576);
+    AT(pccd_answer, distance_min, 584);
+    AT(pccd_answer, distance_max, 592);
+    AT(pccd_answer, crossings, 600);
+    AT(pccd_answer, reserved, 608);
+    AT(pccd_answer, safe_step, 624);
+    AT(pccd_answer, inside, 632);
+    AT(pccd_answer, crowded, 640);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

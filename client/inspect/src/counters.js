@@ -24,6 +24,9 @@ const TEXTS = {
   still_pairs: "pairs of nodes or features left out: neither moves",
   kept_records: "records of what stands still, from the last answer",
   rigid_objects: "rigid objects that were not tested against themselves",
+  thick_candidates: "pairs that meet at a distance above 0",
+  thick_survivors: "of these, asked one by one",
+  thick_exact: "of these, by exact arithmetic",
 };
 
 function course(values) {

@@ -63,6 +63,8 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->still_pairs += answer->still_pairs;
     counters->kept_records += answer->kept_records;
     counters->rigid_objects += answer->rigid_objects;
+    counters->thick_candidates += answer->thick_candidates;
+    counters->steps_crowded += answer->crowded;
 }
 
 void srv_metrics_add_near(struct srv_metrics *metrics,
