@@ -140,5 +140,5 @@ int ctl_cmd_export(int argc, char **argv)
     }
     still_deinit(&still);
     play_options_deinit(&export.options);
-    return ctl_exit_of(status, true);
+    return (int)ctl_exit_of(status, true);
 }

@@ -250,5 +250,5 @@ int ctl_cmd_inspect(int argc, char **argv)
         ctl_error_tell(&error);
     }
     play_options_deinit(&command.options);
-    return ctl_exit_of(status, true);
+    return (int)ctl_exit_of(status, true);
 }

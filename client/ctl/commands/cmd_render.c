@@ -392,5 +392,5 @@ int ctl_cmd_render(int argc, char **argv)
     }
     still_deinit(&still);
     play_options_deinit(&render.options);
-    return ctl_exit_of(status, true);
+    return (int)ctl_exit_of(status, true);
 }

@@ -326,5 +326,5 @@ int ctl_cmd_replay(int argc, char **argv)
         ctl_error_tell(&error);
     }
     play_options_deinit(&replay.options);
-    return ctl_exit_of(status, replay.differ == 0);
+    return (int)ctl_exit_of(status, replay.differ == 0);
 }

@@ -262,5 +262,5 @@ int ctl_cmd_verify(int argc, char **argv)
         ctl_error_tell(&error);
     }
     play_options_deinit(&verification.options);
-    return ctl_exit_of(status, !verification.has_failed);
+    return (int)ctl_exit_of(status, !verification.has_failed);
 }
