@@ -100,6 +100,7 @@ static int fill_mesh(struct pccd_client *client, const struct upload arrays[PART
     struct cli_flight flight = {.client = client};
     int status = 0;
 
+    /* One array at a time: a daemon whose queue is short refuses what comes at once. */
     for (int part = 0; status == 0 && part < PARTS; part++) {
         status = cli_flight_end(&flight, send_array(&flight, &arrays[part]));
     }
@@ -362,17 +363,25 @@ int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked
     return status;
 }
 
+static struct pccd_mesh_data without_radii(const void *x, enum pccd_format format,
+                                           uint32_t vertex_count,
+                                           const uint32_t (*triangles)[3],
+                                           uint32_t triangle_count)
+{
+    return (struct pccd_mesh_data){.struct_bytes = sizeof(struct pccd_mesh_data),
+                                   .x = x,
+                                   .format = format,
+                                   .vertex_count = vertex_count,
+                                   .triangle_count = triangle_count,
+                                   .triangles = triangles != NULL ? triangles[0] : NULL};
+}
+
 int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format format,
                      uint32_t vertex_count, const uint32_t (*triangles)[3],
                      uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
 {
-    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
-                                        .x = x,
-                                        .format = format,
-                                        .vertex_count = vertex_count,
-                                        .triangle_count = triangle_count,
-                                        .triangles =
-                                            triangles != NULL ? triangles[0] : NULL};
+    const struct pccd_mesh_data data =
+        without_radii(x, format, vertex_count, triangles, triangle_count);
     uint32_t made = 0;
     int status = pccd_mesh_put(client, &data, mesh != NULL ? &made : NULL, info);
 
@@ -387,13 +396,8 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
                       struct pccd_mesh_info *info)
 {
-    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
-                                        .x = x,
-                                        .format = format,
-                                        .vertex_count = vertex_count,
-                                        .triangle_count = triangle_count,
-                                        .triangles =
-                                            triangles != NULL ? triangles[0] : NULL};
+    const struct pccd_mesh_data data =
+        without_radii(x, format, vertex_count, triangles, triangle_count);
 
     if (client != NULL && mesh == 0) {
         return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");

@@ -665,7 +665,7 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  * (PCCD_INITIAL) leaves no way to go, unless the settings have an `approach`. The answer
  * is that of the whole step, in the mode that was asked for, and the caller's to release;
  * an incomplete one, and mode any or pairs with a hit, are taken for a contact at t = 0.
- * Errors: those of pccd_step; E_INVAL: no x0, x1 or x. */
+ * Errors: those of pccd_step; E_INVAL: no x0, x1 or x, or settings with `hold`. */
 int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    const struct pccd_motion *motions, uint32_t motion_count,
                    const struct pccd_step_settings *settings, void *const *x,

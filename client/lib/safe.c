@@ -1,6 +1,6 @@
 /* safe.c - go as far as nothing meets.
  *
- * Room:     client/lib. May include: step.h.
+ * Room:     client/lib. May include: step.h, struct_size.h.
  * Does:     step to the end, then to rounded positions before what meets there, until a
  *           step to such positions is itself free of contacts.
  * Does not: decide anything: every step is an answer of the daemon.
@@ -13,6 +13,7 @@
 #include "client.h"
 #include "coordinates.h"
 #include "step.h"
+#include "struct_size.h"
 
 /* Rounding moves a position by an ulp, so that the second step is free nearly always. The
  * later ones go half as far as the one before. */
@@ -98,18 +99,20 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
         return PCCD_E_INVAL;
     }
     status = check(client, motions, motion_count, x, part);
+    if (status == 0 && settings != NULL) {
+        status = cli_struct_read(client, "settings of the step", settings, &quick,
+                                 sizeof quick);
+    }
+    if (status == 0 && quick.hold) {
+        status = cli_fail(client, PCCD_E_INVAL,
+                          "step_safe: a step that waits for another client's cannot be "
+                          "tried again");
+    }
     if (status == 0) {
         status = pccd_step(client, scene, motions, motion_count, settings, answer);
     }
     if (status != 0) {
         return status;
-    }
-    if (settings != NULL) {
-        memcpy(&quick, settings,
-               settings->struct_bytes != 0 && settings->struct_bytes < sizeof quick
-                   ? settings->struct_bytes
-                   : sizeof quick);
-        quick.struct_bytes = sizeof quick;
     }
     quick.mode = PCCD_MODE_FIRST;
     shorter = malloc(((size_t)motion_count + 1) * sizeof *shorter);

@@ -275,6 +275,12 @@ static void thick__goes_as_far_as_is_safe(void **state)
     assert_int_equal(answer.inside, PAIRS);
     pccd_answer_release(pile.client, &answer);
     assert_true((double)x[0][2] > 0.125 && (double)x[0][2] < 0.125 + 1e-6);
+    settings.hold = true; /* would wait for somebody else's step */
+    assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
+                                    &part, &answer),
+                     PCCD_E_INVAL);
+    assert_non_null(strstr(pccd_error_text(pile.client), "tried again"));
+    settings.hold = false;
     to[0] = NULL;
     assert_int_equal(pccd_step_safe(pile.client, pile.scene, &motion, 1, &settings, to,
                                     &part, &answer),

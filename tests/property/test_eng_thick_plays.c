@@ -138,16 +138,8 @@ static struct eng_step_settings way(const struct thick_play *play, uint32_t i,
     settings.tolerance = TOLERANCE;
     settings.separation = play->separation;
     settings.approach = play->approach;
-    settings.team_always = true;
-    settings.method = way_methods[i % WAY_METHODS];
-    settings.threads = 1 + i / WAY_METHODS % 2;
-    settings.kernels = way_kernels(i / WAY_METHODS / 2);
+    way_choose(i, &settings);
     return settings;
-}
-
-static uint32_t way_count(void)
-{
-    return WAY_METHODS * 2 * way_kernels_count();
 }
 
 /* Take the step in every way, and compare the first answer with the truth. */

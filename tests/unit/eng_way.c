@@ -32,6 +32,19 @@ uint32_t way_kernels_count(void)
     return count;
 }
 
+uint32_t way_count(void)
+{
+    return WAY_METHODS * 2 * way_kernels_count();
+}
+
+void way_choose(uint32_t i, struct eng_step_settings *settings)
+{
+    settings->team_always = true;
+    settings->method = way_methods[i % WAY_METHODS];
+    settings->threads = 1 + i / WAY_METHODS % 2;
+    settings->kernels = way_kernels(i / WAY_METHODS / 2);
+}
+
 void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings)
 {
     settings->method = way_methods[prng_below(prng, WAY_METHODS)];

@@ -22,6 +22,10 @@ extern const enum pccd_method way_methods[WAY_METHODS];
 uint32_t way_kernels_count(void);
 const struct eng_kernels *way_kernels(uint32_t i);
 
+/* Each method by one thread and by two, with each instruction set, by number. */
+uint32_t way_count(void);
+void way_choose(uint32_t i, struct eng_step_settings *settings);
+
 /* Method, instruction set, threads (1 .. thread_max, however small the work), scheduler,
  * high-level nodes and refit. */
 void way_draw(struct prng *prng, uint32_t thread_max, struct eng_step_settings *settings);

@@ -18,16 +18,8 @@ static struct eng_step_settings way(uint32_t i, enum pccd_mode mode, double sepa
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     settings.mode = mode;
     settings.separation = separation;
-    settings.team_always = true;
-    settings.method = way_methods[i % WAY_METHODS];
-    settings.threads = 1 + i / WAY_METHODS % 2;
-    settings.kernels = way_kernels(i / WAY_METHODS / 2);
+    way_choose(i, &settings);
     return settings;
-}
-
-static uint32_t way_count(void)
-{
-    return WAY_METHODS * 2 * way_kernels_count();
 }
 
 /* Two triangles that lie 1 apart. */

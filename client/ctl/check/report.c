@@ -145,11 +145,11 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
     }
     fprintf(to, "safe step  %.17g\n", answer->safe_step);
     if (answer->crowded) {
-        fputs(
-            "warning    most pairs are within their distance at the start: the thickness "
-            "is\n           above the length of the edges; see --rings and "
-            "--rest-exclusion\n",
-            to);
+        fputs("warning    most pairs are within their distance at the start. Is the "
+              "thickness "
+              "above\n           the length of the edges? See --rings and "
+              "--rest-exclusion\n",
+              to);
     }
 }
 

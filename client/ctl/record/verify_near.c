@@ -137,6 +137,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     const struct registry_scene *scene = draw->step->scene;
     const uint32_t *points = common_kinds[kind].points;
     const uint32_t *own = verify_feature(object->mesh, points[0], &feature);
+    const struct box tight = box_of(object, own, points[0]);
     double near_by =
         verify_radius(object, own, points[0]) + draw->step->separation.separation;
     for (uint32_t i = 0; i < scene->object_count; i++) {
@@ -145,7 +146,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
         for (uint32_t f = 0; registry_may_meet(scene, object, other) && f < count; f++) {
             const uint32_t *v = verify_feature(other->mesh, points[1], &f);
             struct box near = box_of(other, v, points[1]);
-            struct box box = box_of(object, own, points[0]);
+            struct box box = tight;
             widen(&box, near_by + verify_radius(other, v, points[1]));
             if (!meet(&box, &near) ||
                 (other == object && share(own, points[0], v, points[1]))) {

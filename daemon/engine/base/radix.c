@@ -39,6 +39,17 @@ static void insert_all(struct eng_radix_key *items, size_t count)
     }
 }
 
+/* Of how many items have each digit: where the first of them belongs. */
+static void begin_digits(uint32_t *offset, uint64_t mask)
+{
+    uint32_t sum = 0;
+    for (size_t d = 0; d <= mask; d++) {
+        uint32_t n = offset[d];
+        offset[d] = sum;
+        sum += n;
+    }
+}
+
 static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, size_t count,
                  unsigned shift, unsigned bits)
 {
@@ -48,12 +59,7 @@ static void pass(const struct eng_radix_key *from, struct eng_radix_key *to, siz
     for (size_t i = 0; i < count; i++) {
         offset[from[i].key >> shift & mask]++;
     }
-    uint32_t sum = 0;
-    for (size_t d = 0; d <= mask; d++) {
-        uint32_t n = offset[d];
-        offset[d] = sum;
-        sum += n;
-    }
+    begin_digits(offset, mask);
     for (size_t i = 0; i < count; i++) {
         to[offset[from[i].key >> shift & mask]++] = from[i];
     }
@@ -68,12 +74,7 @@ static void word_pass(const uint64_t *from, uint64_t *to, size_t count, unsigned
     for (size_t i = 0; i < count; i++) {
         offset[from[i] >> shift & mask]++;
     }
-    uint32_t sum = 0;
-    for (size_t d = 0; d <= mask; d++) {
-        uint32_t n = offset[d];
-        offset[d] = sum;
-        sum += n;
-    }
+    begin_digits(offset, mask);
     for (size_t i = 0; i < count; i++) {
         to[offset[from[i] >> shift & mask]++] = from[i];
     }
