@@ -380,6 +380,45 @@ static void compute__queue_is_bounded_but_not_for_reaping(void **state)
     assert_int_equal(fixture->run[CAPACITY + 1], 1001);
 }
 
+static void stop_counting(struct srv_job *job, void *context)
+{
+    (void)context;
+    job->counts = false;
+}
+
+/* If it failed, a client that has its answer at a deadline, or whose meshes are being
+ * freed, would be refused the next thing for what nobody waits for: where the queue is
+ * short, in each of its tries. */
+static void compute__what_nobody_waits_for_takes_no_room(void **state)
+{
+    struct fixture *fixture = *state;
+    struct srv_lane lane = {.group = &fixture->group};
+    struct named_job gate;
+    struct named_job jobs[5];
+    block(fixture, &lane, &gate);
+    srv_compute_resize(&fixture->compute, 1);
+    for (int i = 0; i < 5; i++) {
+        name_job(&jobs[i], fixture, i, run_named);
+    }
+    srv_compute_push_reap(&fixture->compute, &lane, &jobs[0].job);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[1].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[2].job),
+                     PCCD_E_BUSY);
+    assert_true(srv_compute_amend(&fixture->compute, &jobs[1].job, stop_counting, NULL));
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[2].job), 0);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[3].job),
+                     PCCD_E_BUSY);
+    assert_true(srv_compute_remove(&fixture->compute, &jobs[2].job));
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[3].job), 0);
+    assert_int_equal(srv_compute_queued(&fixture->compute), 3);
+    sem_post(&fixture->gate);
+    drain(fixture, 4);
+    assert_int_equal(srv_compute_push(&fixture->compute, &lane, &jobs[4].job), 0);
+    drain(fixture, 5);
+    srv_compute_stop(&fixture->compute);
+    assert_int_equal(fixture->run_count, 4);
+}
+
 /* A job taken back must neither run nor be reported, and the others must stay in
  * order. */
 static void compute__removed_jobs_do_not_run(void **state)
@@ -492,6 +531,7 @@ int main(void)
         TEST(compute__others_come_between_the_parts_of_a_job),
         TEST(compute__a_job_can_be_removed_between_its_parts),
         TEST(compute__queue_is_bounded_but_not_for_reaping),
+        TEST(compute__what_nobody_waits_for_takes_no_room),
         TEST(compute__removed_jobs_do_not_run),
         TEST(compute__only_queued_jobs_are_changed),
         TEST(compute__running_job_sees_its_cancel_flag),

@@ -154,6 +154,7 @@ static bool take(struct srv_compute *compute, struct srv_runner *runner)
     }
     update(compute, lane); /* other lanes of the group may be next */
     compute->queued--;
+    compute->counted -= job->counts;
     compute->running++;
     srv_claims_set(job->claims, job->claim_count, true);
     job->next = NULL;
@@ -220,6 +221,7 @@ static void put_back(struct srv_compute *compute, struct srv_job *job)
         lane->last = job;
     }
     compute->queued++;
+    compute->counted += job->counts;
 }
 
 /* Run the job that the runner has taken. True: the list of finished jobs is no longer
@@ -437,13 +439,15 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done)
 
 /* Append to the lane; begin_next then. Locked. */
 static void append(struct srv_compute *compute, struct srv_lane *lane,
-                   struct srv_job *job)
+                   struct srv_job *job, bool counts)
 {
     PCCD_ASSERT(job->state == SRV_JOB_IDLE && !compute->stop);
     job->next = NULL;
     job->lane = lane;
     job->state = SRV_JOB_QUEUED;
+    job->counts = counts;
     compute->queued++;
+    compute->counted += counts;
     compute->has_no_taker = false;
     if (lane->first == NULL) {
         lane->first = job;
@@ -470,11 +474,11 @@ int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
                      struct srv_job *job)
 {
     lock(compute);
-    if (compute->queued >= compute->capacity) {
+    if (compute->counted >= compute->capacity) {
         unlock(compute);
         return PCCD_E_BUSY;
     }
-    append(compute, lane, job);
+    append(compute, lane, job, true);
     begin_next(compute);
     return 0;
 }
@@ -483,7 +487,7 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
                            struct srv_job *job)
 {
     lock(compute);
-    append(compute, lane, job);
+    append(compute, lane, job, false);
     begin_next(compute);
 }
 
@@ -500,6 +504,7 @@ static void unlink_job(struct srv_compute *compute, struct srv_job *job)
         lane->last = before;
     }
     compute->queued--;
+    compute->counted -= job->counts;
     if (before == NULL) {
         lane->first = job->next;
     } else {
@@ -530,7 +535,9 @@ bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
     lock(compute);
     bool queued = job->state == SRV_JOB_QUEUED;
     if (queued) {
+        compute->counted -= job->counts;
         change(job, context);
+        compute->counted += job->counts;
     }
     unlock(compute);
     return queued;

@@ -82,11 +82,13 @@ struct srv_lane {
 
 /* A long job may run in parts, and those of others come between them: after each part it
  * is QUEUED again, the first of its lane, and can be removed.
- * Links, lane and state belong to the queue's lock; the rest to whom the state says. */
+ * Links, lane, state and `counts` belong to the queue's lock; the rest to whom the state
+ * says. */
 struct srv_job {
     struct srv_job *next;
     struct srv_lane *lane;
     enum srv_job_state state;
+    bool counts;        /* towards the capacity of the queue, while it waits */
     srv_job_fn run;     /* [compute] */
     srv_job_fn done;    /* [loop]; may free the job */
     atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
@@ -118,10 +120,11 @@ struct srv_compute {
     struct srv_fairqueue groups;
     struct srv_lane *aside; /* lanes that wait for a claim */
     uint32_t queued;        /* jobs in lanes */
+    uint32_t counted;       /* of these, those that count towards the capacity */
     uint32_t running;       /* taken from them */
     uint32_t long_count;    /* of these */
     bool has_no_taker;      /* all that wait have their share, until something changes */
-    uint32_t capacity;      /* of those pushed by srv_compute_push */
+    uint32_t capacity;      /* of `counted` */
     struct srv_job *done_first;
     struct srv_job *done_last;
     /* [compute]: the list of done jobs is no longer empty */
@@ -164,12 +167,13 @@ bool srv_compute_run_next(struct srv_compute *compute);
 
 void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 
-/* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait already). [loop] */
+/* Returns 0 or PCCD_E_BUSY (`capacity` jobs wait that count). [loop] */
 int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
                      struct srv_job *job);
 
 /* The same without a bound, for jobs that free something: there is at most one of them
- * per thing that was admitted. [loop] */
+ * per thing that was admitted. They do not count: who waits for an answer is not refused
+ * for them. [loop] */
 void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
                            struct srv_job *job);
 
@@ -178,7 +182,8 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
 bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
 
 /* Call `change` of a job that is queued, which cannot begin meanwhile; it stays where it
- * is. false: it was not queued any more, and nothing was called. [loop] */
+ * is. It may change job->counts. false: it was not queued any more, and nothing was
+ * called. [loop] */
 bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
                        void (*change)(struct srv_job *job, void *context), void *context);
 

@@ -480,6 +480,7 @@ static void mark_answered(struct srv_job *job, void *context)
     struct srv_request *request = (struct srv_request *)job;
     const struct early *early = context;
     srv_request_move(request, SRV_REQUEST_EARLY);
+    job->counts = false; /* its client may ask for the next thing */
     request->copy = early->copy;
     request->copy_bytes = early->copy_bytes;
     srv_request_return_slot(request);
