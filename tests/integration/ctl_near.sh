@@ -58,14 +58,15 @@ echo 'f 1 2 3' >>floor.obj
 needle 0.25 0.25 0.5 >above.obj
 needle 0 0 0.5 >corner.obj
 needle 0.25 0.25 -1 >through.obj
-head_row=kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count
+head_row=kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz
 
-# Otherwise a program that reads the report or the CSV would not find the pair that there is.
+# Otherwise a program that reads the report or the CSV would not find the pair that there
+# is, or where.
 ctl near --distance 0.5 --csv rows floor.obj above.obj &&
     grep -q '^near  *1 pair within 0.5: 1 vertex-face$' out &&
     grep -q '^distance  *0.5 to 0.5$' out && grep -q '^answer  *complete$' out &&
     same "$head_row
-vf,vf,2,1,0,0,1,2,,0.5,0.5,1"
+vf,vf,2,1,0,0,1,2,,0.5,0.5,1,0.25,0.25,0,0,1"
 report "pairs: a distance of exactly D is within it"
 
 # Otherwise objects would be taken for frames of one mesh, or D would be rounded up.
@@ -91,7 +92,7 @@ report "direct: and the other method give the same hash"
 ctl near --distance 0.5 --what pairs --json floor.obj corner.obj && pairs=$(json_value total) &&
     ctl near --distance 0.5 --what features --csv rows floor.obj corner.obj &&
     [ "$pairs" -gt 1 ] && same "$head_row
-vv,vv,1,2,0,0,,,,0.5,0.5,$pairs"
+vv,vv,1,2,0,0,,,,0.5,0.5,$pairs,0,0,0,0,-1"
 report "features: pairs at one corner are merged, and counted"
 
 # Otherwise a trust region would be taken from another vertex's bound.
@@ -108,8 +109,8 @@ report "vertices: a bound for each, in the order of files; --csv - keeps the rep
 # Otherwise a surface that is pierced would be called free of intersections.
 ctl near --what crossings --csv rows floor.obj through.obj &&
     grep -q '^intersects yes$' out && grep -q '^crossings  *2$' out && same "$head_row
-ef,,2,1,0,1,0,1,2,0,0,1
-ef,,2,1,0,2,0,1,2,0,0,1"
+ef,,2,1,0,1,0,1,2,0,0,1,0.200000003,0,0,0,0
+ef,,2,1,0,2,0,1,2,0,0,1,0.200000003,0,0,0,0"
 report "crossings: the two edges that pass through"
 
 # Otherwise nobody could be sure of a state without intersections.
@@ -119,7 +120,7 @@ report "crossings: none, and it says so"
 
 # Otherwise two objects' nearest pair would be another one, or be sought too near.
 ctl near --what nearest --csv rows floor.obj above.obj && same "$head_row
-vf,vf,2,1,0,0,1,2,,0.5,0.5,1" && grep -q '^near  *1 nearest pair of two objects: 1 vertex-face$' out &&
+vf,vf,2,1,0,0,1,2,,0.5,0.5,1,0.25,0.25,0,0,1" && grep -q '^near  *1 nearest pair of two objects: 1 vertex-face$' out &&
     ctl near --what nearest --distance 0.25 --json floor.obj above.obj && json total 0 &&
     ctl near --what nearest --gap 0.125 --json floor.obj above.obj &&
     json total 1 gap 0.125 hash null

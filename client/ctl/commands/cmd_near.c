@@ -115,7 +115,8 @@ const struct argp ctl_argp_near = {
         "Each file, PLY or OBJ, is an object of its own. Objects are compared with each "
         "other, and each with itself except for features that share a vertex.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
-        "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count; of vertices object,vertex,bound. "
+        "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices "
+        "object,vertex,bound. "
         "Exit status: 0 when done (the report says what was found, and whether the "
         "answer "
         "is complete), 2 after wrong usage, 3 without a daemon, 4 after any other error.",

@@ -45,7 +45,7 @@ int near_csv_open(struct near_csv *csv, struct ctl_error *error)
     if (status == PCCD_OK) {
         fputs(csv->near->settings.what == PCCD_NEAR_VERTICES
                   ? "object,vertex,bound\n"
-                  : "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count\n",
+                  : "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz\n",
               csv->whole.to);
     }
     return status;
@@ -76,7 +76,7 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     uint32_t b = near_run_place(near, record->object_b);
     if (record->kind >= COMMON_KIND_COUNT || a == near->object_count ||
         b == near->object_count) {
-        fprintf(to, "%" PRIu32 ",,,,,,,,,,,\n", record->kind); /* of a newer daemon */
+        fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,\n", record->kind); /* of a newer daemon */
         return;
     }
     const uint32_t *points = common_kinds[record->kind].points;
@@ -88,7 +88,10 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     for (; printed < POINTS_MAX; printed++) {
         fputc(',', to);
     }
-    fprintf(to, ",%.17g,%.17g,%" PRIu32 "\n", record->d_lo, record->d_hi, record->count);
+    fprintf(to, ",%.17g,%.17g,%" PRIu32, record->d_lo, record->d_hi, record->count);
+    fprintf(to, ",%.9g,%.9g,%.9g,%.9g,%.9g\n", (double)record->param[0],
+            (double)record->param[1], (double)record->direction[0],
+            (double)record->direction[1], (double)record->direction[2]);
 }
 
 /* Bounds of a page, whose first is number page->first of all objects' vertices. */
