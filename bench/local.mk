@@ -29,6 +29,7 @@ bench_scenes_sources = \
     bench/scenes/layers.c \
     bench/scenes/needles.c \
     bench/scenes/passing.c \
+    bench/scenes/over_box.c \
     bench/scenes/overlap.c \
     bench/scenes/partial.c \
     bench/scenes/recorded.c \

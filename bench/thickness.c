@@ -32,37 +32,6 @@ static const struct part {
 static const char *const names[] = {"cloth-20k", "cloth-ball", "cloth-funnel", "n-body",
                                     NULL};
 
-static int compare(const void *a, const void *b)
-{
-    const double *x = a;
-    const double *y = b;
-    return *x < *y ? -1 : *x > *y;
-}
-
-/* Of the sides of all triangles. */
-static double median_edge(const struct bench_frames *frames)
-{
-    const struct bench_scene *scene = frames->scene;
-    size_t count = 0;
-    double *lengths =
-        bench_alloc((size_t)bench_scene_triangles(scene), 3 * sizeof *lengths);
-    for (uint32_t i = 0; i < scene->object_count; i++) {
-        const double(*x)[3] = (const double(*)[3])bench_frames_x(frames, 0, i);
-        for (uint32_t t = 0; t < scene->objects[i].triangle_count; t++) {
-            const uint32_t *v = scene->objects[i].triangles[t];
-            for (int k = 0; k < 3; k++) {
-                const double *a = x[v[k]];
-                const double *b = x[v[(k + 1) % 3]];
-                lengths[count++] = hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
-            }
-        }
-    }
-    qsort(lengths, count, sizeof *lengths, compare);
-    double median = lengths[count / 2];
-    free(lengths);
-    return median;
-}
-
 static void report(const char *name, const struct bench_samples ms[PARTS],
                    const struct eng_step_result results[PARTS],
                    const struct bench_samples ns[PARTS])
@@ -94,7 +63,7 @@ static void measure(const struct bench_scene *scene, uint32_t repeats)
     struct bench_world worlds[PARTS];
     struct bench_frames frames;
     bench_frames_init(&frames, scene, scene->hard_frame);
-    double edge = median_edge(&frames);
+    double edge = bench_frames_median_edge(&frames);
     for (size_t i = 0; i < PARTS; i++) {
         bench_world_init(&worlds[i], &frames, NULL);
     }

@@ -4,6 +4,7 @@
 # make bench-peers                             tables of all scenes
 # make bench-peers BENCH_ARGS=--json           one JSON line a row
 # make bench-near BENCH_ARGS=cloth-ball        what is near, of one scene
+# make bench-allowed BENCH_ARGS=cloth-ball     how much of a step is safe
 #
 # The only C++ here, and built only where configure has found a library: apt-get install
 # libembree-dev libfcl-dev libbullet-dev libcgal-dev
@@ -33,15 +34,37 @@ bench_peers_near_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/peers
 bench_peers_near_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
 bench_peers_near_LINK = $(LINK) $(OPENMP_CFLAGS)
 bench_peers_near_LDADD = $(bench_engine_libs) liboracle.la $(GMP_LIBS)
+
+# How much of a step is safe at a distance.
+check_PROGRAMS += bench/peers/allowed
+bench_peers_allowed_SOURCES = \
+    bench/peers/allowed.c \
+    bench/peers/near_judge.h \
+    bench/peers/near_ours.c \
+    bench/peers/near_ours.h \
+    bench/peers/near_peer.h \
+    bench/peers/swept.c \
+    bench/peers/swept.h \
+    $(bench_engine_sources)
+bench_peers_allowed_CPPFLAGS = $(bench_peers_near_CPPFLAGS)
+bench_peers_allowed_CXXFLAGS = $(bench_peers_near_CXXFLAGS)
+bench_peers_allowed_LINK = $(bench_peers_near_LINK)
+bench_peers_allowed_LDADD = $(bench_peers_near_LDADD)
+
 if HAVE_IPC_TOOLKIT
 bench_peers_near_SOURCES += bench/peers/ipc_toolkit.cc
 bench_peers_near_CPPFLAGS += -DPEERS_IPC_TOOLKIT
 bench_peers_near_LDADD += $(IPC_TOOLKIT_LIBS) -lstdc++
+bench_peers_allowed_SOURCES += bench/peers/ipc_toolkit.cc
 endif
 
 .PHONY: bench-near
 bench-near: bench/peers/near$(EXEEXT)
 	@$(AM_TESTS_ENVIRONMENT) bench/peers/near $(BENCH_ARGS)
+
+.PHONY: bench-allowed
+bench-allowed: bench/peers/allowed$(EXEEXT)
+	@$(AM_TESTS_ENVIRONMENT) bench/peers/allowed $(BENCH_ARGS)
 
 if HAVE_PEERS
 check_PROGRAMS += bench/peers/peers

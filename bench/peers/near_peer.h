@@ -3,7 +3,8 @@
  * Room:     bench/peers; C and C++. May include: the C library.
  * Does:     define what goes into a library and what is taken from it: the pairs of a
  *           vertex and a face, and of two edges, that are nearer than a distance and
- *           share no vertex; the closest features of these; a bound for each vertex.
+ *           share no vertex; the closest features of these; a bound for each vertex; how
+ *           much of a step leaves all of them farther apart than a distance.
  * Does not: know the engine, or any library.
  * Threads:  one.
  */
@@ -71,7 +72,16 @@ struct near_peer {
                           uint64_t *relabelled);
 };
 
+/* Ways in which ipc-toolkit tests a pair that moves. */
+enum near_way { NEAR_ADDITIVE, NEAR_TIGHT_INCLUSION, NEAR_WAYS };
+
 extern const struct near_peer near_ipc_toolkit;
+
+/* Of what near_ipc_toolkit.open has returned: from the scene's positions straight to x1,
+ * which share of the way, 0 .. 1, it allows if all pairs are to stay farther apart than
+ * r. All is within it: boxes, candidates, tests. */
+double near_ipc_toolkit_allowed(void *self, const double (*x1)[3], double r,
+                                enum near_way way);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 #!/bin/bash
 # smoke.sh - the other libraries still build, run, and find one set of pairs; ours finds
-# what is near (TAP).
+# what is near, and how much of a step is safe (TAP).
 #
 # With tiny scenes; the times mean nothing here.
 
@@ -33,5 +33,10 @@ else
     [ "$(grep -c 'ipc-toolkit, features' "$log")" -ge 3 ]
     tap_result $? bench_near__asks_ipc_toolkit "$log"
 fi
+
+# If this failed, a step that is said to be safe would be compared with a wrong one.
+"$top_builddir"/bench/peers/allowed --smoke over-box >"$log" 2>&1 &&
+    grep -q 'ours: allowed' "$log"
+tap_result $? bench_allowed__is_just_before_the_true_share "$log"
 
 tap_end

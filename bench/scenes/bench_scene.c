@@ -90,6 +90,36 @@ double bench_frames_diagonal(const struct bench_frames *frames)
     return sqrt(square);
 }
 
+static int compare_lengths(const void *a, const void *b)
+{
+    const double *x = a;
+    const double *y = b;
+    return *x < *y ? -1 : *x > *y;
+}
+
+double bench_frames_median_edge(const struct bench_frames *frames)
+{
+    const struct bench_scene *scene = frames->scene;
+    size_t count = 0;
+    double *lengths =
+        bench_scene_alloc((size_t)bench_scene_triangles(scene), 3 * sizeof *lengths);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const double(*x)[3] = (const double(*)[3])bench_frames_x(frames, 0, i);
+        for (uint32_t t = 0; t < scene->objects[i].triangle_count; t++) {
+            const uint32_t *v = scene->objects[i].triangles[t];
+            for (int k = 0; k < 3; k++) {
+                const double *a = x[v[k]];
+                const double *b = x[v[(k + 1) % 3]];
+                lengths[count++] = hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+            }
+        }
+    }
+    qsort(lengths, count, sizeof *lengths, compare_lengths);
+    double median = lengths[count / 2];
+    free(lengths);
+    return median;
+}
+
 uint64_t bench_scene_triangles(const struct bench_scene *scene)
 {
     uint64_t count = 0;

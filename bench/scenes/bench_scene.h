@@ -68,6 +68,8 @@ static inline double (*bench_frames_x(const struct bench_frames *frames, int end
 
 /* Of the box around all start positions. */
 double bench_frames_diagonal(const struct bench_frames *frames);
+/* Of the sides of all triangles at the start. */
+double bench_frames_median_edge(const struct bench_frames *frames);
 
 uint64_t bench_scene_triangles(const struct bench_scene *scene);
 void bench_scene_free(struct bench_scene *scene);

@@ -34,6 +34,9 @@ void bench_make_needles(struct bench_scene *scene, bool small);
 /* passing.c: two bodies of 9800 triangles, apart at first, one in the other at last. */
 void bench_make_passing(struct bench_scene *scene, bool small);
 
+/* over_box.c: a cloth of 392 triangles comes down on a box of 12. */
+void bench_make_over_box(struct bench_scene *scene);
+
 /* breaking.c: a body (object 0) hits another (object 1), which breaks into pieces that
  * fly, tumble and fall on the ground (object 2). Until then object 1 is one closed
  * surface, in the place of the pieces' outer sides. */

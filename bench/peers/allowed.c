@@ -1,0 +1,293 @@
+/* allowed.c - how much of a step is safe at a distance, asked of us and of ipc-toolkit.
+ *
+ * Room:     bench/peers; engine headers.
+ * Does:     ask both for the share of a step's way on which all pairs stay farther apart
+ *           than r; let exact arithmetic bracket the true share; time both by turns.
+ * Does not: time ipc-toolkit's building of its mesh, or ours of trees, which stay. Boxes
+ *           are within the time of both.
+ * Threads:  one.
+ *
+ * The true share is the time at which the first pair is at r. Ours names that pair, and
+ * exact arithmetic says when it is there: after our share, and when at the latest. That
+ * no other pair is sooner is what tests of the engine show. What another method allows is
+ * compared with that.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "families.h"
+#include "near_ours.h"
+#include "oracle_thick.h"
+#include "report.h"
+#include "swept.h"
+
+#define REPEATS_MAX 9u
+#define BUDGET_NS   3000000000u /* for one quantity; it has one repeat at least */
+
+static const bool has_peer =
+#ifdef PEERS_IPC_TOOLKIT
+    true;
+#else
+    false;
+#endif
+static const char *const way_names[NEAR_WAYS] = {"additive", "tight inclusion"};
+static const char *const usual[] = {"cloth-20k", "cloth-ball", "cloth-funnel", "n-body",
+                                    NULL};
+#define SHARE 1e-2 /* of the median edge: one r, unless a scene has its own */
+
+struct quantity {
+    struct bench_samples ms;
+    uint64_t spent_ns;
+    double allowed;
+};
+
+struct run {
+    char name[80]; /* of the scene, with r */
+    struct bench_world *world;
+    const struct bench_frames *frames;
+    const struct peer_input *features;
+    double r;
+    void *theirs; /* NULL: there is no other library */
+    struct eng_step_result found;
+    struct quantity ours;
+    struct quantity others[NEAR_WAYS];
+};
+
+static void keep(struct quantity *quantity, uint64_t begin_ns, double allowed)
+{
+    uint64_t ns = common_now_ns() - begin_ns;
+    quantity->spent_ns += ns;
+    quantity->allowed = allowed;
+    bench_add(&quantity->ms, 1e-6 * (double)ns);
+}
+
+static void ask_ours(struct run *run)
+{
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_FIRST);
+    settings.method = PCCD_METHOD_WIDE;
+    settings.separation = run->r;
+    uint64_t begin_ns = common_now_ns();
+    bench_world_step(run->world, run->frames, &settings, &run->found);
+    keep(&run->ours, begin_ns, run->found.safe_step);
+    bench_check(run->found.incomplete == PCCD_COMPLETE, run->name, "incomplete");
+}
+
+static void ask_other(struct run *run, enum near_way way)
+{
+    uint64_t begin_ns = common_now_ns();
+    double allowed = 0;
+#ifdef PEERS_IPC_TOOLKIT
+    allowed = near_ipc_toolkit_allowed(run->theirs, (const double(*)[3])run->frames->x[1],
+                                       run->r, way);
+#endif
+    keep(&run->others[way], begin_ns, allowed);
+}
+
+/* ---- the true share ---------------------------------------------------------------- */
+
+/* The pair of `contact`: its points at both ends, as the oracle wants them. */
+static void load(const struct run *run, const struct pccd_contact *contact,
+                 struct oracle_thick *thick, double p[8][3])
+{
+    bool is_face = contact->kind == PCCD_VF;
+    uint32_t points[2] = {is_face ? 1 : 2, is_face ? 3 : 2};
+    const struct peer_features *tables[2] = {
+        is_face ? &run->features->vertices : &run->features->edges,
+        is_face ? &run->features->faces : &run->features->edges};
+    uint32_t object[2] = {contact->object_a, contact->object_b};
+    uint32_t feature[2] = {contact->feature_a, contact->feature_b};
+    uint32_t n = 0;
+    for (int side = 0; side < 2; side++) {
+        uint32_t index =
+            peers_index(run->world, points[side], object[side], feature[side]);
+        for (uint32_t k = 0; k < points[side]; k++, n++) {
+            uint32_t v = tables[side]->corners[index][k];
+            memcpy(p[n], run->frames->x[0][v], sizeof p[n]);
+            memcpy(p[4 + n], run->frames->x[1][v], sizeof p[n]);
+        }
+    }
+    *thick = (struct oracle_thick){.points_a = (int)points[0],
+                                   .points_b = (int)points[1],
+                                   .p = (const double(*)[3])p,
+                                   .radius = {0, 0, run->r}};
+}
+
+static const struct pccd_contact *first_of(const struct eng_step_result *found)
+{
+    const struct pccd_contact *contacts = found->records;
+    for (uint64_t i = 0; i < found->count; i++) {
+        if (contacts[i].toi == found->toi_first) {
+            return &contacts[i];
+        }
+    }
+    return NULL;
+}
+
+/* The true share is between what ours allows and *latest. */
+static bool judge(const struct run *run, double *latest)
+{
+    const struct pccd_contact *contact = first_of(&run->found);
+    *latest = 1;
+    if (contact == NULL) {
+        return bench_check(run->found.count == 0, run->name, "no record is the first");
+    }
+    double p[8][3];
+    struct oracle_thick thick;
+    load(run, contact, &thick, p);
+    struct oracle_first *first = oracle_thick_first_new(&thick);
+    *latest = contact->toi_hi;
+    bool is_right =
+        first != NULL && oracle_first_compare(first, contact->toi_hi) <= 0 &&
+        (run->ours.allowed == 0 || oracle_first_compare(first, run->ours.allowed) > 0);
+    oracle_first_free(first);
+    return bench_check(is_right, run->name, "the first pair is not where it is said");
+}
+
+/* ---- the report -------------------------------------------------------------------- */
+
+static void print_share(const struct run *run, const char *who,
+                        const struct quantity *quantity, double latest)
+{
+    char text[80];
+    snprintf(text, sizeof text, "%s: allowed", who);
+    bench_number(run->name, text, "", quantity->allowed);
+    snprintf(text, sizeof text, "%s: below the true one", who);
+    bench_number(run->name, text, "", latest - quantity->allowed);
+}
+
+static void print(const struct run *run, double latest)
+{
+    bench_number(run->name, "r", "", run->r);
+    bench_number(run->name, "begin within r", "", (double)run->found.initial);
+    print_share(run, "ours", &run->ours, latest);
+    for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
+        print_share(run, way_names[i], &run->others[i], latest);
+    }
+    bench_row(&(struct bench_row){
+        .scene = run->name, .what = "ours", .unit = "ms", .samples = &run->ours.ms});
+    for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
+        bench_row(&(struct bench_row){.scene = run->name,
+                                      .what = way_names[i],
+                                      .unit = "ms",
+                                      .samples = &run->others[i].ms,
+                                      .base_name = "ours",
+                                      .base = &run->ours.ms});
+    }
+}
+
+static void measure(struct run *run, unsigned repeats)
+{
+    double latest;
+    for (unsigned r = 0; r < repeats; r++) {
+        ask_ours(run);
+        for (unsigned i = 0; i < NEAR_WAYS && run->theirs != NULL; i++) {
+            if (r == 0 || run->others[i].spent_ns < BUDGET_NS) {
+                ask_other(run, i);
+            }
+        }
+    }
+    if (judge(run, &latest)) {
+        print(run, latest);
+    }
+    bench_free(&run->ours.ms);
+    for (unsigned i = 0; i < NEAR_WAYS; i++) {
+        bench_free(&run->others[i].ms);
+    }
+}
+
+/* How near the two nearest features are at the start; INFINITY: farther apart than d. */
+static double least_distance(struct bench_world *world, const struct bench_frames *frames,
+                             double d)
+{
+    struct eng_near_settings settings = near_ours_settings(PCCD_NEAR_PAIRS, d, 1);
+    struct eng_near_result result;
+    bench_world_near(world, frames, true, &settings, &result);
+    return result.count > 0 ? result.distance_min : INFINITY;
+}
+
+static void measure_at(const struct run *of_scene, const char *name, double r,
+                       unsigned repeats)
+{
+    struct run run = *of_scene;
+    run.r = r;
+    snprintf(run.name, sizeof run.name, "%s, %.3g", name, r);
+    measure(&run, repeats);
+}
+
+/* r > 0: at that distance; 0: at a share of the median edge, and, where pairs begin
+ * within that, at half the least distance at the start. */
+static void measure_distances(const struct run *of_scene, const char *name, double r,
+                              unsigned repeats)
+{
+    double share = SHARE * bench_frames_median_edge(of_scene->frames);
+    if (r > 0) {
+        measure_at(of_scene, name, r, repeats);
+        return;
+    }
+    measure_at(of_scene, name, share, repeats);
+    double least = least_distance(of_scene->world, of_scene->frames, share);
+    if (least == 0) {
+        bench_number(name, "touches at the start", "", 1);
+    } else if (least <= share) {
+        measure_at(of_scene, name, 0.5 * least, repeats);
+    }
+}
+
+static void measure_scene(const struct bench_scene *source, double r,
+                          const struct bench_options *options)
+{
+    struct bench_frames frames;
+    struct bench_world world;
+    struct peer_input features;
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    bench_frames_init(&frames, source, source->hard_frame);
+    bench_world_init(&world, &frames, NULL);
+    bench_world_step(&world, &frames, &settings, &result);
+    peers_swept_init(&features, &world);
+    struct run run = {.world = &world, .frames = &frames, .features = &features};
+#ifdef PEERS_IPC_TOOLKIT
+    struct near_input input = {.vertex_count = features.vertices.count,
+                               .edge_count = features.edges.count,
+                               .face_count = features.faces.count,
+                               .x = (const double(*)[3])frames.x[0],
+                               .edges = (const uint32_t(*)[3])features.edges.corners,
+                               .faces = (const uint32_t(*)[3])features.faces.corners};
+    run.theirs = near_ipc_toolkit.open(&input);
+#endif
+    measure_distances(&run, source->name, r, options->smoke ? 1 : REPEATS_MAX);
+#ifdef PEERS_IPC_TOOLKIT
+    near_ipc_toolkit.close(run.theirs);
+#endif
+    peers_swept_deinit(&features);
+    bench_world_deinit(&world);
+    bench_frames_deinit(&frames);
+}
+
+int main(int argc, char **argv)
+{
+    struct bench_options options;
+    int exit_status;
+    bench_team_environment(argv);
+    if (!bench_begin("allowed", argc, argv, &options, &exit_status)) {
+        return exit_status;
+    }
+    if (!has_peer) {
+        bench_skip("ipc-toolkit", "configure was not told where it is");
+    }
+    struct bench_scene scene;
+    for (unsigned i = 0;
+         bench_next_scene(&options, options.wanted ? NULL : usual, &i, &scene);) {
+        measure_scene(&scene, 0, &options);
+        bench_scene_free(&scene);
+    }
+    if (bench_is_wanted(&options, "over-box")) {
+        scene = (struct bench_scene){.name = "over-box"};
+        bench_make_over_box(&scene);
+        measure_scene(&scene, 1e-3, &options);
+        bench_scene_free(&scene);
+    }
+    return bench_end();
+}
