@@ -211,8 +211,8 @@ void take_features(void *state_of, near_feature *found, uint64_t *relabelled)
 
 } // namespace
 
-/* With the settings that it has by itself: it stops at 0.9 or 0.8 of the time that it finds,
- * so that it is not at r exactly. */
+/* With the settings that it has by itself: it stops at 0.9 or 0.8 of the way to the time
+ * that it finds. */
 double near_ipc_toolkit_allowed(void *state_of, const double (*x1)[3], double r,
                                 near_way way)
 {

@@ -106,6 +106,7 @@ bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/conf
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
 bench/peers         CGAL/Box_intersection_d/Box_d.h CGAL/box_intersection_d.h CGAL/version.h
 bench/peers         ipc/broad_phase/lbvh.hpp ipc/candidates/candidates.hpp
+bench/peers         ipc/ccd/additive_ccd.hpp ipc/ccd/tight_inclusion_ccd.hpp
 bench/peers         ipc/collision_mesh.hpp ipc/collisions/normal/normal_collisions.hpp
 bench/peers         ipc/distance/distance_type.hpp ipc/utils/logger.hpp tbb/global_control.h
 bench/peers         algorithm atomic cstdio cstdlib memory string vector

@@ -76,7 +76,8 @@ static void print_record(const struct near_csv *csv, const struct pccd_near *rec
     uint32_t b = near_run_place(near, record->object_b);
     if (record->kind >= COMMON_KIND_COUNT || a == near->object_count ||
         b == near->object_count) {
-        fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,\n", record->kind); /* of a newer daemon */
+        /* Of a newer daemon. */
+        fprintf(to, "%" PRIu32 ",,,,,,,,,,,,,,,,\n", record->kind);
         return;
     }
     const uint32_t *points = common_kinds[record->kind].points;

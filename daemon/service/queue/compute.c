@@ -534,7 +534,7 @@ bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
 {
     lock(compute);
     bool queued = job->state == SRV_JOB_QUEUED;
-    if (queued) {
+    if (queued && change != NULL) {
         compute->counted -= job->counts;
         change(job, context);
         compute->counted += job->counts;

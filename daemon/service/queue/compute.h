@@ -82,8 +82,7 @@ struct srv_lane {
 
 /* A long job may run in parts, and those of others come between them: after each part it
  * is QUEUED again, the first of its lane, and can be removed.
- * Links, lane, state and `counts` belong to the queue's lock; the rest to whom the state
- * says. */
+ * All above `run` belongs to the queue's lock; the rest to whom the state says. */
 struct srv_job {
     struct srv_job *next;
     struct srv_lane *lane;
@@ -171,9 +170,8 @@ void srv_job_init(struct srv_job *job, srv_job_fn run, srv_job_fn done);
 int srv_compute_push(struct srv_compute *compute, struct srv_lane *lane,
                      struct srv_job *job);
 
-/* The same without a bound, for jobs that free something: there is at most one of them
- * per thing that was admitted. They do not count: who waits for an answer is not refused
- * for them. [loop] */
+/* The same for jobs that free something, at most one for each thing that was admitted.
+ * They do not count: who waits for an answer is not refused for them. [loop] */
 void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
                            struct srv_job *job);
 
@@ -181,9 +179,8 @@ void srv_compute_push_reap(struct srv_compute *compute, struct srv_lane *lane,
  * not queued any more. [loop] */
 bool srv_compute_remove(struct srv_compute *compute, struct srv_job *job);
 
-/* Call `change` of a job that is queued, which cannot begin meanwhile; it stays where it
- * is. It may change job->counts. false: it was not queued any more, and nothing was
- * called. [loop] */
+/* Call `change`, unless it is NULL, of a job that is queued and cannot begin meanwhile:
+ * it may change job->counts. false: the job was not queued any more. [loop] */
 bool srv_compute_amend(struct srv_compute *compute, struct srv_job *job,
                        void (*change)(struct srv_job *job, void *context), void *context);
 

@@ -514,12 +514,6 @@ static void take_back(struct srv_request *request)
     done(&request->job);
 }
 
-static void leave(struct srv_job *job, void *context)
-{
-    (void)job;
-    (void)context;
-}
-
 /* Not one that runs: it ends by itself, and its slot would be copied for nothing. */
 static void try_early(struct srv_request *request, enum pccd_incomplete why)
 {
@@ -527,7 +521,7 @@ static void try_early(struct srv_request *request, enum pccd_incomplete why)
     if (request->plan.answer_early != NULL && session->state == SRV_SESSION_OPEN &&
         !srv_request_is_cut_off(request) && !is_early(request) &&
         session->overdue_count < SRV_OVERDUE_MAX &&
-        srv_compute_amend(&session->service->compute, &request->job, leave, NULL)) {
+        srv_compute_amend(&session->service->compute, &request->job, NULL, NULL)) {
         request->plan.answer_early(request, why);
     }
 }
