@@ -22,6 +22,8 @@
  * |      | table (shm.h), all of it x0x1 and double, and positions |
  * | SEPARATION | struct proto_journal_separation; before a STEP, unless both are 0 |
  * | RADII | struct proto_journal_radii, double each; before an OBJECT that has any |
+ * | FREE | struct proto_journal_free, edges (u32[2] each), points (u32 each), zeros; |
+ * |      | before an OBJECT that has any |
  * | NEAR | struct proto_journal_near, then the same; of this session alone: what others |
  * |      | ask is not noted, and what they move at that is a STEP |
  */
@@ -41,7 +43,8 @@ enum proto_journal_kind {
     PROTO_JOURNAL_STEP = 5,       /* the scene was moved on */
     PROTO_JOURNAL_NEAR = 6,       /* this session has asked what is near */
     PROTO_JOURNAL_SEPARATION = 7, /* at which distance pairs meet in the step behind it */
-    PROTO_JOURNAL_RADII = 8       /* of the vertices of the object behind it */
+    PROTO_JOURNAL_RADII = 8,      /* of the vertices of the object behind it */
+    PROTO_JOURNAL_FREE = 9        /* edges and points by themselves, likewise */
 };
 
 struct proto_journal_entry {
@@ -77,6 +80,11 @@ struct proto_journal_radii {
     uint32_t reserved;
 };
 
+struct proto_journal_free {
+    uint32_t edge_count;
+    uint32_t point_count;
+};
+
 struct proto_journal_separation { /* as frame.submit has them */
     double separation;
     double approach;
@@ -102,6 +110,7 @@ static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
 static_assert(sizeof(struct proto_journal_object) == 8, "object");
 static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
 static_assert(sizeof(struct proto_journal_step) == 104, "step");
+static_assert(sizeof(struct proto_journal_free) == 8, "free");
 static_assert(sizeof(struct proto_journal_separation) == 16, "separation");
 static_assert(sizeof(struct proto_journal_near) == 120, "near");
 

@@ -22,11 +22,10 @@
 #include "thick_work.h"
 #include "wait.h"
 
-/* Triangles of the scene, 2^32 - 1 if there are more. */
+/* Leaves of the scene, 2^32 - 1 if there are more. */
 uint32_t eng_detect_size(const struct eng_scene *scene)
 {
-    return scene->triangle_count < UINT32_MAX ? (uint32_t)scene->triangle_count
-                                              : UINT32_MAX;
+    return scene->leaf_count < UINT32_MAX ? (uint32_t)scene->leaf_count : UINT32_MAX;
 }
 
 static uint32_t threads_for(const struct eng_scene *scene,

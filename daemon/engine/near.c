@@ -66,7 +66,7 @@ static bool is_by_objects(enum pccd_near_what what)
 
 static uint32_t kinds_for(enum pccd_near_what what)
 {
-    uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE;
+    uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE | 1u << PCCD_VE | 1u << PCCD_VV;
     return what == PCCD_NEAR_CROSSINGS ? pairs | 1u << PCCD_EF : pairs;
 }
 
@@ -335,6 +335,7 @@ static int reserve_objects(struct eng_team *team,
         eng_near_objects_prepare(&memory->objects, team->scene, &ask, team->count, &open);
     if (status == PCCD_E_INVAL && open.object != 0) {
         result->open_object = open.object;
+        result->has_free = open.has_free;
         memcpy(result->open_edge, open.edge.vertex, sizeof result->open_edge);
         memcpy(result->open_runs, open.edge.runs, sizeof result->open_runs);
     }

@@ -42,10 +42,11 @@ struct eng_near_result {
     uint64_t
         hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
                        * with a gap */
-    /* Status PCCD_E_INVAL of DEPTH: the object whose mesh is not closed, an edge of it,
-     * by vertices, and how often its faces run through it from the first to the second
-     * and back. */
+    /* Status PCCD_E_INVAL of NEAREST and DEPTH: the object whose mesh has free edges or
+     * points (has_free); of DEPTH: whose mesh is not closed, an edge of it, by vertices,
+     * and how often its faces run through it from the first to the second and back. */
     uint32_t open_object;
+    bool has_free;
     uint32_t open_edge[2];
     uint32_t open_runs[2];
     uint32_t threads;
@@ -62,7 +63,8 @@ struct eng_vertex_bound {
 };
 
 /* PCCD_OK with *result, also when incomplete; PCCD_E_INVAL: settings out of range, or
- * (result->open_object != 0) DEPTH of a mesh that is not closed; PCCD_E_HANDLE: no object
+ * (result->open_object != 0) DEPTH of a mesh that is not closed, NEAREST and DEPTH of one
+ * that has more than triangles; PCCD_E_HANDLE: no object
  * of that id; PCCD_E_LIMIT: distance and radii add up to more than 1e18; PCCD_E_NOMEM.
  *
  * PAIRS, FEATURES and NEAREST have what is within the distance and the radii of both

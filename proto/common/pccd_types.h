@@ -106,23 +106,26 @@ enum pccd_object_what {
 
 /* What contacts and candidates are between: X(NAME, value, name, points of a, points of
  * b, text). A feature of one point is a vertex, of two an edge, of three a face. A value
- * is never renumbered; new ones go at the end. */
+ * is never renumbered; new ones go at the end. VE and VV are of free points: with a free
+ * edge, and with another free point; only where the two have a distance to keep. An edge
+ * is free if no triangle has it, a point if no triangle and no edge has it. */
 #define PCCD_KIND_LIST(X)                                                                \
     X(VF, 0, vf, 1, 3, "a vertex of object a, a face of object b")                       \
-    X(EE, 1, ee, 2, 2, "an edge of object a, an edge of object b; (object, edge) a < b")
+    X(EE, 1, ee, 2, 2, "an edge of object a, an edge of object b; (object, edge) a < b") \
+    X(VE, 2, ve, 1, 2, "a vertex of object a, an edge of object b")                      \
+    X(VV, 3, vv, 1, 1, "two vertices; (object, vertex) a < b")
 
 /* Kinds of contact and candidate. */
 enum pccd_kind {
 #define PCCD_KIND_ENUM(NAME, value, name, points_a, points_b, text) PCCD_##NAME = (value),
     PCCD_KIND_LIST(PCCD_KIND_ENUM)
 #undef PCCD_KIND_ENUM
-    PCCD_KIND_COUNT /* of them, without gaps */
+        PCCD_KIND_COUNT /* of them, without gaps */
 };
 
-/* Kinds that only answers about what is near have, at one moment; as PCCD_KIND_LIST. */
+/* Kinds that only answers about what is near have, at one moment; as PCCD_KIND_LIST. Of
+ * FEATURES they may also have VE and VV of other vertices and edges. */
 #define PCCD_NEAR_KIND_LIST(X)                                                           \
-    X(VE, 2, ve, 1, 2, "a vertex of object a, an edge of object b")                      \
-    X(VV, 3, vv, 1, 1, "two vertices; (object, vertex) a < b")                           \
     X(EF, 4, ef, 2, 3, "an edge of object a that passes through a face of object b")
 
 enum pccd_near_kind {
@@ -203,9 +206,9 @@ enum pccd_share {
 /* Why an answer is not complete. */
 enum pccd_incomplete {
     PCCD_COMPLETE = 0,
-    PCCD_INCOMPLETE_RESULT_FULL = 1, /* page ended; go on with the cursor */
-    PCCD_INCOMPLETE_DEADLINE = 2,    /* the deadline passed; these records were found */
-    PCCD_INCOMPLETE_CANCELLED = 3,   /* cancelled; likewise */
+    PCCD_INCOMPLETE_RESULT_FULL = 1,  /* page ended; go on with the cursor */
+    PCCD_INCOMPLETE_DEADLINE = 2,     /* the deadline passed; these records were found */
+    PCCD_INCOMPLETE_CANCELLED = 3,    /* cancelled; likewise */
     PCCD_INCOMPLETE_CONTACT_LIMIT = 4 /* more than the daemon keeps: the first in order */
 };
 

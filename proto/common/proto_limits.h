@@ -30,6 +30,7 @@
 #define PROTO_FEATURE_HASH_2  64u  /* hashes of answers are of version 2; without: 1 */
 #define PROTO_FEATURE_NEAR    128u /* scene.near, near.fetch; place in any scene */
 #define PROTO_FEATURE_THICK   256u /* radii, separation and approach */
+#define PROTO_FEATURE_FREE    512u /* edges and points that are named by themselves */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u

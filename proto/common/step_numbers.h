@@ -29,13 +29,15 @@
 #define COMMON_STEP_KINDS(X, F)                                                          \
     X(F, vf, REQ, counts[PCCD_VF],                                                       \
       "VF records of the whole answer; mode pairs: pairs; any: 0")                       \
-    X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")
+    X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")                               \
+    X(F, ve, OPT, counts[PCCD_VE], "VE records, likewise")                               \
+    X(F, vv, OPT, counts[PCCD_VV], "VV records, likewise")
 
 /* The same of an answer about what is near. */
 #define COMMON_NEAR_KINDS(X, F)                                                          \
     X(F, vf, REQ, counts[PCCD_VF], "VF records of the whole answer")                     \
     X(F, ee, REQ, counts[PCCD_EE], "EE records, likewise")                               \
-    X(F, ve, REQ, counts[PCCD_VE], "VE records; only what = 1 has them")                 \
+    X(F, ve, REQ, counts[PCCD_VE], "VE records")                                         \
     X(F, vv, REQ, counts[PCCD_VV], "VV records, likewise")                               \
     X(F, ef, REQ, counts[PCCD_EF], "EF records; only what = 4 has them")
 
@@ -67,6 +69,10 @@
     X(F, thick_candidates, OPT, counters.thick_candidates,                               \
       "candidates that meet at a distance above 0")                                      \
     X(F, thick_survivors, OPT, counters.thick_survivors, "of these, asked one by one")   \
-    X(F, thick_exact, OPT, counters.thick_exact, "of these, by exact arithmetic")
+    X(F, thick_exact, OPT, counters.thick_exact, "of these, by exact arithmetic")        \
+    X(F, candidates_ve, OPT, counters.candidates[PCCD_VE],                               \
+      "VE pairs whose boxes overlap; wide may count a few others")                       \
+    X(F, candidates_vv, OPT, counters.candidates[PCCD_VV],                               \
+      "VV pairs whose boxes overlap; wide may count a few others")
 
 #endif

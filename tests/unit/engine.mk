@@ -40,6 +40,7 @@ ENG_TESTS = \
     tests/unit/test_eng_aabb \
     tests/unit/test_eng_build \
     tests/unit/test_eng_frames \
+    tests/unit/test_eng_free \
     tests/unit/test_eng_refit \
     tests/unit/test_eng_rebuild \
     tests/unit/test_eng_grow \
@@ -201,6 +202,10 @@ tests_unit_test_eng_thick_SOURCES = tests/unit/test_eng_thick.c \
     tests/unit/thick_cases.c tests/unit/thick_cases.h
 tests_unit_test_eng_thick_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_thick_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_free_SOURCES = tests/unit/test_eng_free.c
+tests_unit_test_eng_free_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_free_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_thick_step_SOURCES = tests/unit/test_eng_thick_step.c
 tests_unit_test_eng_thick_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -55,20 +55,19 @@ static void mesh__chunks_in_order_make_a_mesh(void **state)
 {
     (void)state;
     struct eng_mesh *mesh = new_mesh(4, 2);
-    uint32_t vertices;
-    uint32_t triangles;
+    struct eng_mesh_counts received;
     assert_int_equal(write_x(mesh, 0, 1), PCCD_OK);
     assert_int_equal(write_x(mesh, 1, 2), PCCD_OK);
-    eng_mesh_received(mesh, &vertices, &triangles);
-    assert_int_equal(vertices, 3);
-    assert_int_equal(triangles, 0);
+    eng_mesh_received(mesh, &received);
+    assert_int_equal(received.vertices, 3);
+    assert_int_equal(received.triangles, 0);
     assert_int_equal(write_x(mesh, 2, 2), PCCD_OK); /* overlapping is allowed */
     assert_int_equal(write_t(mesh, 0, 1), PCCD_OK);
     assert_int_equal(write_t(mesh, 1, 1), PCCD_OK);
     assert_int_equal(write_t(mesh, 0, 1), PCCD_OK); /* again: the prefix stays */
-    eng_mesh_received(mesh, &vertices, &triangles);
-    assert_int_equal(vertices, 4);
-    assert_int_equal(triangles, 2);
+    eng_mesh_received(mesh, &received);
+    assert_int_equal(received.vertices, 4);
+    assert_int_equal(received.triangles, 2);
     assert_false(eng_mesh_is_committed(mesh));
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     assert_true(eng_mesh_is_committed(mesh));
@@ -91,11 +90,10 @@ static void mesh__gaps_and_ranges_outside_are_refused(void **state)
         eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, UINT32_MAX, 2, square_x),
         PCCD_E_INVAL);
     assert_int_equal(write_t(mesh, 0, 3), PCCD_E_INVAL);
-    uint32_t vertices;
-    uint32_t triangles;
-    eng_mesh_received(mesh, &vertices, &triangles);
-    assert_int_equal(vertices, 0);
-    assert_int_equal(triangles, 0);
+    struct eng_mesh_counts received;
+    eng_mesh_received(mesh, &received);
+    assert_int_equal(received.vertices, 0);
+    assert_int_equal(received.triangles, 0);
     eng_mesh_release(mesh);
 }
 
@@ -128,10 +126,9 @@ static void mesh__index_out_of_range_names_the_triangle(void **state)
             }
         }
     }
-    uint32_t vertices;
-    uint32_t received;
-    eng_mesh_received(mesh, &vertices, &received);
-    assert_int_equal(received, 10); /* nothing of a refused chunk counts */
+    struct eng_mesh_counts received;
+    eng_mesh_received(mesh, &received);
+    assert_int_equal(received.triangles, 10); /* nothing of a refused chunk counts */
     eng_mesh_release(mesh);
 }
 
@@ -299,7 +296,7 @@ static void check_ownership(const struct eng_mesh *mesh)
     assert_true(vertex_owners && used && edge_owners && first);
     eng_feature_index(mesh, first);
     for (uint32_t t = 0; t < info.triangle_count; t++) {
-        const struct eng_face *triangle = &mesh->triangles[t];
+        const struct eng_face *triangle = &mesh->leaves[t];
         for (unsigned k = 0; k < 3; k++) {
             uint32_t a = triangle->v[k];
             uint32_t b = triangle->v[(k + 1) % 3];

@@ -107,10 +107,10 @@ static void replace__taken_back_leaves_everything_as_it_was(void **state)
         assert_int_equal(eng_scene_try_replace(f->scene, f->low, f->finer), PCCD_OK);
         assert_int_equal(eng_scene_try_replace(f->scene, f->high, f->finer), PCCD_OK);
         assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 13 * 13);
-        assert_int_equal(f->scene->triangle_count, 2 * f->finer->info.triangle_count);
+        assert_int_equal(f->scene->leaf_count, 2 * f->finer->info.triangle_count);
         eng_scene_take_back(f->scene);
         assert_int_equal(eng_scene_vertex_count(f->scene, f->low), 7 * 7);
-        assert_int_equal(f->scene->triangle_count, 2 * f->sheet->info.triangle_count);
+        assert_int_equal(f->scene->leaf_count, 2 * f->sheet->info.triangle_count);
         assert_int_equal(eng_trees_of(f->scene)->node_ranges.end, end);
         assert_true(step(f, -0.5 - i) == step(&twin, -0.5 - i));
     }
@@ -130,7 +130,7 @@ static void replace__settled_releases_what_was(void **state)
     assert_int_equal(eng_scene_remove(f->scene, f->high), PCCD_OK);
     assert_int_equal(f->scene->vertex_ranges.end, 0);
     assert_int_equal(eng_trees_of(f->scene)->triangle_ranges.end, 0);
-    assert_int_equal(f->scene->triangle_count, 0);
+    assert_int_equal(f->scene->leaf_count, 0);
 }
 
 /* If it failed: a client's handle would name something else after its object broke, or

@@ -354,7 +354,7 @@ static void check_pieces(const struct eng_object *object)
             }
             uint32_t vertex = kind == PCCD_TREE_VERTICES ? f
                               : kind == PCCD_TREE_EDGES  ? object->mesh->edges[f][0]
-                                                        : object->mesh->triangles[f].v[0];
+                                                         : object->mesh->leaves[f].v[0];
             changes += vertex / SHEET != last;
             last = vertex / SHEET;
         }

@@ -145,7 +145,7 @@ static void check_pairs(const struct eng_mesh *mesh, struct least *least)
     const double(*x)[3] = (const double(*)[3])mesh->x;
     real length = (real)eng_spacing_of(mesh);
     for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
-        const uint32_t *f = mesh->triangles[i].v;
+        const uint32_t *f = mesh->leaves[i].v;
         for (uint32_t v = 0; v < mesh->info.vertex_count; v++) {
             if (v == f[0] || v == f[1] || v == f[2]) {
                 continue;

@@ -142,7 +142,7 @@ static uint32_t check_slots(const struct fixture *f, enum pccd_tree kind)
         }
         for (uint32_t k = 0; k < (kind == PCCD_TREE_EDGES ? 2u : 3u); k++) {
             uint32_t v = kind == PCCD_TREE_EDGES ? object->mesh->edges[local][k]
-                                                 : object->mesh->triangles[local].v[k];
+                                                 : object->mesh->leaves[local].v[k];
             assert_int_equal((uint32_t)wide->points[tree->corner[k][slot]].word0,
                              object->vertices.first + v);
         }
@@ -295,7 +295,7 @@ static uint32_t list_features(const struct fixture *f, enum pccd_tree kind,
         for (uint32_t local = 0; local < n[kind]; local++) {
             const uint32_t *v = kind == PCCD_TREE_VERTICES ? &local
                                 : kind == PCCD_TREE_EDGES  ? o->mesh->edges[local]
-                                                           : o->mesh->triangles[local].v;
+                                                           : o->mesh->leaves[local].v;
             features[count++] = feature_of(f, o, local, v, (uint32_t)kind + 1);
         }
     }

@@ -11,8 +11,7 @@
 #include "query.h"
 
 struct eng_thick_query {
-    /* kind: PCCD_VF, PCCD_EE, or PCCD_VE, PCCD_VV of enum pccd_near_kind. Coordinates are
-     * finite, of magnitude at most 1e18. */
+    /* Coordinates are finite, of magnitude at most 1e18. */
     struct eng_query query;
     double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
     double approach;  /* 0, or 0 < approach < 1 */

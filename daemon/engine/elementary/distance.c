@@ -96,13 +96,13 @@ static enum eng_sign compare_surely(struct eng_distances *distances, enum pccd_k
 bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
                          const double x[4][3], double d)
 {
-    return compare_surely(distances, kind, x, d) != ENG_PLUS;
+    return compare_surely(distances, eng_distance_form(kind), x, d) != ENG_PLUS;
 }
 
 bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
                         const double x[4][3], double d)
 {
-    return compare_surely(distances, kind, x, d) == ENG_MINUS;
+    return compare_surely(distances, eng_distance_form(kind), x, d) == ENG_MINUS;
 }
 
 static void describe(struct eng_numbers *numbers, const struct eng_way *way,
@@ -124,9 +124,9 @@ static void describe(struct eng_numbers *numbers, const struct eng_way *way,
     }
 }
 
-void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
-                       const double x[4][3], const uint8_t rank[4],
-                       struct eng_distance *distance)
+static void find(struct eng_distances *distances, enum pccd_kind kind,
+                 const double x[4][3], const uint8_t rank[4],
+                 struct eng_distance *distance)
 {
     struct eng_place place;
     if (may_be_quick(distances) && eng_quick_place(kind, x, &place) &&
@@ -147,6 +147,14 @@ void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
             return;
         }
     }
+}
+
+void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
+                       const double x[4][3], const uint8_t rank[4],
+                       struct eng_distance *distance)
+{
+    find(distances, eng_distance_form(kind), x, rank, distance);
+    eng_distance_place(kind, distance);
 }
 
 bool eng_distance_crosses(struct eng_distances *distances, const double x[5][3])

@@ -1,6 +1,6 @@
 /* daemon/engine/elementary/distance.h - the exact distance of two features at one moment,
- * for answers about what is near: of a vertex and a face, or of two edges; and whether an
- * edge passes through a face.
+ * for answers about what is near: of a vertex and a face, an edge or a vertex, or of two
+ * edges; and whether an edge passes through a face.
  *
  * Room:     engine. May include: nearest.h, number.h, pccd_types.h.
  * Does:     decide whether two closed features are within a distance, exactly, and say
@@ -14,7 +14,8 @@
  *
  * Everywhere x are the points of a pair at one moment, finite, of magnitude at most 1e18.
  * VF: the vertex, then the face's corners. EE: the ends of one edge, then of the other.
- * A face may be a segment or a point, an edge a point.
+ * A face may be a segment or a point, an edge a point. So VE and VV are VF of a face
+ * whose last corner is repeated.
  */
 #ifndef ENG_DISTANCE_H
 #define ENG_DISTANCE_H
@@ -31,6 +32,12 @@ enum eng_distance_stage {
     ENG_DISTANCE_STAGES
 };
 
+/* The kind by whose rule pairs of a kind are decided. */
+static inline enum pccd_kind eng_distance_form(enum pccd_kind kind)
+{
+    return kind == PCCD_EE ? PCCD_EE : PCCD_VF;
+}
+
 struct eng_distances {
     struct eng_numbers numbers;
     enum eng_distance_stage first; /* the stage to begin with; for tests */
@@ -41,6 +48,17 @@ struct eng_distances {
 int eng_distances_init(struct eng_distances *distances);
 void eng_distances_deinit(struct eng_distances *distances);
 
+/* What was found by the rule of a kind's form, as what the kind has: VE param[1] is where
+ * on the edge, 0 at its first end; VV has none. */
+static inline void eng_distance_place(enum pccd_kind kind, struct eng_distance *distance)
+{
+    if (kind == PCCD_VE || kind == PCCD_VV) {
+        distance->param[1] =
+            kind == PCCD_VE ? distance->param[0] + distance->param[1] : 0;
+        distance->param[0] = 0;
+    }
+}
+
 /* Is the distance at most d, 0 <= d <= 1e18? Exactly d is within. */
 bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
                          const double x[4][3], double d);
@@ -49,7 +67,8 @@ bool eng_distance_within(struct eng_distances *distances, enum pccd_kind kind,
 bool eng_distance_below(struct eng_distances *distances, enum pccd_kind kind,
                         const double x[4][3], double d);
 
-/* rank: of each point, no two alike; the order of (object, vertex). */
+/* rank: of each point, no two alike; the order of (object, vertex); of one that is there
+ * more than once, the first comes first. */
 void eng_distance_find(struct eng_distances *distances, enum pccd_kind kind,
                        const double x[4][3], const uint8_t rank[4],
                        struct eng_distance *distance);

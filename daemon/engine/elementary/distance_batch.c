@@ -80,6 +80,7 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                  struct eng_distance_batch *batch)
 {
     assert(count <= ENG_CHUNK_MAX && question->end <= 1);
+    enum pccd_kind form = eng_distance_form(question->kind);
     struct eng_measured out = {.wanted = question->wanted,
                                .index = batch->index,
                                .found = batch->found,
@@ -87,11 +88,15 @@ uint32_t eng_distance_batch_test(const struct eng_kernels *kernels,
                                .open = batch->open};
     uint32_t left = question->is_sifted
                         ? all_of(count, batch->left)
-                        : kernels->beyond(question->kind, points, quads, count,
-                                          question->end, question->distance, batch->left);
-    kernels->measure(question->kind, points, quads, batch->left, left, question->end,
+                        : kernels->beyond(form, points, quads, count, question->end,
+                                          question->distance, batch->left);
+    kernels->measure(form, points, quads, batch->left, left, question->end,
                      question->distance, &out);
     uint32_t found = out.near_count;
+    bool is_placed = question->wanted == ENG_DISTANCE_WHOLE;
+    for (uint32_t i = 0; i < found && is_placed; i++) {
+        eng_distance_place(question->kind, &batch->found[i]);
+    }
     for (uint32_t i = 0; i < out.vague_count + out.open_count; i++) {
         uint64_t before = distances->decided[ENG_DISTANCE_BY_INTEGERS];
         bool is_near = i < out.vague_count;

@@ -14,9 +14,9 @@
 #include "kernel.h"
 
 struct eng_distance_question {
-    enum pccd_kind kind; /* PCCD_VF or PCCD_EE */
-    uint32_t end;        /* of the step: 0: the points' x0, 1: their x1 */
-    double distance;     /* 0 .. 1e18; exactly that is near enough */
+    enum pccd_kind kind;
+    uint32_t end;    /* of the step: 0: the points' x0, 1: their x1 */
+    double distance; /* 0 .. 1e18; exactly that is near enough */
     enum eng_distance_wanted wanted;
     bool is_sifted; /* most pairs that are certainly farther apart are gone already, so
                      * that looking for them once more is not worth it */

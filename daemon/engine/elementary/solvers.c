@@ -11,4 +11,6 @@
 const struct eng_solver eng_solvers[PCCD_KIND_COUNT] = {
     [PCCD_VF] = {.has_kernels = true, .search = eng_search},
     [PCCD_EE] = {.has_kernels = true, .search = eng_search},
+    [PCCD_VE] = {.search = NULL},
+    [PCCD_VV] = {.search = NULL},
 };

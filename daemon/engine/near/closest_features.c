@@ -143,6 +143,9 @@ static void tell_apart(enum pccd_kind kind, const struct eng_distance *distances
     for (uint32_t i = 0; i < count; i++) {
         bool of_second = kind == PCCD_EE && (distances[i].points & 3) == 3;
         uint32_t naming = naming_of[distances[i].type][of_second];
+        if (kind == PCCD_VE && naming == OF_FIRST) {
+            naming = NAMINGS; /* it is named already */
+        }
         namings->pair[naming][namings->count[naming]++] = (uint16_t)i;
     }
 }
@@ -154,7 +157,7 @@ void eng_closest_features(const struct eng_scene *scene, enum pccd_kind kind,
                           struct eng_distance *distances)
 {
     struct namings namings;
-    assert(count <= ENG_CHUNK_MAX && (kind == PCCD_VF || kind == PCCD_EE));
+    assert(count <= ENG_CHUNK_MAX && kind <= PCCD_VV);
     tell_apart(kind, distances, count, &namings);
     for (enum naming naming = VERTICES; naming < NAMINGS; naming++) {
         for (uint32_t k = 0; k < namings.count[naming]; k++) {

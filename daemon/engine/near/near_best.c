@@ -18,7 +18,7 @@ struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vert
                                  uint32_t v, uint32_t of_face, uint32_t f)
 {
     const struct eng_object *face_object = &scene->objects[of_face];
-    const uint32_t *corner = face_object->mesh->triangles[f].v;
+    const uint32_t *corner = face_object->mesh->leaves[f].v;
     uint32_t first = face_object->vertices.first;
     return (struct eng_near_pair){.kind = PCCD_VF,
                                   .object = {of_vertex, of_face},

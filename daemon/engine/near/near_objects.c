@@ -137,6 +137,25 @@ static int list_shares(struct eng_near_objects *objects)
     return status;
 }
 
+/* Searches go down the triangles of objects: none of those that are asked for may have
+ * anything else. */
+static int check_triangles(const struct eng_near_objects *objects,
+                           struct eng_near_open *open)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < objects->share_count; i++) {
+        const struct eng_object *object =
+            &objects->scene->objects[objects->shares[i].object];
+        bool has_more = object->mesh->leaf_count > object->mesh->info.triangle_count;
+        if (has_more && (status == PCCD_OK || object->id < open->object)) {
+            status = PCCD_E_INVAL;
+            open->object = object->id;
+            open->has_free = true;
+        }
+    }
+    return status;
+}
+
 /* The meshes of all that are listed, which are asked for. */
 static int check_closed(const struct eng_near_objects *objects,
                         struct eng_near_open *open)
@@ -173,9 +192,13 @@ int eng_near_objects_prepare(struct eng_near_objects *objects,
     objects->ask = *ask;
     objects->ask.gap = ask->what == PCCD_NEAR_NEAREST ? ask->gap : 0;
     open->object = 0;
+    open->has_free = false;
     int status = choose(objects);
     if (status == PCCD_OK) {
         status = list_shares(objects);
+    }
+    if (status == PCCD_OK) {
+        status = check_triangles(objects, open);
     }
     if (status == PCCD_OK && objects->ask.what == PCCD_NEAR_DEPTH) {
         status = check_closed(objects, open);
@@ -377,7 +400,7 @@ static void perform_depth(struct eng_near_objects *objects,
         const struct eng_bounds *bounds = bounds_of(objects, b);
         worker->record.task_units++;
         for (uint32_t i = 0; i < 3 * part->count; i++) {
-            const struct eng_face *of = &object->mesh->triangles[part->first + i / 3];
+            const struct eng_face *of = &object->mesh->leaves[part->first + i / 3];
             uint32_t v = of->v[i % 3];
             if ((of->owns & ENG_OWNS_VERTEX(i % 3)) != 0 && is_within(bounds, x[v]) &&
                 !perform_vertex(search, worker, part->object, v, b, &face)) {

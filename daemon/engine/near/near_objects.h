@@ -26,6 +26,7 @@ struct eng_near_ask {
 /* A mesh that is not closed: of the object of that id. */
 struct eng_near_open {
     uint32_t object;
+    bool has_free; /* it has free edges or points; else `edge` is open */
     struct eng_open_edge edge;
 };
 

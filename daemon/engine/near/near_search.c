@@ -161,7 +161,7 @@ static void look(struct eng_near_search *search, const struct eng_near_pair *pai
 static const struct eng_face *face_of(const struct eng_near_search *search, int side,
                                       uint32_t face)
 {
-    return &search->scene->objects[search->faces[side].object].mesh->triangles[face];
+    return &search->scene->objects[search->faces[side].object].mesh->leaves[face];
 }
 
 /* The features that two faces own against each other, as in a step. */
@@ -433,8 +433,7 @@ bool eng_near_search_winding(struct eng_near_search *search, uint32_t of_vertex,
         double face[3][3];
         uint32_t index = search->method->faces_index(&search->faces[1], item.node[1]);
         for (int i = 0; i < 3; i++) {
-            memcpy(face[i],
-                   x[object->vertices.first + object->mesh->triangles[index].v[i]],
+            memcpy(face[i], x[object->vertices.first + object->mesh->leaves[index].v[i]],
                    sizeof face[i]);
         }
         enum eng_sign sign =

@@ -106,11 +106,13 @@ static int take_all(struct eng_scene *scene, struct eng_object *object)
     object->slots[ENG_SLOT_PAPER] = planted;
     int status = take(&trees->edge_ranges, info->edge_count, &planted->edges);
     if (status == PCCD_OK) {
-        status = take(&trees->triangle_ranges, info->triangle_count, &planted->triangles);
+        status =
+            take(&trees->triangle_ranges, object->mesh->leaf_count, &planted->triangles);
     }
     if (status == PCCD_OK) {
         /* 2n - 1 of n <= 2^31 - 1 fits. */
-        status = take(&trees->node_ranges, 2 * info->triangle_count - 1, &planted->nodes);
+        status =
+            take(&trees->node_ranges, 2 * object->mesh->leaf_count - 1, &planted->nodes);
     }
     return status == PCCD_OK ? eng_tree_reserve(scene) : status;
 }
@@ -140,7 +142,7 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx,
     }
     for (uint32_t i = 0; i < planted->triangles.count; i++) {
         struct eng_triangle *triangle = &trees->triangles[planted->triangles.first + i];
-        const struct eng_face *face = &mesh->triangles[i];
+        const struct eng_face *face = &mesh->leaves[i];
         triangle->owns = face->owns;
         triangle->object = object_idx;
         for (int k = 0; k < 3; k++) {
@@ -222,7 +224,7 @@ static int reserve_for(struct eng_scene *scene)
         const struct eng_object *object = &scene->objects[i];
         if (object->mesh && eng_planted_of(object)->nodes.count == 0) {
             edges += object->mesh->info.edge_count;
-            triangles += object->mesh->info.triangle_count;
+            triangles += object->mesh->leaf_count;
         }
     }
     if (triangles == 0) {

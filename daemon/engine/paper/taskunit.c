@@ -164,19 +164,44 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
     }
 }
 
-/* A triangle is not tested against itself: two of its features have a common vertex, as
- * they have four points or more together. */
-#define HAVE_COMMON(NAME, value, name, points_a, points_b, text)                         \
+/* Free points and edges, where they have a distance to keep. */
+static void free_pair(struct eng_worker *worker, const struct eng_node *n,
+                      const struct eng_node *m)
+{
+    const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
+    const struct eng_triangle *ta = &triangles[n->right];
+    const struct eng_triangle *tb = &triangles[m->right];
+    if (!worker->settings->near && !worker->scene->thickness.is_on) {
+        return;
+    }
+    if (eng_feature_is_free_point(ta) && eng_feature_is_free_point(tb)) {
+        features_against(worker, PCCD_VV, n, m);
+    } else if (eng_feature_is_free_point(ta) && eng_feature_is_free_edge(tb)) {
+        features_against(worker, PCCD_VE, n, m);
+    } else if (eng_feature_is_free_edge(ta) && eng_feature_is_free_point(tb)) {
+        features_against(worker, PCCD_VE, m, n);
+    }
+}
+
+/* A leaf is not tested against itself: of VF, EE and EF two features of a triangle have a
+ * common vertex, as they have four points or more together; VE and VV are of leaves that
+ * have one feature each. */
+#define HAVE_COMMON(NAME, points_a, points_b)                                            \
     static_assert((points_a) + (points_b) > 3, "else they may meet within a triangle");
-PCCD_KIND_LIST(HAVE_COMMON)
-HAVE_COMMON(EF, 4, ef, 2, 3, "")
+HAVE_COMMON(VF, 1, 3)
+HAVE_COMMON(EE, 2, 2)
+HAVE_COMMON(EF, 2, 3)
 #undef HAVE_COMMON
 
 static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                       const struct eng_node *m)
 {
     const struct eng_near_query *near = worker->settings->near;
+    const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
     worker->tally.leaf_pairs++;
+    if (!((triangles[n->right].owns | triangles[m->right].owns) & ENG_OWNS_FACE)) {
+        free_pair(worker, n, m);
+    }
     if (near && near->kinds >> PCCD_EF & 1) {
         features_against(worker, (enum pccd_kind)PCCD_EF, n, m);
         features_against(worker, (enum pccd_kind)PCCD_EF, m, n);
@@ -184,17 +209,13 @@ static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
     if (near && !(near->kinds & 1u << PCCD_VF)) {
         return;
     }
-#define AGAINST(NAME, value, name, points_a, points_b, text)                             \
-    features_against(worker, PCCD_##NAME, n, m);                                         \
-    if ((points_a) != (points_b)) {                                                      \
-        features_against(worker, PCCD_##NAME, m, n);                                     \
-    }
-    PCCD_KIND_LIST(AGAINST)
-#undef AGAINST
+    features_against(worker, PCCD_VF, n, m);
+    features_against(worker, PCCD_VF, m, n);
+    features_against(worker, PCCD_EE, n, m);
 }
 
 /* BV overlap test of a pair: what passes waits for its refinement, or, between two
- * leaves, is a pair of triangles. Testing before queueing halves the nodes fetched: a
+ * leaves, is a pair of those. Testing before queueing halves the nodes fetched: a
  * refinement meets four boxes and tests each twice. */
 static inline void test_pair(struct eng_worker *worker, uint32_t n, uint32_t m)
 {

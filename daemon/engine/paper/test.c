@@ -13,6 +13,7 @@
 #include "kernel.h"
 #include "near_work.h"
 #include "paper_features.h"
+#include "solvers.h"
 #include "thick_work.h"
 
 static void load_point(const struct eng_scene *scene, struct eng_query *query, int point,
@@ -22,17 +23,23 @@ static void load_point(const struct eng_scene *scene, struct eng_query *query, i
     memcpy(query->x[1][point], scene->x[scene->now][v], sizeof query->x[1][point]);
 }
 
-void eng_query_load(const struct eng_scene *scene, enum pccd_kind kind, uint32_t a,
-                    uint32_t b, struct eng_query *query)
+/* The vertices of a candidate; the last is repeated. */
+static void get_vertices(const struct eng_trees *trees, enum pccd_kind kind, uint32_t a,
+                         uint32_t b, uint32_t v[4])
 {
-    const struct eng_trees *trees = eng_trees_of(scene);
     const uint32_t *points = common_kinds[kind].points;
-    uint32_t v[4];
     eng_feature_vertices(trees, points[0], a, v);
     eng_feature_vertices(trees, points[1], b, v + points[0]);
     for (uint32_t i = points[0] + points[1]; i < 4; i++) {
         v[i] = v[i - 1];
     }
+}
+
+void eng_query_load(const struct eng_scene *scene, enum pccd_kind kind, uint32_t a,
+                    uint32_t b, struct eng_query *query)
+{
+    uint32_t v[4];
+    get_vertices(eng_trees_of(scene), kind, a, b, v);
     query->kind = kind;
     for (int i = 0; i < 4; i++) {
         load_point(scene, query, i, v[i]);
@@ -110,11 +117,9 @@ static void name_points(const struct eng_scene *scene, enum pccd_kind kind,
                         struct group *group)
 {
     const struct eng_trees *trees = eng_trees_of(scene);
-    const uint32_t *points = common_kinds[kind].points;
     for (uint32_t i = 0; i < group->count; i++) {
         uint32_t v[4];
-        eng_feature_vertices(trees, points[0], chunk->a[first + i], v);
-        eng_feature_vertices(trees, points[1], chunk->b[first + i], v + points[0]);
+        get_vertices(trees, kind, chunk->a[first + i], chunk->b[first + i], v);
         for (uint32_t k = 0; k < 4; k++) {
             uint32_t at = trees->vertices[v[k]].object;
             const struct eng_object *object = &scene->objects[at];
@@ -135,6 +140,9 @@ static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
         eng_thick_test(worker, kind, group->points, (const uint32_t(*)[4])group->quads,
                        group->count, name_candidates);
     const uint32_t *rest = eng_thick_work_of(worker)->rest;
+    if (!eng_solvers[kind].search) {
+        group->count = 0; /* what keeps no distance is not tested */
+    }
     for (uint32_t i = 0; i < group->count; i++) {
         memmove(group->quads[i], group->quads[rest[i]], sizeof group->quads[i]);
         group->pair[i] = group->pair[rest[i]];

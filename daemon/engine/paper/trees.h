@@ -87,6 +87,7 @@ struct eng_upkeep {
     float built_ratio; /* of an inner node: the metric when it was last built */
 };
 
+/* A leaf of a mesh: a triangle, a free edge or a free point (topology.h). */
 struct eng_triangle {
     uint32_t v[3];
     uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */

@@ -21,8 +21,8 @@ static void count_runs(const struct eng_mesh *mesh, const uint32_t *first,
 {
     for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t from = mesh->triangles[i].v[k];
-            uint32_t to = mesh->triangles[i].v[(k + 1) % 3];
+            uint32_t from = mesh->leaves[i].v[k];
+            uint32_t to = mesh->leaves[i].v[(k + 1) % 3];
             if (from != to) {
                 balance[eng_feature_edge(mesh, first, from, to)] += from < to ? 1 : -1u;
             }
@@ -57,8 +57,8 @@ static void describe(const struct eng_mesh *mesh, uint32_t edge,
     *open = (struct eng_open_edge){{ends[0], ends[1]}, {0, 0}};
     for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t from = mesh->triangles[i].v[k];
-            uint32_t to = mesh->triangles[i].v[(k + 1) % 3];
+            uint32_t from = mesh->leaves[i].v[k];
+            uint32_t to = mesh->leaves[i].v[(k + 1) % 3];
             open->runs[0] += from == ends[0] && to == ends[1];
             open->runs[1] += from == ends[1] && to == ends[0];
         }

@@ -1,8 +1,8 @@
 /* daemon/engine/scene/feature.c - unique edges and who owns which feature.
  *
  * Room:     engine.
- * Does:     sort the sides of all triangles by (higher, lower) vertex; runs of equal
- *           sides are one edge, owned by the first triangle of the run. Sides are dealt
+ * Does:     sort the sides of all that is named by (higher, lower) vertex; runs of equal
+ *           sides are one edge, owned by the first of the run. Sides are dealt
  *           out to their higher vertices, each of which has a few: linear time, where
  *           sorting all of them takes a pass more for each byte of a vertex's number.
  * Threads:  one thread for one mesh.
@@ -22,11 +22,12 @@
 /* Entries of a vertex that are sorted where they are. */
 #define INSERTED_MAX 24u
 
-/* What triangles say of their vertices: of v entry[first[v]] to entry[first[v + 1]],
+/* What is named: triangles first, then edges and points, with their last vertex repeated.
+ * What it says of its vertices: of v entry[first[v]] to entry[first[v + 1]],
  * ascending. */
 struct by_vertex {
     size_t *first;              /* [vertex_count + 1] */
-    uint64_t *entry;            /* [3 * triangle_count] */
+    uint64_t *entry;            /* [3 * all that is named] */
     struct eng_radix_key *keys; /* for vertices with many; NULL: none has */
     size_t count;               /* of entries */
     size_t repeats;             /* of these, like the one before them of their vertex */
@@ -37,10 +38,10 @@ struct said {
     uint64_t entry;
 };
 
-/* What triangle `t` says; returns how many. */
+/* What number `t` says; returns how many. */
 typedef unsigned (*say_fn)(const uint32_t *corners, uint32_t t, struct said said[3]);
 
-/* Each side that is an edge: of its higher vertex (lower, triangle). */
+/* Each side that is an edge: of its higher vertex (lower, number). */
 static inline unsigned say_sides(const uint32_t *corners, uint32_t t, struct said said[3])
 {
     unsigned count = 0;
@@ -72,15 +73,16 @@ static inline unsigned say_corners(const uint32_t *corners, uint32_t t,
     return 1;
 }
 
-/* Deal out what is said, in the order of the triangles. Returns the most of a vertex. */
-static inline size_t deal(const struct eng_mesh *mesh, say_fn say, struct by_vertex *by)
+/* Deal out what the first `named` say, in their order. Returns the most of a vertex. */
+static inline size_t deal(const struct eng_mesh *mesh, uint32_t named, say_fn say,
+                          struct by_vertex *by)
 {
     size_t vertex_count = mesh->info.vertex_count;
     struct said said[3];
     size_t most = 0;
     memset(by->first, 0, (vertex_count + 1) * sizeof *by->first);
     by->count = 0;
-    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
+    for (uint32_t t = 0; t < named; t++) {
         for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
             by->first[said[i].vertex]++;
         }
@@ -90,7 +92,7 @@ static inline size_t deal(const struct eng_mesh *mesh, say_fn say, struct by_ver
         by->count += by->first[v];
         by->first[v] = by->count;
     }
-    for (uint32_t t = mesh->info.triangle_count; t-- > 0;) {
+    for (uint32_t t = named; t-- > 0;) {
         for (unsigned i = say(mesh->corners[t], t, said); i-- > 0;) {
             by->entry[--by->first[said[i].vertex]] = said[i].entry;
         }
@@ -145,7 +147,7 @@ static int sort_all(const struct eng_mesh *mesh, size_t most, unsigned ignored,
     return PCCD_OK;
 }
 
-/* ---- triangles, edges, vertices ---------------------------------------------------- */
+/* ---- leaves, edges, vertices ------------------------------------------------------- */
 
 /* Zero area: all three 2x2 minors of the edge vectors vanish. Each minor is compared
  * through its two products, exactly (product and its rounding error); the edge vectors
@@ -174,15 +176,16 @@ static bool has_zero_area(const double (*x)[3], const uint32_t *v)
     return true;
 }
 
-static void init_triangles(const struct eng_mesh *mesh, struct eng_face *triangles)
+static void init_leaves(const struct eng_mesh *mesh, uint32_t named,
+                        struct eng_face *leaves)
 {
-    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
-        memcpy(triangles[t].v, mesh->corners[t], sizeof triangles[t].v);
-        triangles[t].owns = 0;
+    for (uint32_t t = 0; t < named; t++) {
+        memcpy(leaves[t].v, mesh->corners[t], sizeof leaves[t].v);
+        leaves[t].owns = t < mesh->info.triangle_count ? ENG_OWNS_FACE : 0;
     }
 }
 
-/* The first side of a triangle between these two, which has one. */
+/* The first side of a leaf between these two, which has one. */
 static unsigned side_of(const uint32_t *v, uint32_t low, uint32_t high)
 {
     unsigned k = 0;
@@ -193,16 +196,16 @@ static unsigned side_of(const uint32_t *v, uint32_t low, uint32_t high)
     return k;
 }
 
-/* Number the edges and let the lowest triangle with a side own its edge. */
+/* Number the edges and let the lowest leaf with a side own its edge. */
 static void assign_edges(const struct eng_mesh *mesh, const struct by_vertex *by,
-                         struct eng_face *triangles, uint32_t (*edges)[2])
+                         struct eng_face *leaves, uint32_t (*edges)[2])
 {
     uint32_t edge = 0;
     for (uint32_t v = 0; v < mesh->info.vertex_count; v++) {
         for (size_t i = by->first[v]; i < by->first[v + 1]; i++) {
             uint32_t low = (uint32_t)(by->entry[i] >> 32);
             if (i == by->first[v] || low != (uint32_t)(by->entry[i - 1] >> 32)) {
-                struct eng_face *owner = &triangles[(uint32_t)by->entry[i]];
+                struct eng_face *owner = &leaves[(uint32_t)by->entry[i]];
                 owner->owns |= ENG_OWNS_EDGE(side_of(owner->v, low, v));
                 edges[edge][0] = low;
                 edges[edge][1] = v;
@@ -212,19 +215,28 @@ static void assign_edges(const struct eng_mesh *mesh, const struct by_vertex *by
     }
 }
 
-/* First come, first owned. Returns the number of vertices that nobody owns. `seen` is
- * scratch of vertex_count bytes. */
-static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_face *triangles,
-                                uint8_t *seen)
+static bool is_point(const struct eng_mesh *mesh, uint32_t t)
+{
+    return t >= mesh->info.triangle_count && mesh->corners[t][0] == mesh->corners[t][1];
+}
+
+/* First come, first owned, points last. Returns the number of vertices that nobody owns.
+ * `seen` is scratch of vertex_count bytes. */
+static uint32_t assign_vertices(const struct eng_mesh *mesh, uint32_t named,
+                                struct eng_face *leaves, uint8_t *seen)
 {
     uint32_t isolated = mesh->info.vertex_count;
     memset(seen, 0, mesh->info.vertex_count);
-    for (uint32_t t = 0; t < mesh->info.triangle_count; t++) {
+    for (uint64_t i = 0; i < 2 * (uint64_t)named; i++) {
+        uint32_t t = (uint32_t)(i < named ? i : i - named);
+        if (is_point(mesh, t) != (i >= named)) {
+            continue;
+        }
         for (unsigned k = 0; k < 3; k++) {
-            uint32_t v = triangles[t].v[k];
+            uint32_t v = leaves[t].v[k];
             if (!seen[v]) {
                 seen[v] = 1;
-                triangles[t].owns |= ENG_OWNS_VERTEX(k);
+                leaves[t].owns |= ENG_OWNS_VERTEX(k);
                 isolated--;
             }
         }
@@ -232,16 +244,70 @@ static uint32_t assign_vertices(const struct eng_mesh *mesh, struct eng_face *tr
     return isolated;
 }
 
+/* Triangles stay; behind them come the edges that own themselves, then the points that
+ * do. Returns how many leaves there are. */
+static uint32_t order_leaves(struct eng_mesh_info *info, struct eng_face *leaves,
+                             uint32_t named)
+{
+    uint32_t count = info->triangle_count;
+    for (uint32_t t = count; t < named; t++) {
+        if (leaves[t].owns & ENG_OWNS_EDGE(0)) {
+            struct eng_face edge = leaves[t];
+            leaves[t] = leaves[count];
+            leaves[count++] = edge;
+        }
+    }
+    info->free_edge_count = count - info->triangle_count;
+    for (uint32_t t = count; t < named; t++) {
+        if (leaves[t].owns == ENG_OWNS_VERTEX(0)) {
+            leaves[count++] = leaves[t];
+        }
+    }
+    info->free_point_count = count - info->triangle_count - info->free_edge_count;
+    return count;
+}
+
+static void set_bit(uint64_t *bits, uint32_t i)
+{
+    bits[i / 64] |= 1ull << i % 64;
+}
+
+/* A bit for each edge and each point that is free; `first`: eng_feature_index. */
+static void mark_free(struct eng_mesh *mesh, const uint32_t *first)
+{
+    const struct eng_face *leaf = mesh->leaves + mesh->info.triangle_count;
+    for (uint32_t i = 0; i < mesh->info.free_edge_count; i++, leaf++) {
+        set_bit(mesh->free[PCCD_TREE_EDGES],
+                eng_feature_edge(mesh, first, leaf->v[0], leaf->v[1]));
+    }
+    for (uint32_t i = 0; i < mesh->info.free_point_count; i++, leaf++) {
+        set_bit(mesh->free[PCCD_TREE_VERTICES], leaf->v[0]);
+    }
+}
+
+/* Bits for `count` features of which some are free. */
+static uint64_t *new_bits(uint32_t count, uint32_t free_count, int *status)
+{
+    size_t words = (size_t)count / 64 + 1;
+    uint64_t *bits = free_count > 0 ? eng_alloc(words, sizeof *bits) : NULL;
+    if (bits) {
+        memset(bits, 0, words * sizeof *bits);
+    } else if (free_count > 0) {
+        *status = PCCD_E_NOMEM;
+    }
+    return bits;
+}
+
 /* Count repetitions of triangles, whose corners are in any order, and list the sides. */
-static int look_at_all(const struct eng_mesh *mesh, struct by_vertex *by,
+static int look_at_all(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,
                        struct eng_mesh_info *info)
 {
-    int status = sort_all(mesh, deal(mesh, say_corners, by), 0, by);
+    int status = sort_all(mesh, deal(mesh, info->triangle_count, say_corners, by), 0, by);
     if (status != PCCD_OK) {
         return status;
     }
     info->duplicate_count = (uint32_t)by->repeats;
-    status = sort_all(mesh, deal(mesh, say_sides, by), 32, by);
+    status = sort_all(mesh, deal(mesh, named, say_sides, by), 32, by);
     if (status != PCCD_OK) {
         return status;
     }
@@ -252,46 +318,87 @@ static int look_at_all(const struct eng_mesh *mesh, struct by_vertex *by,
     return PCCD_OK;
 }
 
+/* What a mesh gets from its derivation. */
+struct derived {
+    struct eng_mesh_info info;
+    struct eng_face *leaves; /* at first all that is named */
+    uint32_t leaf_count;
+    uint32_t (*edges)[2];
+    uint64_t *free[PCCD_TREE_EDGES + 1];
+};
+
+static void derived_free(struct derived *derived)
+{
+    eng_free(derived->leaves);
+    eng_free(derived->edges);
+    eng_free(derived->free[PCCD_TREE_VERTICES]);
+    eng_free(derived->free[PCCD_TREE_EDGES]);
+}
+
+static int derive(const struct eng_mesh *mesh, uint32_t named, struct by_vertex *by,
+                  uint8_t *seen, struct derived *derived)
+{
+    struct eng_mesh_info *info = &derived->info;
+    int status = look_at_all(mesh, named, by, info);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    derived->leaves = eng_alloc(named, sizeof *derived->leaves);
+    derived->edges = eng_alloc((size_t)info->edge_count + 1, sizeof *derived->edges);
+    if (!derived->leaves || !derived->edges) {
+        return PCCD_E_NOMEM;
+    }
+    for (uint32_t t = 0; t < info->triangle_count; t++) {
+        info->degenerate_count +=
+            has_zero_area((const double(*)[3])mesh->x, mesh->corners[t]);
+    }
+    init_leaves(mesh, named, derived->leaves);
+    info->isolated_count = assign_vertices(mesh, named, derived->leaves, seen);
+    assign_edges(mesh, by, derived->leaves, derived->edges);
+    derived->leaf_count = order_leaves(info, derived->leaves, named);
+    derived->free[PCCD_TREE_VERTICES] =
+        new_bits(info->vertex_count, info->free_point_count, &status);
+    derived->free[PCCD_TREE_EDGES] =
+        new_bits(info->edge_count, info->free_edge_count, &status);
+    return status;
+}
+
+/* The mesh takes it; `first` has room for eng_feature_index. */
+static void take(struct eng_mesh *mesh, struct derived *derived, size_t *first)
+{
+    mesh->info = derived->info;
+    mesh->leaves = derived->leaves;
+    mesh->leaf_count = derived->leaf_count;
+    mesh->edges = derived->edges;
+    memcpy(mesh->free, derived->free, sizeof mesh->free);
+    derived->leaves = NULL;
+    derived->edges = NULL;
+    memset(derived->free, 0, sizeof derived->free);
+    if (mesh->leaf_count > mesh->info.triangle_count) {
+        uint32_t *index = (uint32_t *)(void *)first;
+        eng_feature_index(mesh, index);
+        mark_free(mesh, index);
+    }
+}
+
 int eng_feature_derive(struct eng_mesh *mesh)
 {
     assert(mesh->corners && mesh->x);
-    uint32_t n = mesh->info.triangle_count;
-    size_t vertex_count = mesh->info.vertex_count;
+    const struct eng_mesh_counts *counts = &mesh->counts;
+    uint32_t named = counts->triangles + counts->edges + counts->points;
     int status = PCCD_E_NOMEM;
-    struct eng_mesh_info info = mesh->info;
-    struct by_vertex by = {.first = eng_alloc(vertex_count + 1, sizeof *by.first),
-                           .entry = eng_alloc((size_t)n * 3, sizeof *by.entry)};
-    uint8_t *seen = eng_alloc(vertex_count, 1);
-    struct eng_face *triangles = NULL;
-    uint32_t(*edges)[2] = NULL;
-    if (!by.first || !by.entry || !seen) {
-        goto out;
+    struct derived derived = {.info = mesh->info};
+    struct by_vertex by = {.first =
+                               eng_alloc((size_t)counts->vertices + 1, sizeof *by.first),
+                           .entry = eng_alloc((size_t)named * 3, sizeof *by.entry)};
+    uint8_t *seen = eng_alloc(counts->vertices, 1);
+    if (by.first && by.entry && seen) {
+        status = derive(mesh, named, &by, seen, &derived);
     }
-    status = look_at_all(mesh, &by, &info);
-    if (status != PCCD_OK) {
-        goto out;
+    if (status == PCCD_OK) {
+        take(mesh, &derived, by.first);
     }
-    triangles = eng_alloc(n, sizeof *triangles);
-    edges = eng_alloc(info.edge_count, sizeof *edges);
-    if (!triangles || !edges) {
-        status = PCCD_E_NOMEM;
-        goto out;
-    }
-    for (uint32_t t = 0; t < n; t++) {
-        info.degenerate_count +=
-            has_zero_area((const double(*)[3])mesh->x, mesh->corners[t]);
-    }
-    init_triangles(mesh, triangles);
-    info.isolated_count = assign_vertices(mesh, triangles, seen);
-    assign_edges(mesh, &by, triangles, edges);
-    mesh->triangles = triangles;
-    mesh->edges = edges;
-    mesh->info = info;
-    triangles = NULL;
-    edges = NULL;
-out:
-    eng_free(edges);
-    eng_free(triangles);
+    derived_free(&derived);
     eng_free(seen);
     eng_free(by.keys);
     eng_free(by.entry);
@@ -350,16 +457,16 @@ bool eng_feature_validate(const struct eng_mesh *mesh)
     bool valid = true;
     uint64_t owned_vertices = 0;
     uint64_t owned_edges = 0;
-    for (uint32_t t = 0; t < info->triangle_count; t++) {
-        const struct eng_face *triangle = &mesh->triangles[t];
+    for (uint32_t t = 0; t < mesh->leaf_count; t++) {
+        const struct eng_face *leaf = &mesh->leaves[t];
         for (unsigned k = 0; k < 3; k++) {
-            if (triangle->owns & ENG_OWNS_VERTEX(k)) {
-                valid &= owners[triangle->v[k]]++ == 0;
+            if (leaf->owns & ENG_OWNS_VERTEX(k)) {
+                valid &= owners[leaf->v[k]]++ == 0;
                 owned_vertices++;
             }
-            if (triangle->owns & ENG_OWNS_EDGE(k)) {
-                uint32_t edge = eng_feature_edge(mesh, first, triangle->v[k],
-                                                 triangle->v[(k + 1) % 3]);
+            if (leaf->owns & ENG_OWNS_EDGE(k)) {
+                uint32_t edge =
+                    eng_feature_edge(mesh, first, leaf->v[k], leaf->v[(k + 1) % 3]);
                 valid &= edge < info->edge_count;
                 valid = valid && owners[info->vertex_count + edge]++ == 0;
                 owned_edges++;

@@ -1,9 +1,9 @@
 /* daemon/engine/scene/feature.h - derives the unique edges of a mesh, and assigns each
- * vertex and edge to one triangle.
+ * vertex and edge to one leaf, as a rule a triangle.
  *
  * Room:     engine. May include: topology.h.
  * Does:     do so once per mesh, so that each feature is tested through exactly one
- *           triangle.
+ *           leaf; find out which edges and points are free (mesh.h).
  * Threads:  one thread for one mesh.
  * Source:   paper section 3.1; Curtis 2008 (representative triangles).
  */
@@ -12,8 +12,8 @@
 
 #include "topology.h"
 
-/* Fill triangles, edges and the counts of `mesh` from corners and x. The owner of a
- * feature is the first triangle that has it. PCCD_E_NOMEM, PCCD_E_LIMIT:
+/* Fill leaves, edges, what is free and the counts of `mesh` from corners and x. The owner
+ * of a feature is the first leaf that has it. PCCD_E_NOMEM, PCCD_E_LIMIT:
  * nothing changed. */
 int eng_feature_derive(struct eng_mesh *mesh);
 
@@ -25,8 +25,8 @@ void eng_feature_index(const struct eng_mesh *mesh, uint32_t *first);
 uint32_t eng_feature_edge(const struct eng_mesh *mesh, const uint32_t *first, uint32_t a,
                           uint32_t b);
 
-/* Every vertex in a triangle and every edge is owned exactly once, and by a triangle that
- * has it. O(counts); true when it cannot allocate what it needs. */
+/* Every vertex in a leaf and every edge is owned exactly once, and by a leaf that has
+ * it. O(counts); true when it cannot allocate what it needs. */
 bool eng_feature_validate(const struct eng_mesh *mesh);
 
 #endif

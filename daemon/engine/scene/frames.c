@@ -62,13 +62,13 @@ static double scale_for(double far)
 
 struct eng_frame eng_frame_alone(const struct eng_mesh *mesh, const double (*x)[3])
 {
-    assert(mesh->triangles && x);
+    assert(mesh->leaves && x);
     struct eng_frame frame = plain;
     double size = eng_bounds_size(&mesh->bounds);
     if (is_fine_enough(farthest_of(&mesh->bounds), size * mesh->fineness)) {
         return frame;
     }
-    const double *anchor = x[mesh->triangles[0].v[0]];
+    const double *anchor = x[mesh->leaves[0].v[0]];
     for (int k = 0; k < 3; k++) {
         frame.origin[k] = frame.origin[4 + k] = anchor[k];
     }
@@ -271,7 +271,7 @@ static void shift_to(struct eng_scene *scene, const struct eng_object *finest,
 {
     assert(finest->mesh);
     const double *anchor =
-        scene->x[to][finest->vertices.first + finest->mesh->triangles[0].v[0]];
+        scene->x[to][finest->vertices.first + finest->mesh->leaves[0].v[0]];
     double shift[3];
     for (int k = 0; k < 3; k++) {
         shift[k] = anchor[k] - finest->frame.origin[4 + k];

@@ -132,6 +132,27 @@ int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_cou
     return PCCD_OK;
 }
 
+int eng_ingest_corners(uint32_t (*out)[3], uint32_t points, uint32_t count,
+                       uint32_t vertex_count, const void *source, uint32_t *bad)
+{
+    assert(points >= 1 && points <= 2 && (count == 0 || (out && source)));
+    const unsigned char *from = source;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t v[2];
+        copy_once(v, from, points * sizeof *v);
+        from += points * sizeof *v;
+        v[1] = v[points - 1];
+        if (v[0] >= vertex_count || v[1] >= vertex_count) {
+            *bad = i;
+            return PCCD_E_INDEX;
+        }
+        out[i][0] = v[0];
+        out[i][1] = v[1];
+        out[i][2] = v[1];
+    }
+    return PCCD_OK;
+}
+
 int eng_ingest_transform(double out[12], const void *source)
 {
     assert(out && source);

@@ -36,6 +36,9 @@ int eng_ingest_by_team(double (*out)[3], enum pccd_format format, uint32_t count
  * or PCCD_E_INDEX with *bad_triangle (0 .. count-1) and part of `out` written. */
 int eng_ingest_triangles(uint32_t (*out)[3], uint32_t count, uint32_t vertex_count,
                          const void *source, uint32_t *bad_triangle);
+/* The same of edges (points 2) or points (1), the last vertex of each repeated. */
+int eng_ingest_corners(uint32_t (*out)[3], uint32_t points, uint32_t count,
+                       uint32_t vertex_count, const void *source, uint32_t *bad);
 
 /* A transform double[12]: finite and |.| <= 1e18, else PCCD_E_NOTFINITE. */
 int eng_ingest_transform(double out[12], const void *source);

@@ -1,13 +1,19 @@
-/* daemon/engine/scene/mesh.h - a triangle mesh as it was registered: triangles, edges and
+/* daemon/engine/scene/mesh.h - a mesh as it was registered: triangles, edges, points and
  * first positions, which never change.
  *
  * Room:     engine. May include: the C library.
- * Does:     take vertices and triangles in chunks, check them, derive the unique edges
- *           and the ownership of features once. A mesh cannot be changed after its
- *           commit.
+ * Does:     take vertices, triangles, and edges and points by themselves in chunks, check
+ *           them, derive the unique edges and the ownership of features once. A mesh
+ *           cannot be changed after its commit.
  * Does not: move (scene.h) or build hierarchies (build.h).
  * Threads:  a mesh is used by one thread at a time until commit; afterwards by any.
  * Source:   paper section 3.1 (representative triangles, Curtis 2008).
+ *
+ * Edges and points are *named* by themselves, those of rods and of clouds. A named edge
+ * that a triangle has is just that one; any other is *free*. One whose ends are the same
+ * names a point. A named point that a triangle or an edge has is a vertex of it: whatever
+ * comes near it comes near that triangle or edge. Any other is a *free* point. A vertex
+ * that nothing has is isolated, and not tested.
  */
 #ifndef ENG_MESH_H
 #define ENG_MESH_H
@@ -29,11 +35,24 @@ struct eng_mesh_info {
     uint32_t edge_count;       /* unique unordered pairs of distinct vertices */
     uint32_t duplicate_count;  /* triangles whose vertex set occurred before */
     uint32_t degenerate_count; /* repeated vertex, or exactly zero area as registered */
-    uint32_t isolated_count;   /* vertices in no triangle */
+    uint32_t isolated_count;   /* vertices that nothing has */
+    uint32_t free_edge_count;
+    uint32_t free_point_count;
 };
 
-/* A mesh to be filled. Counts 1 .. PROTO_COUNT_MAX, else PCCD_E_INVAL. Allocates all that
- * the data needs; PCCD_E_NOMEM leaves nothing behind. The caller holds one reference. */
+/* What is named in a mesh; edges and points: by themselves. */
+struct eng_mesh_counts {
+    uint32_t vertices;
+    uint32_t triangles;
+    uint32_t edges;
+    uint32_t points;
+};
+
+/* A mesh to be filled. Vertices, and all that is named together: 1 .. PROTO_COUNT_MAX,
+ * else PCCD_E_INVAL. Allocates all that the data needs; PCCD_E_NOMEM leaves nothing
+ * behind. The caller holds one reference. */
+int eng_mesh_make(const struct eng_mesh_counts *counts, struct eng_mesh **mesh);
+/* One of triangles alone. */
 int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh);
 
 /* Another reference / drop one. NULL is allowed in release. [any] */
@@ -51,6 +70,11 @@ int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
 /* Triangles are uint32_t[3]; indices are checked: PCCD_E_INDEX, *bad_triangle set. */
 int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                              const void *source, uint32_t *bad_triangle);
+/* Named edges are uint32_t[2], points uint32_t; otherwise the same. */
+int eng_mesh_write_edges(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                         const void *source, uint32_t *bad_edge);
+int eng_mesh_write_points(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                          const void *source, uint32_t *bad_point);
 
 /* Radii of vertices, for objects that have none of their own (scene.h): any ranges,
  * before the commit; what is not written is 0. A feature has the largest of its vertices.
@@ -60,9 +84,8 @@ int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t cou
 int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                          const double *source);
 
-/* Vertices and triangles that have arrived so far. */
-void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
-                       uint32_t *triangles);
+/* What has arrived so far. */
+void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *received);
 
 /* Derive edges, ownership and counts. PCCD_E_STATE: data missing or committed already;
  * PCCD_E_LIMIT: more than PROTO_COUNT_MAX edges; PCCD_E_NOMEM: can be tried again. */
@@ -82,6 +105,9 @@ const double (*eng_mesh_vertices(const struct eng_mesh *mesh))[3];
 const double *eng_mesh_radii(const struct eng_mesh *mesh);
 /* The corners of all triangles of a committed mesh, to corners[triangle_count]. */
 void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3]);
+/* The free edges, to ends[free_edge_count], and points, to points[free_point_count]. */
+void eng_mesh_get_free(const struct eng_mesh *mesh, uint32_t (*ends)[2],
+                       uint32_t *points);
 
 /* Bytes held. */
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh);

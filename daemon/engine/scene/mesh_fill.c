@@ -22,13 +22,14 @@
 
 #define RADIUS_MAX 1e18
 
-/* Triangles of which the typical size is told. */
+/* Leaves of which the typical size is told. */
 #define FINENESS_SAMPLES 64u
 
-int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh)
+int eng_mesh_make(const struct eng_mesh_counts *counts, struct eng_mesh **mesh)
 {
-    if (vertex_count == 0 || vertex_count > PROTO_COUNT_MAX || triangle_count == 0 ||
-        triangle_count > PROTO_COUNT_MAX) {
+    uint64_t named = (uint64_t)counts->triangles + counts->edges + counts->points;
+    if (counts->vertices == 0 || counts->vertices > PROTO_COUNT_MAX || named == 0 ||
+        named > PROTO_COUNT_MAX) {
         return PCCD_E_INVAL;
     }
     struct eng_mesh *m = eng_alloc(1, sizeof *m);
@@ -38,16 +39,24 @@ int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh
     memset(m, 0, sizeof *m);
     atomic_init(&m->references, 1);
     atomic_init(&m->spacing.state, ENG_SPACING_UNKNOWN);
-    m->info.vertex_count = vertex_count;
-    m->info.triangle_count = triangle_count;
-    m->x = eng_alloc(vertex_count, sizeof *m->x);
-    m->corners = eng_alloc(triangle_count, sizeof *m->corners);
+    m->counts = *counts;
+    m->info.vertex_count = counts->vertices;
+    m->info.triangle_count = counts->triangles;
+    m->x = eng_alloc(counts->vertices, sizeof *m->x);
+    m->corners = eng_alloc(named, sizeof *m->corners);
     if (!m->x || !m->corners) {
         eng_mesh_release(m);
         return PCCD_E_NOMEM;
     }
     *mesh = m;
     return PCCD_OK;
+}
+
+int eng_mesh_new(uint32_t vertex_count, uint32_t triangle_count, struct eng_mesh **mesh)
+{
+    return eng_mesh_make(
+        &(struct eng_mesh_counts){.vertices = vertex_count, .triangles = triangle_count},
+        mesh);
 }
 
 struct eng_mesh *eng_mesh_acquire(struct eng_mesh *mesh)
@@ -67,8 +76,10 @@ void eng_mesh_release(struct eng_mesh *mesh)
     }
     eng_free(mesh->x);
     eng_free(mesh->corners);
-    eng_free(mesh->triangles);
+    eng_free(mesh->leaves);
     eng_free(mesh->edges);
+    eng_free(mesh->free[PCCD_TREE_VERTICES]);
+    eng_free(mesh->free[PCCD_TREE_EDGES]);
     eng_free(mesh->radii);
     eng_free(mesh->reach);
     eng_rings_deinit(mesh);
@@ -109,14 +120,27 @@ int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
                             uint32_t first, uint32_t count, const void *source)
 {
     int status =
-        check_chunk(mesh, first, count, mesh->info.vertex_count, mesh->vertices_received);
+        check_chunk(mesh, first, count, mesh->counts.vertices, mesh->received.vertices);
     if (status == PCCD_OK) {
         status = eng_ingest_positions(mesh->x + first, format, count, source, NULL);
     }
-    if (status == PCCD_OK && first + count > mesh->vertices_received) {
-        mesh->vertices_received = first + count;
-    } else if (status == PCCD_E_NOTFINITE && mesh->vertices_received > first) {
-        mesh->vertices_received = first; /* the chunk may have spoilt what stood there */
+    if (status == PCCD_OK && first + count > mesh->received.vertices) {
+        mesh->received.vertices = first + count;
+    } else if (status == PCCD_E_NOTFINITE && mesh->received.vertices > first) {
+        mesh->received.vertices = first; /* the chunk may have spoilt what stood there */
+    }
+    return status;
+}
+
+/* A chunk of what is named has been copied, or is bad. */
+static int received(uint32_t *received, uint32_t first, uint32_t count, int status,
+                    uint32_t *bad)
+{
+    if (status == PCCD_OK && first + count > *received) {
+        *received = first + count;
+    } else if (status == PCCD_E_INDEX) {
+        *bad += first;
+        *received = *received > first ? first : *received;
     }
     return status;
 }
@@ -124,21 +148,38 @@ int eng_mesh_write_vertices(struct eng_mesh *mesh, enum pccd_format format,
 int eng_mesh_write_triangles(struct eng_mesh *mesh, uint32_t first, uint32_t count,
                              const void *source, uint32_t *bad_triangle)
 {
-    int status = check_chunk(mesh, first, count, mesh->info.triangle_count,
-                             mesh->triangles_received);
+    int status =
+        check_chunk(mesh, first, count, mesh->counts.triangles, mesh->received.triangles);
     if (status == PCCD_OK) {
-        status = eng_ingest_triangles(mesh->corners + first, count,
-                                      mesh->info.vertex_count, source, bad_triangle);
+        status = eng_ingest_triangles(mesh->corners + first, count, mesh->counts.vertices,
+                                      source, bad_triangle);
     }
-    if (status == PCCD_OK && first + count > mesh->triangles_received) {
-        mesh->triangles_received = first + count;
-    } else if (status == PCCD_E_INDEX) {
-        *bad_triangle += first;
-        if (mesh->triangles_received > first) {
-            mesh->triangles_received = first;
-        }
+    return received(&mesh->received.triangles, first, count, status, bad_triangle);
+}
+
+int eng_mesh_write_edges(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                         const void *source, uint32_t *bad_edge)
+{
+    int status =
+        check_chunk(mesh, first, count, mesh->counts.edges, mesh->received.edges);
+    if (status == PCCD_OK) {
+        status = eng_ingest_corners(mesh->corners + mesh->counts.triangles + first, 2,
+                                    count, mesh->counts.vertices, source, bad_edge);
     }
-    return status;
+    return received(&mesh->received.edges, first, count, status, bad_edge);
+}
+
+int eng_mesh_write_points(struct eng_mesh *mesh, uint32_t first, uint32_t count,
+                          const void *source, uint32_t *bad_point)
+{
+    uint32_t before = mesh->counts.triangles + mesh->counts.edges;
+    int status =
+        check_chunk(mesh, first, count, mesh->counts.points, mesh->received.points);
+    if (status == PCCD_OK) {
+        status = eng_ingest_corners(mesh->corners + before + first, 1, count,
+                                    mesh->counts.vertices, source, bad_point);
+    }
+    return received(&mesh->received.points, first, count, status, bad_point);
 }
 
 int eng_mesh_write_radii(struct eng_mesh *mesh, uint32_t first, uint32_t count,
@@ -178,8 +219,8 @@ static void measure_radii(struct eng_mesh *mesh)
         drop_radii(mesh);
         return;
     }
-    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
-        const uint32_t *v = mesh->triangles[i].v;
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+        const uint32_t *v = mesh->leaves[i].v;
         double most = fmax(fmax(mesh->radii[v[0]], mesh->radii[v[1]]), mesh->radii[v[2]]);
         for (int k = 0; k < 3; k++) {
             mesh->reach[v[k]] = fmax(mesh->reach[v[k]], most);
@@ -187,25 +228,23 @@ static void measure_radii(struct eng_mesh *mesh)
     }
 }
 
-void eng_mesh_received(const struct eng_mesh *mesh, uint32_t *vertices,
-                       uint32_t *triangles)
+void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *received)
 {
-    *vertices = mesh->vertices_received;
-    *triangles = mesh->triangles_received;
+    *received = mesh->received;
 }
 
 struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3])
 {
-    assert(mesh->triangles && x);
+    assert(mesh->leaves && x);
     const struct eng_kernels *kernels = eng_kernels();
     struct eng_bounds bounds = ENG_NO_BOUNDS;
     if (mesh->info.isolated_count == 0) {
         kernels->bound_positions(x, mesh->info.vertex_count, &bounds);
         return bounds;
     }
-    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
         for (int k = 0; k < 3; k++) {
-            kernels->bound_positions(x + mesh->triangles[i].v[k], 1, &bounds);
+            kernels->bound_positions(x + mesh->leaves[i].v[k], 1, &bounds);
         }
     }
     return bounds;
@@ -218,14 +257,14 @@ static int compare_sizes(const void *a, const void *b)
     return *x < *y ? -1 : *x > *y;
 }
 
-/* The median size of some triangles beside that of the mesh. */
+/* The median size of some leaves beside that of the mesh. */
 static double fineness_of(const struct eng_mesh *mesh)
 {
     double sizes[FINENESS_SAMPLES];
-    uint32_t count = mesh->info.triangle_count;
+    uint32_t count = mesh->leaf_count;
     uint32_t samples = count < FINENESS_SAMPLES ? count : FINENESS_SAMPLES;
     for (uint32_t i = 0; i < samples; i++) {
-        const uint32_t *v = mesh->triangles[(uint64_t)count * i / samples].v;
+        const uint32_t *v = mesh->leaves[(uint64_t)count * i / samples].v;
         struct eng_bounds bounds = ENG_NO_BOUNDS;
         for (int k = 0; k < 3; k++) {
             eng_kernels()->bound_positions((const double(*)[3])mesh->x + v[k], 1,
@@ -240,8 +279,8 @@ static double fineness_of(const struct eng_mesh *mesh)
 
 int eng_mesh_commit(struct eng_mesh *mesh)
 {
-    if (mesh->committed || mesh->vertices_received != mesh->info.vertex_count ||
-        mesh->triangles_received != mesh->info.triangle_count) {
+    if (mesh->committed ||
+        memcmp(&mesh->received, &mesh->counts, sizeof mesh->counts) != 0) {
         return PCCD_E_STATE;
     }
     int status = eng_feature_derive(mesh);
@@ -288,17 +327,38 @@ void eng_mesh_get_corners(const struct eng_mesh *mesh, uint32_t (*corners)[3])
 {
     assert(mesh->committed && corners);
     for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
-        memcpy(corners[i], mesh->triangles[i].v, sizeof *corners);
+        memcpy(corners[i], mesh->leaves[i].v, sizeof *corners);
     }
+}
+
+void eng_mesh_get_free(const struct eng_mesh *mesh, uint32_t (*ends)[2], uint32_t *points)
+{
+    assert(mesh->committed);
+    const struct eng_face *leaf = mesh->leaves + mesh->info.triangle_count;
+    for (uint32_t i = 0; i < mesh->info.free_edge_count; i++) {
+        memcpy(ends[i], (leaf++)->v, sizeof *ends);
+    }
+    for (uint32_t i = 0; i < mesh->info.free_point_count; i++) {
+        points[i] = (leaf++)->v[0];
+    }
+}
+
+static uint64_t words_for(uint64_t bits)
+{
+    return bits / 64 + 1;
 }
 
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
 {
     const struct eng_mesh_info *info = &mesh->info;
     return sizeof *mesh + (uint64_t)info->vertex_count * sizeof *mesh->x +
-           (uint64_t)info->triangle_count *
-               (mesh->committed ? sizeof *mesh->triangles : sizeof *mesh->corners) +
+           (mesh->committed ? (uint64_t)mesh->leaf_count * sizeof *mesh->leaves
+                            : ((uint64_t)mesh->counts.triangles + mesh->counts.edges +
+                               mesh->counts.points) *
+                                  sizeof *mesh->corners) +
            (uint64_t)info->edge_count * sizeof *mesh->edges +
+           (mesh->free[PCCD_TREE_VERTICES] ? words_for(info->vertex_count) * 8 : 0) +
+           (mesh->free[PCCD_TREE_EDGES] ? words_for(info->edge_count) * 8 : 0) +
            (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
            eng_rings_bytes(mesh);
 }

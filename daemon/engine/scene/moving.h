@@ -69,7 +69,7 @@ static inline bool eng_moves_edge(const struct eng_scene *scene,
 static inline bool eng_moves_face(const struct eng_scene *scene,
                                   const struct eng_object *object, uint32_t face)
 {
-    const uint32_t *v = object->mesh->triangles[face].v;
+    const uint32_t *v = object->mesh->leaves[face].v;
     return eng_moves_vertex(scene, object, v[0]) ||
            eng_moves_vertex(scene, object, v[1]) || eng_moves_vertex(scene, object, v[2]);
 }

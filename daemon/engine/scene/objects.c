@@ -186,7 +186,7 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     eng_mesh_acquire(mesh);
     scene->objects[idx] = object;
     eng_thickness_look(scene, &object);
-    scene->triangle_count += mesh->info.triangle_count;
+    scene->leaf_count += mesh->leaf_count;
     scene->builds++;
     tell_changed(scene);
     return PCCD_OK;
@@ -247,7 +247,7 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
     if (status == PCCD_OK) {
         object->thickness = before.thickness;
         eng_thickness_look(scene, object);
-        scene->triangle_count -= before.mesh->info.triangle_count;
+        scene->leaf_count -= before.mesh->leaf_count;
         scene->replaced[scene->replaced_count++] =
             (struct eng_replaced){.object = object_idx, .before = before};
     }
@@ -269,13 +269,13 @@ void eng_scene_take_back(struct eng_scene *scene)
         struct eng_replaced *replaced = &scene->replaced[--scene->replaced_count];
         struct eng_object *object = &scene->objects[replaced->object];
         give_all(scene, object);
-        scene->triangle_count -= object->mesh->info.triangle_count;
+        scene->leaf_count -= object->mesh->leaf_count;
         eng_mesh_release(object->mesh);
         *object = replaced->before;
         if (scene->framing.number == 0) {
             object->frame = (struct eng_frame){.scale = 1}; /* it may have had one */
         }
-        scene->triangle_count += object->mesh->info.triangle_count;
+        scene->leaf_count += object->mesh->leaf_count;
     }
 }
 
@@ -300,7 +300,7 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
     }
     give_all(scene, object);
     eng_masks_forget(&scene->masks, object_idx);
-    scene->triangle_count -= object->mesh->info.triangle_count;
+    scene->leaf_count -= object->mesh->leaf_count;
     eng_mesh_release(object->mesh);
     object->mesh = NULL;
     scene->object_count--;

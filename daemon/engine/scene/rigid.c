@@ -43,7 +43,7 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
 {
     struct eng_rigid *rigid = &scene->rigid;
     rigid->objects = 0;
-    rigid->triangles = 0;
+    rigid->leaves = 0;
     rigid->wanted = ENG_NO_OBJECT;
     for (uint32_t i = scene->object_capacity; i-- > 0;) {
         const struct eng_object *object = &scene->objects[i];
@@ -53,7 +53,7 @@ void eng_rigid_choose(struct eng_scene *scene, bool may_leave_out)
         if (is_wanted && object->spacing > object->blur[0]) {
             self = object->has_near ? ENG_SELF_NEAR : ENG_SELF_APART;
             rigid->objects++;
-            rigid->triangles += object->mesh->info.triangle_count;
+            rigid->leaves += object->mesh->leaf_count;
         } else if (is_wanted && object->is_posed && object->spacing == 0 &&
                    !eng_spacing_is_known(object->mesh)) {
             rigid->wanted = i;
@@ -75,7 +75,7 @@ bool eng_rigid_is_settled(const struct eng_scene *scene)
 
 void eng_rigid_share(struct eng_scene *scene)
 {
-    uint64_t budget = SHARE_MIN + scene->triangle_count / SHARE_PER_TRIANGLES;
+    uint64_t budget = SHARE_MIN + scene->leaf_count / SHARE_PER_TRIANGLES;
     uint64_t done = 0;
     /* From the one that is wanted on: those before are known, or not posed. */
     for (uint32_t i = scene->rigid.wanted; i < scene->object_capacity && done < budget;

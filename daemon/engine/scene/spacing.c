@@ -227,8 +227,8 @@ static bool look_at_vertices(struct eng_mesh *mesh, uint32_t owner, uint32_t fac
                              uint64_t *cost)
 {
     const double(*x)[3] = (const double(*)[3])mesh->x;
-    const struct eng_face *a = &mesh->triangles[owner];
-    const struct eng_face *b = &mesh->triangles[face];
+    const struct eng_face *a = &mesh->leaves[owner];
+    const struct eng_face *b = &mesh->leaves[face];
     for (unsigned k = 0; k < 3; k++) {
         if (!(a->owns & ENG_OWNS_VERTEX(k)) || has_vertex(b, a->v[k])) {
             continue;
@@ -249,8 +249,8 @@ static bool look_at_edges(struct eng_mesh *mesh, uint32_t one, uint32_t other,
 {
     const double(*x)[3] = (const double(*)[3])mesh->x;
     const uint32_t *first = mesh->spacing.search->edge_first;
-    const struct eng_face *a = &mesh->triangles[one];
-    const struct eng_face *b = &mesh->triangles[other];
+    const struct eng_face *a = &mesh->leaves[one];
+    const struct eng_face *b = &mesh->leaves[other];
     for (unsigned i = 0; i < 9; i++) {
         uint32_t a0 = a->v[i / 3];
         uint32_t a1 = a->v[(i / 3 + 1) % 3];
@@ -276,7 +276,7 @@ static bool look_at_edges(struct eng_mesh *mesh, uint32_t one, uint32_t other,
 static void bound_triangle(const struct eng_mesh *mesh, uint32_t triangle,
                            struct eng_bounds *bounds)
 {
-    const uint32_t *v = mesh->triangles[triangle].v;
+    const uint32_t *v = mesh->leaves[triangle].v;
     const double *const points[3] = {mesh->x[v[0]], mesh->x[v[1]], mesh->x[v[2]]};
     bound_points(points, 3, bounds);
 }
@@ -434,6 +434,9 @@ static bool search_on(struct eng_mesh *mesh, uint64_t budget, uint64_t *cost)
 {
     struct eng_spacing *spacing = &mesh->spacing;
     const struct eng_mesh_info *info = &mesh->info;
+    if (mesh->leaf_count > info->triangle_count) { /* it is looked for in triangles */
+        return false;
+    }
     uint64_t features =
         (uint64_t)info->vertex_count + info->edge_count + info->triangle_count;
     if (!spacing->search) {

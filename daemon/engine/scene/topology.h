@@ -10,19 +10,23 @@
 #define ENG_TOPOLOGY_H
 
 #include <stdatomic.h>
+#include <stddef.h>
 
 #include "box_frame.h"
 #include "mesh.h"
 #include "pccd_trace.h"
 
-/* Ownership bits of a triangle: bit k: it owns corner k; bit 3 + k: it owns the edge from
- * corner k to corner (k + 1) mod 3. */
+/* Ownership bits of a leaf: bit k: it owns corner k; bit 3 + k: it owns the edge from
+ * corner k to corner (k + 1) mod 3; bit 6: it is a face. */
 #define ENG_OWNS_VERTEX(k) (1u << (k))
 #define ENG_OWNS_EDGE(k)   (8u << (k))
+#define ENG_OWNS_FACE      64u
 
 #define ENG_NO_EDGE UINT32_MAX /* a side between equal vertices is not an edge */
 
-/* Of a mesh. Its edges are found by its corners (feature.h). */
+/* What features of a mesh are tested through: each of its triangles, then each free edge,
+ * whose last two corners are the same, then each free point, whose corners are. Edges of
+ * a leaf are found by its corners (feature.h). */
 struct eng_face {
     uint32_t v[3];
     uint32_t owns; /* ENG_OWNS_* */
@@ -51,15 +55,20 @@ struct eng_rings; /* rings.h */
 struct eng_mesh {
     atomic_uint references;
     bool committed;
-    uint32_t vertices_received; /* prefix that has arrived */
-    uint32_t triangles_received;
+    struct eng_mesh_counts counts;
+    struct eng_mesh_counts received; /* prefixes that have arrived */
     struct eng_mesh_info info;
-    double (*x)[3];             /* [vertex_count] registered positions */
-    uint32_t (*corners)[3];     /* [triangle_count] as received; NULL after commit */
-    struct eng_face *triangles; /* [triangle_count] after commit */
-    uint32_t (*edges)[2];       /* [edge_count] after commit, by (higher, lower) vertex */
-    /* After commit, of the registered positions: around all triangles, and the size of a
-     * typical triangle beside that. */
+    double (*x)[3]; /* [vertex_count] registered positions */
+    /* [all that is named] as received: triangles, then edges and points, whose last
+     * vertex is repeated; NULL after commit. */
+    uint32_t (*corners)[3];
+    struct eng_face *leaves; /* [leaf_count] after commit */
+    uint32_t leaf_count;
+    uint32_t (*edges)[2]; /* [edge_count] after commit, by (higher, lower) vertex */
+    /* By enum pccd_tree a bit for each vertex and each edge that is free; NULL: none. */
+    uint64_t *free[PCCD_TREE_EDGES + 1];
+    /* After commit, of the registered positions: around all leaves, and the size of a
+     * typical one beside that. */
     struct eng_bounds bounds;
     double fineness;
     /* Thickness (thickness.h): radii of vertices; after commit also the largest radius of
@@ -76,8 +85,16 @@ struct eng_mesh {
 /* A radius that may be set: PCCD_E_INVAL, PCCD_E_LIMIT. */
 int eng_mesh_check_radius(double radius);
 
-/* The bounds of the mesh's triangles, with its vertices at x. Vertices that are in none
- * do not count. */
+/* The bounds of the mesh's leaves, with its vertices at x. Vertices that are in none do
+ * not count. */
 struct eng_bounds eng_mesh_measure(const struct eng_mesh *mesh, const double (*x)[3]);
+
+/* Is a vertex, or an edge, free? */
+static inline bool eng_mesh_is_free(const struct eng_mesh *mesh, enum pccd_tree tree,
+                                    uint32_t feature)
+{
+    const uint64_t *bits = tree <= PCCD_TREE_EDGES ? mesh->free[tree] : NULL;
+    return bits && (bits[feature / 64] >> feature % 64 & 1u);
+}
 
 #endif

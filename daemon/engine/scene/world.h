@@ -69,12 +69,12 @@ struct eng_object {
     /* Points of the mesh that are farther apart than that do not meet: in the step, and
      * in later ones until something is written to it (blur.h). */
     double blur[2];
-    uint64_t staged;            /* stage number that last wrote to it */
-    enum eng_movement movement; /* in the last step, and .. */
-    enum eng_movement moved;    /* .. in it without the one before */
-    struct eng_span marked;     /* if it is some: what has marks (moving.h), .. */
-    struct eng_span moved_span; /* .. and without the step before */
-    void *slots[ENG_SLOTS];     /* what the owners of the slots keep of it */
+    uint64_t staged;             /* stage number that last wrote to it */
+    enum eng_movement movement;  /* in the last step, and .. */
+    enum eng_movement moved;     /* .. in it without the one before */
+    struct eng_span marked;      /* if it is some: what has marks (moving.h), .. */
+    struct eng_span moved_span;  /* .. and without the step before */
+    void *slots[ENG_SLOTS];      /* what the owners of the slots keep of it */
     struct eng_bounds bounds[2]; /* of its triangles, in x[0] and in x[1] */
     struct eng_frame frame;      /* of its boxes; not in use while framing.number is 0 */
     struct eng_object_thickness thickness;
@@ -93,11 +93,11 @@ struct eng_moving {
 
 /* Objects that need not be tested against themselves in a step (rigid.h). */
 struct eng_rigid {
-    uint32_t version;   /* goes on, and round, with the spacings that the step goes by */
-    bool is_possible;   /* some have a spacing */
-    uint32_t objects;   /* that are left out, but for what is near */
-    uint64_t triangles; /* of these */
-    uint32_t wanted;    /* the first whose spacing is to be found; ENG_NO_OBJECT */
+    uint32_t version; /* goes on, and round, with the spacings that the step goes by */
+    bool is_possible; /* some have a spacing */
+    uint32_t objects; /* that are left out, but for what is near */
+    uint64_t leaves;  /* of these */
+    uint32_t wanted;  /* the first whose spacing is to be found; ENG_NO_OBJECT */
 };
 
 /* Which pairs meet at a distance (thickness.h). */
@@ -133,7 +133,7 @@ struct eng_framing {
      * one, at most and at least since that was chosen. */
     double far;
     double least;
-    unsigned ends[2]; /* of x[]: the ends of the step that they are for */
+    unsigned ends[2];             /* of x[]: the ends of the step that they are for */
     struct eng_frame_item *items; /* [object_capacity] scratch to choose them */
 };
 
@@ -158,7 +158,7 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
-    uint64_t triangle_count;       /* of all objects */
+    uint64_t leaf_count;           /* of all objects */
     struct eng_replaced *replaced; /* not settled yet */
     uint32_t replaced_count, replaced_capacity;
 

@@ -31,6 +31,7 @@ void eng_wide_deinit(struct eng_wide *wide)
         eng_free(tree->boxes);
         eng_free(tree->keys);
         eng_free(tree->moving);
+        eng_free(tree->free);
         eng_free(tree->chunks);
         for (int k = 0; k < 3; k++) {
             eng_free(tree->corner[k]);
@@ -60,6 +61,7 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
         bytes += (uint64_t)tree->block_capacity *
                      (sizeof *tree->blocks + sizeof *tree->boxes) +
                  (uint64_t)tree->moving_capacity * sizeof *tree->moving +
+                 (uint64_t)tree->free_capacity * sizeof *tree->free +
                  (uint64_t)tree->chunk_capacity * sizeof *tree->chunks;
         if (kind != PCCD_TREE_VERTICES) {
             bytes += (uint64_t)tree->slot_capacity *
@@ -219,6 +221,33 @@ static int reserve_moving(struct eng_wide_tree *tree)
     return status;
 }
 
+static uint32_t free_count(const struct eng_mesh *mesh, enum pccd_tree kind)
+{
+    return kind == PCCD_TREE_VERTICES ? mesh->info.free_point_count
+           : kind == PCCD_TREE_EDGES  ? mesh->info.free_edge_count
+                                      : 0;
+}
+
+/* Room to mark what is free, if anything is. */
+static int reserve_free(struct eng_wide_tree *tree, const struct eng_scene *scene,
+                        enum pccd_tree kind)
+{
+    bool has_free = false;
+    for (uint32_t i = 0; i < scene->object_capacity && !has_free; i++) {
+        has_free = scene->objects[i].mesh && free_count(scene->objects[i].mesh, kind) > 0;
+    }
+    if (has_free && tree->block_capacity > tree->free_capacity) {
+        int status =
+            eng_array_grow(&tree->free, tree->block_capacity, sizeof *tree->free);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        tree->free_capacity = tree->block_capacity;
+    }
+    tree->has_free = has_free;
+    return PCCD_OK;
+}
+
 /* Room for everything. */
 static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
                    const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
@@ -238,6 +267,9 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
         }
         if (status == PCCD_OK) {
             status = reserve_moving(&wide->trees[kind]);
+        }
+        if (status == PCCD_OK) {
+            status = reserve_free(&wide->trees[kind], scene, kind);
         }
     }
     return status;
@@ -289,10 +321,41 @@ static void fill(struct eng_wide *wide, const struct eng_scene *scene,
             continue;
         }
         const uint32_t *corners =
-            kind == PCCD_TREE_EDGES ? mesh->edges[feature] : mesh->triangles[feature].v;
+            kind == PCCD_TREE_EDGES ? mesh->edges[feature] : mesh->leaves[feature].v;
         tree->keys[slot] = key;
         for (uint32_t k = 0; k < corner_count(kind); k++) {
             tree->corner[k][slot] = slot_of[corners[k]];
+        }
+    }
+}
+
+/* Mark what is free, and the nodes above it. */
+static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
+                      enum pccd_tree kind)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    uint32_t top = wide->level_count - 1;
+    if (!tree->has_free) {
+        return;
+    }
+    memset(tree->free, 0,
+           (tree->first[top] + tree->block_count[top]) * sizeof *tree->free);
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        const struct eng_object *object = &scene->objects[i];
+        if (!object->mesh || free_count(object->mesh, kind) == 0) {
+            continue;
+        }
+        const struct eng_wide_order *order = eng_wide_order_of(object);
+        for (uint32_t k = 0; k < order->count[kind]; k++) {
+            uint32_t feature = order->feature[kind][k];
+            uint32_t at = order->first[kind] + k;
+            bool is_free = feature != ENG_WIDE_NO_FEATURE &&
+                           eng_mesh_is_free(object->mesh, kind, feature);
+            for (uint32_t level = 0; is_free && level < wide->level_count; level++) {
+                tree->free[tree->first[level] + at / ENG_WIDE] |=
+                    (uint16_t)(1u << at % ENG_WIDE);
+                at /= ENG_WIDE;
+            }
         }
     }
 }
@@ -325,6 +388,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             end = first + count;
         }
         clear(wide, kind, end, tree->slot_count);
+        mark_free(wide, scene, kind);
     }
     set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
 }

@@ -65,8 +65,7 @@ struct eng_wide_chunk_state {
 
 struct eng_wide_tree {
     uint32_t slot_count; /* a multiple of 16, at least 16 */
-    uint32_t slot_capacity;
-    uint32_t block_capacity;
+    uint32_t slot_capacity, block_capacity;
     uint32_t block_count[ENG_WIDE_LEVELS_MAX];
     uint32_t first[ENG_WIDE_LEVELS_MAX]; /* block of each level */
     /* [block_capacity] In a step that compares whole numbers these are in the place of
@@ -76,7 +75,9 @@ struct eng_wide_tree {
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
     uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
-    uint32_t moving_capacity;
+    uint32_t moving_capacity, free_capacity;
+    uint16_t *free; /* [free_capacity] likewise: is free, or has below it what is */
+    bool has_free; /* else nothing is written there */
     uint32_t chunk_capacity;
     struct eng_wide_chunk_state *chunks; /* [chunk_capacity] */
 };
@@ -143,8 +144,7 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide);
  * not up to date afterwards. O(features); PCCD_E_NOMEM: as before, and still stale. */
 int eng_wide_assemble(struct eng_wide *wide, const struct eng_scene *scene);
 
-/* Where the slots of an object with `count` features begin, those before it having ended
- * at `end`. */
+/* Where the slots of an object with `count` features begin, behind those up to `end`. */
 uint32_t eng_wide_first_slot(uint32_t end, uint32_t count);
 
 /* Boxes from x[1 - now] (t = 0) and x[now] (t = 1) of the scene, by one thread. `swept`:

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "wide_free.h"
 #include "wide_owner.h"
 #include "wide_quantised.h"
 
@@ -29,8 +30,9 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
     assert(wide->level_count >= 1 && wide->level_count <= ENG_WIDE_LEVELS_MAX);
     uint32_t farthest = atomic_load_explicit(&wide->farthest, memory_order_relaxed);
     join->kernels = wide->kernels;
+    join->wide = wide;
     join->owners = NULL;
-    join->kinds = (1u << PCCD_KIND_COUNT) - 1;
+    join->kinds = eng_wide_kinds(wide, false);
     join->stopped = false;
     join->looked = 0;
     join->pairs = 0;
@@ -92,7 +94,7 @@ void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
                       const struct eng_near_query *near)
 {
     assert(near->end <= 1 && near->growth >= 0);
-    join->kinds = near->kinds;
+    join->kinds = near->kinds & (eng_wide_kinds(wide, true) | 1u << PCCD_EF);
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
         for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
@@ -138,8 +140,12 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
         uint32_t room = ENG_CHUNK_MAX - chunk->count;
-        chunk->count +=
+        uint32_t found =
             join->kernels->join_features[kind](job, round, out_a, out_b, room);
+        if (eng_wide_is_of_free(kind)) {
+            found = eng_wide_free_keep(join->wide, kind, 0, out_a, out_b, found);
+        }
+        chunk->count += found;
         if (eng_join_has_ended(round) || join->stopped) {
             return;
         }
@@ -172,6 +178,10 @@ void eng_wide_join_refine(struct eng_wide_join *join, enum pccd_kind kind, uint3
                                              below->a, below->b, ENG_JOIN_MAX);
     join->pairs++;
     join->below[kind] += below->count;
+    if (eng_wide_is_of_free(kind)) {
+        below->count =
+            eng_wide_free_keep(join->wide, kind, level, below->a, below->b, below->count);
+    }
     if (join->owners) {
         below->count = eng_wide_owners_keep(join->owners, kind, level, n, m, below->a,
                                             below->b, below->count);

@@ -33,7 +33,8 @@ struct eng_wide_list {
 struct eng_wide_join {
     const struct eng_kernels *kernels;
     const struct eng_wide_owners *owners; /* that are asked; NULL: anything may meet */
-    uint32_t kinds; /* bit k: pairs of kind k are looked for; those of contacts */
+    const struct eng_wide *wide;
+    uint32_t kinds; /* bit k: pairs of kind k are looked for; VF and EE */
     void *owner;
     /* Called when a chunk has no room for all that two blocks may add: takes the pairs
      * and sets the count to 0. */

@@ -291,18 +291,18 @@ static bool has_current_boxes(const struct eng_wide *wide, const struct eng_scen
            wide->thickness == scene->thickness.number && eng_moves_little(scene);
 }
 
-/* A part of the scene's triangles: with so many more, or fewer, that need no tests
+/* A part of the scene's leaves: with so many more, or fewer, that need no tests
  * against themselves, the number of box tests says nothing of the order. */
 #define LEFT_OUT_PART 16u
 
 static void follow_rigid(const struct eng_scene *scene, enum pccd_mode mode)
 {
     struct eng_wide_state *state = eng_wide_state_of(scene);
-    uint64_t now = scene->rigid.triangles;
+    uint64_t now = scene->rigid.leaves;
     uint64_t change =
         now > state->left_out ? now - state->left_out : state->left_out - now;
     /* What is learned of mode pairs is apart, and that leaves nothing out. */
-    if (mode != PCCD_MODE_PAIRS && change > scene->triangle_count / LEFT_OUT_PART) {
+    if (mode != PCCD_MODE_PAIRS && change > scene->leaf_count / LEFT_OUT_PART) {
         eng_wide_resort_unlearn(&state->resort);
         state->left_out = now;
     }

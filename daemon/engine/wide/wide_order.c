@@ -179,7 +179,9 @@ static struct eng_split_item item_of(struct eng_wide_positions positions,
 
 uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind)
 {
-    return kind == PCCD_TREE_EDGES ? mesh->info.edge_count : mesh->info.triangle_count;
+    return kind == PCCD_TREE_EDGES   ? mesh->info.edge_count
+           : kind == PCCD_TREE_FACES ? mesh->info.triangle_count
+                                     : mesh->leaf_count;
 }
 
 void eng_wide_order_sum(const struct eng_wide_order *order,
@@ -236,15 +238,14 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
 {
     const uint32_t *piece_of = order->piece_of;
     for (uint32_t i = first; i < first + count; i++) {
-        const uint32_t *v =
-            kind == PCCD_TREE_EDGES ? mesh->edges[i] : mesh->triangles[i].v;
+        const uint32_t *v = kind == PCCD_TREE_EDGES ? mesh->edges[i] : mesh->leaves[i].v;
         uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
         if (kind != PCCD_TREE_VERTICES) {
             items[(*place)++] = item_of(positions, v, kind == PCCD_TREE_EDGES ? 2 : 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
-            if (mesh->triangles[i].owns & ENG_OWNS_VERTEX(k)) {
+            if (mesh->leaves[i].owns & ENG_OWNS_VERTEX(k)) {
                 items[(*place)++] = item_of(positions, &v[k], 1, v[k]);
             }
         }
@@ -266,14 +267,14 @@ static uint32_t tell_apart(const struct eng_mesh *mesh, uint32_t *of)
     uint32_t largest = 0;
     uint32_t count = eng_wide_pieces_find(mesh, of);
     if (count < PIECES_MIN || count > PIECES_MAX ||
-        count > mesh->info.triangle_count / PIECE_TRIANGLES_MIN) {
+        count > mesh->leaf_count / PIECE_TRIANGLES_MIN) {
         return 1;
     }
-    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
-        uint32_t now = ++size[of[mesh->triangles[i].v[0]]];
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+        uint32_t now = ++size[of[mesh->leaves[i].v[0]]];
         largest = now > largest ? now : largest;
     }
-    return largest > mesh->info.triangle_count / 2 ? 1 : count;
+    return largest > mesh->leaf_count / 2 ? 1 : count;
 }
 
 /* What an order is made with; freed together. */
@@ -320,7 +321,7 @@ static void count_features(const struct making *making, const struct eng_mesh *m
         edges[making->of[mesh->edges[i][0]]]++;
     }
     for (uint32_t i = 0; i < info->triangle_count; i++) {
-        faces[making->of[mesh->triangles[i].v[0]]]++;
+        faces[making->of[mesh->leaves[i].v[0]]]++;
     }
 }
 

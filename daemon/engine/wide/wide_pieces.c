@@ -35,8 +35,8 @@ uint32_t eng_wide_pieces_find(const struct eng_mesh *mesh, uint32_t *of)
     for (uint32_t i = 0; i < mesh->info.vertex_count; i++) {
         of[i] = ENG_WIDE_NO_PIECE;
     }
-    for (uint32_t i = 0; i < mesh->info.triangle_count; i++) {
-        const uint32_t *v = mesh->triangles[i].v;
+    for (uint32_t i = 0; i < mesh->leaf_count; i++) {
+        const uint32_t *v = mesh->leaves[i].v;
         for (int k = 0; k < 3; k++) {
             of[v[k]] = of[v[k]] == ENG_WIDE_NO_PIECE ? v[k] : of[v[k]];
         }

@@ -176,7 +176,7 @@ static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
                 (item++)->id = before;
             }
         }
-        resort->sorted_triangles += object->mesh ? object->mesh->info.triangle_count : 0;
+        resort->sorted_triangles += object->mesh ? object->mesh->leaf_count : 0;
     }
     resort->sorts++;
     eng_wide_of(scene)->is_stale = true;

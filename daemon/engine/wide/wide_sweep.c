@@ -105,6 +105,9 @@ static int divide(struct tasks *tasks, struct eng_wide_join *join, uint32_t top)
 {
     int status = PCCD_OK;
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT && status == PCCD_OK; kind++) {
+        if (!(join->kinds >> kind & 1)) {
+            continue;
+        }
         status = add(tasks, (struct task){kind, top, 0, 0});
     }
     for (uint32_t i = 0; i < tasks->count && status == PCCD_OK;) {
@@ -157,6 +160,9 @@ static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
 {
     if (threads == 1) {
         for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+            if (!(sweepers[0].join.kinds >> kind & 1)) {
+                continue;
+            }
             eng_wide_join_nodes(&sweepers[0].join, kind, top, 0, 0);
         }
         eng_wide_join_flush(&sweepers[0].join);

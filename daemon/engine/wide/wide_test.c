@@ -14,6 +14,7 @@
 #include "near_work.h"
 #include "solvers.h"
 #include "thick_work.h"
+#include "wide_free.h"
 #include "wide_grid.h"
 #include "wide_state.h"
 
@@ -244,7 +245,8 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
     struct eng_wide_work *work = eng_wide_work_of(worker);
     double reach = near->reach_growth * wide->grid.scale;
     uint32_t count = chunk->count;
-    if (!eng_wide_has_marks(wide) || reach > ENG_GRID_REACH) {
+    if (!eng_wide_has_marks(wide) || reach > ENG_GRID_REACH ||
+        eng_wide_is_of_free((enum pccd_kind)kind)) {
         return false;
     }
     float cells = nextafterf((float)reach, INFINITY);
@@ -298,6 +300,9 @@ static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
         eng_thick_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
                        chunk->count, name_near);
     const uint32_t *rest = eng_thick_work_of(worker)->rest;
+    if (!eng_solvers[kind].search) {
+        count = 0; /* what keeps no distance is not tested */
+    }
     if (worker->settings->brief && count < chunk->count) {
         eng_worker_give_up(worker);
     }
@@ -385,6 +390,9 @@ void eng_wide_work_begin(struct eng_worker *worker)
                         worker->settings->near ? ENG_JOIN_AT : ENG_JOIN_MOVING);
     if (worker->settings->near) {
         eng_wide_join_at(&work->join, eng_wide_of(worker->scene), worker->settings->near);
+    }
+    if (!worker->settings->near && worker->scene->thickness.is_on) {
+        work->join.kinds = eng_wide_kinds(eng_wide_of(worker->scene), true);
     }
     work->join.owners = eng_wide_owners_are_on(owners) ? owners : NULL;
     if (worker->prunes) {

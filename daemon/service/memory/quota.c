@@ -209,7 +209,7 @@ void srv_quota_refund(struct srv_quota_user *user, enum srv_quota_kind kind,
     pthread_mutex_unlock(&quota->lock);
 }
 
-uint64_t srv_triangle_charge(uint32_t vertex_count, uint32_t triangle_count)
+uint64_t srv_triangle_charge(uint32_t vertex_count, uint64_t triangle_count)
 {
     uint64_t thirds = ((uint64_t)vertex_count + 2) / 3;
     return thirds > triangle_count ? thirds : triangle_count;

@@ -156,8 +156,10 @@ int srv_on_LIST_MESH(struct srv_call *call)
         call->result.LIST_MESH = (struct proto_LIST_MESH_result){
             .mesh = handle,
             .next = cursor,
-            .vertex_count = mesh->current->vertex_count,
-            .triangle_count = mesh->current->triangle_count,
+            .vertex_count = mesh->current->counts.vertices,
+            .triangle_count = mesh->current->counts.triangles,
+            .edge_count = mesh->current->counts.edges,
+            .point_count = mesh->current->counts.points,
             .generation = mesh->generation,
             .objects = mesh->object_count,
             .committed = mesh->is_committed,

@@ -21,7 +21,14 @@
 /* Copied at a time, and then it is the turn of others: 0.2 ms, page faults included. */
 #define PART_ITEMS 16384u
 
-enum { PART_VERTICES = 0, PART_TRIANGLES = 1, PART_RADII = 2, PART_COUNT = 3 };
+enum {
+    PART_VERTICES = 0,
+    PART_TRIANGLES = 1,
+    PART_RADII = 2,
+    PART_EDGES = 3,
+    PART_POINTS = 4,
+    PART_COUNT = 5
+};
 
 /* The mesh of a handle; NULL with the error set: there is none, or it is busy. */
 static struct srv_mesh *find_mesh(struct srv_call *call, uint32_t handle)
@@ -46,9 +53,10 @@ int srv_on_MESH_CREATE(struct srv_call *call)
 {
     struct srv_session *session = call->session;
     const struct proto_MESH_CREATE_request *request = &call->params.MESH_CREATE;
+    const struct eng_mesh_counts counts = {request->vertex_count, request->triangle_count,
+                                           request->edge_count, request->point_count};
     struct srv_shape *shape = NULL;
-    int status = srv_shape_admit(&session->owner, request->vertex_count,
-                                 request->triangle_count, &shape, &call->error);
+    int status = srv_shape_admit(&session->owner, &counts, &shape, &call->error);
     if (status != 0) {
         return status;
     }
@@ -94,11 +102,14 @@ int srv_on_MESH_REPLACE(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_STATE, "mesh 0x%x is not committed",
                                request->mesh);
     }
-    bool forget = request->vertex_count == 0 && request->triangle_count == 0;
+    const struct eng_mesh_counts counts = {request->vertex_count, request->triangle_count,
+                                           request->edge_count, request->point_count};
+    const struct eng_mesh_counts nothing = {0};
+    bool forget = memcmp(&counts, &nothing, sizeof counts) == 0;
     struct srv_shape *shape = NULL;
     if (!forget) {
-        int status = srv_shape_admit(&call->session->owner, request->vertex_count,
-                                     request->triangle_count, &shape, &call->error);
+        int status =
+            srv_shape_admit(&call->session->owner, &counts, &shape, &call->error);
         if (status != 0) {
             return status;
         }
@@ -115,21 +126,46 @@ int srv_on_MESH_REPLACE(struct srv_call *call)
 
 static uint64_t item_bytes_of(const struct proto_MESH_DATA_request *data)
 {
-    return data->part == PART_VERTICES    ? common_vertex_bytes(data->format)
-           : data->part == PART_TRIANGLES ? sizeof(uint32_t[3])
-                                          : sizeof(double);
+    const uint64_t bytes[PART_COUNT] = {[PART_VERTICES] =
+                                            common_vertex_bytes(data->format),
+                                        [PART_TRIANGLES] = sizeof(uint32_t[3]),
+                                        [PART_RADII] = sizeof(double),
+                                        [PART_EDGES] = sizeof(uint32_t[2]),
+                                        [PART_POINTS] = sizeof(uint32_t)};
+    return bytes[data->part];
+}
+
+/* What the items of each part are, and how many a shape has. */
+static const char *const item_names[PART_COUNT][2] = {{"vertex", "vertices"},
+                                                      {"triangle", "triangles"},
+                                                      {"radius", "vertices"},
+                                                      {"edge", "edges"},
+                                                      {"point", "points"}};
+
+static uint32_t items_of(const struct eng_mesh_counts *counts, uint32_t part)
+{
+    const uint32_t items[PART_COUNT] = {[PART_VERTICES] = counts->vertices,
+                                        [PART_TRIANGLES] = counts->triangles,
+                                        [PART_RADII] = counts->vertices,
+                                        [PART_EDGES] = counts->edges,
+                                        [PART_POINTS] = counts->points};
+    return items[part];
 }
 
 static int write_items(struct eng_mesh *engine,
                        const struct proto_MESH_DATA_request *data, uint32_t first,
-                       uint32_t count, const uint8_t *payload, uint32_t *bad_triangle)
+                       uint32_t count, const uint8_t *payload, uint32_t *bad_item)
 {
     switch (data->part) {
     case PART_VERTICES:
         return eng_mesh_write_vertices(engine, (enum pccd_format)data->format, first,
                                        count, payload);
     case PART_TRIANGLES:
-        return eng_mesh_write_triangles(engine, first, count, payload, bad_triangle);
+        return eng_mesh_write_triangles(engine, first, count, payload, bad_item);
+    case PART_EDGES:
+        return eng_mesh_write_edges(engine, first, count, payload, bad_item);
+    case PART_POINTS:
+        return eng_mesh_write_points(engine, first, count, payload, bad_item);
     default: /* slots are aligned to 8 bytes */
         return eng_mesh_write_radii(engine, first, count,
                                     (const double *)(const void *)payload);
@@ -143,17 +179,17 @@ static int copy_part(struct srv_request *request, struct eng_mesh *engine)
     uint32_t left = data->count - request->items_done;
     uint32_t count = left < PART_ITEMS ? left : PART_ITEMS;
     uint32_t first = data->first + request->items_done;
-    uint32_t bad_triangle = 0;
+    uint32_t bad_item = 0;
     const uint8_t *payload = request->payload + request->items_done * item_bytes_of(data);
     request->items_done += count;
-    int status = write_items(engine, data, first, count, payload, &bad_triangle);
+    int status = write_items(engine, data, first, count, payload, &bad_item);
     switch (status) {
     case PCCD_OK:
         return 0;
     case PCCD_E_INDEX:
-        return proto_error_set(&request->error, PCCD_E_INDEX,
-                               "triangle %u names a vertex beyond the mesh's %u",
-                               bad_triangle, request->plan.shape->vertex_count);
+        return proto_error_set(
+            &request->error, PCCD_E_INDEX, "%s %u names a vertex beyond the mesh's %u",
+            item_names[data->part][0], bad_item, request->plan.shape->counts.vertices);
     case PCCD_E_NOTFINITE:
         return proto_error_set(&request->error, PCCD_E_NOTFINITE,
                                "a vertex from %u to %u is not finite or beyond 1e18",
@@ -193,7 +229,7 @@ static int open_data(struct srv_request *request, struct eng_mesh **engine)
     if (status != 0) {
         return proto_error_set(&request->error, status,
                                "no memory for %u vertices and %u triangles",
-                               shape->vertex_count, shape->triangle_count);
+                               shape->counts.vertices, shape->counts.triangles);
     }
     return srv_ring_open_slot(request->plan.ring, data->slot, data->seq,
                               &request->payload, &request->error);
@@ -219,13 +255,11 @@ static int work_data(struct srv_request *request)
         return torn != 0 ? torn : status; /* a change explains any other complaint */
     }
     request->upload_bytes = data->count * item_bytes_of(data);
-    uint32_t vertices = 0;
-    uint32_t triangles = 0;
-    eng_mesh_received(engine, &vertices, &triangles);
-    request->result.MESH_DATA.received = data->part == PART_VERTICES ? vertices
-                                         : data->part == PART_TRIANGLES
-                                             ? triangles
-                                             : data->first + data->count;
+    struct eng_mesh_counts received;
+    eng_mesh_received(engine, &received);
+    request->result.MESH_DATA.received = data->part == PART_RADII
+                                             ? data->first + data->count
+                                             : items_of(&received, data->part);
     return 0;
 }
 
@@ -238,12 +272,11 @@ static int check_chunk(struct srv_call *call, const struct srv_shape *shape,
         return proto_error_set(&call->error, PCCD_E_INVAL, "unknown part %u or format %u",
                                data->part, data->format);
     }
-    bool triangles = data->part == PART_TRIANGLES;
-    uint32_t limit = triangles ? shape->triangle_count : shape->vertex_count;
+    uint32_t limit = items_of(&shape->counts, data->part);
     if (data->count < 1 || data->first >= limit || data->count > limit - data->first) {
-        return proto_error_set(
-            &call->error, PCCD_E_INVAL, "%u %s from %u on; mesh 0x%x has %u", data->count,
-            triangles ? "triangles" : "vertices", data->first, data->mesh, limit);
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "%u %s from %u on; mesh 0x%x has %u", data->count,
+                               item_names[data->part][1], data->first, data->mesh, limit);
     }
     uint64_t item_bytes = item_bytes_of(data);
     if (data->count > ring->slot_stride / item_bytes) {
@@ -281,6 +314,24 @@ int srv_on_MESH_DATA(struct srv_call *call)
 
 /* ---- commit ------------------------------------------------------------------------ */
 
+/* Which part of what was announced is not there. */
+static int refuse_unfinished(struct srv_request *request, const struct eng_mesh *engine,
+                             const struct eng_mesh_counts *counts)
+{
+    struct eng_mesh_counts received;
+    eng_mesh_received(engine, &received);
+    if (received.edges < counts->edges || received.points < counts->points) {
+        return proto_error_set(&request->error, PCCD_E_STATE,
+                               "%u of %u edges and %u of %u points have arrived",
+                               received.edges, counts->edges, received.points,
+                               counts->points);
+    }
+    return proto_error_set(&request->error, PCCD_E_STATE,
+                           "%u of %u vertices and %u of %u triangles have arrived",
+                           received.vertices, counts->vertices, received.triangles,
+                           counts->triangles);
+}
+
 /* Derive what the mesh needs, and describe it. A replacement that was derived already,
  * and then failed, is tried again. */
 static int derive(struct srv_request *request)
@@ -295,13 +346,7 @@ static int derive(struct srv_request *request)
                      ? PCCD_OK
                      : eng_mesh_commit(engine);
     if (failed == PCCD_E_STATE && !eng_mesh_is_committed(engine)) {
-        uint32_t vertices = 0;
-        uint32_t triangles = 0;
-        eng_mesh_received(engine, &vertices, &triangles);
-        return proto_error_set(&request->error, PCCD_E_STATE,
-                               "%u of %u vertices and %u of %u triangles have arrived",
-                               vertices, shape->vertex_count, triangles,
-                               shape->triangle_count);
+        return refuse_unfinished(request, engine, &shape->counts);
     }
     if (failed != PCCD_OK) {
         return proto_error_set(
@@ -317,6 +362,8 @@ static int derive(struct srv_request *request)
         .duplicate_count = info.duplicate_count,
         .degenerate_count = info.degenerate_count,
         .isolated_count = info.isolated_count,
+        .free_edge_count = info.free_edge_count,
+        .free_point_count = info.free_point_count,
         .generation = request->plan.generation,
     };
     return 0;

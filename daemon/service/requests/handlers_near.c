@@ -63,6 +63,13 @@ static void describe(const struct eng_near_result *near,
 static int explain(struct srv_request *request, int status,
                    const struct eng_near_result *near)
 {
+    if (status == PCCD_E_INVAL && near->has_free) {
+        return proto_error_set(
+            &request->error, status,
+            "the mesh of object 0x%x has free edges or points: %s is answered for meshes "
+            "of triangles alone",
+            near->open_object, near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");
+    }
     if (status == PCCD_E_INVAL && near->open_object != 0) {
         return proto_error_set(
             &request->error, status,

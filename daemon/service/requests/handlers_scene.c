@@ -141,7 +141,7 @@ static int work_add(struct srv_request *request)
     scene->placed[srv_handle_index(handle)] =
         (struct srv_placed){.handle = handle,
                             .engine_idx = idx,
-                            .vertex_count = request->plan.shape->vertex_count,
+                            .vertex_count = request->plan.shape->counts.vertices,
                             .generation = request->plan.generation,
                             .mesh_number = request->plan.mesh_number,
                             .member = request->plan.member,

@@ -1,4 +1,4 @@
-/* mesh_shape.c - the vertices and triangles of a mesh, as they were announced.
+/* mesh_shape.c - the vertices of a mesh and what is made of them, as it was announced.
  *
  * Room:     service. See mesh_shape.h.
  * Does:     admission on [loop]; the engine's part comes and goes on [compute].
@@ -24,8 +24,7 @@ static void shape_free_rest(struct srv_job *job)
     struct srv_shape *shape = (struct srv_shape *)job;
     struct srv_owner *owner = shape->resource.owner;
     srv_quota_refund(owner->user, SRV_QUOTA_MESHES, 1);
-    srv_quota_refund(owner->user, SRV_QUOTA_TRIANGLES,
-                     srv_triangle_charge(shape->vertex_count, shape->triangle_count));
+    srv_quota_refund(owner->user, SRV_QUOTA_TRIANGLES, srv_shape_charge(&shape->counts));
     free(shape);
     srv_owner_release(owner);
 }
@@ -45,18 +44,30 @@ static int charge_shape(struct srv_owner *owner, uint64_t triangles,
     return status;
 }
 
-int srv_shape_admit(struct srv_owner *owner, uint32_t vertex_count,
-                    uint32_t triangle_count, struct srv_shape **shape,
-                    struct proto_error *error)
+static uint64_t named_by(const struct eng_mesh_counts *counts)
+{
+    return (uint64_t)counts->triangles + counts->edges + counts->points;
+}
+
+uint64_t srv_shape_charge(const struct eng_mesh_counts *counts)
+{
+    return srv_triangle_charge(counts->vertices, named_by(counts));
+}
+
+int srv_shape_admit(struct srv_owner *owner, const struct eng_mesh_counts *counts,
+                    struct srv_shape **shape, struct proto_error *error)
 {
     srv_assert_loop();
-    if (vertex_count < 1 || vertex_count > PROTO_COUNT_MAX || triangle_count < 1 ||
-        triangle_count > PROTO_COUNT_MAX) {
-        return proto_error_set(error, PCCD_E_INVAL,
-                               "a mesh has 1 to %u vertices and triangles, not %u and %u",
-                               PROTO_COUNT_MAX, vertex_count, triangle_count);
+    uint64_t named = named_by(counts);
+    if (counts->vertices < 1 || counts->vertices > PROTO_COUNT_MAX || named < 1 ||
+        named > PROTO_COUNT_MAX) {
+        return proto_error_set(
+            error, PCCD_E_INVAL,
+            "a mesh has 1 to %u vertices, and as many triangles, edges "
+            "and points, not %u and %llu",
+            PROTO_COUNT_MAX, counts->vertices, (unsigned long long)named);
     }
-    uint64_t triangles = srv_triangle_charge(vertex_count, triangle_count);
+    uint64_t triangles = srv_shape_charge(counts);
     int status = srv_enginemem_refuse_tight(owner->user, triangles, error);
     if (status == 0) {
         status = charge_shape(owner, triangles, error);
@@ -71,8 +82,7 @@ int srv_shape_admit(struct srv_owner *owner, uint32_t vertex_count,
         return proto_error_set(error, PCCD_E_NOMEM, "no memory for a mesh");
     }
     srv_resource_init(&new->resource, owner, shape_free_engine, shape_free_rest);
-    new->vertex_count = vertex_count;
-    new->triangle_count = triangle_count;
+    new->counts = *counts;
     *shape = new;
     return 0;
 }
@@ -82,7 +92,7 @@ int srv_shape_engine(struct srv_shape *shape, struct eng_mesh **engine)
     srv_assert_compute();
     int status = 0;
     if (shape->engine == NULL) {
-        status = eng_mesh_new(shape->vertex_count, shape->triangle_count, &shape->engine);
+        status = eng_mesh_make(&shape->counts, &shape->engine);
     }
     *engine = shape->engine;
     return status;

@@ -16,7 +16,7 @@
 
 static uint64_t charge_of(const struct srv_shape *shape)
 {
-    return srv_triangle_charge(shape->vertex_count, shape->triangle_count);
+    return srv_shape_charge(&shape->counts);
 }
 
 int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
@@ -122,7 +122,7 @@ int srv_replacement_work(struct srv_replacement *replacement,
             continue;
         }
         if (status == 0) {
-            settle_scene(replacement, scene, shape->vertex_count);
+            settle_scene(replacement, scene, shape->counts.vertices);
         } else {
             eng_scene_take_back(scene->engine);
         }

@@ -135,6 +135,25 @@ static void note_radii(struct srv_journal *journal, const struct eng_mesh *mesh,
     }
 }
 
+static void note_free(struct srv_journal *journal, const struct eng_mesh *mesh,
+                      const struct eng_mesh_info *info)
+{
+    const struct proto_journal_free head = {info->free_edge_count,
+                                            info->free_point_count};
+    uint64_t edge_bytes = head.edge_count * sizeof(uint32_t[2]);
+    uint64_t point_bytes = head.point_count * sizeof(uint32_t);
+    uint8_t *to = edge_bytes + point_bytes > 0
+                      ? append(journal, PROTO_JOURNAL_FREE, 0,
+                               sizeof head + edge_bytes + point_bytes)
+                      : NULL;
+    if (to != NULL) {
+        memcpy(to, &head, sizeof head);
+        to += sizeof head;
+        eng_mesh_get_free(mesh, (uint32_t(*)[2])(void *)to,
+                          (uint32_t *)(void *)(to + edge_bytes));
+    }
+}
+
 static void note_object(struct srv_journal *journal, const struct srv_scene *scene,
                         const struct srv_placed *placed)
 {
@@ -144,6 +163,7 @@ static void note_object(struct srv_journal *journal, const struct srv_scene *sce
     const struct proto_journal_object head = {info.vertex_count, info.triangle_count};
     uint64_t x_bytes = info.vertex_count * sizeof(double[3]);
     note_radii(journal, mesh, info.vertex_count);
+    note_free(journal, mesh, &info);
     uint8_t *to =
         append(journal, PROTO_JOURNAL_OBJECT, placed->handle,
                sizeof head + x_bytes + info.triangle_count * sizeof(uint32_t[3]));

@@ -169,8 +169,7 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
 {
     srv_assert_loop();
     struct srv_service *service = session->service;
-    uint64_t charge =
-        srv_triangle_charge(mesh->current->vertex_count, mesh->current->triangle_count);
+    uint64_t charge = srv_shape_charge(&mesh->current->counts);
     int status = srv_enginemem_refuse_tight(scene->resource.owner->user, charge, error);
     if (status == 0) {
         status =
