@@ -81,8 +81,10 @@ struct proto_journal_radii {
 };
 
 struct proto_journal_free {
+    uint32_t vertex_count;
     uint32_t edge_count;
     uint32_t point_count;
+    uint32_t reserved;
 };
 
 struct proto_journal_separation { /* as frame.submit has them */
@@ -110,7 +112,7 @@ static_assert(sizeof(struct proto_journal_entry) == 16, "entry");
 static_assert(sizeof(struct proto_journal_object) == 8, "object");
 static_assert(sizeof(struct proto_journal_pairs) == 8, "pairs");
 static_assert(sizeof(struct proto_journal_step) == 104, "step");
-static_assert(sizeof(struct proto_journal_free) == 8, "free");
+static_assert(sizeof(struct proto_journal_free) == 16, "free");
 static_assert(sizeof(struct proto_journal_separation) == 16, "separation");
 static_assert(sizeof(struct proto_journal_near) == 120, "near");
 

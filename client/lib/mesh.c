@@ -23,8 +23,8 @@
 #define CHUNK_BYTES                                                                      \
     (1u << 20) /* of a slot at most: small enough to overlap copy and check */
 
-/* Parts of a mesh, each an array; the last may be empty. */
-enum { PART_VERTICES, PART_TRIANGLES, PART_RADII, PARTS };
+/* Parts of a mesh, each an array; all but the first may be empty. */
+enum { PART_VERTICES, PART_TRIANGLES, PART_RADII, PART_EDGES, PART_POINTS, PARTS };
 
 /* One array on its way to the daemon. */
 struct upload {
@@ -122,17 +122,19 @@ static void fill_info(struct pccd_mesh_info *info,
     info->isolated_count = result->isolated_count;
     info->generation = result->generation;
     info->build_ns = result->build_ns;
+    info->free_edge_count = result->free_edge_count;
+    info->free_point_count = result->free_point_count;
 }
 
 /* Slots for the first mesh: a frame that moves it, or its triangles, whichever is more,
  * so that its first frame finds slots that are large enough. Who has chosen a size has
  * chosen it. */
 static uint64_t first_slot_bytes(const struct pccd_client *client,
-                                 enum pccd_format format, uint32_t vertex_count,
-                                 uint32_t triangle_count)
+                                 const struct pccd_mesh_data *data)
 {
-    uint64_t frame = pccd_frame_bytes(1, vertex_count * common_vertex_bytes(format));
-    uint64_t triangles = (uint64_t)triangle_count * sizeof(uint32_t[3]);
+    uint64_t frame =
+        pccd_frame_bytes(1, data->vertex_count * common_vertex_bytes(data->format));
+    uint64_t triangles = (uint64_t)data->triangle_count * sizeof(uint32_t[3]);
     uint64_t bytes = frame > triangles ? frame : triangles;
 
     if (client->slot_bytes > 0) {
@@ -144,27 +146,35 @@ static uint64_t first_slot_bytes(const struct pccd_client *client,
 /* The arguments of create and replace, and a ring to send them through. */
 static int check_mesh(struct pccd_client *client, const struct pccd_mesh_data *data)
 {
+    bool is_free = data->edge_count > 0 || data->point_count > 0;
+    const char *wrong =
+        data->x == NULL ? "x is NULL"
+        : data->triangles == NULL && (data->triangle_count > 0 || !is_free)
+            ? "triangles is NULL"
+        : data->vertex_count == 0                       ? "no vertices"
+        : data->triangle_count == 0 && !is_free         ? "no triangles"
+        : data->edges == NULL && data->edge_count > 0   ? "edges is NULL"
+        : data->points == NULL && data->point_count > 0 ? "points is NULL"
+        : (unsigned)data->format >= PCCD_FORMAT_COUNT   ? "unknown format"
+                                                        : NULL;
     int status;
 
-    if (data->x == NULL || data->triangles == NULL || data->vertex_count == 0 ||
-        data->triangle_count == 0 || (unsigned)data->format >= PCCD_FORMAT_COUNT) {
-        return cli_fail(client, PCCD_E_INVAL, "mesh: %s",
-                        data->x == NULL             ? "x is NULL"
-                        : data->triangles == NULL   ? "triangles is NULL"
-                        : data->vertex_count == 0   ? "no vertices"
-                        : data->triangle_count == 0 ? "no triangles"
-                                                    : "unknown format");
+    if (wrong != NULL) {
+        return cli_fail(client, PCCD_E_INVAL, "mesh: %s", wrong);
     }
     status = cli_alive(client);
+    if (status == 0 && is_free && (client->link.features & PROTO_FEATURE_FREE) == 0) {
+        status = cli_fail(client, PCCD_E_VERSION,
+                          "mesh.data: the daemon at %s is older than this; it knows "
+                          "triangles alone",
+                          client->url);
+    }
     if (status == 0 && data->radii != NULL) {
         status = cli_check_thick(client, "mesh.data");
     }
     if (status == 0 && client->ring.upload.base == NULL) {
-        status =
-            cli_ring_reserve(client,
-                             first_slot_bytes(client, data->format, data->vertex_count,
-                                              data->triangle_count),
-                             cli_deadline(client, -1));
+        status = cli_ring_reserve(client, first_slot_bytes(client, data),
+                                  cli_deadline(client, -1));
     }
     return status;
 }
@@ -191,14 +201,29 @@ static void arrays_of(uint32_t mesh, const struct pccd_mesh_data *data,
                                          (const uint8_t *)data->radii,
                                          sizeof(double),
                                          data->radii != NULL ? data->vertex_count : 0};
+    arrays[PART_EDGES] = (struct upload){mesh,
+                                         PART_EDGES,
+                                         0,
+                                         (const uint8_t *)data->edges,
+                                         sizeof(uint32_t[2]),
+                                         data->edge_count};
+    arrays[PART_POINTS] = (struct upload){mesh,
+                                          PART_POINTS,
+                                          0,
+                                          (const uint8_t *)data->points,
+                                          sizeof(uint32_t),
+                                          data->point_count};
 }
 
 /* Announce, upload and commit; arrays[].mesh is set to the new handle. */
 static int make_mesh(struct pccd_client *client, struct upload arrays[PARTS],
                      uint32_t want, struct proto_MESH_COMMIT_result *result)
 {
-    struct proto_MESH_CREATE_request request = {
-        .vertex_count = arrays[0].count, .triangle_count = arrays[1].count, .want = want};
+    struct proto_MESH_CREATE_request request = {.vertex_count = arrays[0].count,
+                                                .triangle_count = arrays[1].count,
+                                                .want = want,
+                                                .edge_count = arrays[PART_EDGES].count,
+                                                .point_count = arrays[PART_POINTS].count};
     struct proto_MESH_CREATE_result created;
     struct proto_MESH_DESTROY_request destroy;
     char text[CLI_TEXT_BYTES];
@@ -229,7 +254,9 @@ int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
     struct pccd_client *client = flight->client;
     struct proto_MESH_CREATE_request create = {.vertex_count = copy->vertex_count,
                                                .triangle_count = copy->triangle_count,
-                                               .want = want};
+                                               .want = want,
+                                               .edge_count = copy->named_edge_count,
+                                               .point_count = copy->named_point_count};
     struct proto_MESH_CREATE_result created = {.mesh = want};
     struct proto_MESH_COMMIT_request commit;
     struct upload arrays[PARTS];
@@ -244,8 +271,12 @@ int cli_mesh_send(struct cli_flight *flight, const struct registry_mesh *copy,
                                        .format = (enum pccd_format)copy->format,
                                        .vertex_count = copy->vertex_count,
                                        .triangle_count = copy->triangle_count,
-                                       .triangles = copy->triangles[0],
-                                       .radii = copy->radii},
+                                       .triangles = (const uint32_t *)copy->triangles,
+                                       .radii = copy->radii,
+                                       .edges = (const uint32_t *)copy->named_edges,
+                                       .points = copy->named_points,
+                                       .edge_count = copy->named_edge_count,
+                                       .point_count = copy->named_point_count},
               arrays);
     status = status != 0 ? status : send_arrays(flight, arrays);
     return status != 0 ? status
@@ -259,7 +290,10 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[P
 {
     struct proto_MESH_REPLACE_request request = {.mesh = arrays[0].mesh,
                                                  .vertex_count = arrays[0].count,
-                                                 .triangle_count = arrays[1].count};
+                                                 .triangle_count = arrays[1].count,
+                                                 .edge_count = arrays[PART_EDGES].count,
+                                                 .point_count =
+                                                     arrays[PART_POINTS].count};
     struct proto_MESH_REPLACE_result announced;
     char text[CLI_TEXT_BYTES];
     int status = cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, &announced,
@@ -272,13 +306,27 @@ static int replace_mesh(struct pccd_client *client, const struct upload arrays[P
     if (status != 0) {
         /* What was announced is forgotten; the mesh goes on as it was. */
         memcpy(text, client->error, sizeof text);
-        request.vertex_count = 0;
-        request.triangle_count = 0;
+        request = (struct proto_MESH_REPLACE_request){.mesh = request.mesh};
         (void)cli_call_sync(client, PROTO_METHOD_MESH_REPLACE, &request, NULL,
                             cli_deadline(client, -1));
         return cli_fail(client, status, "%s", text);
     }
     return 0;
+}
+
+static struct registry_shape shape_of(const struct upload arrays[PARTS])
+{
+    assert(arrays[0].part == PART_VERTICES && arrays[1].part == PART_TRIANGLES);
+    return (struct registry_shape){.format = arrays[0].format,
+                                   .vertex_count = arrays[0].count,
+                                   .triangle_count = arrays[1].count,
+                                   .edge_count = arrays[PART_EDGES].count,
+                                   .point_count = arrays[PART_POINTS].count,
+                                   .x = arrays[0].source,
+                                   .triangles = arrays[1].source,
+                                   .edges = arrays[PART_EDGES].source,
+                                   .points = arrays[PART_POINTS].source,
+                                   .radii = arrays[PART_RADII].source};
 }
 
 /* Create a mesh (*mesh = 0) or replace one, and keep a copy. When another daemon took
@@ -293,14 +341,10 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
     uint32_t want;
     int status;
 
-    const double *radii = arrays[PART_RADII].count > 0
-                              ? (const double *)(const void *)arrays[PART_RADII].source
-                              : NULL;
+    const struct registry_shape shape = shape_of(arrays);
 
-    assert(arrays[0].part == PART_VERTICES && arrays[1].part == PART_TRIANGLES);
     if (client->keeps) {
-        copy = registry_mesh_copy(arrays[0].source, arrays[0].format, arrays[0].count,
-                                  arrays[1].source, arrays[1].count, radii);
+        copy = registry_mesh_copy(&shape);
         if (copy == NULL) {
             return cli_fail(client, PCCD_E_NOMEM,
                             "no memory for a copy of the mesh (options.no_keep)");
@@ -326,8 +370,7 @@ static int register_mesh(struct pccd_client *client, struct upload arrays[PARTS]
     if (copy != NULL) {
         cli_keep_mesh(client, *mesh, copy);
     }
-    cli_record_mesh(client, *mesh, arrays[0].format, arrays[0].count, arrays[0].source,
-                    arrays[1].count, arrays[1].source, radii);
+    cli_record_mesh(client, *mesh, &shape);
     if (info != NULL) {
         fill_info(info, &result);
     }
@@ -363,10 +406,10 @@ int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked
     return status;
 }
 
-static struct pccd_mesh_data without_radii(const void *x, enum pccd_format format,
-                                           uint32_t vertex_count,
-                                           const uint32_t (*triangles)[3],
-                                           uint32_t triangle_count)
+static struct pccd_mesh_data triangles_alone(const void *x, enum pccd_format format,
+                                             uint32_t vertex_count,
+                                             const uint32_t (*triangles)[3],
+                                             uint32_t triangle_count)
 {
     return (struct pccd_mesh_data){.struct_bytes = sizeof(struct pccd_mesh_data),
                                    .x = x,
@@ -381,7 +424,7 @@ int pccd_mesh_create(struct pccd_client *client, const void *x, enum pccd_format
                      uint32_t triangle_count, uint32_t *mesh, struct pccd_mesh_info *info)
 {
     const struct pccd_mesh_data data =
-        without_radii(x, format, vertex_count, triangles, triangle_count);
+        triangles_alone(x, format, vertex_count, triangles, triangle_count);
     uint32_t made = 0;
     int status = pccd_mesh_put(client, &data, mesh != NULL ? &made : NULL, info);
 
@@ -397,7 +440,7 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       struct pccd_mesh_info *info)
 {
     const struct pccd_mesh_data data =
-        without_radii(x, format, vertex_count, triangles, triangle_count);
+        triangles_alone(x, format, vertex_count, triangles, triangle_count);
 
     if (client != NULL && mesh == 0) {
         return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");

@@ -269,9 +269,11 @@ struct pccd_mesh_info {
     uint32_t edge_count;
     uint32_t duplicate_count;  /* triangles with all corners of an earlier one */
     uint32_t degenerate_count; /* of zero area: tested as segments or points */
-    uint32_t isolated_count;   /* vertices in no triangle; they are not tested */
+    uint32_t isolated_count;   /* vertices that nothing names; they are not tested */
     uint32_t generation;       /* 1, and one more with each pccd_mesh_replace */
     uint64_t build_ns;
+    uint32_t free_edge_count;  /* edges that no triangle has */
+    uint32_t free_point_count; /* named points that no triangle and no edge has */
 };
 
 /* Register a mesh: `x` float or double [vertex_count][3], |x| <= 1e18; `triangles`
@@ -303,10 +305,19 @@ struct pccd_mesh_data {
     const double *radii; /* [vertex_count], 0 .. 1e18, for objects that have no radius of
                             their own (struct pccd_object_settings): a feature has the
                             largest of its vertices. NULL: none */
+    /* Edges (rods) and points (clouds) that are named by themselves; there may be no
+     * triangle then. One that a triangle has is that; an edge whose ends are the same
+     * names a point; a point that a triangle or an edge has is a vertex of it. All others
+     * are free: an edge of a rod meets edges, its ends and points meet faces, whatever
+     * their distance; a point meets free edges and points (PCCD_VE, PCCD_VV) only where a
+     * radius or a separation keeps them apart. */
+    const uint32_t *edges;  /* [edge_count][2] */
+    const uint32_t *points; /* [point_count] */
+    uint32_t edge_count, point_count;
 };
 /* pccd_mesh_create where *mesh is 0, pccd_mesh_replace of *mesh where it is not. The
  * errors of both; also E_INVAL: a radius that is negative or not finite, E_LIMIT: one
- * above 1e18, E_VERSION: a daemon that knows of no radii. */
+ * above 1e18, E_VERSION: a daemon that knows of no radii, or no edges and points. */
 int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
                   uint32_t *mesh, struct pccd_mesh_info *info);
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,

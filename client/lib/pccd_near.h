@@ -93,7 +93,8 @@ struct pccd_near_settings {
  *
  * Further pages come by pccd_fetch, with *step, until the scene's next request about what
  * is near. The answer of the last step stays valid beside it. DEPTH of a mesh that is not
- * closed is E_INVAL, and pccd_error_text names an edge that shows it. */
+ * closed is E_INVAL, and pccd_error_text names an edge that shows it; so are NEAREST and
+ * DEPTH of one that has free edges or points, which are answered for triangles alone. */
 int pccd_submit_near(struct pccd_client *client, uint32_t scene,
                      const struct pccd_motion *motions, uint32_t motion_count,
                      const struct pccd_near_settings *settings, uint64_t *step);

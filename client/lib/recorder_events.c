@@ -102,17 +102,11 @@ static void count_time(struct pccd_client *client, uint64_t begin_ns)
     client->recorder->info.ns += common_now_ns() - begin_ns;
 }
 
-void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
-                     uint32_t vertex_count, const void *x, uint32_t triangle_count,
-                     const void *triangles, const double *radii)
+void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
+                     const struct registry_shape *shape)
 {
-    const struct record_mesh head = {.mesh = mesh,
-                                     .format = format,
-                                     .vertex_count = vertex_count,
-                                     .triangle_count = triangle_count};
-
     if (cli_record_is_on(client)) {
-        (void)cli_record_put_mesh(client, &head, x, triangles, radii, add_or_turn);
+        (void)cli_record_put_mesh(client, mesh, shape, add_or_turn);
     }
 }
 

@@ -17,9 +17,8 @@ int cli_record_open(struct pccd_client *client);
 
 /* Each does nothing without a recorder. The handle of a mesh that was made or
  * replaced, and is kept already: */
-void cli_record_mesh(struct pccd_client *client, uint32_t mesh, uint32_t format,
-                     uint32_t vertex_count, const void *x, uint32_t triangle_count,
-                     const void *triangles, const double *radii);
+void cli_record_mesh(struct pccd_client *client, uint32_t mesh,
+                     const struct registry_shape *shape);
 /* A step has been sent; its slot is the daemon's. */
 void cli_record_frame(struct pccd_client *client, const struct cli_call *call);
 /* A request has been answered; cli_keep_answer has seen it. */

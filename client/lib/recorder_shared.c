@@ -188,6 +188,29 @@ static int write_radii(struct pccd_client *client, const uint8_t *at, uint64_t b
     return cli_record_add(client, RECORD_RADII, parts, 2);
 }
 
+/* The same of its edges and points. */
+static int write_free(struct pccd_client *client, const uint8_t *at, uint64_t bytes)
+{
+    struct proto_journal_free from;
+    struct record_free free = {.vertex_count = 0};
+    struct record_part parts[2] = {{&free, sizeof free}};
+    uint64_t words;
+
+    if (bytes < sizeof from) {
+        return PCCD_E_BADMSG;
+    }
+    memcpy(&from, at, sizeof from);
+    words = 2 * (uint64_t)from.edge_count + from.point_count;
+    if ((bytes - sizeof from) / sizeof(uint32_t) < words) {
+        return PCCD_E_BADMSG;
+    }
+    free.vertex_count = from.vertex_count;
+    free.edge_count = from.edge_count;
+    free.point_count = from.point_count;
+    parts[1] = (struct record_part){at + sizeof from, words * sizeof(uint32_t)};
+    return cli_record_add(client, RECORD_FREE, parts, 2);
+}
+
 /* Of the step behind it. */
 static int write_separation(struct pccd_client *client, const uint8_t *at, uint64_t bytes)
 {
@@ -256,6 +279,8 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
         return write_near(client, scene, at, bytes);
     case PROTO_JOURNAL_RADII:
         return write_radii(client, at, bytes);
+    case PROTO_JOURNAL_FREE:
+        return write_free(client, at, bytes);
     case PROTO_JOURNAL_SEPARATION:
         return write_separation(client, at, bytes);
     default:

@@ -49,21 +49,42 @@ static int write_scene(struct pccd_client *client, const struct registry_scene *
                           &(struct record_part){&scene, sizeof scene}, 1);
 }
 
-int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *head,
-                        const void *x, const void *triangles, const double *radii,
-                        cli_record_fn add)
+/* What goes before a mesh. */
+static int put_before(struct pccd_client *client, const struct registry_shape *shape,
+                      cli_record_fn add)
+{
+    const struct record_radii radii = {.vertex_count = shape->vertex_count};
+    const struct record_part of_radii[] = {
+        {&radii, sizeof radii}, {shape->radii, shape->vertex_count * sizeof(double)}};
+    const struct record_free free = {.vertex_count = shape->vertex_count,
+                                     .edge_count = shape->edge_count,
+                                     .point_count = shape->point_count};
+    const struct record_part of_free[] = {
+        {&free, sizeof free},
+        {shape->edges, shape->edge_count * sizeof(uint32_t[2])},
+        {shape->points, shape->point_count * sizeof(uint32_t)}};
+    int status = shape->radii != NULL ? add(client, RECORD_RADII, of_radii, 2) : 0;
+
+    return status == 0 && shape->edge_count + shape->point_count > 0
+               ? add(client, RECORD_FREE, of_free, 3)
+               : status;
+}
+
+int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
+                        const struct registry_shape *shape, cli_record_fn add)
 {
     static const uint8_t zeros[8];
-    size_t bytes = head->vertex_count * common_vertex_bytes(head->format);
+    const struct record_mesh head = {.mesh = mesh,
+                                     .format = shape->format,
+                                     .vertex_count = shape->vertex_count,
+                                     .triangle_count = shape->triangle_count};
+    size_t bytes = shape->vertex_count * common_vertex_bytes(shape->format);
     const struct record_part parts[] = {
-        {head, sizeof *head},
-        {x, bytes},
+        {&head, sizeof head},
+        {shape->x, bytes},
         {zeros, (8 - bytes % 8) % 8},
-        {triangles, head->triangle_count * sizeof(uint32_t[3])}};
-    const struct record_radii count = {.vertex_count = head->vertex_count};
-    const struct record_part before[] = {{&count, sizeof count},
-                                         {radii, head->vertex_count * sizeof *radii}};
-    int status = radii != NULL ? add(client, RECORD_RADII, before, 2) : 0;
+        {shape->triangles, shape->triangle_count * sizeof(uint32_t[3])}};
+    int status = put_before(client, shape, add);
 
     return status != 0 ? status : add(client, RECORD_MESH, parts, 4);
 }
@@ -74,13 +95,9 @@ static int write_meshes(struct pccd_client *client)
 
     for (const struct registry_mesh *mesh = client->registry.meshes;
          mesh != NULL && status == 0; mesh = mesh->next) {
-        const struct record_mesh head = {.mesh = mesh->handle,
-                                         .format = mesh->format,
-                                         .vertex_count = mesh->vertex_count,
-                                         .triangle_count = mesh->triangle_count};
+        const struct registry_shape shape = registry_mesh_shape(mesh);
 
-        status = cli_record_put_mesh(client, &head, mesh->x, mesh->triangles, mesh->radii,
-                                     cli_record_add);
+        status = cli_record_put_mesh(client, mesh->handle, &shape, cli_record_add);
     }
     return status;
 }

@@ -17,10 +17,9 @@ int cli_record_snapshot(struct pccd_client *client);
 
 typedef int (*cli_record_fn)(struct pccd_client *client, enum record_kind kind,
                              const struct record_part *parts, size_t count);
-/* A mesh, written by `add`; radii may be NULL. */
-int cli_record_put_mesh(struct pccd_client *client, const struct record_mesh *head,
-                        const void *x, const void *triangles, const double *radii,
-                        cli_record_fn add);
+/* A mesh, written by `add`. */
+int cli_record_put_mesh(struct pccd_client *client, uint32_t mesh,
+                        const struct registry_shape *shape, cli_record_fn add);
 /* A step that has been sent, with the payload of its slot. */
 int cli_record_step(struct pccd_client *client, const struct cli_call *call);
 

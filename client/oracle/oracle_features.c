@@ -20,7 +20,7 @@ void *oracle_grow(void *block, size_t bytes)
 
 static void add_feature(struct oracle_features *features,
                         const struct oracle_object *objects, uint32_t object,
-                        uint32_t index, const uint32_t *v, uint32_t points)
+                        uint32_t index, const uint32_t *v, uint32_t points, bool is_free)
 {
     if (features->count == features->capacity) {
         features->capacity = features->capacity ? 2 * features->capacity : 256;
@@ -31,6 +31,7 @@ static void add_feature(struct oracle_features *features,
     feature->object = object;
     feature->index = index;
     feature->points = points;
+    feature->is_free = is_free;
     for (uint32_t i = 0; i < points; i++) {
         const double *ends[2] = {objects[object].x0[v[i]], objects[object].x1[v[i]]};
         feature->v[i] = v[i];
@@ -60,12 +61,14 @@ static int compare_edges(const void *a, const void *b)
 
 uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2]
 {
+    uint32_t sides = object->triangle_count * 3;
     uint32_t(*edges)[2] =
-        oracle_grow(NULL, ((size_t)object->triangle_count * 3 + 1) * sizeof *edges);
+        oracle_grow(NULL, ((size_t)sides + object->edge_count + 1) * sizeof *edges);
     uint32_t n = 0;
-    for (uint32_t i = 0; i < object->triangle_count * 3; i++) {
-        uint32_t a = object->triangles[i / 3][i % 3];
-        uint32_t b = object->triangles[i / 3][(i % 3 + 1) % 3];
+    for (uint32_t i = 0; i < sides + object->edge_count; i++) {
+        const uint32_t *named = i < sides ? NULL : object->edges[i - sides];
+        uint32_t a = named ? named[0] : object->triangles[i / 3][i % 3];
+        uint32_t b = named ? named[1] : object->triangles[i / 3][(i % 3 + 1) % 3];
         if (a != b) {
             edges[n][0] = a < b ? a : b;
             edges[n++][1] = a < b ? b : a;
@@ -85,37 +88,56 @@ static void add_vertices(const struct oracle_object *objects, uint32_t at,
                          struct oracle_features *vertices)
 {
     const struct oracle_object *object = &objects[at];
-    bool *used = calloc((size_t)object->vertex_count + 1, sizeof *used);
-    if (!used) {
+    enum { UNUSED, POINT, PART }; /* a point, or a part of something */
+    uint8_t *use = calloc((size_t)object->vertex_count + 1, sizeof *use);
+    if (!use) {
         abort();
     }
-    for (uint32_t i = 0; i < 3 * object->triangle_count; i++) {
-        used[object->triangles[i / 3][i % 3]] = true;
+    for (uint32_t i = 0; i < object->point_count; i++) {
+        use[object->points[i]] = POINT;
     }
-    for (uint32_t i = 0; i < object->vertex_count; i++) {
-        if (used[i]) {
-            add_feature(vertices, objects, at, i, &i, 1);
+    for (uint32_t i = 0; i < object->edge_count; i++) {
+        use[object->edges[i][0]] = POINT; /* of one without another end */
+    }
+    for (uint32_t i = 0; i < object->edge_count; i++) {
+        for (int k = 0; object->edges[i][0] != object->edges[i][1] && k < 2; k++) {
+            use[object->edges[i][k]] = PART;
         }
     }
-    free(used);
+    for (uint32_t i = 0; i < 3 * object->triangle_count; i++) {
+        use[object->triangles[i / 3][i % 3]] = PART;
+    }
+    for (uint32_t i = 0; i < object->vertex_count; i++) {
+        if (use[i] != UNUSED) {
+            add_feature(vertices, objects, at, i, &i, 1, use[i] == POINT);
+        }
+    }
+    free(use);
 }
 
 static void add_edges(const struct oracle_object *objects, uint32_t at,
                       struct oracle_features *edges)
 {
+    struct oracle_object triangles_alone = objects[at];
     uint32_t edge_count;
+    uint32_t side_count;
+    triangles_alone.edge_count = 0;
     uint32_t(*pairs)[2] = oracle_edges(&objects[at], &edge_count);
+    uint32_t(*sides)[2] = oracle_edges(&triangles_alone, &side_count);
     for (uint32_t i = 0; i < edge_count; i++) {
-        add_feature(edges, objects, at, i, pairs[i], 2);
+        bool is_side = side_count > 0 && bsearch(pairs[i], sides, side_count,
+                                                 sizeof *sides, compare_edges) != NULL;
+        add_feature(edges, objects, at, i, pairs[i], 2, !is_side);
     }
     free(pairs);
+    free(sides);
 }
 
 static void add_faces(const struct oracle_object *objects, uint32_t at,
                       struct oracle_features *faces)
 {
     for (uint32_t i = 0; i < objects[at].triangle_count; i++) {
-        add_feature(faces, objects, at, i, objects[at].triangles[i], 3);
+        add_feature(faces, objects, at, i, objects[at].triangles[i], 3, false);
     }
 }
 
@@ -132,6 +154,16 @@ void oracle_features_list(const struct oracle_object *objects, uint32_t object_c
             add_faces(objects, i, features);
         }
     }
+}
+
+void oracle_features_keep_free(struct oracle_features *features)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < features->count; i++) {
+        features->items[kept] = features->items[i];
+        kept += features->items[i].is_free;
+    }
+    features->count = kept;
 }
 
 void oracle_features_deinit(struct oracle_features *features)

@@ -16,6 +16,9 @@ struct oracle_feature {
     uint32_t index;
     uint32_t points; /* 1, 2 or 3 vertices: */
     uint32_t v[3];
+    /* A vertex that nothing has but a point that is named, an edge that no triangle
+     * has. */
+    bool is_free;
     double lo[3]; /* of its motion */
     double hi[3];
 };
@@ -31,6 +34,9 @@ struct oracle_features {
 void oracle_features_list(const struct oracle_object *objects, uint32_t object_count,
                           uint32_t points, struct oracle_features *features);
 void oracle_features_deinit(struct oracle_features *features);
+
+/* Those of them that are free stay. */
+void oracle_features_keep_free(struct oracle_features *features);
 
 /* Are they of one object, with a vertex in common? */
 bool oracle_features_share_vertex(const struct oracle_feature *a,

@@ -13,21 +13,49 @@
 #include "oracle_candidates.h"
 #include "oracle_features.h"
 
-static void decide_pairs(const struct oracle_moment *moment, enum oracle_kind kind,
+/* The points of a candidate. One of fewer than four is of VF, with a face that is a
+ * segment or a point: its last point is repeated, and comes after itself. */
+static void load_pair(const struct oracle_moment *moment,
+                      const struct oracle_candidate *candidate, double p[5][3],
+                      uint8_t rank[5])
+{
+    uint32_t count = candidate->a->points + candidate->b->points;
+    oracle_candidate_load(moment, candidate, p, rank);
+    assert(count >= 2 && count <= 5);
+    for (uint32_t last = rank[count - 1]; count < 4; count++) {
+        for (uint32_t i = 0; i < count; i++) {
+            rank[i] = (uint8_t)(rank[i] + (rank[i] > last));
+        }
+        rank[count] = (uint8_t)++last;
+        memcpy(p[count], p[count - 1], sizeof p[count]);
+    }
+}
+
+/* What was found of VF, in the terms of the kind: a weight is where on the edge. */
+static void place(uint32_t kind, struct oracle_distance *found)
+{
+    if (kind == PCCD_VE || kind == PCCD_VV) {
+        found->param[1] = kind == PCCD_VE ? found->param[0] + found->param[1] : 0;
+        found->param[0] = 0;
+    }
+}
+
+static void decide_pairs(const struct oracle_moment *moment, uint32_t of_kind,
                          const struct oracle_candidates *candidates, double distance,
                          struct oracle_nears *pairs)
 {
+    enum oracle_kind kind = of_kind == PCCD_EE ? ORACLE_EE : ORACLE_VF;
     for (size_t i = 0; i < candidates->count; i++) {
         double p[5][3];
         uint8_t rank[5];
         struct oracle_distance found;
-        oracle_candidate_load(moment, &candidates->items[i], p, rank);
+        load_pair(moment, &candidates->items[i], p, rank);
         pairs->queries++;
         if (oracle_distance_within(kind, (const double(*)[3])p, distance)) {
             struct oracle_near *near = oracle_nears_add(pairs);
             oracle_distance_find(kind, (const double(*)[3])p, rank, &found);
-            oracle_candidate_name(moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE,
-                                  &candidates->items[i], near);
+            place(of_kind, &found);
+            oracle_candidate_name(moment, of_kind, &candidates->items[i], near);
             oracle_near_write(&found, near);
         }
     }
@@ -36,28 +64,37 @@ static void decide_pairs(const struct oracle_moment *moment, enum oracle_kind ki
 bool oracle_near_pairs(const struct oracle_moment *moment, double distance,
                        uint64_t queries_max, struct oracle_nears *pairs)
 {
-    struct oracle_features of_points[3];
-    struct oracle_candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
+    static const uint32_t sides[PCCD_KIND_COUNT][2] = {/* of the lists below */
+                                                       [PCCD_VF] = {0, 2},
+                                                       [PCCD_EE] = {1, 1},
+                                                       [PCCD_VE] = {3, 4},
+                                                       [PCCD_VV] = {3, 3}};
+    struct oracle_features lists[5]; /* vertices, edges, faces; free vertices, edges */
+    struct oracle_candidates candidates[PCCD_KIND_COUNT];
+    uint64_t count = 0;
     memset(pairs, 0, sizeof *pairs);
-    for (uint32_t i = 0; i < 3; i++) {
-        oracle_features_list(moment->objects, moment->object_count, i + 1, &of_points[i]);
+    memset(candidates, 0, sizeof candidates);
+    for (uint32_t i = 0; i < 5; i++) {
+        oracle_features_list(moment->objects, moment->object_count, i % 3 + 1, &lists[i]);
     }
-    oracle_candidates_find(moment, &of_points[0], &of_points[2], distance,
-                           &candidates[0]);
-    oracle_candidates_find(moment, &of_points[1], &of_points[1], distance,
-                           &candidates[1]);
-    bool is_little = candidates[0].count + candidates[1].count <= queries_max;
-    if (is_little) {
-        decide_pairs(moment, ORACLE_VF, &candidates[0], distance, pairs);
-        decide_pairs(moment, ORACLE_EE, &candidates[1], distance, pairs);
-        oracle_nears_sort(pairs);
+    oracle_features_keep_free(&lists[3]);
+    oracle_features_keep_free(&lists[4]);
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        oracle_candidates_find(moment, &lists[sides[kind][0]], &lists[sides[kind][1]],
+                               distance, &candidates[kind]);
+        count += candidates[kind].count;
     }
-    oracle_candidates_deinit(&candidates[0]);
-    oracle_candidates_deinit(&candidates[1]);
-    for (uint32_t i = 0; i < 3; i++) {
-        oracle_features_deinit(&of_points[i]);
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        if (count <= queries_max) {
+            decide_pairs(moment, kind, &candidates[kind], distance, pairs);
+        }
+        oracle_candidates_deinit(&candidates[kind]);
     }
-    return is_little;
+    oracle_nears_sort(pairs);
+    for (uint32_t i = 0; i < 5; i++) {
+        oracle_features_deinit(&lists[i]);
+    }
+    return count <= queries_max;
 }
 
 bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_max,
@@ -123,24 +160,27 @@ static void free_edges(const struct oracle_moment *moment, struct edges *edges)
     free(edges->counts);
 }
 
-/* The four points of a VF or EE pair. */
+/* The points of a pair, the last repeated up to four. */
 static void list_points(const struct oracle_moment *moment, const struct edges *edges,
                         const struct oracle_near *near, struct point points[4])
 {
     const struct pccd_near *record = &near->record;
     const uint32_t *a = &record->feature_a;
-    const uint32_t *b;
-    uint32_t count_a = 1;
+    const uint32_t *b = &record->feature_b;
+    uint32_t count_a = record->kind == PCCD_EE ? 2 : 1;
+    uint32_t count_b = record->kind == PCCD_VF ? 3 : record->kind == PCCD_VV ? 1 : 2;
     if (record->kind == PCCD_VF) {
         b = moment->objects[near->object[1]].triangles[record->feature_b];
-    } else {
-        a = edges->of[near->object[0]][record->feature_a];
+    } else if (record->kind != PCCD_VV) {
         b = edges->of[near->object[1]][record->feature_b];
-        count_a = 2;
+    }
+    if (record->kind == PCCD_EE) {
+        a = edges->of[near->object[0]][record->feature_a];
     }
     for (uint32_t i = 0; i < 4; i++) {
+        uint32_t k = i - count_a < count_b ? i - count_a : count_b - 1;
         points[i] = i < count_a ? (struct point){0, near->object[0], a[i]}
-                                : (struct point){1, near->object[1], b[i - count_a]};
+                                : (struct point){1, near->object[1], b[k]};
     }
 }
 

@@ -23,11 +23,16 @@ struct oracle_object {
     const double (*x0)[3];
     const double (*x1)[3];
     const uint32_t (*triangles)[3];
+    /* Edges and points that are named by themselves. */
+    uint32_t edge_count;
+    uint32_t point_count;
+    const uint32_t (*edges)[2];
+    const uint32_t *points;
 };
 
 /* VF: a vertex of object a and a face of object b. EE: (object_a, feature_a) comes before
  * (object_b, feature_b). Edges are the unique pairs of distinct vertices of the
- * triangles, lower index first, numbered by (higher, lower). */
+ * triangles and of what is named, lower index first, numbered by (higher, lower). */
 struct oracle_pair {
     uint32_t kind;
     uint32_t object_a;
@@ -57,7 +62,7 @@ void oracle_contacts_deinit(struct oracle_contacts *contacts);
 /* Order of pairs, as qsort and bsearch want it. */
 int oracle_pair_compare(const void *a, const void *b);
 
-/* Edges of an object's triangles, numbered as above. Freed by the caller. */
+/* Edges of an object, numbered as above. Freed by the caller. */
 uint32_t (*oracle_edges(const struct oracle_object *object, uint32_t *count))[2];
 
 /* Does an axis separate the features of a pair: do all points of the one lie above all

@@ -78,6 +78,8 @@ uint32_t record_kind_feature(uint16_t kind)
     case RECORD_SEPARATION:
     case RECORD_RADII:
         return RECORD_FEATURE_THICK;
+    case RECORD_FREE:
+        return RECORD_FEATURE_FREE;
     case RECORD_FILTER:
     case RECORD_PAIRS:
         return RECORD_FEATURE_FILTERS;
@@ -282,7 +284,9 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
         return status;
     }
     for (size_t i = 0, at = 0; i < count; at += parts[i].bytes, i++) {
-        memcpy(writer->raw + at, parts[i].at, parts[i].bytes);
+        if (parts[i].bytes > 0) { /* else there may be no address */
+            memcpy(writer->raw + at, parts[i].at, parts[i].bytes);
+        }
     }
     body = writer->out + sizeof chunk;
     stored = bytes;

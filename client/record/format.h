@@ -82,7 +82,8 @@
     X(NEAR_ANSWER, 21, "that was answered")                                              \
     X(NEAR_RECORDS, 22, "records of that answer")                                        \
     X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
-    X(RADII, 24, "radii of the vertices of the next MESH or GUEST")
+    X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
+    X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -98,7 +99,8 @@ enum record_feature {
     RECORD_FEATURE_HASH_2 = 4,  /* hashes of answers are of version 2; without: of 1 */
     RECORD_FEATURE_NEAR = 8,    /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
     RECORD_FEATURE_THICK = 16,  /* SEPARATION, RADII, and radii in FILTER */
-    RECORD_FEATURES = 31        /* all of them */
+    RECORD_FEATURE_FREE = 32,   /* FREE, a MESH or GUEST without triangles */
+    RECORD_FEATURES = 63        /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -26,6 +26,7 @@ static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_separation) == 16, "separation");
 static_assert(sizeof(struct record_radii) == 8, "radii");
+static_assert(sizeof(struct record_free) == 16, "edges and points");
 static_assert(sizeof(struct record_segment) == 32, "segment");
 static_assert(sizeof(struct record_answer) == 280, "answer");
 static_assert(sizeof(struct record_records) == 32, "records");
@@ -76,7 +77,7 @@ static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEX
     memcpy(&guest, payload, sizeof guest);
     x_bytes = guest.vertex_count * sizeof(double[3]);
     if (guest.object == 0 || guest.vertex_count == 0 || guest.vertex_count > COUNT_MAX ||
-        guest.triangle_count == 0 || guest.triangle_count > COUNT_MAX ||
+        guest.triangle_count > COUNT_MAX ||
         bytes != sizeof guest + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
         return bad(text, "an object of another length, or without handle or shape");
     }
@@ -91,9 +92,8 @@ static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT
 
     memcpy(&mesh, payload, sizeof mesh);
     if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
-        mesh.vertex_count > COUNT_MAX || mesh.triangle_count == 0 ||
-        mesh.triangle_count > COUNT_MAX) {
-        return bad(text, "a mesh without handle, vertices or triangles");
+        mesh.vertex_count > COUNT_MAX || mesh.triangle_count > COUNT_MAX) {
+        return bad(text, "a mesh without handle or vertices");
     }
     x_bytes = padded(mesh.vertex_count * common_vertex_bytes(mesh.format));
     if (bytes != sizeof mesh + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
@@ -247,6 +247,28 @@ static int judge_radii(const void *payload, uint64_t bytes, char text[RECORD_TEX
     return PCCD_OK;
 }
 
+static int judge_free(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_free);
+    struct record_free free;
+    uint64_t words;
+
+    memcpy(&free, payload, sizeof free);
+    words = 2 * (uint64_t)free.edge_count + free.point_count;
+    if (bytes != sizeof free + words * sizeof(uint32_t)) {
+        return bad(text, "edges and points of another length");
+    }
+    for (uint64_t i = 0; i < words; i++) {
+        uint32_t vertex;
+
+        memcpy(&vertex, at + i * sizeof vertex, sizeof vertex);
+        if (vertex >= free.vertex_count) {
+            return bad(text, "an edge or a point of a vertex that there is not");
+        }
+    }
+    return PCCD_OK;
+}
+
 static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     const uint8_t *at = (const uint8_t *)payload + sizeof(struct record_pairs);
@@ -293,6 +315,8 @@ static uint64_t least_bytes(uint16_t kind)
         return sizeof(struct record_separation);
     case RECORD_RADII:
         return sizeof(struct record_radii);
+    case RECORD_FREE:
+        return sizeof(struct record_free);
     case RECORD_GUEST:
         return sizeof(struct record_guest);
     case RECORD_ANSWER:
@@ -350,6 +374,8 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
         return judge_pairs(payload, bytes, text);
     case RECORD_RADII:
         return judge_radii(payload, bytes, text);
+    case RECORD_FREE:
+        return judge_free(payload, bytes, text);
     case RECORD_TUNING:
         return memchr(payload, '\0', sizeof(struct record_tuning)) != NULL
                    ? PCCD_OK

@@ -82,6 +82,13 @@ struct record_radii { /* and a double for each vertex */
     uint32_t reserved;
 };
 
+struct record_free { /* and u32[2] an edge, u32 a point */
+    uint32_t vertex_count;
+    uint32_t edge_count;
+    uint32_t point_count;
+    uint32_t reserved;
+};
+
 struct record_frame {
     uint64_t step; /* MOVE: 0 */
     uint32_t scene;

@@ -18,45 +18,80 @@
 
 /* ---- meshes ------------------------------------------------------------------------ */
 
+static void free_arrays(struct registry_mesh *mesh)
+{
+    free(mesh->x);
+    free(mesh->triangles);
+    free(mesh->radii);
+    free(mesh->edges);
+    free(mesh->is_free_edge);
+    free(mesh->is_free_vertex);
+    free(mesh->named_edges);
+    free(mesh->named_points);
+}
+
 void registry_mesh_free(struct registry_mesh *mesh)
 {
     if (mesh != NULL) {
-        free(mesh->x);
-        free(mesh->triangles);
-        free(mesh->radii);
-        free(mesh->edges);
+        free_arrays(mesh);
         free(mesh);
     }
 }
 
-struct registry_mesh *registry_mesh_copy(const void *x, uint32_t format,
-                                         uint32_t vertex_count, const void *triangles,
-                                         uint32_t triangle_count, const void *radii)
+/* A copy of `bytes` bytes; of none NULL. *failed: there is no memory for it. */
+static void *copy_of(const void *from, size_t bytes, bool *failed)
 {
-    size_t x_bytes = vertex_count * common_vertex_bytes(format);
-    size_t triangle_bytes = triangle_count * sizeof(uint32_t[3]);
+    void *copy = bytes > 0 ? malloc(bytes) : NULL;
+
+    if (copy != NULL) {
+        memcpy(copy, from, bytes);
+    }
+    *failed |= bytes > 0 && copy == NULL;
+    return copy;
+}
+
+struct registry_mesh *registry_mesh_copy(const struct registry_shape *shape)
+{
+    size_t radii = shape->radii != NULL ? shape->vertex_count * sizeof(double) : 0;
     struct registry_mesh *made = calloc(1, sizeof *made);
+    bool failed = false;
 
     if (made == NULL) {
         return NULL;
     }
-    made->format = format;
-    made->vertex_count = vertex_count;
-    made->triangle_count = triangle_count;
-    made->x = malloc(x_bytes);
-    made->triangles = malloc(triangle_bytes);
-    made->radii = radii != NULL ? malloc(vertex_count * sizeof *made->radii) : NULL;
-    if (made->x == NULL || made->triangles == NULL ||
-        (radii != NULL && made->radii == NULL)) {
+    made->format = shape->format;
+    made->vertex_count = shape->vertex_count;
+    made->triangle_count = shape->triangle_count;
+    made->named_edge_count = shape->edge_count;
+    made->named_point_count = shape->point_count;
+    made->x = copy_of(shape->x, shape->vertex_count * common_vertex_bytes(shape->format),
+                      &failed);
+    made->triangles =
+        copy_of(shape->triangles, shape->triangle_count * sizeof(uint32_t[3]), &failed);
+    made->named_edges =
+        copy_of(shape->edges, shape->edge_count * sizeof(uint32_t[2]), &failed);
+    made->named_points =
+        copy_of(shape->points, shape->point_count * sizeof(uint32_t), &failed);
+    made->radii = copy_of(shape->radii, radii, &failed);
+    if (failed) {
         registry_mesh_free(made);
         return NULL;
     }
-    if (radii != NULL) {
-        memcpy(made->radii, radii, vertex_count * sizeof *made->radii);
-    }
-    memcpy(made->x, x, x_bytes);
-    memcpy(made->triangles, triangles, triangle_bytes);
     return made;
+}
+
+struct registry_shape registry_mesh_shape(const struct registry_mesh *mesh)
+{
+    return (struct registry_shape){.format = mesh->format,
+                                   .vertex_count = mesh->vertex_count,
+                                   .triangle_count = mesh->triangle_count,
+                                   .edge_count = mesh->named_edge_count,
+                                   .point_count = mesh->named_point_count,
+                                   .x = mesh->x,
+                                   .triangles = mesh->triangles,
+                                   .edges = mesh->named_edges,
+                                   .points = mesh->named_points,
+                                   .radii = mesh->radii};
 }
 
 struct registry_mesh *registry_mesh(const struct registry *registry, uint32_t handle)
@@ -301,17 +336,20 @@ int registry_put_mesh(struct registry *registry, uint32_t handle,
         append_mesh(registry, copy);
         return 0;
     }
-    free(mesh->x);
-    free(mesh->triangles);
-    free(mesh->radii);
-    free(mesh->edges);
+    free_arrays(mesh);
     mesh->format = copy->format;
     mesh->vertex_count = copy->vertex_count;
     mesh->triangle_count = copy->triangle_count;
     mesh->x = copy->x;
     mesh->triangles = copy->triangles;
     mesh->radii = copy->radii;
+    mesh->named_edge_count = copy->named_edge_count;
+    mesh->named_point_count = copy->named_point_count;
+    mesh->named_edges = copy->named_edges;
+    mesh->named_points = copy->named_points;
     mesh->edges = NULL;
+    mesh->is_free_edge = NULL;
+    mesh->is_free_vertex = NULL;
     free(copy);
     return reset_objects(registry, mesh, step);
 }
@@ -358,6 +396,9 @@ void registry_deinit(struct registry *registry)
         registry_mesh_free(mesh);
     }
     free(registry->next_radii);
+    free(registry->next_free);
     registry->next_radii = NULL;
     registry->next_radii_count = 0;
+    registry->next_free = NULL;
+    registry->next_free_count = 0;
 }

@@ -19,11 +19,10 @@
 
 #include "registry_types.h"
 
-/* A copy of a mesh, which no registry has yet; NULL: no memory. radii: of its vertices;
- * NULL: it has none. The arrays need not be aligned. */
-struct registry_mesh *registry_mesh_copy(const void *x, uint32_t format,
-                                         uint32_t vertex_count, const void *triangles,
-                                         uint32_t triangle_count, const void *radii);
+/* A copy of a mesh, which no registry has yet; NULL: no memory. */
+struct registry_mesh *registry_mesh_copy(const struct registry_shape *shape);
+/* What it is made of; the arrays are the mesh's. */
+struct registry_shape registry_mesh_shape(const struct registry_mesh *mesh);
 /* A mesh that no registry has; NULL is allowed. */
 void registry_mesh_free(struct registry_mesh *mesh);
 

@@ -17,7 +17,18 @@
 #include "proto_limits.h"
 #include "registry_pairs.h"
 
-/* Vertices and triangles as they were registered. */
+/* What a mesh is made of. The arrays need not be aligned. */
+struct registry_shape {
+    uint32_t format; /* enum pccd_format, of x */
+    uint32_t vertex_count, triangle_count, edge_count, point_count;
+    const void *x;         /* [vertex_count][3] */
+    const void *triangles; /* uint32_t [triangle_count][3] */
+    const void *edges;  /* uint32_t [edge_count][2]: those that are named by themselves */
+    const void *points; /* uint32_t [point_count]: likewise */
+    const void *radii;  /* double [vertex_count]; NULL: there are none */
+};
+
+/* Vertices and what is made of them as they were registered. */
 struct registry_mesh {
     struct registry_mesh *next; /* registered later */
     uint32_t handle;
@@ -32,6 +43,14 @@ struct registry_mesh {
     uint32_t (*triangles)[3];
     double *radii;        /* [vertex_count]; NULL: there are none */
     uint32_t (*edges)[2]; /* as records number them; NULL: nobody has asked yet */
+    /* Made with them: 1 for each edge that no triangle has, and for each vertex that no
+     * triangle and no edge has. */
+    uint8_t *is_free_edge;
+    uint8_t *is_free_vertex;
+    uint32_t named_edge_count;
+    uint32_t named_point_count;
+    uint32_t (*named_edges)[2]; /* by themselves; NULL: there are none */
+    uint32_t *named_points;     /* likewise */
 };
 
 enum registry_placing {
@@ -79,8 +98,13 @@ struct registry_scene {
 struct registry {
     struct registry_mesh *meshes; /* in the order in which they were registered */
     struct registry_scene *scenes;
-    double *next_radii; /* recordings: of the vertices of the mesh that comes next */
+    /* Recordings: what the mesh that comes next has, if it has so many vertices. */
+    double *next_radii;
     uint32_t next_radii_count;
+    uint32_t *next_free; /* the ends of its named edges, then its named points */
+    uint32_t next_free_count;
+    uint32_t next_edge_count;
+    uint32_t next_point_count;
 };
 
 #endif

@@ -14,6 +14,7 @@ integration_names = \
     tests/integration/test_int_direct \
     tests/integration/test_int_filter \
     tests/integration/test_int_flow \
+    tests/integration/test_int_free \
     tests/integration/test_int_hostile \
     tests/integration/test_int_journal \
     tests/integration/test_int_leave \
@@ -263,6 +264,10 @@ tests_integration_test_int_step_LDADD = $(integration_libs)
 tests_integration_test_int_supervise_SOURCES = tests/integration/test_int_supervise.c
 tests_integration_test_int_supervise_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_supervise_LDADD = $(integration_libs)
+
+tests_integration_test_int_free_SOURCES = tests/integration/test_int_free.c
+tests_integration_test_int_free_CPPFLAGS = $(integration_cppflags) -I$(top_srcdir)/client/record
+tests_integration_test_int_free_LDADD = $(integration_libs)
 
 tests_integration_test_int_thick_SOURCES = tests/integration/test_int_thick.c
 tests_integration_test_int_thick_CPPFLAGS = $(integration_cppflags) -I$(top_srcdir)/client/record

@@ -77,7 +77,11 @@ static struct registry_object *make(struct prng *prng, struct registry *registry
     struct registry_object *object;
 
     fill(prng, &whole, x);
-    mesh = registry_mesh_copy(x, format, VERTICES, faces, 1, NULL);
+    mesh = registry_mesh_copy(&(struct registry_shape){.format = format,
+                                                       .vertex_count = VERTICES,
+                                                       .triangle_count = 1,
+                                                       .x = x,
+                                                       .triangles = faces});
     assert_true(scene != NULL && mesh != NULL);
     assert_int_equal(registry_put_mesh(registry, 2, mesh, 1), 0);
     object = registry_add_object(scene, mesh, 3, 1);

@@ -24,7 +24,11 @@ static const struct registry_settings plain = {.rebuild_ratio = 0.5, .name = ""}
 static struct registry_mesh *triangle(void)
 {
     struct registry_mesh *made =
-        registry_mesh_copy(corners, PCCD_FORMAT_F32, 3, faces, 1, NULL);
+        registry_mesh_copy(&(struct registry_shape){.format = PCCD_FORMAT_F32,
+                                                    .vertex_count = 3,
+                                                    .triangle_count = 1,
+                                                    .x = corners,
+                                                    .triangles = faces});
 
     assert_non_null(made);
     return made;

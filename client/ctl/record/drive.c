@@ -56,18 +56,28 @@ static int make_scene(struct drive *drive, uint32_t scene, double rebuild_ratio,
     return expect(scene, made, "scene", error);
 }
 
+static struct pccd_mesh_data data_of(const struct registry_shape *shape)
+{
+    return (struct pccd_mesh_data){.struct_bytes = sizeof(struct pccd_mesh_data),
+                                   .x = shape->x,
+                                   .format = (enum pccd_format)shape->format,
+                                   .vertex_count = shape->vertex_count,
+                                   .triangle_count = shape->triangle_count,
+                                   .triangles = shape->triangles,
+                                   .radii = shape->radii,
+                                   .edges = shape->edges,
+                                   .points = shape->points,
+                                   .edge_count = shape->edge_count,
+                                   .point_count = shape->point_count};
+}
+
 /* A mesh of the world; want = 0: under any handle. */
 static int make_mesh(struct drive *drive, const struct registry_mesh *mesh, uint32_t want,
                      uint32_t *made, struct ctl_error *error)
 {
     pccd_want(drive->client, want);
-    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
-                                        .x = mesh->x,
-                                        .format = (enum pccd_format)mesh->format,
-                                        .vertex_count = mesh->vertex_count,
-                                        .triangle_count = mesh->triangle_count,
-                                        .triangles = mesh->triangles[0],
-                                        .radii = mesh->radii};
+    const struct registry_shape shape = registry_mesh_shape(mesh);
+    const struct pccd_mesh_data data = data_of(&shape);
     *made = 0;
     int status = pccd_mesh_put(drive->client, &data, made, NULL);
     if (status != PCCD_OK) {
@@ -242,14 +252,14 @@ static int follow_mesh(struct drive *drive, const struct registry *world,
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
     size_t each = common_vertex_bytes(head.format);
-    const void *triangles = x + (head.vertex_count * each + 7) / 8 * 8;
-    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
-                                        .x = x,
-                                        .format = (enum pccd_format)head.format,
-                                        .vertex_count = head.vertex_count,
-                                        .triangle_count = head.triangle_count,
-                                        .triangles = triangles,
-                                        .radii = world_radii(world, head.vertex_count)};
+    struct registry_shape shape = {.format = head.format,
+                                   .vertex_count = head.vertex_count,
+                                   .triangle_count = head.triangle_count,
+                                   .x = x,
+                                   .triangles =
+                                       x + (head.vertex_count * each + 7) / 8 * 8};
+    world_complete(world, &shape);
+    const struct pccd_mesh_data data = data_of(&shape);
     bool is_known = registry_mesh(world, head.mesh) != NULL;
     uint32_t made = is_known ? head.mesh : 0;
     if (!is_known) {
@@ -329,15 +339,14 @@ static int follow_guest(struct drive *drive, const struct registry *world,
         status = pccd_scene_remove(drive->client, head.scene, head.object);
     }
     if (status == PCCD_OK) {
-        const struct pccd_mesh_data data = {
-            .struct_bytes = sizeof data,
-            .x = x,
-            .format = PCCD_FORMAT_F64,
-            .vertex_count = head.vertex_count,
-            .triangle_count = head.triangle_count,
-            .triangles = (const uint32_t *)(const void *)(x + head.vertex_count *
-                                                                  sizeof(double[3])),
-            .radii = world_radii(world, head.vertex_count)};
+        struct registry_shape shape = {.format = PCCD_FORMAT_F64,
+                                       .vertex_count = head.vertex_count,
+                                       .triangle_count = head.triangle_count,
+                                       .x = x,
+                                       .triangles =
+                                           x + head.vertex_count * sizeof(double[3])};
+        world_complete(world, &shape);
+        const struct pccd_mesh_data data = data_of(&shape);
         status = pccd_mesh_put(drive->client, &data, &mesh, NULL);
     }
     if (status != PCCD_OK) {

@@ -108,6 +108,11 @@ static const char *misnamed(const struct registry_scene *scene,
     if (va == NULL || vb == NULL) {
         return "the record names a feature that there is not";
     }
+    if ((pair->kind == PCCD_VE || pair->kind == PCCD_VV) &&
+        !(verify_is_free(a->mesh, count_a, pair->feature_a) &&
+          verify_is_free(b->mesh, count_b, pair->feature_b))) {
+        return "the record names a vertex or an edge that is not free";
+    }
     if (count_a == count_b && (pair->object_a > pair->object_b ||
                                (a == b && pair->feature_a >= pair->feature_b))) {
         return "the record has its features in the wrong order";

@@ -58,7 +58,11 @@ static bool make_moment(struct judge *judge)
             .triangle_count = object->mesh->triangle_count,
             .x0 = x,
             .x1 = x,
-            .triangles = (const uint32_t(*)[3])object->mesh->triangles};
+            .triangles = (const uint32_t(*)[3])object->mesh->triangles,
+            .edge_count = object->mesh->named_edge_count,
+            .point_count = object->mesh->named_point_count,
+            .edges = (const uint32_t(*)[2])object->mesh->named_edges,
+            .points = object->mesh->named_points};
     }
     judge->moment =
         (struct oracle_moment){judge->objects, scene->object_count, may_meet, scene};

@@ -28,6 +28,11 @@ const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points
                          : mesh->triangles[*feature];
 }
 
+bool verify_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
+{
+    return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
+}
+
 uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points)
 {
     return points == 1   ? mesh->vertex_count
@@ -94,8 +99,9 @@ static bool is_nearer(const struct registry_mesh *mesh, const struct pccd_pair *
     double p[4][3];
     const double apart[4][3] = {{0}, {0}, {distance}, {distance}};
     registered(mesh, pair, p);
-    return oracle_distance_compare((enum oracle_kind)pair->kind, (const double(*)[3])p,
-                                   ORACLE_EE, apart) < 0;
+    /* VE and VV are VF of a face that is a segment or a point. */
+    return oracle_distance_compare(pair->kind == PCCD_EE ? ORACLE_EE : ORACLE_VF,
+                                   (const double(*)[3])p, ORACLE_EE, apart) < 0;
 }
 
 /* Mark what one more edge reaches. Returns whether a vertex of `goal` is marked. */
@@ -165,7 +171,9 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
                     (a != b || !is_excluded(a, pair));
     verify_points(step->scene, pair, meeting->p);
     meeting->first = is_thick ? oracle_thick_first_new(&thick)
-                              : oracle_first_new((enum oracle_kind)pair->kind, thick.p);
+                     : pair->kind == PCCD_VF || pair->kind == PCCD_EE
+                         ? oracle_first_new((enum oracle_kind)pair->kind, thick.p)
+                         : NULL; /* points that keep no distance do not meet anything */
     bool at_once = meeting->first != NULL && oracle_first_compare(meeting->first, 0) == 0;
     bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
     meeting->flags =

@@ -19,6 +19,9 @@ struct verify_meeting {
     uint32_t flags;             /* PCCD_INITIAL and PCCD_INSIDE, as a record of it has */
 };
 
+/* Is a vertex (points 1) or an edge (2) free: an edge that no triangle has, a vertex that
+ * no triangle and no edge has? Its edges were made (world_edges). */
+bool verify_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature);
 /* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
  * there is none of that index. A vertex is its own. */
 uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points);

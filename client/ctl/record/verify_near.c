@@ -129,6 +129,13 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
     return true;
 }
 
+/* Is it a feature that pairs of a kind are made of? */
+static bool is_of_kind(enum pccd_kind kind, const struct registry_mesh *mesh,
+                       uint32_t points, uint32_t feature)
+{
+    return (kind != PCCD_VE && kind != PCCD_VV) || verify_is_free(mesh, points, feature);
+}
+
 /* All pairs of a kind that a feature may make with features near it, as the first or,
  * where both sides are of one sort, as the second. */
 static bool try_feature(struct draw *draw, enum pccd_kind kind,
@@ -148,7 +155,7 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
             struct box near = box_of(other, v, points[1]);
             struct box box = tight;
             widen(&box, near_by + verify_radius(other, v, points[1]));
-            if (!meet(&box, &near) ||
+            if (!meet(&box, &near) || !is_of_kind(kind, other->mesh, points[1], f) ||
                 (other == object && share(own, points[0], v, points[1]))) {
                 continue;
             }
@@ -166,22 +173,41 @@ static bool try_feature(struct draw *draw, enum pccd_kind kind,
     return true;
 }
 
-/* An object, by its share of all triangles. */
-static const struct registry_object *draw_object(struct draw *draw, uint64_t *triangle)
+static uint64_t named_in(const struct registry_mesh *mesh)
+{
+    return (uint64_t)mesh->triangle_count + mesh->named_edge_count +
+           mesh->named_point_count;
+}
+
+/* An object, by its share of all that is named: triangles, edges, points. */
+static const struct registry_object *draw_object(struct draw *draw, uint64_t *named)
 {
     const struct registry_scene *scene = draw->step->scene;
     uint64_t all = 0;
     for (uint32_t i = 0; i < scene->object_count; i++) {
-        all += scene->objects[i].mesh->triangle_count;
+        all += named_in(scene->objects[i].mesh);
     }
-    *triangle = next(draw) % all;
+    *named = next(draw) % all;
     for (uint32_t i = 0;; i++) {
-        uint32_t here = scene->objects[i].mesh->triangle_count;
-        if (*triangle < here) {
+        uint64_t here = named_in(scene->objects[i].mesh);
+        if (*named < here) {
             return &scene->objects[i];
         }
-        *triangle -= here;
+        *named -= here;
     }
+}
+
+/* A vertex of what is named. */
+static uint32_t draw_vertex(struct draw *draw, const struct registry_mesh *mesh,
+                            uint64_t named)
+{
+    if (named < mesh->triangle_count) {
+        return mesh->triangles[named][next(draw) % 3];
+    }
+    named -= mesh->triangle_count;
+    return named < mesh->named_edge_count
+               ? mesh->named_edges[named][next(draw) % 2]
+               : mesh->named_points[named - mesh->named_edge_count];
 }
 
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
@@ -197,12 +223,13 @@ bool verify_near(const struct play_step *step, const struct verify_settings *set
     for (uint32_t i = 0;
          i < DRAWS_MAX && draw.left > 0 && is_right && step->scene->object_count > 0;
          i++) {
-        uint64_t triangle;
-        const struct registry_object *object = draw_object(&draw, &triangle);
+        uint64_t named;
+        const struct registry_object *object = draw_object(&draw, &named);
         enum pccd_kind kind = i % PCCD_KIND_COUNT;
         if (common_kinds[kind].points[0] == 1) {
-            const uint32_t *corners = object->mesh->triangles[triangle];
-            is_right = try_feature(&draw, kind, object, corners[next(&draw) % 3]);
+            uint32_t vertex = draw_vertex(&draw, object->mesh, named);
+            is_right = !is_of_kind(kind, object->mesh, 1, vertex) ||
+                       try_feature(&draw, kind, object, vertex);
         } else if (object->mesh->edge_count > 0) {
             uint32_t edge = (uint32_t)(next(&draw) % object->mesh->edge_count);
             is_right = try_feature(&draw, kind, object, edge);

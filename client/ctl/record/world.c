@@ -37,16 +37,27 @@ static int twice(struct ctl_error *error, const char *what, uint32_t handle)
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-const double *world_radii(const struct registry *world, uint32_t vertex_count)
+void world_complete(const struct registry *world, struct registry_shape *shape)
 {
-    return world->next_radii_count == vertex_count ? world->next_radii : NULL;
+    bool has_free =
+        world->next_free != NULL && world->next_free_count == shape->vertex_count;
+    shape->radii =
+        world->next_radii_count == shape->vertex_count ? world->next_radii : NULL;
+    shape->edge_count = has_free ? world->next_edge_count : 0;
+    shape->point_count = has_free ? world->next_point_count : 0;
+    shape->edges = has_free ? world->next_free : NULL;
+    shape->points =
+        has_free ? world->next_free + 2 * (size_t)world->next_edge_count : NULL;
 }
 
-static void forget_radii(struct registry *world)
+static void forget_next(struct registry *world)
 {
     free(world->next_radii);
+    free(world->next_free);
     world->next_radii = NULL;
     world->next_radii_count = 0;
+    world->next_free = NULL;
+    world->next_free_count = 0;
 }
 
 static int follow_radii(struct registry *world, const struct record_view *view,
@@ -54,7 +65,7 @@ static int follow_radii(struct registry *world, const struct record_view *view,
 {
     struct record_radii head;
     memcpy(&head, view->payload, sizeof head);
-    forget_radii(world);
+    free(world->next_radii);
     world->next_radii = malloc((head.vertex_count + 1) * sizeof *world->next_radii);
     if (world->next_radii == NULL) {
         return no_memory(error);
@@ -65,6 +76,25 @@ static int follow_radii(struct registry *world, const struct record_view *view,
     return PCCD_OK;
 }
 
+static int follow_free(struct registry *world, const struct record_view *view,
+                       struct ctl_error *error)
+{
+    struct record_free head;
+    memcpy(&head, view->payload, sizeof head);
+    size_t words = 2 * (size_t)head.edge_count + head.point_count;
+    free(world->next_free);
+    world->next_free = malloc((words + 1) * sizeof *world->next_free);
+    if (world->next_free == NULL) {
+        return no_memory(error);
+    }
+    memcpy(world->next_free, (const uint8_t *)view->payload + sizeof head,
+           words * sizeof *world->next_free);
+    world->next_free_count = head.vertex_count;
+    world->next_edge_count = head.edge_count;
+    world->next_point_count = head.point_count;
+    return PCCD_OK;
+}
+
 static int follow_mesh(struct registry *world, const struct record_view *view,
                        struct ctl_error *error)
 {
@@ -72,25 +102,66 @@ static int follow_mesh(struct registry *world, const struct record_view *view,
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
     size_t x_bytes = head.vertex_count * common_vertex_bytes(head.format);
-    struct registry_mesh *copy =
-        registry_mesh_copy(x, head.format, head.vertex_count, x + (x_bytes + 7) / 8 * 8,
-                           head.triangle_count, world_radii(world, head.vertex_count));
-    forget_radii(world);
+    struct registry_shape shape = {.format = head.format,
+                                   .vertex_count = head.vertex_count,
+                                   .triangle_count = head.triangle_count,
+                                   .x = x,
+                                   .triangles = x + (x_bytes + 7) / 8 * 8};
+    world_complete(world, &shape);
+    struct registry_mesh *copy = registry_mesh_copy(&shape);
+    forget_next(world);
     return copy != NULL && registry_put_mesh(world, head.mesh, copy, 0) == 0
                ? PCCD_OK
                : no_memory(error);
 }
 
+static void mark_free(struct registry_mesh *mesh, const uint32_t (*sides)[2],
+                      uint32_t side_count)
+{
+    uint32_t side = 0; /* sides are some of the edges, in the same order */
+    memset(mesh->is_free_vertex, 1, mesh->vertex_count);
+    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        mesh->is_free_vertex[mesh->triangles[i / 3][i % 3]] = 0;
+    }
+    for (uint32_t i = 0; i < mesh->edge_count; i++) {
+        const uint32_t *edge = mesh->edges[i];
+        bool is_side =
+            side < side_count && sides[side][0] == edge[0] && sides[side][1] == edge[1];
+        mesh->is_free_edge[i] = !is_side;
+        side += is_side;
+        mesh->is_free_vertex[edge[0]] = 0;
+        mesh->is_free_vertex[edge[1]] = 0;
+    }
+}
+
 int world_edges(struct registry_mesh *mesh, struct ctl_error *error)
 {
-    const struct oracle_object object = {.vertex_count = mesh->vertex_count,
-                                         .triangle_count = mesh->triangle_count,
-                                         .triangles =
-                                             (const uint32_t(*)[3])mesh->triangles};
-    if (mesh->edges == NULL) {
-        mesh->edges = oracle_edges(&object, &mesh->edge_count);
+    struct oracle_object object = {.vertex_count = mesh->vertex_count,
+                                   .triangle_count = mesh->triangle_count,
+                                   .triangles = (const uint32_t(*)[3])mesh->triangles,
+                                   .edges = (const uint32_t(*)[2])mesh->named_edges};
+    if (mesh->edges != NULL) {
+        return PCCD_OK;
     }
-    return mesh->edges != NULL ? PCCD_OK : no_memory(error);
+    uint32_t side_count = 0;
+    uint32_t(*sides)[2] = oracle_edges(&object, &side_count);
+    object.edge_count = mesh->named_edge_count;
+    uint32_t(*edges)[2] = oracle_edges(&object, &mesh->edge_count);
+    mesh->is_free_edge = malloc((size_t)mesh->edge_count + 1);
+    mesh->is_free_vertex = malloc(mesh->vertex_count);
+    if (mesh->is_free_edge == NULL || mesh->is_free_vertex == NULL) {
+        free(sides);
+        free(edges);
+        free(mesh->is_free_edge);
+        free(mesh->is_free_vertex);
+        mesh->is_free_edge = NULL;
+        mesh->is_free_vertex = NULL;
+        return no_memory(error);
+    }
+    mesh->edges = edges;
+    mark_free(mesh, (const uint32_t(*)[2])sides, side_count);
+    free(sides);
+    return PCCD_OK;
 }
 
 static int follow_scene(struct registry *world, const struct record_view *view,
@@ -152,10 +223,15 @@ static int follow_guest(struct registry *world, const struct record_view *view,
     if (scene == NULL) {
         return unknown(error, "scene", head.scene);
     }
-    struct registry_mesh *copy = registry_mesh_copy(
-        x, PCCD_FORMAT_F64, head.vertex_count, x + head.vertex_count * sizeof(double[3]),
-        head.triangle_count, world_radii(world, head.vertex_count));
-    forget_radii(world);
+    struct registry_shape shape = {.format = PCCD_FORMAT_F64,
+                                   .vertex_count = head.vertex_count,
+                                   .triangle_count = head.triangle_count,
+                                   .x = x,
+                                   .triangles =
+                                       x + head.vertex_count * sizeof(double[3])};
+    world_complete(world, &shape);
+    struct registry_mesh *copy = registry_mesh_copy(&shape);
+    forget_next(world);
     struct registry_object *object =
         copy != NULL ? registry_put_guest(world, scene, head.object, copy) : NULL;
     if (object == NULL) {
@@ -279,6 +355,8 @@ int world_follow(struct registry *world, const struct record_view *view,
     switch (view->kind) {
     case RECORD_RADII:
         return follow_radii(world, view, error);
+    case RECORD_FREE:
+        return follow_free(world, view, error);
     case RECORD_MESH:
         return follow_mesh(world, view, error);
     case RECORD_SCENE:

@@ -24,8 +24,8 @@ int world_follow(struct registry *world, const struct record_view *view,
 int world_step(struct registry *world, const struct record_frame *frame,
                const uint8_t *slot, struct ctl_error *error);
 
-/* Radii of the vertices of the mesh that comes next; NULL: it has none. */
-const double *world_radii(const struct registry *world, uint32_t vertex_count);
+/* What the mesh that comes next has beside its vertices and triangles. */
+void world_complete(const struct registry *world, struct registry_shape *shape);
 
 /* The edges of a mesh as records number them, made at the first call. */
 int world_edges(struct registry_mesh *mesh, struct ctl_error *error);

@@ -138,8 +138,9 @@ static void note_radii(struct srv_journal *journal, const struct eng_mesh *mesh,
 static void note_free(struct srv_journal *journal, const struct eng_mesh *mesh,
                       const struct eng_mesh_info *info)
 {
-    const struct proto_journal_free head = {info->free_edge_count,
-                                            info->free_point_count};
+    const struct proto_journal_free head = {.vertex_count = info->vertex_count,
+                                            .edge_count = info->free_edge_count,
+                                            .point_count = info->free_point_count};
     uint64_t edge_bytes = head.edge_count * sizeof(uint32_t[2]);
     uint64_t point_bytes = head.point_count * sizeof(uint32_t);
     uint8_t *to = edge_bytes + point_bytes > 0
