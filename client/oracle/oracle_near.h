@@ -3,8 +3,9 @@
  *
  * Room:     client/oracle. May include: oracle_distance.h, oracle_scene.h, pccd_types.h.
  * Does:     give all vertex-face and edge-edge pairs that share no vertex, and those of
- *           free points, to oracle_distance.h, and all edges and faces; merge pairs to the features
- *           between which their distance is; find each vertex's least distance.
+ *           free points, to oracle_distance.h, and all edges and faces; merge pairs to
+ *           the features between which their distance is; find each vertex's least
+ *           distance.
  * Does not: use a tree of boxes; it skips a pair only where the boxes of the two features
  *           are farther apart than the distance and what rounding could hide.
  * Threads:  [any].
@@ -44,8 +45,8 @@ struct oracle_nears {
 /* All functions end the process where memory ends. The caller frees what they give with
  * the last one. */
 
-/* VF and EE pairs, and VE and VV of free points, at most `distance` apart. false, and nothing is found: it would take
- * more than `queries_max` exact decisions. */
+/* VF and EE pairs, and VE and VV of free points, at most `distance` apart. false, and
+ * nothing is found: it would take more than `queries_max` exact decisions. */
 bool oracle_near_pairs(const struct oracle_moment *moment, double distance,
                        uint64_t queries_max, struct oracle_nears *pairs);
 

@@ -18,12 +18,12 @@ void fuzz_scene_find(const struct fuzz_scene *scene, struct fuzz_scene_truth *tr
     struct oracle_object objects[OBJECTS_MAX];
     struct oracle_contacts found;
     for (uint32_t i = 0; i < scene->count && i < OBJECTS_MAX; i++) {
-        objects[i] = (struct oracle_object){i,
-                                            scene->vertex_count,
-                                            scene->triangle_count,
-                                            scene->x0 + i * scene->vertex_count,
-                                            scene->x1 + i * scene->vertex_count,
-                                            scene->triangles};
+        objects[i] = (struct oracle_object){.object_id = i,
+                                            .vertex_count = scene->vertex_count,
+                                            .triangle_count = scene->triangle_count,
+                                            .x0 = scene->x0 + i * scene->vertex_count,
+                                            .x1 = scene->x1 + i * scene->vertex_count,
+                                            .triangles = scene->triangles};
     }
     oracle_scene(objects, scene->count, &found);
     truth->count = found.count;

@@ -20,10 +20,13 @@ typedef const double (*points_t)[3];
 
 static struct oracle_object view(const struct judge_object *object)
 {
-    return (struct oracle_object){
-        object->object_id,           object->mesh.vertex_count,
-        object->mesh.triangle_count, (points_t)object->mesh.x0,
-        (points_t)object->mesh.x1,   (const uint32_t(*)[3])object->mesh.triangles};
+    return (struct oracle_object){.object_id = object->object_id,
+                                  .vertex_count = object->mesh.vertex_count,
+                                  .triangle_count = object->mesh.triangle_count,
+                                  .x0 = (points_t)object->mesh.x0,
+                                  .x1 = (points_t)object->mesh.x1,
+                                  .triangles =
+                                      (const uint32_t(*)[3])object->mesh.triangles};
 }
 
 static const struct judge_object *object_of(const struct judge *judge, uint32_t object_id)

@@ -49,12 +49,12 @@ static void moment_init(struct moment *moment, const struct player *player, uint
         const struct player_object *object = &player->objects[i];
         const double(*x)[3] = (const double(*)[3])(end == 0 ? object->x0 : object->x1);
         moment->objects[i] =
-            (struct oracle_object){object->id,
-                                   object->vertex_count,
-                                   object->triangle_count,
-                                   x,
-                                   x,
-                                   (const uint32_t(*)[3])object->triangles};
+            (struct oracle_object){.object_id = object->id,
+                                   .vertex_count = object->vertex_count,
+                                   .triangle_count = object->triangle_count,
+                                   .x0 = x,
+                                   .x1 = x,
+                                   .triangles = (const uint32_t(*)[3])object->triangles};
     }
     if (player->object_count > 0) {
         qsort(moment->objects, player->object_count, sizeof moment->objects[0],

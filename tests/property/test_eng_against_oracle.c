@@ -135,12 +135,12 @@ static void split_init(struct split *split, const struct scenes_mesh *mesh,
     split->count = scenes_split(mesh, count, split->parts);
     for (uint32_t i = 0; i < split->count; i++) {
         const struct scenes_mesh *part = &split->parts[i];
-        struct oracle_object view = {0,
-                                     part->vertex_count,
-                                     part->triangle_count,
-                                     (const double(*)[3])part->x0,
-                                     (const double(*)[3])part->x1,
-                                     (const uint32_t(*)[3])part->triangles};
+        struct oracle_object view = {.object_id = 0,
+                                     .vertex_count = part->vertex_count,
+                                     .triangle_count = part->triangle_count,
+                                     .x0 = (const double(*)[3])part->x0,
+                                     .x1 = (const double(*)[3])part->x1,
+                                     .triangles = (const uint32_t(*)[3])part->triangles};
         uint32_t edge_count;
         uint32_t(*edges)[2] = oracle_edges(&view, &edge_count);
         split->edge_of[i] = calloc((size_t)edge_count + 1, sizeof *split->edge_of[i]);

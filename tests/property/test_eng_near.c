@@ -123,9 +123,12 @@ static void make_object(struct sequence *s, struct object *object, bool is_coars
 
 static struct oracle_object view(const struct object *object)
 {
-    return (struct oracle_object){
-        object->id,   object->vertex_count, object->triangle_count,
-        object->x[0], object->x[1],         (const uint32_t(*)[3])object->triangles};
+    return (struct oracle_object){.object_id = object->id,
+                                  .vertex_count = object->vertex_count,
+                                  .triangle_count = object->triangle_count,
+                                  .x0 = object->x[0],
+                                  .x1 = object->x[1],
+                                  .triangles = (const uint32_t(*)[3])object->triangles};
 }
 
 static void add_object(struct sequence *s, uint32_t id, bool is_coarse)

@@ -222,12 +222,12 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
     size_t truth_count;
     read_frames(scene, frames);
     const uint32_t(*triangles)[3] = (const uint32_t(*)[3])frames[0].triangles;
-    struct oracle_object object = {0,
-                                   frames[0].vertex_count,
-                                   frames[0].triangle_count,
-                                   (points_t)frames[0].x,
-                                   (points_t)frames[1].x,
-                                   triangles};
+    struct oracle_object object = {.object_id = 0,
+                                   .vertex_count = frames[0].vertex_count,
+                                   .triangle_count = frames[0].triangle_count,
+                                   .x0 = (points_t)frames[0].x,
+                                   .x1 = (points_t)frames[1].x,
+                                   .triangles = triangles};
     uint32_t(*edges)[2] = oracle_edges(&object, &edge_count);
     struct oracle_pair *truth =
         read_truth(scene, object.vertex_count, edge_count, &truth_count);

@@ -154,12 +154,13 @@ static void compare_scene(const struct data_scene *scene)
     size_t wrong = 0;
     read_frames(scene, frames);
     uint32_t v = frames[0].vertex_count;
-    struct oracle_object object = {0,
-                                   v,
-                                   frames[0].triangle_count,
-                                   (points_t)frames[0].x,
-                                   (points_t)frames[1].x,
-                                   (const uint32_t(*)[3])frames[0].triangles};
+    struct oracle_object object = {.object_id = 0,
+                                   .vertex_count = v,
+                                   .triangle_count = frames[0].triangle_count,
+                                   .x0 = (points_t)frames[0].x,
+                                   .x1 = (points_t)frames[1].x,
+                                   .triangles =
+                                       (const uint32_t(*)[3])frames[0].triangles};
     uint32_t(*edges)[2] = oracle_edges(&object, &edge_count);
     for (int kind = 0; kind < 2; kind++) {
         struct data_pairs pairs;

@@ -356,7 +356,12 @@ static void oracle_scene__lists_every_pair_once(void **state)
     const double x[7][3] = {{0, 0, 0},  {4, 0, 0}, {0, 4, 0}, {1, 1, 1},
                             {1, 1, -1}, {9, 9, 0}, {1, 1, 0}};
     const uint32_t triangles[2][3] = {{0, 1, 2}, {3, 4, 5}};
-    struct oracle_object object = {7, 7, 2, x, x, triangles};
+    struct oracle_object object = {.object_id = 7,
+                                   .vertex_count = 7,
+                                   .triangle_count = 2,
+                                   .x0 = x,
+                                   .x1 = x,
+                                   .triangles = triangles};
     struct oracle_contacts contacts;
     uint32_t count;
     uint32_t(*edges)[2] = oracle_edges(&object, &count);

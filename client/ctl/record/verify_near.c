@@ -210,6 +210,17 @@ static uint32_t draw_vertex(struct draw *draw, const struct registry_mesh *mesh,
                : mesh->named_points[named - mesh->named_edge_count];
 }
 
+/* Are there edges or points that may be free? Else no pair is of VE or VV. */
+static bool has_named(const struct registry_scene *scene)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        has |= scene->objects[i].mesh->named_edge_count > 0 ||
+               scene->objects[i].mesh->named_point_count > 0;
+    }
+    return has;
+}
+
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
                  struct verify_counts *counts, struct verify_witness *witness)
 {
@@ -219,13 +230,14 @@ bool verify_near(const struct play_step *step, const struct verify_settings *set
                         .witness = witness,
                         .state = settings->seed ^ step->number * 0x2545f4914f6cdd1du,
                         .left = settings->sample};
+    uint32_t kinds = has_named(step->scene) ? PCCD_KIND_COUNT : PCCD_EE + 1;
     bool is_right = true;
     for (uint32_t i = 0;
          i < DRAWS_MAX && draw.left > 0 && is_right && step->scene->object_count > 0;
          i++) {
         uint64_t named;
         const struct registry_object *object = draw_object(&draw, &named);
-        enum pccd_kind kind = i % PCCD_KIND_COUNT;
+        enum pccd_kind kind = i % kinds;
         if (common_kinds[kind].points[0] == 1) {
             uint32_t vertex = draw_vertex(&draw, object->mesh, named);
             is_right = !is_of_kind(kind, object->mesh, 1, vertex) ||
