@@ -81,29 +81,8 @@ static void records__keep_their_layout(void **state)
     AT(pccd_box, high1, 36);
 }
 
-/* If this failed, a program linked against an older library would corrupt its memory. */
-static void library__structs_keep_their_layout(void **state)
+static void check_meshes(void)
 {
-    (void)state;
-    SIZE(pccd_options, 96);
-    AT(pccd_options, struct_bytes, 0);
-    AT(pccd_options, url, 8);
-    AT(pccd_options, daemon, 16);
-    AT(pccd_options, name, 24);
-    AT(pccd_options, timeout_ms, 32);
-    AT(pccd_options, no_autostart, 36);
-    AT(pccd_options, private_daemon, 37);
-    AT(pccd_options, slot_count, 40);
-    AT(pccd_options, slot_bytes, 48);
-    AT(pccd_options, result_bytes, 56);
-    AT(pccd_options, spin_us, 64);
-    AT(pccd_options, reconnect_ms, 68);
-    AT(pccd_options, no_keep, 72);
-    AT(pccd_options, daemons_max, 76);
-    AT(pccd_options, unmap, 80);
-    AT(pccd_options, unmap_context, 88);
-    SIZE(pccd_link_info, 40);
-    AT(pccd_link_info, gap_ns, 24);
     SIZE(pccd_mesh_info, 48);
     AT(pccd_mesh_info, vertex_count, 0);
     AT(pccd_mesh_info, triangle_count, 4);
@@ -127,6 +106,32 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_mesh_data, points, 56);
     AT(pccd_mesh_data, edge_count, 64);
     AT(pccd_mesh_data, point_count, 68);
+}
+
+/* If this failed, a program linked against an older library would corrupt its memory. */
+static void library__structs_keep_their_layout(void **state)
+{
+    (void)state;
+    check_meshes();
+    SIZE(pccd_options, 96);
+    AT(pccd_options, struct_bytes, 0);
+    AT(pccd_options, url, 8);
+    AT(pccd_options, daemon, 16);
+    AT(pccd_options, name, 24);
+    AT(pccd_options, timeout_ms, 32);
+    AT(pccd_options, no_autostart, 36);
+    AT(pccd_options, private_daemon, 37);
+    AT(pccd_options, slot_count, 40);
+    AT(pccd_options, slot_bytes, 48);
+    AT(pccd_options, result_bytes, 56);
+    AT(pccd_options, spin_us, 64);
+    AT(pccd_options, reconnect_ms, 68);
+    AT(pccd_options, no_keep, 72);
+    AT(pccd_options, daemons_max, 76);
+    AT(pccd_options, unmap, 80);
+    AT(pccd_options, unmap_context, 88);
+    SIZE(pccd_link_info, 40);
+    AT(pccd_link_info, gap_ns, 24);
     SIZE(pccd_trace_info, 24);
     AT(pccd_trace_info, threads, 0);
     AT(pccd_trace_info, events_max, 4);

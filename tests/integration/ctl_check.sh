@@ -166,6 +166,27 @@ ctl check --thickness 0.25 t0.ply t1.ply && says '^safe step +0\.2(5|4999)' &&
     ! ctl check --rings 9 t0.ply t1.ply
 report "check has thickness, separation, approach and what rest excludes"
 
+# A cloud of three points comes down on a triangle, a rod and a point, at R each: VF at
+# any distance, VE and VV where there is one.
+rods='v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 10 0 0\nv 11 0 0\nl 4 5\nv 20 0 0\np 6\n'
+cloud='v 0.25 0.25 Z\nv 10.5 0 Z\nv 20 0 Z\np 7 8 9\n'
+printf "$rods${cloud//Z/1}" >rods0.obj
+printf "$rods${cloud//Z/-1}" >rods1.obj
+printf 'ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n%s' \
+    $'property float z\nend_header\n0 0 0\n0 0 1\n' >cloud0.ply
+sed 's/^0 0 1$/0 0 0.25/' cloud0.ply >cloud1.ply
+ctl check --thickness 0.25 rods0.obj rods1.obj &&
+    says '^free +1 edge, 4 points' \
+        '^contacts +3: 1 vertex-face, 0 edge-edge, 1 vertex-edge, 1 vertex-vertex' &&
+    ctl check --json --thickness 0.25 --method paper rods0.obj rods1.obj &&
+    [ "$(json_value ve)" = 1 ] && [ "$(json_value vv)" = 1 ] &&
+    [ "$(json_value free_edges)" = 1 ] && [ "$(json_value free_points)" = 4 ] &&
+    ctl check rods0.obj rods1.obj && says '^contacts +1: 1 vertex-face, 0 edge-edge$' &&
+    ctl check --json --thickness 0.25 cloud0.ply cloud1.ply &&
+    [ "$(json_value vv)" = 1 ] && [ "$(json_value triangles)" = 0 ] &&
+    ctl near --json --distance 1 rods0.obj && [ "$(json_value total)" = 3 ]
+report "check and near read rods and points, and count their kinds"
+
 ctl check --json t0.ply t1.ply
 hash=$(json_value hash)
 ctl check --json t0.obj t1.obj && [ "$(json_value hash)" = "$hash" ] && [ -n "$hash" ]

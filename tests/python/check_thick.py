@@ -52,6 +52,28 @@ class Thick(Case):
             self.assertEqual((total, inside, crowded), (15, 15, True))
             self.assertAlmostEqual(safe, 0.5, delta=1e-8)
 
+    # If this failed, Python would have no rods and clouds, or others than it says.
+    def test_thick__meets_rods_and_points(self):
+        scene = self.client.scene_create()
+        x = np.array([[0, 0, 0], [1, 0, 0], [5, 0, 0]], float)
+        mesh = self.client.mesh_create(x, edges=[[0, 1]], points=[2])
+        info = self.client.mesh_info(mesh)
+        self.assertEqual((info.triangle_count, info.edge_count, info.free_edge_count,
+                          info.free_point_count), (0, 1, 1, 1))
+        self.client.scene_add(scene, mesh)
+        above = np.array([[0.5, 0, 1], [5, 0, 1]])
+        cloud = self.client.scene_add(
+            scene, self.client.mesh_create(above, points=np.arange(2)))
+        settings = pccd.StepSettings(separation=0.25)
+        with self.client.step_x0x1(scene, cloud, above, above - [0, 0, 2],
+                                   settings) as answer:
+            self.assertEqual(answer.counts[pccd.Kind.VE], 1)
+            self.assertEqual(answer.counts[pccd.Kind.VV], 1)
+            self.assertEqual(answer.total, 2)
+        self.fails(pccd.Status.E_INVAL, self.client.mesh_create, x)
+        self.fails(pccd.Status.E_INVAL, self.client.mesh_create, x, edges=[0, 1])
+        self.fails(pccd.Status.E_INDEX, self.client.mesh_create, x, points=[3])
+
     # If this failed, Python could not make a hem thicker than the cloth.
     def test_thick__vertices_have_radii(self):
         scene = self.client.scene_create()

@@ -98,8 +98,9 @@ static void malformed__names_what_is_wrong_in_a_ply_header(void **state)
          ":4: the header has no format line"},
         {"ply\nformat ascii 1.0\nelement face 1\n" LIST "end_header\n", 0, PCCD_E_FORMAT,
          ":5: the header has no element \"vertex\""},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "end_header\n", 0, PCCD_E_FORMAT,
-         ":7: the header has no element \"face\""},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+         "element edge 1\nproperty int vertex1\nend_header\n0 0 0\n0\n",
+         0, PCCD_E_FORMAT, ":9: element \"edge\" has no property \"vertex2\""},
         {HEAD "element vertex 3\nend_header\n", 0, PCCD_E_FORMAT,
          ":10: two elements \"vertex\""},
         {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float z\n"
@@ -138,9 +139,10 @@ static void malformed__refuses_a_ply_without_vertices_or_faces(void **state)
         {"ply\nformat ascii 1.0\nelement vertex 0\n" XYZ "element face 0\n" LIST
          "end_header\n",
          0, PCCD_E_FORMAT, ": no vertices"},
-        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "element face 0\n" LIST
-         "end_header\n0 0 0\n",
-         0, PCCD_E_FORMAT, ": no faces"},
+        {"ply\nformat ascii 1.0\nelement vertex 1\n" XYZ
+         "element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n"
+         "0 0 0\n0 1\n",
+         0, PCCD_E_INDEX, ":12: edge 0: 1 is not a vertex number (1 vertex is there)"},
     };
     (void)state;
     check_malformed(cases, KIT_COUNT(cases), "bad.ply");
@@ -230,7 +232,12 @@ static void malformed__names_what_is_wrong_in_an_obj(void **state)
 {
     static const struct malformed cases[] = {
         {"f 1 2 3\n", 0, PCCD_E_FORMAT, ": no vertices"},
-        {"v 0 0 0\n", 0, PCCD_E_FORMAT, ": no faces"},
+        {"v 0 0 0\n", 0, PCCD_E_FORMAT, ": no faces, edges or points"},
+        {"v 0 0 0\nl 1\n", 0, PCCD_E_FORMAT,
+         ":2: 1 vertex where a line needs at least 2"},
+        {"v 0 0 0\nl 1 2\n", 0, PCCD_E_INDEX,
+         ":2: 2 is not a vertex number (1 vertices so far, 1 in the file)"},
+        {"v 0 0 0\np\n", 0, PCCD_E_FORMAT, ":2: points without a vertex"},
         {"v 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 2 numbers"},
         {"v 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: a vertex of 5 numbers"},
         {"v 0 0 0 0 0 0 0 0\n", 0, PCCD_E_FORMAT, ":1: more than 7 numbers in a vertex"},
@@ -247,8 +254,8 @@ static void malformed__names_what_is_wrong_in_an_obj(void **state)
          ":2: 0 is not a vertex number (1 vertices so far, 1 in the file)"},
         {"v 0 0 0\nf -1 -1 -2\nv 1 1 1\n", 0, PCCD_E_INDEX,
          ":2: -2 is not a vertex number (1 vertices so far, 2 in the file)"},
-        {"v 0 0 0\nf 1 /1 1\n", 0, PCCD_E_FORMAT, ":2: \"/1\" is not a face corner"},
-        {"v 0 0 0\nf 1 1 1.5\n", 0, PCCD_E_FORMAT, ":2: \"1.5\" is not a face corner"},
+        {"v 0 0 0\nf 1 /1 1\n", 0, PCCD_E_FORMAT, ":2: \"/1\" is not a vertex number"},
+        {"v 0 0 0\nf 1 1 1.5\n", 0, PCCD_E_FORMAT, ":2: \"1.5\" is not a vertex number"},
         {"v 0 0 0\nsolid\n", 0, PCCD_E_FORMAT, ":2: unknown statement \"solid\""},
         {"v 0 0 0\n\\\nv 1 1 1\n", 0, PCCD_E_FORMAT,
          ":2: a vertex that begins on a continued line"},

@@ -102,6 +102,79 @@ static void meshfile__reads_every_obj_form_the_same(void **state)
     }
 }
 
+struct named {
+    const char *file;
+    const char *text;
+    uint32_t triangles, edges, points;
+    uint32_t ends[3][2];
+    uint32_t point[3];
+};
+
+#define PLY_HEAD(count)                                                                  \
+    "ply\nformat ascii 1.0\nelement vertex " count                                       \
+    "\nproperty float x\nproperty float y\nproperty float z\n"
+
+/* If it failed: rods and clouds would not be read, or as others than they are; vertices
+ * of a mesh of faces or edges would be taken for a cloud. */
+static void meshfile__reads_edges_and_points_by_themselves(void **state)
+{
+    static const struct named files[] = {
+        {"rods.obj",
+         "v 0 0 0\nv 1 0 0\nv 2 0 0\nl 1/1 2/2 3\nl -1 -3\nf 1 2 3\n",
+         1,
+         3,
+         0,
+         {{0, 1}, {1, 2}, {2, 0}},
+         {0}},
+        {"cloud.obj", "v 0 0 0\nv 1 0 0\np 2\np 1 -1\n", 0, 0, 3, {{0}}, {1, 0, 1}},
+        {"rods.ply",
+         PLY_HEAD("3") "element edge 2\nproperty uchar red\nproperty int vertex2\n"
+                       "property int vertex1\nend_header\n0 0 0\n1 0 0\n2 0 0\n9 1 0\n"
+                       "9 2 1\n",
+         0,
+         2,
+         0,
+         {{0, 1}, {1, 2}},
+         {0}},
+        {"cloud.ply",
+         PLY_HEAD("3") "end_header\n0 0 0\n1 0 0\n2 0 0\n",
+         0,
+         0,
+         3,
+         {{0}},
+         {0, 1, 2}},
+        {"none.ply",
+         PLY_HEAD("2") "element face 0\nproperty list uchar int vertex_index\n"
+                       "end_header\n0 0 0\n1 0 0\n",
+         0,
+         0,
+         2,
+         {{0}},
+         {0, 1}},
+    };
+    (void)state;
+    for (size_t i = 0; i < KIT_COUNT(files); i++) {
+        const struct named *file = &files[i];
+        struct ctl_mesh mesh = {0};
+        struct ctl_error error = {.text = ""};
+        char path[KIT_PATH_BYTES];
+        kit_write_file(file->file, file->text, strlen(file->text), path);
+        if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
+            fail_msg("%s", error.text);
+        }
+        assert_int_equal(mesh.triangle_count, file->triangles);
+        assert_int_equal(mesh.edge_count, file->edges);
+        assert_int_equal(mesh.point_count, file->points);
+        for (uint32_t k = 0; k < file->edges; k++) {
+            assert_memory_equal(mesh.edges[k], file->ends[k], sizeof file->ends[k]);
+        }
+        for (uint32_t k = 0; k < file->points; k++) {
+            assert_int_equal(mesh.points[k], file->point[k]);
+        }
+        ctl_mesh_deinit(&mesh);
+    }
+}
+
 /* If it failed: a decimal fraction of a float file would be rounded twice or kept wide.
  */
 static void meshfile__rounds_ascii_floats_once(void **state)
@@ -144,6 +217,18 @@ static void meshfile__match_names_the_first_difference(void **state)
     assert_string_equal(error.text,
                         "triangle 1 is (0 2 3) in a and (0 3 2) in b: not two "
                         "frames of one mesh");
+    uint32_t a_edges[1][2] = {{0, 1}};
+    uint32_t b_edges[1][2] = {{1, 0}};
+    struct ctl_mesh with_a = a, with_b = a;
+    with_a.edges = a_edges;
+    with_b.edges = b_edges;
+    with_a.edge_count = with_b.edge_count = 1;
+    assert_int_equal(ctl_mesh_match(&with_a, "a", &with_b, "b", &error), PCCD_E_INVAL);
+    assert_string_equal(
+        error.text, "edge 0 has vertex 0 in a and 1 in b: not two frames of one mesh");
+    assert_int_equal(ctl_mesh_match(&with_a, "a", &a, "b", &error), PCCD_E_INVAL);
+    assert_string_equal(error.text,
+                        "a has 1 edges and b has 0: not two frames of one mesh");
     b.triangle_count = 1;
     assert_int_equal(ctl_mesh_match(&a, "a", &b, "b", &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
@@ -192,6 +277,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(meshfile__reads_every_ply_encoding_the_same),
         cmocka_unit_test(meshfile__reads_every_obj_form_the_same),
+        cmocka_unit_test(meshfile__reads_edges_and_points_by_themselves),
         cmocka_unit_test(meshfile__rounds_ascii_floats_once),
         cmocka_unit_test(meshfile__match_names_the_first_difference),
         cmocka_unit_test(meshfile__reads_the_real_frames),

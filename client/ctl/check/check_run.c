@@ -55,6 +55,23 @@ int check_run_times(struct check_run *run, struct ctl_error *error)
                                "no memory for %" PRIu32 " repetitions", run->repeats);
 }
 
+int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
+                       uint32_t *handle, struct pccd_mesh_info *info)
+{
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = mesh->x,
+                                        .format = mesh->format,
+                                        .vertex_count = mesh->vertex_count,
+                                        .triangle_count = mesh->triangle_count,
+                                        .triangles = (const uint32_t *)mesh->triangles,
+                                        .edges = (const uint32_t *)mesh->edges,
+                                        .points = mesh->points,
+                                        .edge_count = mesh->edge_count,
+                                        .point_count = mesh->point_count};
+    *handle = 0;
+    return pccd_mesh_put(client, &data, handle, info);
+}
+
 int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,
                     struct ctl_error *error)
 {
@@ -64,9 +81,7 @@ int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool wit
     if (status != PCCD_OK) {
         return status;
     }
-    status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
-                              (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count,
-                              &handle, &run->mesh.info);
+    status = check_run_put_mesh(run->client, mesh, &handle, &run->mesh.info);
     if (status != PCCD_OK) {
         return check_run_fail(run, status, "the mesh was not accepted", error);
     }

@@ -34,6 +34,10 @@ struct check_run {
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 
+/* Register a mesh that was read: pccd_mesh_put. */
+int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
+                       uint32_t *handle, struct pccd_mesh_info *info);
+
 /* Register `mesh` and place it; with_edges: get its edges too. client, settings,
  * mesh.settings and repeats are set before. Errors: those of pccd.h, E_NOMEM. */
 int check_run_begin(struct check_run *run, const struct ctl_mesh *mesh, bool with_edges,

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check_run.h"
 #include "coordinates.h"
 #include "progress.h"
 #include "terminal.h"
@@ -79,9 +80,7 @@ static int place(struct player *player, const struct ctl_mesh *mesh, uint32_t *o
                  struct ctl_error *error)
 {
     uint32_t handle = 0;
-    int status = pccd_mesh_create(
-        player->client, mesh->x, mesh->format, mesh->vertex_count,
-        (const uint32_t(*)[3])mesh->triangles, mesh->triangle_count, &handle, NULL);
+    int status = check_run_put_mesh(player->client, mesh, &handle, NULL);
     if (status == PCCD_OK) {
         status = pccd_scene_add(player->client, player->scene, handle, object);
     }

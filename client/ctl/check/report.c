@@ -81,6 +81,13 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     fputs(", ", to);
     print_count(to, info->triangle_count, "triangle", "triangles");
     fputc('\n', to);
+    if (info->free_edge_count + info->free_point_count > 0) {
+        fputs("free       ", to);
+        print_count(to, info->free_edge_count, "edge", "edges");
+        fputs(", ", to);
+        print_count(to, info->free_point_count, "point", "points");
+        fputc('\n', to);
+    }
     if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
         print_trees(to, &mesh->settings);
         return;
@@ -95,10 +102,19 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
     print_trees(to, &mesh->settings);
 }
 
+/* Kinds of free points are told where there are any. */
+static bool is_kind_told(uint32_t kind, const uint64_t counts[PCCD_KINDS_MAX])
+{
+    return kind == PCCD_VF || kind == PCCD_EE || counts[kind] > 0;
+}
+
 /* " 12 vertex-face, 3 edge-edge" and the end of the line. */
 static void print_kinds(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
 {
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        if (!is_kind_told(kind, counts)) {
+            continue;
+        }
         const uint32_t *points = common_kinds[kind].points;
         fprintf(to, "%s %" PRIu64 " %s-%s", kind > 0 ? "," : "", counts[kind],
                 common_feature_names[points[0]], common_feature_names[points[1]]);
@@ -110,6 +126,9 @@ static void print_kinds(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
 static void print_kinds_briefly(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
 {
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        if (!is_kind_told(kind, counts)) {
+            continue;
+        }
         fprintf(to, "%s%" PRIu64 " %s", kind > 0 ? ", " : "", counts[kind],
                 common_kinds[kind].name);
     }

@@ -58,6 +58,8 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     set_count(object, "duplicate_triangles", info->duplicate_count, ok);
     set_count(object, "degenerate_triangles", info->degenerate_count, ok);
     set_count(object, "unused_vertices", info->isolated_count, ok);
+    set_count(object, "free_edges", info->free_edge_count, ok);
+    set_count(object, "free_points", info->free_point_count, ok);
     add_settings(object, &mesh->settings, ok);
 }
 

@@ -174,6 +174,9 @@ static void add_object(struct gltf *gltf, const struct still_object *object, uin
 {
     float front[3], back[3];
     char name[32];
+    if (object->triangle_count == 0) {
+        return; /* rods and points are not shown */
+    }
     float(*x)[3] = start_of(object, t);
     if (x == NULL) {
         gltf->has_memory = false;

@@ -41,7 +41,7 @@ static void hash_of(const void *bytes, size_t count, uint64_t hash[2])
 static json_t *pack_triangles(struct inspect *inspect, const struct registry_mesh *mesh)
 {
     size_t corners = (size_t)mesh->triangle_count * 3, offset = 0;
-    const uint32_t *from = &mesh->triangles[0][0];
+    const uint32_t *from = (const uint32_t *)mesh->triangles;
     bool is_small = mesh->vertex_count <= 65536;
     void *to = bytes_section(&inspect->data,
                              corners * (is_small ? sizeof(uint16_t) : sizeof(uint32_t)),

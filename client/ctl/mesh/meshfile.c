@@ -1,4 +1,4 @@
-/* client/ctl/mesh/meshfile.c - a triangle mesh read from a file.
+/* client/ctl/mesh/meshfile.c - a mesh read from a file.
  *
  * Room:     client/ctl.
  * Does:     tells the format, holds the arrays, compares two frames.
@@ -64,8 +64,10 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
     if (status == PCCD_OK && read.vertex_count == 0) {
         status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);
     }
-    if (status == PCCD_OK && read.triangle_count == 0) {
-        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces", path);
+    if (status == PCCD_OK &&
+        read.triangle_count + read.edge_count + read.point_count == 0) {
+        status =
+            ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces, edges or points", path);
     }
     ctl_file_deinit(&file);
     if (status == PCCD_OK) {
@@ -80,6 +82,8 @@ void ctl_mesh_deinit(struct ctl_mesh *mesh)
 {
     free(mesh->x);
     free(mesh->triangles);
+    free(mesh->edges);
+    free(mesh->points);
     *mesh = (struct ctl_mesh){0};
 }
 
@@ -101,6 +105,29 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error)
     free(mesh->x);
     mesh->x = wide;
     mesh->format = PCCD_FORMAT_F64;
+    return PCCD_OK;
+}
+
+/* The same of what is named by itself, `points` vertices each. */
+static int match_named(const uint32_t *a, uint32_t count_a, const char *path_a,
+                       const uint32_t *b, uint32_t count_b, const char *path_b,
+                       uint32_t points, struct ctl_error *error)
+{
+    static const char *const names[3][2] = {{""}, {"point", "points"}, {"edge", "edges"}};
+    if (count_a != count_b) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "%s has %u %s and %s has %u: not two frames of one mesh",
+                             path_a, count_a, names[points][1], path_b, count_b);
+    }
+    for (size_t i = 0; i < (size_t)count_a * points; i++) {
+        if (a[i] != b[i]) {
+            return ctl_error_set(
+                error, PCCD_E_INVAL,
+                "%s %zu has vertex %u in %s and %u in %s: not two frames "
+                "of one mesh",
+                names[points][0], i / points, a[i], path_a, b[i], path_b);
+        }
+    }
     return PCCD_OK;
 }
 
@@ -130,7 +157,11 @@ int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ct
                 i, p[0], p[1], p[2], path_a, q[0], q[1], q[2], path_b);
         }
     }
-    return PCCD_OK;
+    int status = match_named((const uint32_t *)a->edges, a->edge_count, path_a,
+                             (const uint32_t *)b->edges, b->edge_count, path_b, 2, error);
+    return status == PCCD_OK ? match_named(a->points, a->point_count, path_a, b->points,
+                                           b->point_count, path_b, 1, error)
+                             : status;
 }
 
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
@@ -170,27 +201,60 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
     }
 }
 
+/* Room for one more item of `bytes` in *items, of which there are `count`. */
+static int grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
+                const char *names, const char *path, struct ctl_error *error)
+{
+    void *before;
+    if (count == CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than %llu %s", path,
+                             (unsigned long long)CTL_MESH_COUNT_MAX, names);
+    }
+    if (count < *capacity) {
+        return PCCD_OK;
+    }
+    uint64_t wanted = (uint64_t)*capacity * 2 + 1024;
+    wanted = wanted > CTL_MESH_COUNT_MAX ? CTL_MESH_COUNT_MAX : wanted;
+    memcpy(&before, items, sizeof before);
+    void *grown = realloc(before, (size_t)wanted * bytes);
+    if (grown == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu %s", path,
+                             (unsigned long long)wanted, names);
+    }
+    memcpy(items, &grown, sizeof grown);
+    *capacity = (uint32_t)wanted;
+    return PCCD_OK;
+}
+
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
                           const char *path, struct ctl_error *error)
 {
-    if (mesh->triangle_count == CTL_MESH_COUNT_MAX) {
-        return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than %llu triangles", path,
-                             (unsigned long long)CTL_MESH_COUNT_MAX);
+    int status = grow(&mesh->triangles, sizeof *mesh->triangles, mesh->triangle_count,
+                      &mesh->triangle_capacity, "triangles", path, error);
+    if (status == PCCD_OK) {
+        memcpy(mesh->triangles[mesh->triangle_count++], corners, sizeof *mesh->triangles);
     }
-    if (mesh->triangle_count == mesh->triangle_capacity) {
-        uint64_t wanted = (uint64_t)mesh->triangle_capacity * 2 + 1024;
-        if (wanted > CTL_MESH_COUNT_MAX) {
-            wanted = CTL_MESH_COUNT_MAX;
-        }
-        void *grown = realloc(mesh->triangles, (size_t)wanted * sizeof *mesh->triangles);
-        if (grown == NULL) {
-            return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu triangles",
-                                 path, (unsigned long long)wanted);
-        }
-        mesh->triangles = grown;
-        mesh->triangle_capacity = (uint32_t)wanted;
+    return status;
+}
+
+int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
+                      struct ctl_error *error)
+{
+    int status = grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count,
+                      &mesh->edge_capacity, "edges", path, error);
+    if (status == PCCD_OK) {
+        memcpy(mesh->edges[mesh->edge_count++], ends, sizeof *mesh->edges);
     }
-    memcpy(mesh->triangles[mesh->triangle_count], corners, sizeof *mesh->triangles);
-    mesh->triangle_count++;
-    return PCCD_OK;
+    return status;
+}
+
+int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
+                       struct ctl_error *error)
+{
+    int status = grow(&mesh->points, sizeof *mesh->points, mesh->point_count,
+                      &mesh->point_capacity, "points", path, error);
+    if (status == PCCD_OK) {
+        mesh->points[mesh->point_count++] = vertex;
+    }
+    return status;
 }

@@ -1,8 +1,9 @@
-/* client/ctl/mesh/meshfile.h - reads a triangle mesh from a PLY or OBJ file.
+/* client/ctl/mesh/meshfile.h - reads a mesh from a PLY or OBJ file.
  *
  * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
  * Does:     read PLY (ascii, binary of both byte orders) and OBJ; polygons become fans of
- *           triangles.
+ *           triangles. Edges and points by themselves are PLY's element edge, and l and p
+ *           of OBJ; of a PLY without faces and edges all vertices are points.
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
  *           i of the next.
  * Threads:  [any]; nothing is shared.
@@ -31,10 +32,15 @@ struct ctl_mesh {
     uint32_t triangle_capacity;
     void *x; /* float or double [vertex_count][3] */
     uint32_t (*triangles)[3];
+    uint32_t edge_count, edge_capacity;
+    uint32_t point_count, point_capacity;
+    uint32_t (*edges)[2];
+    uint32_t *points;
 };
 
 /* Read `path`; the kind is told by the first line "ply", else by the ending .ply or .obj.
- * A mesh has at least one vertex and one triangle, finite coordinates and valid indices.
+ * A mesh has at least one vertex and one triangle, edge or point, finite coordinates and
+ * valid indices.
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
  * file, the line or byte, and what was wrong there. */
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
@@ -42,8 +48,8 @@ void ctl_mesh_deinit(struct ctl_mesh *mesh);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
-/* Same number of vertices and the same triangles in the same order; otherwise E_INVAL and
- * a text with both file names and the first difference. */
+/* Same number of vertices and the same triangles, edges and points in the same order;
+ * otherwise E_INVAL and a text with both file names and the first difference. */
 int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
                    const char *path_b, struct ctl_error *error);
 
@@ -55,6 +61,10 @@ bool ctl_mesh_coordinate_ok(double value);
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
                           const char *path, struct ctl_error *error);
+int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
+                      struct ctl_error *error);
+int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
+                       struct ctl_error *error);
 
 /* The two formats. `mesh` is empty before and the caller's to deinit after, also on
  * error. */

@@ -1,8 +1,9 @@
 /* client/ctl/mesh/obj.c - Wavefront OBJ files.
  *
  * Room:     client/ctl.
- * Does:     reads v and f (also negative and slash-separated numbers), turns polygons
- *           into fans, keeps the order of the file; coordinates are double.
+ * Does:     reads v, f, l and p (also negative and slash-separated numbers), turns
+ *           polygons into fans and lines into edges, keeps the order of the file;
+ *           coordinates are double.
  * Does not: read texture, normal, group or material data, nor free-form surfaces.
  * Threads:  [any]; nothing is shared.
  * Source:   Wavefront OBJ specification, appendix B1.
@@ -15,11 +16,11 @@
 #include "meshfile.h"
 #include "plural.h"
 
-/* Statements without vertices or faces. Anything else is an error, so that a file of
- * another kind is not read as an empty mesh. */
+/* Statements without vertices, faces, lines or points. Anything else is an error, so that
+ * a file of another kind is not read as an empty mesh. */
 static const char *const ignored[] = {
-    "vt",       "vn",       "g",          "s",         "o",  "mg",  "usemtl",
-    "mtllib",   "usemap",   "maplib",     "l",         "p",  "lod", "bevel",
+    "vt",       "vn",       "g",          "s",         "o",   "mg",
+    "usemtl",   "mtllib",   "usemap",     "maplib",    "lod", "bevel",
     "c_interp", "d_interp", "shadow_obj", "trace_obj", "vp",
 };
 
@@ -138,7 +139,7 @@ static int read_corner(struct obj_reader *reader, const struct ctl_word *word,
         number.end = slash;
     }
     if (number.end == number.at || !ctl_word_integer(&number, &value)) {
-        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a face corner",
+        return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is not a vertex number",
                     ctl_word_length(word), word->at);
     }
     int64_t seen = (int64_t)reader->vertex_seen;
@@ -185,6 +186,50 @@ static int read_face(struct obj_reader *reader, struct ctl_word *line)
     return PCCD_OK;
 }
 
+/* l 1 2 3: the edges 1 2 and 2 3. */
+static int read_line(struct obj_reader *reader, struct ctl_word *line)
+{
+    uint32_t ends[2] = {0, 0};
+    uint64_t count = 0;
+    struct ctl_word word;
+    while (ctl_word_next(line, &word)) {
+        int status = read_corner(reader, &word, &ends[1]);
+        if (status == PCCD_OK && count > 0) {
+            status =
+                ctl_mesh_add_edge(reader->mesh, ends, reader->file->path, reader->error);
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        ends[0] = ends[1];
+        count++;
+    }
+    if (count < 2) {
+        return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a line needs at least 2",
+                    count, proto_plural(count, "vertex", "vertices"));
+    }
+    return PCCD_OK;
+}
+
+static int read_points(struct obj_reader *reader, struct ctl_word *line)
+{
+    uint64_t count = 0;
+    struct ctl_word word;
+    while (ctl_word_next(line, &word)) {
+        uint32_t vertex;
+        int status = read_corner(reader, &word, &vertex);
+        if (status == PCCD_OK) {
+            status = ctl_mesh_add_point(reader->mesh, vertex, reader->file->path,
+                                        reader->error);
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        count++;
+    }
+    return count > 0 ? PCCD_OK : fail(reader, PCCD_E_FORMAT, "points without a vertex");
+}
+
 static int read_statement(struct obj_reader *reader, struct ctl_word *line)
 {
     struct ctl_word word;
@@ -196,6 +241,12 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
     }
     if (ctl_word_is(&word, "f")) {
         return read_face(reader, line);
+    }
+    if (ctl_word_is(&word, "l")) {
+        return read_line(reader, line);
+    }
+    if (ctl_word_is(&word, "p")) {
+        return read_points(reader, line);
     }
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++) {
         if (ctl_word_is(&word, ignored[i])) {

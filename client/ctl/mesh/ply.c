@@ -1,8 +1,9 @@
 /* client/ctl/mesh/ply.c - the body of a PLY file.
  *
  * Room:     client/ctl.
- * Does:     reads vertices and faces, ascii and binary of both byte orders, with values
- *           of any type; skips everything else; turns polygons into fans.
+ * Does:     reads vertices, faces and edges, ascii and binary of both byte orders, with
+ *           values of any type; skips everything else; turns polygons into fans, and
+ *           vertices into points where there is nothing else.
  * Does not: trust a count: each value is checked against the end of the file.
  * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994).
@@ -27,6 +28,7 @@ struct body_reader {
     struct ctl_word line; /* ascii: what is left of this row */
     const struct ply_element *element; /* being read, for messages */
     uint64_t row;                      /* of the element, from 0 */
+    uint32_t ends[2];                  /* of the edge in that row */
 };
 
 /* The place, the element's row, and what was wrong. */
@@ -258,6 +260,7 @@ static int begin_row(struct body_reader *reader)
 static int read_row(struct body_reader *reader)
 {
     bool is_ascii = reader->header->encoding == PLY_ASCII;
+    bool is_edge = false;
     struct ctl_word surplus;
     int status = is_ascii ? begin_row(reader) : PCCD_OK;
     for (uint32_t i = 0; i < reader->element->property_count && status == PCCD_OK; i++) {
@@ -267,6 +270,10 @@ static int read_row(struct body_reader *reader)
             status = read_list(reader, property);
         } else if (property->role == PLY_SKIP) {
             status = skip_value(reader, property->type);
+        } else if (property->role == PLY_END0 || property->role == PLY_END1) {
+            status =
+                read_index(reader, property, &reader->ends[property->role - PLY_END0]);
+            is_edge = true;
         } else {
             status = read_coordinate(reader, property);
         }
@@ -275,7 +282,10 @@ static int read_row(struct body_reader *reader)
         return fail(reader, PCCD_E_FORMAT, "\"%.*s\" is too much on the line",
                     ctl_word_length(&surplus), surplus.at);
     }
-    return status;
+    return status == PCCD_OK && is_edge
+               ? ctl_mesh_add_edge(reader->mesh, reader->ends, reader->file->path,
+                                   reader->error)
+               : status;
 }
 
 /* Bytes after the last row mean that the counts do not fit the data. */
@@ -333,6 +343,10 @@ int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
     }
     if (status == PCCD_OK) {
         status = check_end(&reader);
+    }
+    bool is_cloud = header->face_count + header->edge_count == 0;
+    for (uint32_t v = 0; status == PCCD_OK && is_cloud && v < mesh->vertex_count; v++) {
+        status = ctl_mesh_add_point(mesh, v, file->path, error);
     }
     free(header);
     return status;

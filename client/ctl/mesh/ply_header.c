@@ -177,7 +177,7 @@ static int read_line(struct header_reader *reader, struct ctl_word *line, bool *
     return status;
 }
 
-/* The only element of that name. */
+/* The only element of that name; NULL: there is none. */
 static int find_element(struct header_reader *reader, const char *name,
                         struct ply_element **found)
 {
@@ -190,9 +190,6 @@ static int find_element(struct header_reader *reader, const char *name,
             return FAIL(reader, PCCD_E_FORMAT, "two elements \"%s\"", name);
         }
         element = &reader->header->elements[i];
-    }
-    if (element == NULL) {
-        return FAIL(reader, PCCD_E_FORMAT, "the header has no element \"%s\"", name);
     }
     *found = element;
     return PCCD_OK;
@@ -240,6 +237,27 @@ static int find_indices(struct header_reader *reader, const struct ply_element *
     }
     return FAIL(reader, PCCD_E_FORMAT, "%s",
                 "element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
+}
+
+/* The ends of edges. */
+static int find_ends(struct header_reader *reader, const struct ply_element *element)
+{
+    static const char *const ends[2] = {"vertex1", "vertex2"};
+    struct ply_property *properties =
+        reader->header->properties + element->property_first;
+    for (uint32_t end = 0; end < 2; end++) {
+        uint32_t i = 0;
+        while (i < element->property_count &&
+               (properties[i].is_list || !ctl_word_is(&properties[i].name, ends[end]))) {
+            i++;
+        }
+        if (i == element->property_count) {
+            return FAIL(reader, PCCD_E_FORMAT, "element \"edge\" has no property \"%s\"",
+                        ends[end]);
+        }
+        properties[i].role = (enum ply_role)(PLY_END0 + end);
+    }
+    return PCCD_OK;
 }
 
 /* Fewest and most bytes that one row of the element can take. */
@@ -332,19 +350,29 @@ static int check_counts(struct header_reader *reader)
 
 static int check_header(struct header_reader *reader)
 {
-    struct ply_element *vertex, *face;
+    struct ply_element *vertex = NULL, *face = NULL, *edge = NULL;
     if (reader->header->encoding == PLY_NONE) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no format line");
     }
     int status = find_element(reader, "vertex", &vertex);
+    if (status == PCCD_OK && vertex == NULL) {
+        status =
+            FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no element \"vertex\"");
+    }
     if (status == PCCD_OK) {
         status = find_element(reader, "face", &face);
     }
     if (status == PCCD_OK) {
-        status = find_axes(reader, vertex);
+        status = find_element(reader, "edge", &edge);
     }
     if (status == PCCD_OK) {
+        status = find_axes(reader, vertex);
+    }
+    if (status == PCCD_OK && face != NULL) {
         status = find_indices(reader, face);
+    }
+    if (status == PCCD_OK && edge != NULL) {
+        status = find_ends(reader, edge);
     }
     if (status == PCCD_OK) {
         status = check_counts(reader);
@@ -353,7 +381,8 @@ static int check_header(struct header_reader *reader)
         return status;
     }
     reader->header->vertex_count = vertex->count;
-    reader->header->face_count = face->count;
+    reader->header->face_count = face != NULL ? face->count : 0;
+    reader->header->edge_count = edge != NULL ? edge->count : 0;
     return PCCD_OK;
 }
 

@@ -41,7 +41,7 @@ enum ply_type {
 };
 
 /* What a property is to us. X, Y, Z are 0, 1, 2 so that the role is the axis. */
-enum ply_role { PLY_X, PLY_Y, PLY_Z, PLY_INDICES, PLY_SKIP };
+enum ply_role { PLY_X, PLY_Y, PLY_Z, PLY_INDICES, PLY_END0, PLY_END1, PLY_SKIP };
 
 struct ply_property {
     struct ctl_word name;
@@ -65,13 +65,15 @@ struct ply_header {
     struct ply_element elements[PLY_ELEMENTS_MAX];
     struct ply_property properties[PLY_PROPERTIES_MAX];
     uint64_t vertex_count;
-    uint64_t face_count;
-    bool is_narrow; /* every coordinate type is exact in a float */
+    uint64_t face_count; /* 0: there are none */
+    uint64_t edge_count; /* likewise */
+    bool is_narrow;      /* every coordinate type is exact in a float */
 };
 
 /* Read the header at text's start; afterwards text stands at the first byte of the body.
- * On success: one element "vertex" with scalar x, y, z and one element "face" with a list
- * of indices exist, and no element can be longer than the file. */
+ * On success: there is one element "vertex" with scalar x, y, z, and maybe one "face"
+ * with a list of indices, and one "edge" with scalar vertex1 and vertex2; no element can
+ * be longer than the file. */
 int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
                    struct ply_header *header, struct ctl_error *error);
 

@@ -56,9 +56,7 @@ static int add(struct near_run *near, struct near_object *object, bool with_edge
     char what[512];
     uint32_t handle = 0;
     uint64_t begin_ns = common_now_ns();
-    int status = pccd_mesh_create(run->client, mesh->x, mesh->format, mesh->vertex_count,
-                                  (const uint32_t(*)[3])mesh->triangles,
-                                  mesh->triangle_count, &handle, &object->info);
+    int status = check_run_put_mesh(run->client, mesh, &handle, &object->info);
     if (status == PCCD_OK) {
         status = pccd_scene_add(run->client, run->scene, handle, &object->handle);
     }

@@ -71,8 +71,9 @@ static bool take_object(const struct registry_object *from, double t,
         .triangle_count = mesh->triangle_count,
         .x = malloc(mesh->vertex_count * sizeof *object->x),
         .motion = malloc(mesh->vertex_count * sizeof *object->motion),
-        .triangles = malloc(mesh->triangle_count * sizeof *object->triangles),
-        .hits = calloc(mesh->triangle_count, sizeof *object->hits)};
+        .triangles =
+            malloc(((size_t)mesh->triangle_count + 1) * sizeof *object->triangles),
+        .hits = calloc((size_t)mesh->triangle_count + 1, sizeof *object->hits)};
     if (object->x == NULL || object->motion == NULL || object->triangles == NULL ||
         object->hits == NULL) {
         return false;
@@ -84,8 +85,10 @@ static bool take_object(const struct registry_object *from, double t,
             object->motion[i][k] = (float)(b - a);
         }
     }
-    memcpy(object->triangles, mesh->triangles,
-           mesh->triangle_count * sizeof *object->triangles);
+    if (mesh->triangle_count > 0) {
+        memcpy(object->triangles, mesh->triangles,
+               mesh->triangle_count * sizeof *object->triangles);
+    }
     return true;
 }
 

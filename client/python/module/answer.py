@@ -64,7 +64,7 @@ class Answer(abi.pccd_answer):
     what        enum NearWhat: what was asked
     records     (count,) of NEAR, or of float64 where VERTICES was asked; near and
                 vertex_bounds are the same
-    counts      by kind: answer.counts[NearKind.VE], and those of Kind
+    counts      by kind: answer.counts[Kind.VV], answer.counts[NearKind.EF]
     distance_min, distance_max    least d_lo and greatest d_hi of the records
     crossings   of CROSSINGS, DEPTH: edges that pass through faces
     verdict     of CROSSINGS: NO: nothing crosses or touches

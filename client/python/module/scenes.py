@@ -21,7 +21,7 @@ from .abi import Quality, Share, Status, Tree
 from .answer import Answer
 from .library import PccdError, failure, lib
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, format_of,
-                     pack_triangles, pack_vertices, refusal, u32, with_size)
+                     pack_indices, pack_vertices, refusal, u32, with_size)
 
 SLICE_MS = 200  # of a wait: between two, Python sees to signals
 
@@ -56,13 +56,20 @@ class Scenes:
 
     # -- meshes --
 
-    def _mesh_put(self, mesh: int, x: ArrayLike, triangles: ArrayLike,
-                  radii: Optional[ArrayLike]) -> int:
-        vertices, faces = pack_vertices("x", x), pack_triangles(triangles)
+    def _mesh_put(self, mesh: int, x: ArrayLike, triangles: Optional[ArrayLike],
+                  radii: Optional[ArrayLike], edges: Optional[ArrayLike],
+                  points: Optional[ArrayLike]) -> int:
+        vertices = pack_vertices("x", x)
         data, info = with_size(abi.pccd_mesh_data()), abi.pccd_mesh_info()
         data.x, data.format = vertices.ctypes.data, format_of(vertices.dtype)
-        data.vertex_count, data.triangle_count = len(vertices), len(faces)
-        data.triangles = faces.ctypes.data
+        data.vertex_count = len(vertices)
+        kept = []  # until the library has copied them
+        for count, (name, given) in enumerate(
+                (("points", points), ("edges", edges), ("triangles", triangles)), 1):
+            if given is not None:
+                kept.append(pack_indices(name, given, count))
+                setattr(data, name, kept[-1].ctypes.data)
+                setattr(data, name[:-1] + "_count", len(kept[-1]))
         if radii is not None:
             thick = np.ascontiguousarray(radii, np.float64)
             if thick.shape != (len(vertices),):
@@ -75,20 +82,27 @@ class Scenes:
         self._infos[made.value] = MeshInfo.of(info)
         return made.value
 
-    def mesh_create(self, x: ArrayLike, triangles: ArrayLike,
-                    radii: Optional[ArrayLike] = None) -> int:
+    def mesh_create(self, x: ArrayLike, triangles: Optional[ArrayLike] = None,
+                    radii: Optional[ArrayLike] = None, *,
+                    edges: Optional[ArrayLike] = None,
+                    points: Optional[ArrayLike] = None) -> int:
         """Register a mesh, x: (n, 3) float32 or float64, triangles: (m, 3) vertex
         indices, radii: (n,), of vertices, for objects without a radius of their own.
-        Copied. E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT, E_INVAL."""
-        return self._mesh_put(0, x, triangles, radii)
+        edges (m, 2), rods, and points (m,), clouds, are named by themselves; of the
+        three one has to be there. Copied. E_NOTFINITE, E_INDEX, E_QUOTA, E_LIMIT,
+        E_INVAL."""
+        return self._mesh_put(0, x, triangles, radii, edges, points)
 
-    def mesh_replace(self, mesh: int, x: ArrayLike, triangles: ArrayLike,
-                     radii: Optional[ArrayLike] = None) -> Any:
+    def mesh_replace(self, mesh: int, x: ArrayLike,
+                     triangles: Optional[ArrayLike] = None,
+                     radii: Optional[ArrayLike] = None, *,
+                     edges: Optional[ArrayLike] = None,
+                     points: Optional[ArrayLike] = None) -> Any:
         """Give a mesh, and every object made of it, other vertices and triangles, at the
         positions given here; on failure they go on as they were. Its MeshInfo."""
         if u32("mesh", mesh) == 0:
             raise refusal(Status.E_HANDLE, "there is no mesh 0")
-        return self._infos[self._mesh_put(mesh, x, triangles, radii)]
+        return self._infos[self._mesh_put(mesh, x, triangles, radii, edges, points)]
 
     def mesh_info(self, mesh: int) -> Any:
         """The MeshInfo of when the mesh was made or replaced last."""

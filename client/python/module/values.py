@@ -192,12 +192,13 @@ def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
     return made
 
 
-def pack_triangles(triangles: ArrayLike) -> NDArray[np.uint32]:
-    made = np.asarray(triangles)
-    if made.ndim != 2 or made.shape[1] != 3 or len(made) == 0 or \
-            made.dtype.kind not in "iu":
-        raise refusal(Status.E_INVAL, f"triangles are {made.dtype} {made.shape}, not "
-                      "integers (m, 3)")
+def pack_indices(name: str, indices: ArrayLike, points: int) -> NDArray[np.uint32]:
+    """Triangles (points 3), edges (2) or points (1) as the library takes them."""
+    made = np.asarray(indices)
+    shape = made.shape[1:] if points > 1 else (1,) * made.ndim
+    if shape != (points,) or len(made) == 0 or made.dtype.kind not in "iu":
+        raise refusal(Status.E_INVAL, f"{name} are {made.dtype} {made.shape}, not "
+                      f"integers {f'(m, {points})' if points > 1 else '(m,)'}")
     if made.dtype != np.uint32 and (made.min() < 0 or made.max() > 0xFFFFFFFF):
         raise refusal(Status.E_INDEX, "a vertex index is negative or beyond 32 bits")
     return np.ascontiguousarray(made, np.uint32)
