@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -106,6 +107,67 @@ static void distance__of_edges_is_at_ends_where_they_are_parallel(void **state)
     expect(PCCD_EE, dots, backwards, RESULT(VV, 10, 2, 1, 1));
 }
 
+/* Whole numbers, some less a little, in a few planes, and some points in one place. */
+static void make_close(uint64_t *seed, double x[4][3])
+{
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; k++) {
+            *seed = *seed * 6364136223846793005u + 1442695040888963407u;
+            unsigned draw = (unsigned)(*seed >> 40);
+            x[i][k] = draw % 5 + (draw / 8 % 4 == 0   ? 0x1p-60
+                                  : draw / 8 % 4 == 1 ? .1
+                                                      : 0);
+        }
+        if (*seed >> 33 & 1 && i > 0) {
+            x[i][1] = x[i - 1][1];
+        }
+        if (*seed >> 34 & 3 && i > 1) {
+            memcpy(x[i], x[0], *seed >> 36 & 1 ? sizeof x[i] : 0);
+        }
+    }
+}
+
+/* If it failed: what lies in one place or along an axis, as meshes at rest do, would be
+ * said otherwise by doubles than by integers; or doubles would never say it, and each
+ * such pair take as long as a hundred others. */
+static void distance__in_one_place_or_along_an_axis_is_known_by_doubles(void **state)
+{
+    (void)state;
+    uint64_t seed = 5;
+    uint64_t before = distances.decided[ENG_DISTANCE_BY_DOUBLES];
+    for (unsigned round = 0; round < 20000; round++) {
+        double x[4][3];
+        struct eng_distance found[2];
+        enum pccd_kind kind = round % 2 ? PCCD_EE : PCCD_VF;
+        make_close(&seed, x);
+        for (int by = 0; by < 2; by++) {
+            memset(&found[by], 0, sizeof found[by]);
+            distances.first =
+                by == 0 ? ENG_DISTANCE_BY_DOUBLES : ENG_DISTANCE_BY_INTEGERS;
+            eng_distance_find(&distances, kind, (const double(*)[3])x, in_order,
+                              &found[by]);
+            double d = found[0].hi;
+            assert_true(eng_distance_within(&distances, kind, (const double(*)[3])x, d));
+            assert_int_equal(
+                eng_distance_below(&distances, kind, (const double(*)[3])x, d),
+                found[0].lo < d);
+        }
+        assert_memory_equal(&found[0], &found[1], sizeof found[0]);
+    }
+    assert_true(distances.decided[ENG_DISTANCE_BY_DOUBLES] - before > 30000);
+    distances.first = ENG_DISTANCE_BY_DOUBLES;
+    before = distances.decided[ENG_DISTANCE_BY_DOUBLES];
+    static const double corner[4][3] = {{4, 0, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+    static const double ends[4][3] = {{1, 2, 3}, {5, 6, 7}, {1, 2, 4}, {1, 2, 3}};
+    const double(*const points[])[3] = {corner, ends, AT(1, 1, 3), AT(1, 1, .1)};
+    for (int i = 0; i < 4; i++) {
+        struct eng_distance distance;
+        eng_distance_find(&distances, i == 1 ? PCCD_EE : PCCD_VF, points[i], in_order,
+                          &distance);
+    }
+    assert_int_equal(distances.decided[ENG_DISTANCE_BY_DOUBLES] - before, 4);
+}
+
 static bool crosses(double x0, double y0, double z0, double x1, double y1, double z1)
 {
     const double x[5][3] = {{x0, y0, z0}, {x1, y1, z1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
@@ -166,6 +228,7 @@ int main(void)
         cmocka_unit_test(distance__of_a_vertex_is_to_the_part_of_fewest_points),
         cmocka_unit_test(distance__to_a_degenerate_face_takes_the_least_ranks),
         cmocka_unit_test(distance__of_edges_is_at_ends_where_they_are_parallel),
+        cmocka_unit_test(distance__in_one_place_or_along_an_axis_is_known_by_doubles),
         cmocka_unit_test(crossing__is_strict),
         cmocka_unit_test(crossing__is_at_the_nearest_multiple),
     };

@@ -76,6 +76,11 @@ static enum eng_sign compare_surely(struct eng_distances *distances, enum pccd_k
 {
     assert(d >= 0 && d <= 1e18);
     struct eng_place place;
+    struct eng_distance at_0;
+    if (may_be_quick(distances) && eng_quick_meet(kind, x, &at_0) > 0) {
+        distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
+        return d > 0 ? ENG_MINUS : ENG_ZERO;
+    }
     if (may_be_quick(distances) && eng_quick_place(kind, x, &place)) {
         enum eng_sign sign = eng_quick_compare(&place, d);
         if (sign != ENG_UNSURE) {
@@ -129,8 +134,9 @@ static void find(struct eng_distances *distances, enum pccd_kind kind,
                  struct eng_distance *distance)
 {
     struct eng_place place;
-    if (may_be_quick(distances) && eng_quick_place(kind, x, &place) &&
-        eng_quick_describe(&place, distance)) {
+    if (may_be_quick(distances) &&
+        (eng_quick_meet(kind, x, distance) == 1 ||
+         (eng_quick_place(kind, x, &place) && eng_quick_describe(&place, distance)))) {
         distances->decided[ENG_DISTANCE_BY_DOUBLES]++;
         return;
     }

@@ -62,6 +62,7 @@ static bool place_vertices(const double w[3], struct eng_place *place)
     }
     place->type = ENG_NEAREST_VV;
     place->length = sqrt(ww);
+    place->is_exact = false;
     place->length_error = 5 * ENG_U * place->length;
     place->param_error[0] = place->param_error[1] = 0;
     for (int k = 0; k < 3; k++) {
@@ -88,6 +89,7 @@ static bool place_foot(const double w[3], const double e[3], double along,
     double length = sqrt(mm) / length_e;
     place->type = ENG_NEAREST_VE;
     place->length = length;
+    place->is_exact = false;
     place->length_error = 1.8 * cross.error / length_e + 12 * ENG_U * length;
     *at = along / ee;
     /* The last part is for whoever takes 1 - *at. */
@@ -121,6 +123,7 @@ static bool place_inside(const struct across *n, const double w[3],
     }
     place->points = 15;
     place->length = fabs(height) / length_n;
+    place->is_exact = false;
     place->length_error =
         1.1 * (height_error + 1.8 * place->length * n->error) / length_n +
         10 * ENG_U * place->length;
@@ -130,6 +133,28 @@ static bool place_inside(const struct across *n, const double w[3],
     }
     place->direction_error = 3 * n->error / length_n + 8 * ENG_U;
     return true;
+}
+
+/* Is x the difference of a and b, exactly? */
+static bool is_difference(double x, double a, double b)
+{
+    double other = a - x;
+    return a - (x + other) == 0 && other - b == 0;
+}
+
+/* Of a place inside: where both edges, u and v, lie across an axis, the distance is how
+ * far the points a and b of the features are apart along it. */
+static void look_along_axes(const double u[3], const double v[3], const double a[3],
+                            const double b[3], struct eng_place *place)
+{
+    for (int k = 0; k < 3; k++) {
+        double apart = a[k] - b[k];
+        if (u[k] == 0 && v[k] == 0 && is_difference(apart, a[k], b[k])) {
+            place->length = fabs(apart);
+            place->length_error = 0;
+            place->is_exact = true;
+        }
+    }
 }
 
 static double share_error(double share, double error, double nn, double nn_error)
@@ -252,6 +277,7 @@ static bool place_face(const double x[4][3], struct eng_place *place)
     if (!is_inside || !place_inside(&n, smallest(ways, 3), place, &nn, &nn_error)) {
         return false;
     }
+    look_along_axes(face.side[0], face.side[2], x[0], x[1], place);
     place->type = ENG_NEAREST_VF;
     place->param[0] = share[2] / nn; /* of corner 1, which side 2 does not have */
     place->param[1] = share[0] / nn;
@@ -375,6 +401,7 @@ static bool place_edges(const double x[4][3], struct eng_place *place)
     if (!is_inside || !place_inside(&n, smallest(ways, 4), place, &nn, &nn_error)) {
         return false;
     }
+    look_along_axes(edges.edge[0], edges.edge[1], x[0], x[2], place);
     place->type = ENG_NEAREST_EE;
     place->param[0] = inward[0] / nn;
     place->param[1] = inward[2] / nn;
@@ -427,6 +454,10 @@ bool eng_quick_describe(const struct eng_place *place, struct eng_distance *dist
     distance->lo = cut(low, 0);
     distance->hi = cut(low, BITS_CUT + 1);
     bool is_sure = distance->lo < low && high < distance->hi;
+    if (place->is_exact && distance->lo == place->length) {
+        distance->hi = distance->lo;
+        is_sure = true;
+    }
     for (int i = 0; i < 2; i++) {
         is_sure &=
             round_fixed(place->param[i], 2 * place->param_error[i], &distance->param[i]);
@@ -438,10 +469,32 @@ bool eng_quick_describe(const struct eng_place *place, struct eng_distance *dist
     return is_sure;
 }
 
+int eng_quick_meet(enum pccd_kind kind, const double x[4][3],
+                   struct eng_distance *distance)
+{
+    int first = kind == PCCD_VF ? 1 : 2; /* point of the second feature */
+    int count = 0;
+    for (int i = 0; i < first; i++) {
+        for (int j = first; j < 4; j++) {
+            if (x[i][0] == x[j][0] && x[i][1] == x[j][1] && x[i][2] == x[j][2]) {
+                *distance = (struct eng_distance){
+                    .param = {kind == PCCD_VF ? j == 2 : i == 1, j == 3},
+                    .type = ENG_NEAREST_VV,
+                    .points = 1u << i | 1u << j};
+                count++;
+            }
+        }
+    }
+    return count;
+}
+
 enum eng_sign eng_quick_compare(const struct eng_place *place, double d)
 {
     if (place->length - 2 * place->length_error > d) {
         return ENG_PLUS;
+    }
+    if (place->is_exact && place->length == d) {
+        return ENG_ZERO;
     }
     return place->length + 2 * place->length_error < d ? ENG_MINUS : ENG_UNSURE;
 }

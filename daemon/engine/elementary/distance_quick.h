@@ -17,6 +17,7 @@ struct eng_place {
     uint32_t points;
     double length;
     double length_error;
+    bool is_exact; /* the length is the double here */
     double param[2];
     double param_error[2];
     double direction[3];
@@ -28,6 +29,12 @@ bool eng_quick_place(enum pccd_kind kind, const double x[4][3], struct eng_place
 
 /* False: *distance means nothing, for a number might be rounded either way. */
 bool eng_quick_describe(const struct eng_place *place, struct eng_distance *distance);
+
+/* How many points of the first feature are where one of the second is: the distance is 0
+ * if any. One: *distance is set. Of several it depends on ranks which the distance is
+ * between. */
+int eng_quick_meet(enum pccd_kind kind, const double x[4][3],
+                   struct eng_distance *distance);
 
 /* Sign of place's length - d. */
 enum eng_sign eng_quick_compare(const struct eng_place *place, double d);
