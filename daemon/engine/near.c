@@ -161,14 +161,35 @@ static int reserve_bounds(struct eng_near_memory *memory, const struct eng_scene
     return eng_records_reserve(&memory->records, vertices);
 }
 
-static void begin_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
-                         double distance)
+static void begin_bounds(struct eng_near_memory *memory, const struct eng_scene *scene)
 {
+    const double none = INFINITY;
     uint64_t bits;
-    memcpy(&bits, &distance, sizeof bits);
+    memcpy(&bits, &none, sizeof bits);
     for (uint32_t i = 0; i < scene->vertex_ranges.end; i++) {
         atomic_init(&memory->bounds[i], bits);
     }
+}
+
+/* Of a vertex in the scene's arrays; INFINITY: no pair is near that it is part of. */
+static double bound_of(const struct eng_near_memory *memory, uint32_t vertex)
+{
+    uint64_t bits = atomic_load_explicit(&memory->bounds[vertex], memory_order_relaxed);
+    double bound;
+    memcpy(&bound, &bits, sizeof bound);
+    return bound;
+}
+
+/* That pairs have, of which only those that matter were looked for. */
+static double greatest_bound(const struct eng_near_memory *memory,
+                             const struct eng_scene *scene)
+{
+    double greatest = 0;
+    for (uint32_t i = 0; i < scene->vertex_ranges.end; i++) {
+        double bound = bound_of(memory, i);
+        greatest = bound < INFINITY ? fmax(greatest, bound) : greatest;
+    }
+    return greatest;
 }
 
 static void write_bounds(struct eng_near_memory *memory, const struct eng_scene *scene,
@@ -181,10 +202,10 @@ static void write_bounds(struct eng_near_memory *memory, const struct eng_scene 
     for (uint32_t i = 0; i < objects; i++) {
         const struct eng_object *object = &scene->objects[(uint32_t)memory->order[i]];
         for (uint32_t v = 0; v < object->vertices.count; v++) {
-            uint64_t bits = atomic_load_explicit(
-                &memory->bounds[object->vertices.first + v], memory_order_relaxed);
-            struct eng_vertex_bound bound = {.object = object->id, .vertex = v};
-            memcpy(&bound.bound, &bits, sizeof bits);
+            double least = bound_of(memory, object->vertices.first + v);
+            struct eng_vertex_bound bound = {.object = object->id,
+                                             .vertex = v,
+                                             .bound = fmin(least, settings->distance)};
             *to++ = bound.bound;
             sum += eng_hash_records(&bound, 1, sizeof bound);
             result->count++;
@@ -271,6 +292,7 @@ static void answer_bounds(struct eng_near_memory *memory, const struct eng_count
         return;
     }
     sum_up(team, counts, result);
+    result->distance_max = greatest_bound(memory, team->scene);
     write_bounds(memory, team->scene, settings, result);
 }
 
@@ -420,7 +442,7 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
         return status;
     }
     if (query.what == PCCD_NEAR_VERTICES) {
-        begin_bounds(&memory->near, scene, settings->distance);
+        begin_bounds(&memory->near, scene);
         query.bounds = memory->near.bounds;
     }
     atomic_store_explicit(&memory->near.meets, false, memory_order_relaxed);

@@ -36,8 +36,9 @@ struct eng_near_result {
     uint32_t record_bytes; /* scene's next eng_near, removal or free */
     uint64_t count;
     uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
-    double distance_min;             /* least d_lo; 2e18 without any record */
-    double distance_max;             /* greatest d_hi; 0 likewise */
+    double distance_min; /* least d_lo; 2e18 without any record */
+    double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
+                          * greatest d_lo that is a bound, in the whole scene */
     uint64_t crossings;              /* DEPTH, CROSSINGS */
     uint64_t
         hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros

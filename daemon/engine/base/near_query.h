@@ -28,7 +28,7 @@ struct eng_near_query {
     float growth;       /* the distance as boxes know it, in their frame, rounded up */
     float reach_growth; /* likewise the reach, where boxes have no radii in them */
     /* VERTICES: by the scene's vertices, the least distance so far: bits of a double,
-     * whose order is that of the numbers. */
+     * whose order is that of the numbers; first those of INFINITY. */
     _Atomic uint64_t *bounds;
     /* CROSSINGS: some features are known to cross or to touch. Of those that touch no
      * more is asked for, so that they are not looked for any more. */
@@ -40,6 +40,13 @@ static inline bool eng_near_leaves_out(const struct eng_near_query *near, uint32
 {
     return near && near->what == PCCD_NEAR_CROSSINGS && kind != PCCD_EF &&
            atomic_load_explicit(near->meets, memory_order_relaxed);
+}
+
+/* Does a pair not matter that is farther apart than something else is from each of its
+ * points? */
+static inline bool eng_near_narrows(const struct eng_near_query *near)
+{
+    return near && near->what == PCCD_NEAR_VERTICES;
 }
 
 /* Boxes are not within 2^80 of nowhere (boxes.h), and hold coordinates below that. */

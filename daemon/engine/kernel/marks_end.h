@@ -15,13 +15,17 @@
 
 ENG_INLINE void eng_marks_load_at(uint32_t kind, const struct eng_sieve *sieve,
                                   const uint32_t *a, const uint32_t *b, uint32_t end,
-                                  struct eng_g *d)
+                                  struct eng_g *d, eng_fi *less)
 {
     struct eng_corners p = eng_corners_of(kind, sieve, *a, *b);
     const int32_t *from = end ? p.mark[0]->q1 : p.mark[0]->q0;
     for (int k = 0; k < (kind == PCCD_EF ? 4 : 3); k++) {
         const int32_t *to = end ? p.mark[k + 1]->q1 : p.mark[k + 1]->q0;
         d[k] = (struct eng_g){{to[0] - from[0]}, {to[1] - from[1]}, {to[2] - from[2]}};
+    }
+    for (int k = 0; less && k < 4; k++) {
+        int32_t own = end ? p.mark[k]->less1 : p.mark[k]->less0;
+        *less = k == 0 || own < (*less)[0] ? (eng_fi){own} : *less;
     }
 }
 
@@ -47,14 +51,16 @@ ENG_INLINE eng_fi eng_marks_at(const struct eng_corners *pairs, int corner, uint
 #endif
 }
 
-/* d[k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3, of EF 4, too, minus mark 0. */
+/* d[k] of pairs 0 .. ENG_F_LANES - 1: the marks 1, 2, 3, of EF 4, too, minus mark 0.
+ * *less, unless NULL: of VF and EE, the least that any of the marks has of it. */
 ENG_INLINE void eng_marks_load_at(uint32_t kind, const struct eng_sieve *sieve,
                                   const uint32_t *a, const uint32_t *b, uint32_t end,
-                                  struct eng_g *d)
+                                  struct eng_g *d, eng_fi *less)
 {
     const int count = kind == PCCD_EF ? 4 : 3;
     struct eng_corners pairs[ENG_F_LANES];
     eng_fi v[4][4];
+    eng_fi least[4];
 #pragma GCC unroll 16
     for (uint32_t i = 0; i < ENG_F_LANES; i++) {
         pairs[i] = eng_corners_of(kind, sieve, a[i], b[i]);
@@ -62,14 +68,20 @@ ENG_INLINE void eng_marks_load_at(uint32_t kind, const struct eng_sieve *sieve,
 #pragma GCC unroll 4
     for (int i = 0; i < 4; i++) {
         eng_fi from = eng_marks_at(pairs + i, 0, end);
+        least[i] = from;
 #pragma GCC unroll 4
         for (int k = 0; k < count; k++) {
-            v[k][i] = eng_marks_at(pairs + i, k + 1, end) - from;
+            eng_fi to = eng_marks_at(pairs + i, k + 1, end);
+            least[i] = eng_fi_min(least[i], to);
+            v[k][i] = to - from;
         }
     }
 #pragma GCC unroll 4
     for (int k = 0; k < count; k++) {
         d[k] = eng_marks_turn_at(v[k]);
+    }
+    if (less) {
+        *less = eng_marks_fourth(least);
     }
 }
 

@@ -59,6 +59,14 @@ ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi a[4])
     return (struct eng_g){(eng_fi)out[0], (eng_fi)out[1], (eng_fi)out[2]};
 }
 
+/* What is behind x, y, z. */
+ENG_INLINE eng_fi eng_marks_fourth(const eng_fi a[4])
+{
+    __m512i zw01 = _mm512_unpackhi_epi32((__m512i)a[0], (__m512i)a[1]);
+    __m512i zw23 = _mm512_unpackhi_epi32((__m512i)a[2], (__m512i)a[3]);
+    return (eng_fi)_mm512_unpackhi_epi64(zw01, zw23);
+}
+
 #elif ENG_VECTOR_BYTES == 32
 
 ENG_INLINE struct eng_g eng_marks_turn(const __m256i a[4])
@@ -78,6 +86,13 @@ ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi a[4])
     return eng_marks_turn(in);
 }
 
+ENG_INLINE eng_fi eng_marks_fourth(const eng_fi a[4])
+{
+    __m256i zw01 = _mm256_unpackhi_epi32((__m256i)a[0], (__m256i)a[1]);
+    __m256i zw23 = _mm256_unpackhi_epi32((__m256i)a[2], (__m256i)a[3]);
+    return (eng_fi)_mm256_unpackhi_epi64(zw01, zw23);
+}
+
 #elif ENG_VECTOR_BYTES == 16
 
 ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi r[4])
@@ -89,6 +104,13 @@ ENG_INLINE struct eng_g eng_marks_turn_at(const eng_fi r[4])
     return (struct eng_g){__builtin_shufflevector(xy01, xy23, 0, 1, 4, 5),
                           __builtin_shufflevector(xy01, xy23, 2, 3, 6, 7),
                           __builtin_shufflevector(zw01, zw23, 0, 1, 4, 5)};
+}
+
+ENG_INLINE eng_fi eng_marks_fourth(const eng_fi r[4])
+{
+    eng_fi zw01 = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7);
+    eng_fi zw23 = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+    return __builtin_shufflevector(zw01, zw23, 2, 3, 6, 7);
 }
 
 #endif

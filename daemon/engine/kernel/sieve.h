@@ -25,12 +25,14 @@ struct eng_grid {
 
 #define ENG_GRID_REACH (0x1p30 - 8)
 
-/* A point at both ends of the step. The words are 0. */
+/* A point at both ends of the step. How near another feature is to it there, at most, as
+ * is known by now: so much is to be taken from the reach of sift_near, both being bits of
+ * floats; 0: nothing is known. Any thread may write one while others read it. */
 struct eng_mark {
     _Alignas(32) int32_t q0[3];
-    int32_t word0;
+    _Atomic int32_t less0;
     int32_t q1[3];
-    int32_t word1;
+    _Atomic int32_t less1;
 };
 
 /* Pairs are named by a number of each feature; VF: the vertex's is its point, a_corner is
@@ -43,6 +45,8 @@ struct eng_sieve {
     bool swept;       /* the boxes around the pairs' whole motions overlap, no more */
     bool in_time;     /* the pairs share a time on all axes: eng_join.in_time */
     bool cubic_first; /* which of two tests goes first; the sieve's own, false before */
+    bool narrows;     /* sift_near: what is known of a pair's points counts, that of which
+                       * least is */
 };
 
 /* Places behind the last pair that the sieve may write to. */

@@ -456,14 +456,25 @@ ENG_INLINE eng_fm middles_beyond(enum pccd_kind kind, const struct eng_g d[3],
                       eng_f_less(square * dot(way, way), gap * gap));
 }
 
-/* Certainly farther apart than `reach`, in cells? */
-ENG_INLINE uint32_t beyond(enum pccd_kind kind, const struct eng_sieve *sieve,
-                           const uint32_t *a, const uint32_t *b, uint32_t end,
-                           eng_f reach)
+/* In cells: nothing that is multiplied by it falls below the range of floats. */
+ENG_INLINE eng_f scaled(eng_f reach)
+{
+    return eng_f_max(reach * SMALLER, eng_f_all(0x1p-40f));
+}
+
+/* Certainly farther apart than `reach`, or, if it `narrows`, than is known? */
+ENG_INLINE uint32_t beyond(enum pccd_kind kind, bool narrows,
+                           const struct eng_sieve *sieve, const uint32_t *a,
+                           const uint32_t *b, uint32_t end, eng_f reach)
 {
     struct eng_g d[3];
+    eng_fi less;
+    eng_marks_load_at(kind, sieve, a, b, end, d, narrows ? &less : NULL);
+    if (narrows) {
+        reach = (eng_f)((eng_fi)reach - less);
+    }
+    reach = scaled(reach);
     eng_f square = reach * reach * SLACK;
-    eng_marks_load_at(kind, sieve, a, b, end, d);
     eng_fm boxes = boxes_beyond(kind, d, square);
     eng_fm planes = planes_beyond(kind, d, square);
     return eng_fm_bits(
@@ -475,7 +486,7 @@ ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
                           const uint32_t *b, uint32_t end)
 {
     struct eng_g d[4]; /* from a corner to the ends of the edge, and to the others */
-    eng_marks_load_at(PCCD_EF, sieve, a, b, end, d);
+    eng_marks_load_at(PCCD_EF, sieve, a, b, end, d, NULL);
     struct vector first = smaller(d[0]);
     struct vector second = smaller(d[1]);
     struct normal normal = normal_of(smaller(d[2]), smaller(d[3]));
@@ -488,12 +499,11 @@ ENG_INLINE uint32_t aside(const struct eng_sieve *sieve, const uint32_t *a,
     return eng_fm_bits(eng_fm_or(above, below));
 }
 
-ENG_INLINE uint32_t sift_near(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
-                              float reach, uint32_t *a, uint32_t *b, uint32_t count)
+ENG_INLINE uint32_t sift_near(uint32_t kind, bool narrows, const struct eng_sieve *sieve,
+                              uint32_t end, float reach, uint32_t *a, uint32_t *b,
+                              uint32_t count)
 {
     uint32_t kept = 0;
-    /* Nothing that is multiplied by it falls below the range of floats. */
-    eng_f scaled = eng_f_max(eng_f_all(reach * SMALLER), eng_f_all(0x1p-40f));
     for (uint32_t i = 0; i < count; i += ENG_F_LANES) {
         uint32_t n = count - i < ENG_F_LANES ? count - i : ENG_F_LANES;
         uint32_t full[2][ENG_F_LANES];
@@ -504,24 +514,27 @@ ENG_INLINE uint32_t sift_near(uint32_t kind, const struct eng_sieve *sieve, uint
             a_in = full[0];
             b_in = full[1];
         }
-        uint32_t out = kind == PCCD_EF
-                           ? aside(sieve, a_in, b_in, end)
-                           : beyond((enum pccd_kind)kind, sieve, a_in, b_in, end, scaled);
+        uint32_t out = kind == PCCD_EF ? aside(sieve, a_in, b_in, end)
+                                       : beyond((enum pccd_kind)kind, narrows, sieve,
+                                                a_in, b_in, end, eng_f_all(reach));
         kept += eng_keep_both(a + kept, b + kept, a + i, b + i,
                               ~out & ENG_F_ALL >> (ENG_F_LANES - n));
     }
     return kept;
 }
 
-/* The end, as a constant of the code. */
-#define SIFT_NEAR(kind)                                                                  \
-    (end == 0 ? sift_near(kind, sieve, 0, reach, a, b, count)                            \
-              : sift_near(kind, sieve, 1, reach, a, b, count))
+/* The end, and whether it narrows, as constants of the code. */
+#define SIFT_NEAR(kind, narrows)                                                         \
+    (end == 0 ? sift_near(kind, narrows, sieve, 0, reach, a, b, count)                   \
+              : sift_near(kind, narrows, sieve, 1, reach, a, b, count))
 
 uint32_t ENG_KERNEL(sift_near)(uint32_t kind, const struct eng_sieve *sieve, uint32_t end,
                                float reach, uint32_t *a, uint32_t *b, uint32_t count)
 {
-    return kind == PCCD_VF   ? SIFT_NEAR(PCCD_VF)
-           : kind == PCCD_EE ? SIFT_NEAR(PCCD_EE)
-                             : SIFT_NEAR(PCCD_EF);
+    if (sieve->narrows) {
+        return kind == PCCD_VF ? SIFT_NEAR(PCCD_VF, true) : SIFT_NEAR(PCCD_EE, true);
+    }
+    return kind == PCCD_VF   ? SIFT_NEAR(PCCD_VF, false)
+           : kind == PCCD_EE ? SIFT_NEAR(PCCD_EE, false)
+                             : SIFT_NEAR(PCCD_EF, false);
 }

@@ -278,9 +278,9 @@ static uint32_t keep_within(struct eng_worker *worker, enum pccd_kind kind,
     return kept;
 }
 
-void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
-                   const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_names_fn names)
+uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_point *points, const uint32_t (*quads)[4],
+                       uint32_t count, bool is_sifted, eng_names_fn names)
 {
     const struct eng_near_query *near = worker->settings->near;
     struct eng_near_work *work = eng_near_work_of(worker);
@@ -296,7 +296,7 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     worker->tally.survivors += found;
     if (question.wanted == ENG_DISTANCE_WITHIN) {
         tell_meeting(worker, found);
-        return;
+        return found;
     }
     if (near->is_thick) {
         found = keep_within(worker, kind, points, quads, found);
@@ -304,7 +304,7 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     keep_range(work, found);
     if (near->what == PCCD_NEAR_VERTICES) {
         keep_bounds(worker, points, quads, found);
-        return;
+        return found;
     }
     names(worker, kind, work->batch.index, found, work->names);
     if (near->what == PCCD_NEAR_FEATURES) {
@@ -314,6 +314,7 @@ void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     } else {
         keep_records(worker, work->names, work->batch.found, found);
     }
+    return found;
 }
 
 /* Where along the edge it passes through the face, in a record's terms. */

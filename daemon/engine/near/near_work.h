@@ -56,12 +56,13 @@ struct eng_name_range eng_near_range(const struct eng_scene *scene);
 void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range);
 
 /* Test `count` candidates of VF or EE, at most ENG_CHUNK_MAX, as in distance_batch.h, and
- * keep what is near. `is_sifted`: as there. Words of the points: word0 is the index of
+ * keep what is near; returns how many, of which work->batch tells. `is_sifted`: as there.
+ * Words of the points: word0 is the index of
  * the object << 32 | the vertex's in the scene's arrays, word1 the id of the object << 32
  * | the vertex's in its mesh. */
-void eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
-                   const struct eng_point *points, const uint32_t (*quads)[4],
-                   uint32_t count, bool is_sifted, eng_names_fn names);
+uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
+                       const struct eng_point *points, const uint32_t (*quads)[4],
+                       uint32_t count, bool is_sifted, eng_names_fn names);
 
 /* The same of candidates of EF: the ends of the edge, the corners of the face. */
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,

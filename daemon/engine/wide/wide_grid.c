@@ -50,6 +50,15 @@ static bool still_fits(const struct eng_grid *grid, const double low[3],
     return half >= USED_LEAST * reach;
 }
 
+void eng_wide_forget_near(struct eng_wide *wide, uint32_t end)
+{
+    for (uint32_t i = 0; i < wide->trees[PCCD_TREE_VERTICES].slot_count; i++) {
+        struct eng_mark *mark = &wide->marks[i];
+        atomic_store_explicit(end == 0 ? &mark->less0 : &mark->less1, 0,
+                              memory_order_relaxed);
+    }
+}
+
 struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind)
 {
     const struct eng_wide_tree *a = &wide->trees[eng_wide_tree_of(kind, 0)];

@@ -10,6 +10,8 @@
 #ifndef ENG_WIDE_GRID_H
 #define ENG_WIDE_GRID_H
 
+#include <string.h>
+
 #include "wide.h"
 
 /* Before the refit of a step, when objects have their frames; keeps the grid that it had
@@ -24,6 +26,38 @@ bool eng_wide_extent(const struct eng_wide *wide, const struct eng_scene *scene,
 
 /* For all pairs of a kind over the whole step. [any] */
 struct eng_sieve eng_wide_sieve(const struct eng_wide *wide, enum pccd_kind kind);
+
+/* Nothing is known of any mark at an end of the step. [compute] */
+void eng_wide_forget_near(struct eng_wide *wide, uint32_t end);
+
+/* A distance in cells, 0 .. ENG_GRID_REACH, as a float above it. */
+static inline float eng_wide_cells_of(double distance)
+{
+    float cells = (float)distance;
+    uint32_t bits;
+    memcpy(&bits, &cells, sizeof bits);
+    bits++; /* the next one */
+    memcpy(&cells, &bits, sizeof cells);
+    return cells;
+}
+
+/* To each of four marks something is known to be as near as `cells`, at most the reach
+ * that the sieve is asked with. Of two that two threads tell at once either may stay. */
+static inline void eng_wide_mark_near(struct eng_mark *marks, const uint32_t quad[4],
+                                      uint32_t end, float reach, float cells)
+{
+    int32_t bits[2];
+    memcpy(&bits[0], &reach, sizeof bits[0]);
+    memcpy(&bits[1], &cells, sizeof bits[1]);
+    int32_t less = bits[0] - bits[1];
+    for (int k = 0; k < 4; k++) {
+        struct eng_mark *mark = &marks[quad[k]];
+        _Atomic int32_t *known = end == 0 ? &mark->less0 : &mark->less1;
+        if (atomic_load_explicit(known, memory_order_relaxed) < less) {
+            atomic_store_explicit(known, less, memory_order_relaxed);
+        }
+    }
+}
 
 /* After the refit: may a sieve use the marks? [any] */
 static inline bool eng_wide_has_marks(const struct eng_wide *wide)

@@ -330,6 +330,9 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
 {
     struct eng_wide *wide = eng_wide_of(team->scene);
     wide->kernels = team->workers[0]->kernels;
+    if (eng_near_narrows(settings->near)) {
+        eng_wide_forget_near(wide, settings->near->end);
+    }
     if (team->has_boxes) {
         return;
     }

@@ -235,24 +235,46 @@ static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
+/* The reach of a question in cells of the grid, rounded up; 0: there is no grid. */
+static float reach_of(const struct eng_worker *worker)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    double reach = worker->settings->near->reach_growth * wide->grid.scale;
+    return eng_wide_has_marks(wide) && reach <= ENG_GRID_REACH ? eng_wide_cells_of(reach)
+                                                               : 0;
+}
+
 /* Those of a chunk stay that are not certainly too far apart. Returns whether that has
  * left out so many that to look once more is not worth it. */
 static bool sift_near(struct eng_worker *worker, uint32_t kind,
                       struct eng_wide_chunk *chunk)
 {
-    const struct eng_wide *wide = eng_wide_of(worker->scene);
-    const struct eng_near_query *near = worker->settings->near;
     struct eng_wide_work *work = eng_wide_work_of(worker);
-    double reach = near->reach_growth * wide->grid.scale;
     uint32_t count = chunk->count;
-    if (!eng_wide_has_marks(wide) || reach > ENG_GRID_REACH ||
-        eng_wide_is_of_free((enum pccd_kind)kind)) {
+    float reach = reach_of(worker);
+    if (reach == 0 || eng_wide_is_of_free((enum pccd_kind)kind)) {
         return false;
     }
-    float cells = nextafterf((float)reach, INFINITY);
-    chunk->count = work->join.kernels->sift_near(kind, &work->sieves[kind], near->end,
-                                                 cells, chunk->a, chunk->b, count);
+    chunk->count = work->join.kernels->sift_near(kind, &work->sieves[kind],
+                                                 worker->settings->near->end, reach,
+                                                 chunk->a, chunk->b, count);
     return count - chunk->count >= count / FILTER_PAYS_FROM;
+}
+
+/* What was found of the pairs of work->quads is known of their points from now on: a pair
+ * that is farther apart than each of its own can be is not looked for any more. */
+static void tell_marks(struct eng_worker *worker, uint32_t found)
+{
+    struct eng_wide *wide = eng_wide_of(worker->scene);
+    const struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
+    const struct eng_wide_work *work = eng_wide_work_of(worker);
+    double scale = wide->frame_scale * wide->grid.scale;
+    float reach = reach_of(worker);
+    for (uint32_t i = 0; i < found && reach > 0; i++) {
+        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]],
+                           worker->settings->near->end, reach,
+                           eng_wide_cells_of(batch->found[i].lo * scale));
+    }
 }
 
 /* Edges that pass through faces. */
@@ -283,8 +305,12 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
     }
     bool is_sifted = sift_near(worker, kind, chunk);
     make_quads(wide, kind, chunk, work->quads);
-    eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
-                  chunk->count, is_sifted, name_near);
+    uint32_t found =
+        eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
+                      chunk->count, is_sifted, name_near);
+    if (work->sieves[kind].narrows) {
+        tell_marks(worker, found);
+    }
 }
 
 /* ---- what meets at a distance ------------------------------------------------------ */
@@ -400,6 +426,7 @@ void eng_wide_work_begin(struct eng_worker *worker)
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
+        work->sieves[kind].narrows = eng_near_narrows(worker->settings->near);
     }
     for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
         bool in_time =
