@@ -262,17 +262,31 @@ static void result__long_list_keeps_the_first_in_order(void **state)
     }
 }
 
+/* Names whose keys are one word. */
+#define OBJECT_MOST  3u
+#define FEATURE_MOST 0xfffffu
+
+static struct pccd_pair small_name(struct kit_random *random)
+{
+    return (struct pccd_pair){kit_below(random, 2), kit_below(random, OBJECT_MOST + 1),
+                              kit_below(random, FEATURE_MOST + 1),
+                              kit_below(random, OBJECT_MOST + 1),
+                              kit_below(random, FEATURE_MOST + 1)};
+}
+
 /* Records all[count], as many at a time as a random number says. */
 static void add_many(struct eng_found *found, const struct pccd_pair *all, uint32_t count,
                      struct kit_random *random)
 {
-    memset(&found->range.low, 0, sizeof found->range.low);
-    memset(&found->range.high, 0xff, sizeof found->range.high);
+    const struct eng_name_range range = {
+        .high = {{1, OBJECT_MOST, FEATURE_MOST, OBJECT_MOST, FEATURE_MOST}}};
+    assert_true(eng_found_expect(found, &range));
     for (uint32_t k = 0; k < count;) {
         void *slots;
+        uint64_t *keys;
         uint32_t wanted = 1 + kit_below(random, 700);
         wanted = wanted < count - k ? wanted : count - k;
-        uint32_t n = eng_found_open(found, wanted, &slots);
+        uint32_t n = eng_found_open(found, wanted, &slots, &keys);
         assert_in_range(n, 0, wanted);
         if (n == 0) {
             eng_found_add(found, &all[k++]);
@@ -280,6 +294,11 @@ static void add_many(struct eng_found *found, const struct pccd_pair *all, uint3
         }
         n = kit_below(random, 2) ? n : 1 + kit_below(random, n);
         memcpy(slots, &all[k], n * sizeof *all);
+        for (uint32_t i = 0; i < n; i++) {
+            struct eng_name name;
+            memcpy(&name, &all[k + i], sizeof name);
+            keys[i] = eng_order_key(&found->order, &name);
+        }
         eng_found_close(found, n);
         k += n;
     }
@@ -297,7 +316,7 @@ static void result__many_at_a_time_are_kept_as_one_by_one(void **state)
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         begin(lists, sizeof(struct pccd_pair), limits[i]);
         for (uint32_t k = 0; k < count; k++) {
-            all[k] = random_name(&random);
+            all[k] = small_name(&random);
         }
         add_many(&lists->found[0], all, count, &random);
         qsort(all, count, sizeof *all, compare_pairs);
@@ -308,6 +327,16 @@ static void result__many_at_a_time_are_kept_as_one_by_one(void **state)
         assert_int_equal(lists->sorted.count, limits[i]);
         assert_memory_equal(lists->sorted.data, all, limits[i] * sizeof *all);
     }
+}
+
+/* If it failed: names of which a word does not hold the keys would lose bits of these. */
+static void result__keys_of_several_words_are_not_kept(void **state)
+{
+    struct lists *lists = *state;
+    const struct eng_name_range range = {.high = {{1, 3, UINT32_MAX, 3, UINT32_MAX / 2}}};
+    begin(lists, sizeof(struct pccd_pair), LIMIT);
+    assert_false(eng_found_expect(&lists->found[0], &range));
+    assert_false(lists->found[0].has_keys);
 }
 
 /* If it failed: two workers would keep twice what one may. */
@@ -352,6 +381,7 @@ int main(void)
         TEST(result__limit_is_kept_and_told),
         TEST(result__long_list_keeps_the_first_in_order),
         TEST(result__many_at_a_time_are_kept_as_one_by_one),
+        TEST(result__keys_of_several_words_are_not_kept),
         TEST(result__limit_counts_all_workers_together),
         TEST(result__memory_is_used_again),
     };

@@ -20,7 +20,7 @@
 
 /* Edges that were looked up, each at a place of its ends': most are asked for again soon.
  * All zeros: none. */
-#define ENG_EDGES_KNOWN 512u
+#define ENG_EDGES_KNOWN 4096u
 
 struct eng_edges_known {
     struct eng_edge_known {

@@ -95,12 +95,7 @@ static void forget_recent(struct eng_near_work *work)
 void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range *range)
 {
     struct eng_near_work *work = eng_near_work_of(worker);
-    struct eng_order order;
-    eng_order_set(&order, range);
-    work->is_bulk = order.words == 1;
-    if (work->is_bulk) {
-        worker->found.range = *range;
-    }
+    (void)eng_found_expect(&worker->found, range);
     forget_recent(work);
     memset(&work->edges, 0, sizeof work->edges);
     work->least = 2e18;
@@ -138,79 +133,95 @@ static void write_record(struct pccd_near *record, const struct pccd_pair *name,
         .count = 1};
 }
 
-/* Places for up to `count` records, in the list or, for one, wherever eng_found_add has
- * one. Returns how many, at least 1; NULL: a full list says so itself. */
-static uint32_t open_slots(struct eng_worker *worker, const struct pccd_pair *name,
-                           uint32_t count, struct pccd_near **records)
+/* One more record, wherever the list has a place for it; a full one says so itself. */
+static void keep_anywhere(struct eng_worker *worker, const struct pccd_pair *name,
+                          const struct eng_distance *distance)
 {
-    struct eng_near_work *work = eng_near_work_of(worker);
-    void *slots = NULL;
-    uint32_t n = work->is_bulk ? eng_found_open(&worker->found, count, &slots) : 0;
-    if (n > 0) {
-        eng_found_close(&worker->found, n);
-    } else {
-        forget_recent(work); /* they may be moved */
-        slots = eng_found_add(&worker->found, name);
-        n = 1;
+    forget_recent(eng_near_work_of(worker)); /* they may be moved */
+    struct pccd_near *record = eng_found_add(&worker->found, name);
+    if (record) {
+        write_record(record, name, distance);
     }
-    *records = slots;
-    return n;
+}
+
+static uint64_t key_of(const struct eng_found *found, const struct pccd_pair *name)
+{
+    struct eng_name words;
+    memcpy(&words, name, sizeof words);
+    return eng_order_key(&found->order, &words);
 }
 
 static void keep_records(struct eng_worker *worker, const struct pccd_pair *names,
                          const struct eng_distance *distances, uint32_t count)
 {
+    struct eng_found *found = &worker->found;
     for (uint32_t i = 0; i < count;) {
-        struct pccd_near *records;
-        uint32_t n = open_slots(worker, &names[i], count - i, &records);
-        for (uint32_t k = 0; records && k < n; k++) {
+        void *slots;
+        uint64_t *keys;
+        uint32_t n =
+            found->has_keys ? eng_found_open(found, count - i, &slots, &keys) : 0;
+        if (n == 0) {
+            keep_anywhere(worker, &names[i], &distances[i]);
+            i++;
+            continue;
+        }
+        struct pccd_near *records = slots;
+        for (uint32_t k = 0; k < n; k++) {
+            keys[k] = key_of(found, &names[i + k]);
             write_record(&records[k], &names[i + k], &distances[i + k]);
         }
+        eng_found_close(found, n);
         i += n;
     }
 }
 
-/* Where a record of that name was put last. */
-static struct eng_near_recent *recent_of(struct eng_near_work *work,
-                                         const struct pccd_pair *name)
+/* Where a record of that key was put last. */
+static struct eng_near_recent *recent_of(struct eng_near_work *work, uint64_t key)
 {
-    uint32_t sum = (name->feature_a ^ name->object_a << 16) * 0x9e3779b1u +
-                   (name->feature_b ^ name->object_b << 16) * 0x85ebca6bu;
-    return &work->recent[((sum ^ sum >> 15) + name->kind) % ENG_NEAR_RECENT];
-}
-
-static bool are_alike(const struct pccd_pair *a, const struct pccd_pair *b)
-{
-    return ((a->kind ^ b->kind) | (a->feature_a ^ b->feature_a) |
-            (a->feature_b ^ b->feature_b) | (a->object_a ^ b->object_a) |
-            (a->object_b ^ b->object_b)) == 0;
+    return &work->recent[key * 0x9e3779b97f4a7c15u >> (64 - ENG_NEAR_RECENT_BITS)];
 }
 
 /* All that is said of a feature is a function of it alone, so another record of its name
- * only adds to the count of the first. */
-static void keep_feature(struct eng_worker *worker, const struct pccd_pair *name,
-                         const struct eng_distance *distance)
+ * only adds to the count of the first. Which do cannot be foreseen: each is written, to
+ * the place of the next one if it is of no use. */
+static uint32_t write_features(struct eng_near_work *work, const struct eng_found *found,
+                               uint32_t first, uint32_t count, struct pccd_near *records,
+                               uint64_t *keys)
 {
-    struct eng_near_work *work = eng_near_work_of(worker);
-    struct eng_near_recent *recent = recent_of(work, name);
-    struct pccd_near *record;
-    if (recent->record && are_alike(&recent->name, name)) {
+    uint32_t written = 0;
+    for (uint32_t i = first; i < first + count; i++) {
+        uint64_t key = key_of(found, &work->names[i]);
+        struct eng_near_recent *recent = recent_of(work, key);
+        struct pccd_near *record = &records[written];
+        struct pccd_near *const slots[2] = {record, recent->record};
+        bool is_known = recent->record && recent->key == key;
+        write_record(record, &work->names[i], &work->batch.found[i]);
+        record->count = 0;
+        keys[written] = key;
+        *recent = (struct eng_near_recent){key, slots[is_known]};
         recent->record->count++;
-        return;
+        written += !is_known;
     }
-    (void)open_slots(worker, name, 1, &record);
-    if (record) {
-        write_record(record, name, distance);
-        *recent = (struct eng_near_recent){*name, record};
-        work->has_recent = true;
-    }
+    return written;
 }
 
 static void keep_features(struct eng_worker *worker, uint32_t count)
 {
-    const struct eng_near_work *work = eng_near_work_of(worker);
-    for (uint32_t i = 0; i < count; i++) {
-        keep_feature(worker, &work->names[i], &work->batch.found[i]);
+    struct eng_near_work *work = eng_near_work_of(worker);
+    struct eng_found *found = &worker->found;
+    for (uint32_t i = 0; i < count;) {
+        void *slots;
+        uint64_t *keys;
+        uint32_t n =
+            found->has_keys ? eng_found_open(found, count - i, &slots, &keys) : 0;
+        if (n == 0) {
+            keep_anywhere(worker, &work->names[i], &work->batch.found[i]);
+            i++;
+            continue;
+        }
+        eng_found_close(found, write_features(work, found, i, n, slots, keys));
+        work->has_recent = true;
+        i += n;
     }
 }
 

@@ -17,12 +17,13 @@
 #include "worker.h"
 #include "world.h"
 
-/* Records of the last features, by name, to each of which others of its name are added
+/* Records of the last features, by key, to each of which others of its name are added
  * where it is: most of them follow soon. record NULL: none. */
-#define ENG_NEAR_RECENT 256u
+#define ENG_NEAR_RECENT_BITS 10
+#define ENG_NEAR_RECENT      (1u << ENG_NEAR_RECENT_BITS)
 
 struct eng_near_recent {
-    struct pccd_pair name;
+    uint64_t key;
     struct pccd_near *record;
 };
 
@@ -30,7 +31,6 @@ struct eng_near_work {
     struct eng_distances distances;
     struct eng_distance_batch batch;
     struct pccd_pair names[ENG_CHUNK_MAX]; /* of what the batch has found */
-    bool is_bulk;    /* all names are within the range of the worker's list */
     bool has_recent; /* there is any */
     struct eng_near_recent recent[ENG_NEAR_RECENT];
     struct eng_edges_known edges;

@@ -28,6 +28,22 @@ void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
     eng_name_range_init(&found->range);
 }
 
+bool eng_found_expect(struct eng_found *found, const struct eng_name_range *range)
+{
+    assert(found->count == 0 && !found->first);
+    struct eng_order order;
+    eng_order_set(&order, range);
+    found->has_keys = order.words == 1;
+    if (found->has_keys) {
+        found->range = *range;
+        found->order = order;
+        size_t bytes = found->record_bytes + sizeof(uint64_t);
+        found->per_block = (uint32_t)(sizeof found->first->data / bytes);
+        found->per_block -= found->per_block % 2; /* keys begin at 8 bytes */
+    }
+    return found->has_keys;
+}
+
 /* The block that takes the next record, or NULL: no memory. */
 static struct eng_block *open_block(struct eng_found *found)
 {
@@ -59,6 +75,11 @@ static void refill(struct eng_found *found, const unsigned char *sorted, uint64_
     for (struct eng_block *block = found->first; block; block = block->next) {
         block->count = left < found->per_block ? (uint32_t)left : found->per_block;
         memcpy(block->data, sorted, (size_t)block->count * found->record_bytes);
+        for (uint32_t i = 0; i < block->count && found->has_keys; i++) {
+            eng_found_keys(found, block)[i] =
+                eng_order_key_of(&found->order, sorted + (size_t)i * found->record_bytes,
+                                 found->record_bytes);
+        }
         sorted += (size_t)block->count * found->record_bytes;
         left -= block->count;
         if (block->count > 0) {
@@ -122,16 +143,21 @@ void *eng_found_add(struct eng_found *found, const struct pccd_pair *name)
         found->overflowed = true;
         return NULL;
     }
-    eng_name_range_add(&found->range, &words);
+    if (found->has_keys) {
+        eng_found_keys(found, block)[block->count] = eng_order_key(&found->order, &words);
+    } else {
+        eng_name_range_add(&found->range, &words);
+    }
     found->count++;
     unsigned char *record = block->data + (size_t)block->count++ * found->record_bytes;
     eng_name_write(&words, record, found->record_bytes);
     return record;
 }
 
-uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots)
+uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
+                        uint64_t **keys)
 {
-    assert(count >= 1);
+    assert(count >= 1 && found->has_keys);
     uint64_t most = most_of(found);
     if (found->limit == 0 || found->is_cut || found->count >= most) {
         return 0;
@@ -143,6 +169,7 @@ uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots)
     uint32_t room = found->per_block - block->count;
     room = most - found->count < room ? (uint32_t)(most - found->count) : room;
     *slots = block->data + (size_t)block->count * found->record_bytes;
+    *keys = eng_found_keys(found, block) + block->count;
     return count < room ? count : room;
 }
 

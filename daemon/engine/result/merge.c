@@ -241,7 +241,11 @@ static int plan(struct eng_merge *merge)
     }
     int status = reserve_scratch(merge);
     if (status == PCCD_OK) {
-        eng_order_set(&merge->order, &range);
+        if (found->has_keys) {
+            merge->order = found->order;
+        } else {
+            eng_order_set(&merge->order, &range);
+        }
         choose_buckets(merge);
     }
     return status;
@@ -255,8 +259,9 @@ static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *
     struct eng_radix_key *item = merge->other + share->first;
     uint16_t *bucket = merge->buckets + share->first;
     uint32_t bytes = share->found->record_bytes;
-    for (const struct eng_block *block = share->found->first; block;
-         block = block->next) {
+    for (struct eng_block *block = share->found->first; block; block = block->next) {
+        const uint64_t *keys =
+            share->found->has_keys ? eng_found_keys(share->found, block) : NULL;
         if (must_give_up(merge)) {
             return false;
         }
@@ -267,7 +272,8 @@ static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *
             uint32_t n = left < ENG_SPLIT_GROUP ? left : ENG_SPLIT_GROUP;
             for (uint32_t k = 0; k < n; k++) {
                 const unsigned char *record = block->data + (size_t)(i + k) * bytes;
-                key[k] = eng_order_key_of(&merge->order, record, bytes);
+                key[k] =
+                    keys ? keys[i + k] : eng_order_key_of(&merge->order, record, bytes);
                 *item++ = (struct eng_radix_key){key[k], (uintptr_t)record};
             }
             eng_splitters_find(&merge->splitters, key, found);

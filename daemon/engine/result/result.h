@@ -21,7 +21,9 @@ struct eng_found {
     uint32_t per_block;
     uint64_t count;
     struct eng_name_range range; /* of their names, or wider */
-    uint64_t limit;              /* of the answer: of more, the first in order are kept */
+    bool has_keys; /* a block has, behind its records, a key of each by `order` */
+    struct eng_order order;
+    uint64_t limit; /* of the answer: of more, the first in order are kept */
     bool folds;  /* set after begin: records of one name become one whose `reserved`, the
                  * count of a near, is the sum of theirs; else false */
     bool is_cut; /* there were more; none after `cut_at` is kept */
@@ -32,14 +34,28 @@ struct eng_found {
 void eng_found_begin(struct eng_found *found, struct eng_pool *pool,
                      uint32_t record_bytes, uint64_t limit);
 
+/* All names of the list, which is empty, will be within a range. If a word holds their
+ * keys it keeps these from now on; returns whether it does. */
+bool eng_found_expect(struct eng_found *found, const struct eng_name_range *range);
+
+/* Of a list that has_keys: those of a block's records. */
+static inline uint64_t *eng_found_keys(const struct eng_found *found,
+                                       struct eng_block *block)
+{
+    return (uint64_t *)(void *)(block->data +
+                                (size_t)found->per_block * found->record_bytes);
+}
+
 /* One more record, named, for the caller to fill in before the next call. NULL: it comes
  * after `limit` others in order, or memory ran out (overflowed). */
 void *eng_found_add(struct eng_found *found, const struct pccd_pair *name);
 
-/* Slots for the next records, `count` at most and >= 1, for the caller to fill in, names
- * as well: *slots, one after the other; returns how many. Their names must be within
- * `range`. 0: eng_found_add knows what becomes of the next one; it may move records. */
-uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots);
+/* Slots for the next records of a list that has_keys, `count` at most and >= 1, for the
+ * caller to fill in, names as well: *slots, and their keys, *keys, one after the other;
+ * returns how many. 0: eng_found_add knows what becomes of the next one; it may move
+ * records. */
+uint32_t eng_found_open(struct eng_found *found, uint32_t count, void **slots,
+                        uint64_t **keys);
 /* The first `count` of them are there. */
 void eng_found_close(struct eng_found *found, uint32_t count);
 
