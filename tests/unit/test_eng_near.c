@@ -256,6 +256,31 @@ static void near__goes_by_no_staging_that_is_given_up(void **state)
     }
 }
 
+/* If it failed: what came since the last step would be near nothing until the next one,
+ * as the tree over the objects is another one, without boxes; likewise when some went. */
+static void near__sees_what_comes_and_goes_at_rest(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_PAIRS);
+    settings.distance = 0.125;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_sheet(6, 4));
+    uint64_t alone = near_kit_ask(&kit, &settings).count;
+    near_kit_add(&kit, kit_sheet(6, 4.125));
+    uint64_t more = near_kit_ask(&kit, &settings).count - alone;
+    assert_true(more > alone);
+    for (uint32_t i = 2; i < 6; i++) {
+        near_kit_add(&kit, kit_sheet(6, 4 + 0.125 * i));
+        assert_int_equal(near_kit_ask(&kit, &settings).count, alone + i * more);
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_int_equal(eng_scene_remove(kit.scene, kit.idx[i]), PCCD_OK);
+        assert_int_equal(near_kit_ask(&kit, &settings).count, alone + (4 - i) * more);
+    }
+    near_kit_end(&kit);
+}
+
 /* If it failed: the answer of a step would change, or be gone, while its client reads
  * it. */
 static void near__leaves_the_answer_of_the_last_step(void **state)
@@ -424,6 +449,7 @@ int main(void)
         cmocka_unit_test(near__says_whether_anything_crosses_or_touches),
         cmocka_unit_test(near__is_of_the_end_that_was_asked_for),
         cmocka_unit_test(near__goes_by_no_staging_that_is_given_up),
+        cmocka_unit_test(near__sees_what_comes_and_goes_at_rest),
         cmocka_unit_test(near__leaves_the_answer_of_the_last_step),
         cmocka_unit_test(near__asked_once_more_allocates_nothing),
         cmocka_unit_test(near__finds_what_lies_beside_what_shrinks),

@@ -195,6 +195,10 @@ static int prepare(struct eng_team *team, const struct eng_step_settings *settin
         if (status == PCCD_OK) {
             status = eng_build_top(scene);
         }
+        if (status ==
+            PCCD_OK) { /* below them boxes are there: at rest nobody makes more */
+            eng_refit_nodes(scene, eng_trees_of(scene)->top);
+        }
     }
     if (status == PCCD_OK) {
         status = eng_refit_plan_tree(plan, scene, settings->tuning.refit, team->count);
