@@ -7,7 +7,7 @@
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
 bench_names = bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
-    bench/connect bench/thickness
+    bench/connect bench/thickness bench/thin
 check_PROGRAMS += $(bench_names)
 
 # -iquote: bench/compare is no header of C++, <compare> is.
@@ -38,6 +38,7 @@ bench_scenes_sources = \
     bench/scenes/sheets.c \
     bench/scenes/surface.c \
     bench/scenes/surface.h \
+    bench/scenes/thin.c \
     bench/scenes/tumble.c \
     bench/scenes/tumble.h \
     tests/support/data.c \
@@ -71,6 +72,10 @@ bench_slowest_LDADD = $(bench_engine_libs)
 bench_thickness_SOURCES = bench/thickness.c $(bench_engine_sources)
 bench_thickness_CPPFLAGS = $(bench_engine_cppflags)
 bench_thickness_LDADD = $(bench_engine_libs)
+
+bench_thin_SOURCES = bench/thin.c $(bench_engine_sources)
+bench_thin_CPPFLAGS = $(bench_engine_cppflags)
+bench_thin_LDADD = $(bench_engine_libs)
 
 bench_kernels_SOURCES = \
     bench/gather.c \

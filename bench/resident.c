@@ -34,14 +34,24 @@ static struct eng_mesh *make_mesh(const struct bench_frames *frames, uint32_t i)
     const struct bench_object *object = &frames->scene->objects[i];
     struct eng_mesh *mesh;
     uint32_t bad;
-    must(eng_mesh_new(object->vertex_count, object->triangle_count, &mesh),
-         "eng_mesh_new");
+    const struct eng_mesh_counts counts = {object->vertex_count, object->triangle_count,
+                                           object->edge_count, object->point_count};
+    must(eng_mesh_make(&counts, &mesh), "eng_mesh_make");
     must(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, object->vertex_count,
                                  bench_frames_x(frames, 0, i)),
          "eng_mesh_write_vertices");
-    must(eng_mesh_write_triangles(mesh, 0, object->triangle_count, object->triangles,
-                                  &bad),
-         "eng_mesh_write_triangles");
+    if (counts.triangles > 0) {
+        must(eng_mesh_write_triangles(mesh, 0, counts.triangles, object->triangles, &bad),
+             "eng_mesh_write_triangles");
+    }
+    if (counts.edges > 0) {
+        must(eng_mesh_write_edges(mesh, 0, counts.edges, object->edges, &bad),
+             "eng_mesh_write_edges");
+    }
+    if (counts.points > 0) {
+        must(eng_mesh_write_points(mesh, 0, counts.points, object->points, &bad),
+             "eng_mesh_write_points");
+    }
     must(eng_mesh_commit(mesh), "eng_mesh_commit");
     return mesh;
 }

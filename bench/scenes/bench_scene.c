@@ -42,6 +42,7 @@ struct bench_object *bench_scene_add(struct bench_scene *scene, uint32_t vertex_
         grow(scene);
     }
     struct bench_object *object = &scene->objects[scene->object_count++];
+    *object = (struct bench_object){0};
     object->vertex_count = vertex_count;
     object->triangle_count = triangle_count;
     object->triangles = bench_scene_alloc(triangle_count, sizeof *object->triangles);
@@ -133,6 +134,8 @@ void bench_scene_free(struct bench_scene *scene)
 {
     for (uint32_t i = 0; i < scene->object_count; i++) {
         free(scene->objects[i].triangles);
+        free(scene->objects[i].edges);
+        free(scene->objects[i].points);
     }
     free(scene->objects);
     if (scene->free_state) {

@@ -18,6 +18,11 @@ struct bench_object {
     uint32_t triangle_count;
     uint32_t (*triangles)[3];
     uint32_t first_vertex; /* in a frame */
+    /* Named by themselves, in thin.c alone; NULL: none. */
+    uint32_t edge_count;
+    uint32_t point_count;
+    uint32_t (*edges)[2];
+    uint32_t *points;
 };
 
 struct bench_scene {
