@@ -1,4 +1,4 @@
-/* target_mesh.c - any mesh, and a step of it.
+/* target_mesh.c - any mesh, of triangles, edges and points, and a step of it.
  *
  * Room:     tests/fuzz. May include: fuzz_target.h, engine headers.
  * Does:     register, place twice, move by both ways to find candidates and by two
@@ -21,9 +21,12 @@
 struct shape {
     enum pccd_format format;
     uint32_t vertex_count;
-    uint32_t triangle_count;
+    struct eng_mesh_counts counts;
+    double separation;
     uint8_t width;
     uint32_t triangles[TRIANGLES_MAX][3];
+    uint32_t edges[TRIANGLES_MAX][2];
+    uint32_t points[TRIANGLES_MAX];
     double x[3][VERTICES_MAX][3]; /* as registered; both ends of the step */
 };
 
@@ -49,19 +52,39 @@ static double take_coordinate(struct fuzz_input *input, uint8_t width)
     }
 }
 
+static void take_named(struct shape *shape, uint32_t part, const uint32_t v[3])
+{
+    switch (part) {
+    case 0:
+        memcpy(shape->triangles[shape->counts.triangles++], v, 3 * sizeof *v);
+        break;
+    case 1:
+        memcpy(shape->edges[shape->counts.edges++], v, 2 * sizeof *v);
+        break;
+    default:
+        shape->points[shape->counts.points++] = v[0];
+    }
+}
+
 static void take_shape(struct fuzz_input *input, struct shape *shape)
 {
     uint8_t choices = fuzz_take_u8(input);
     shape->width = choices;
     shape->format = choices / 4 % 2 == 0 ? PCCD_FORMAT_F64 : PCCD_FORMAT_F32;
     shape->vertex_count = fuzz_take_u8(input) % VERTICES_MAX + 1;
-    shape->triangle_count = fuzz_take_u8(input) % TRIANGLES_MAX + 1;
-    for (uint32_t i = 0; i < shape->triangle_count * 3; i++) {
-        uint32_t corner = fuzz_take_u8(input);
-        /* One bit of a choice lets indices be out of range. */
-        shape->triangles[i / 3][i % 3] =
-            choices / 8 % 8 == 7 ? corner : corner % shape->vertex_count;
+    shape->separation = choices / 128 % 2 == 0 ? 0 : 0.25;
+    uint32_t named = fuzz_take_u8(input) % TRIANGLES_MAX + 1;
+    for (uint32_t i = 0; i < named; i++) {
+        uint32_t v[3];
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t corner = fuzz_take_u8(input);
+            /* One choice lets indices be out of range. */
+            v[k] = choices / 8 % 8 == 7 ? corner : corner % shape->vertex_count;
+        }
+        /* One bit makes edges and points of some. */
+        take_named(shape, choices / 64 % 2 == 0 ? 0 : i % 3, v);
     }
+    shape->counts.vertices = shape->vertex_count;
     for (uint32_t i = 0; i < 3 * shape->vertex_count * 3; i++) {
         uint32_t vertex = i / 3 % shape->vertex_count;
         shape->x[i / (3 * shape->vertex_count)][vertex][i % 3] =
@@ -94,18 +117,25 @@ static bool is_refusal(int status)
 static bool make_mesh(const struct shape *shape, struct eng_mesh **mesh)
 {
     uint32_t bad = 0;
-    if (is_refusal(eng_mesh_new(shape->vertex_count, shape->triangle_count, mesh))) {
+    if (is_refusal(eng_mesh_make(&shape->counts, mesh))) {
         *mesh = NULL;
         return false;
     }
     int status = eng_mesh_write_vertices(*mesh, shape->format, 0, shape->vertex_count,
                                          positions(shape, 0));
-    if (status == PCCD_OK) {
-        status = eng_mesh_write_triangles(*mesh, 0, shape->triangle_count,
+    if (status == PCCD_OK && shape->counts.triangles > 0) {
+        status = eng_mesh_write_triangles(*mesh, 0, shape->counts.triangles,
                                           shape->triangles, &bad);
+        FUZZ_CHECK(status != PCCD_E_INDEX || bad < shape->counts.triangles);
     }
-    if (status == PCCD_E_INDEX) {
-        FUZZ_CHECK(bad < shape->triangle_count);
+    if (status == PCCD_OK && shape->counts.edges > 0) {
+        status = eng_mesh_write_edges(*mesh, 0, shape->counts.edges, shape->edges, &bad);
+        FUZZ_CHECK(status != PCCD_E_INDEX || bad < shape->counts.edges);
+    }
+    if (status == PCCD_OK && shape->counts.points > 0) {
+        status =
+            eng_mesh_write_points(*mesh, 0, shape->counts.points, shape->points, &bad);
+        FUZZ_CHECK(status != PCCD_E_INDEX || bad < shape->counts.points);
     }
     if (!is_refusal(status)) {
         status = eng_mesh_commit(*mesh);
@@ -149,6 +179,7 @@ static void compare(struct eng_scene *scene, const struct shape *shape,
     struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
     struct eng_step_result all;
     struct eng_step_result other;
+    settings.separation = shape->separation;
     settings.kernels = eng_kernels_of((enum eng_isa)(choices % ENG_ISA_COUNT));
     if (!run(scene, shape, idx, &settings, &all)) {
         return;
