@@ -2,7 +2,8 @@
  *
  * Room:     bench (engine: step.h, scene.h).
  * Does:     take the same step of a cloud above a sheet, with and without pairs within the
- *           cloud, and of hair, by one thread; report times, pairs and contacts.
+ *           cloud, and of hair, by one thread, in turn with a step of cloth-ball; report
+ *           times, pairs and contacts.
  * Does not: judge the answers (tests/unit does).
  * Threads:  one.
  * Source:   thin [NAME], a part of a row's name.
@@ -52,11 +53,66 @@ static void set_objects(const struct thin *row, const struct bench_world *world,
     }
 }
 
-static void measure(const struct thin *row, bool is_smoke)
+/* The step that others are compared with. */
+struct beside {
+    bool is_there;
+    struct bench_scene scene;
+    struct bench_frames frames;
+    struct bench_world world;
+};
+
+static void beside_init(struct beside *beside, const struct bench_options *options)
+{
+    static const char *const names[] = {"cloth-ball", NULL};
+    const struct bench_options all = {.smoke = options->smoke};
+    unsigned i = 0;
+    beside->is_there = bench_next_scene(&all, names, &i, &beside->scene);
+    if (beside->is_there) {
+        bench_frames_init(&beside->frames, &beside->scene, beside->scene.hard_frame);
+        bench_world_init(&beside->world, &beside->frames, NULL);
+    }
+}
+
+static void beside_deinit(struct beside *beside)
+{
+    if (beside->is_there) {
+        bench_world_deinit(&beside->world);
+        bench_frames_deinit(&beside->frames);
+        bench_scene_free(&beside->scene);
+    }
+}
+
+static double beside_step(struct beside *beside)
+{
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result = {0};
+    settings.method = PCCD_METHOD_DEFAULT;
+    bench_world_step(&beside->world, &beside->frames, &settings, &result);
+    return 1e-6 * (double)result.times.step;
+}
+
+static void tell(const struct thin *row, const struct eng_step_result *result)
 {
     static const char *const kinds[PCCD_KIND_COUNT] = {"VF", "EE", "VE", "VV"};
+    bench_number(row->name, "refit", "ms", 1e-6 * (double)result->times.refit);
+    bench_number(row->name, "traversal", "ms", 1e-6 * (double)result->times.traversal);
+    bench_number(row->name, "tests", "ms", 1e-6 * (double)result->times.tests);
+    bench_number(row->name, "merge", "ms", 1e-6 * (double)result->times.merge);
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        bench_number(row->name, kinds[kind], "candidates",
+                     (double)result->counters.candidates[kind]);
+        bench_number(row->name, kinds[kind], "contacts", (double)result->counts[kind]);
+    }
+    bench_number(row->name, "pairs at a distance", "", (double)result->thick.candidates);
+    bench_number(row->name, "by themselves", "", (double)result->thick.survivors);
+    bench_number(row->name, "by integers", "", (double)result->thick.exact);
+}
+
+static void measure(const struct thin *row, struct beside *beside, bool is_smoke)
+{
     struct bench_scene scene = {.name = row->name};
     struct bench_samples ms = {0};
+    struct bench_samples base = {0};
     struct eng_step_result result = {0};
     struct bench_world world;
     struct bench_frames frames;
@@ -72,25 +128,25 @@ static void measure(const struct thin *row, bool is_smoke)
         if (round > 0) {
             bench_add(&ms, 1e-6 * (double)result.times.step);
         }
+        if (beside->is_there) {
+            double step_ms = beside_step(beside);
+            if (round > 0) {
+                bench_add(&base, step_ms);
+            }
+        }
     }
-    bench_row(&(struct bench_row){
-        .scene = row->name, .what = "step", .unit = "ms", .samples = &ms});
-    bench_number(row->name, "refit", "ms", 1e-6 * (double)result.times.refit);
-    bench_number(row->name, "traversal", "ms", 1e-6 * (double)result.times.traversal);
-    bench_number(row->name, "tests", "ms", 1e-6 * (double)result.times.tests);
-    bench_number(row->name, "merge", "ms", 1e-6 * (double)result.times.merge);
-    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        bench_number(row->name, kinds[kind], "candidates",
-                     (double)result.counters.candidates[kind]);
-        bench_number(row->name, kinds[kind], "contacts", (double)result.counts[kind]);
-    }
-    bench_number(row->name, "pairs at a distance", "", (double)result.thick.candidates);
-    bench_number(row->name, "by themselves", "", (double)result.thick.survivors);
-    bench_number(row->name, "by integers", "", (double)result.thick.exact);
+    bench_row(&(struct bench_row){.scene = row->name,
+                                  .what = "step",
+                                  .unit = "ms",
+                                  .samples = &ms,
+                                  .base_name = beside->is_there ? "cloth-ball" : NULL,
+                                  .base = beside->is_there ? &base : NULL});
+    tell(row, &result);
     bench_world_deinit(&world);
     bench_frames_deinit(&frames);
     bench_scene_free(&scene);
     bench_free(&ms);
+    bench_free(&base);
 }
 
 int main(int argc, char **argv)
@@ -100,11 +156,14 @@ int main(int argc, char **argv)
     if (!bench_begin("thin", argc, argv, &options, &status)) {
         return status;
     }
+    struct beside beside;
+    beside_init(&beside, &options);
     bench_heading("thin");
     for (size_t i = 0; i < ROWS; i++) {
         if (bench_is_wanted(&options, rows[i].name)) {
-            measure(&rows[i], options.smoke);
+            measure(&rows[i], &beside, options.smoke);
         }
     }
+    beside_deinit(&beside);
     return bench_end();
 }
