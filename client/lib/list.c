@@ -220,6 +220,8 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
             .objects = result.objects,
             .committed = result.committed,
             .replacing = result.replacing,
+            .edge_count = result.edge_count,
+            .point_count = result.point_count,
         };
 
         each(context, &info);

@@ -84,6 +84,7 @@ struct pccd_registered_mesh {
     uint64_t objects; /* made of it */
     bool committed;   /* it can be used */
     bool replacing;   /* another shape of it is announced */
+    uint32_t edge_count, point_count; /* that are named by themselves */
 };
 
 /* Bucket i counts what took less than 2^(10+i) ns and is in no bucket before; the last

@@ -189,6 +189,8 @@ static void daemon__structs_keep_their_layout(void **state)
     AT(pccd_object_info, triangles, 8);
     AT(pccd_registered_mesh, objects, 16);
     AT(pccd_registered_mesh, replacing, 25);
+    AT(pccd_registered_mesh, edge_count, 28);
+    AT(pccd_registered_mesh, point_count, 32);
     SIZE(pccd_histogram_info, 232);
     AT(pccd_histogram_info, bucket, 16);
     VALUE(PCCD_HISTOGRAM_STEPS, 0);

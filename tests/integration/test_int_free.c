@@ -131,6 +131,13 @@ static struct pccd_answer move(struct play *play, double from, double to,
     return answer;
 }
 
+static void note_mesh(void *context, const struct pccd_registered_mesh *info)
+{
+    struct pccd_registered_mesh *meshes = context;
+
+    meshes[meshes[0].mesh != 0] = *info;
+}
+
 /* If it failed, a kind would be lost or invented on its way to a client, or a point that
  * keeps no distance be tested. */
 static void free__meets_in_every_kind(void **state)
@@ -147,6 +154,10 @@ static void free__meets_in_every_kind(void **state)
     assert_int_equal(info.free_edge_count, 2);
     assert_int_equal(info.free_point_count, 1);
     assert_int_equal(info.isolated_count, 0);
+    struct pccd_registered_mesh listed[2] = {{.mesh = 0}};
+    assert_int_equal(pccd_list_meshes(play.client, 0, note_mesh, listed), 0);
+    assert_true(listed[0].edge_count == 2 && listed[0].point_count == 2);
+    assert_true(listed[1].edge_count == 1 && listed[1].point_count == 3);
     struct pccd_answer answer = move(&play, 1, -1, 0.25, contacts);
     assert_int_equal(answer.total, 4);
     for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {

@@ -217,10 +217,12 @@ static void print_mesh(void *context, const struct pccd_registered_mesh *info)
     }
     json_array_append_new(
         printer->array,
-        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b}", "session",
+        json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:b, s:b}", "session",
                   (json_int_t)printer->session, "mesh", (json_int_t)info->mesh,
                   "vertices", (json_int_t)info->vertex_count, "triangles",
-                  (json_int_t)info->triangle_count, "objects", (json_int_t)info->objects,
+                  (json_int_t)info->triangle_count, "named_edges",
+                  (json_int_t)info->edge_count, "named_points",
+                  (json_int_t)info->point_count, "objects", (json_int_t)info->objects,
                   "generation", (json_int_t)info->generation, "committed",
                   info->committed, "replacing", info->replacing));
 }
