@@ -58,14 +58,19 @@ ENG_FEATURE_INLINE uint32_t eng_feature_count(uint32_t points)
     return points == 3 ? 1 : 3;
 }
 
-/* Does the leaf own its feature k? Its face, if it is a triangle, and of the others those
- * that no leaf before it has. */
+/* Does the leaf own its feature k? Its face, which it has to have (eng_feature_has_face),
+ * and of the others those that no leaf before it has. */
 ENG_FEATURE_INLINE bool eng_feature_is_owned(const struct eng_triangle *triangle,
                                              uint32_t points, uint32_t k)
 {
     return points == 1   ? (triangle->owns & ENG_OWNS_VERTEX(k)) != 0
            : points == 2 ? (triangle->owns & ENG_OWNS_EDGE(k)) != 0
-                         : (triangle->owns & ENG_OWNS_FACE) != 0;
+                         : true;
+}
+
+static inline bool eng_feature_has_face(const struct eng_triangle *triangle)
+{
+    return (triangle->owns & ENG_OWNS_FACE) != 0;
 }
 
 /* Is it a free point, or a free edge? */
@@ -76,7 +81,7 @@ static inline bool eng_feature_is_free_point(const struct eng_triangle *triangle
 
 static inline bool eng_feature_is_free_edge(const struct eng_triangle *triangle)
 {
-    return !(triangle->owns & ENG_OWNS_FACE) && triangle->v[0] != triangle->v[1];
+    return !eng_feature_has_face(triangle) && triangle->v[0] != triangle->v[1];
 }
 
 /* The index of feature k of the triangle below `leaf`. */

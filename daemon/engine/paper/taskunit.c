@@ -193,14 +193,40 @@ HAVE_COMMON(EE, 2, 2)
 HAVE_COMMON(EF, 2, 3)
 #undef HAVE_COMMON
 
+/* Two leaves of which one at least is no triangle. Not inline, so that the code of
+ * triangles is as it is without. */
+static __attribute__((noinline)) void
+mixed_pair(struct eng_worker *worker, const struct eng_node *n, const struct eng_node *m)
+{
+    const struct eng_near_query *near = worker->settings->near;
+    const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
+    bool n_has_face = eng_feature_has_face(&triangles[n->right]);
+    bool m_has_face = eng_feature_has_face(&triangles[m->right]);
+    if (!n_has_face && !m_has_face) {
+        free_pair(worker, n, m);
+        features_against(worker, PCCD_EE, n, m);
+        return;
+    }
+    const struct eng_node *face = n_has_face ? n : m;
+    const struct eng_node *other = n_has_face ? m : n;
+    if (near && near->kinds >> PCCD_EF & 1) {
+        features_against(worker, (enum pccd_kind)PCCD_EF, other, face);
+    }
+    if (!near || near->kinds & 1u << PCCD_VF) {
+        features_against(worker, PCCD_VF, other, face);
+        features_against(worker, PCCD_EE, n, m);
+    }
+}
+
 static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                       const struct eng_node *m)
 {
     const struct eng_near_query *near = worker->settings->near;
     const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
     worker->tally.leaf_pairs++;
-    if (!((triangles[n->right].owns | triangles[m->right].owns) & ENG_OWNS_FACE)) {
-        free_pair(worker, n, m);
+    if (!(triangles[n->right].owns & triangles[m->right].owns & ENG_OWNS_FACE)) {
+        mixed_pair(worker, n, m);
+        return;
     }
     if (near && near->kinds >> PCCD_EF & 1) {
         features_against(worker, (enum pccd_kind)PCCD_EF, n, m);
