@@ -260,8 +260,8 @@ static bool rests(struct eng_thick_work *work, enum pccd_kind kind,
              is_near_at_rest(&work->distances, kind, pair)));
 }
 
-/* The radii of a pair; whether it has a distance. */
-static bool measure(struct eng_worker *worker, enum pccd_kind kind,
+/* The radii of a pair; whether it has a distance, but for its rest. */
+static bool measure(const struct eng_worker *worker, enum pccd_kind kind,
                     const struct eng_point *points, const uint32_t quad[4],
                     double radius[3])
 {
@@ -270,8 +270,7 @@ static bool measure(struct eng_worker *worker, enum pccd_kind kind,
     radius[0] = eng_thickness_radius(pair.object[0], pair.v, sides[0]);
     radius[1] = eng_thickness_radius(pair.object[1], pair.v + sides[0], sides[1]);
     radius[2] = worker->scene->thickness.separation;
-    return (radius[0] > 0 || radius[1] > 0 || radius[2] > 0) &&
-           !rests(eng_thick_work_of(worker), kind, &pair);
+    return radius[0] > 0 || radius[1] > 0 || radius[2] > 0;
 }
 
 /* ---- what is near ------------------------------------------------------------------ */
@@ -319,6 +318,44 @@ bool eng_thick_is_near(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- candidates -------------------------------------------------------------------- */
 
+/* Of the pairs taken: those that may come within r; others meet at no distance at all. */
+static uint32_t leave_beyond(struct eng_worker *worker, enum pccd_kind kind,
+                             const struct eng_point *points, uint32_t taken)
+{
+    struct eng_thick_work *work = eng_thick_work_of(worker);
+    for (uint32_t i = 0; i < taken; i++) {
+        work->reach[i] = eng_thick_reach((const double *)work->radius[i]);
+    }
+    return worker->kernels->stay_beyond(common_kinds[kind].points[0], points,
+                                        (const uint32_t(*)[4])work->quads, taken,
+                                        work->reach, work->left);
+}
+
+/* Of the pairs taken those stay that are not left thin for their rest. To find out takes
+ * longer than most tests, so it is not asked of pairs that stay beyond r: thin or not,
+ * they do not meet. But which are candidates in mode pairs depends on r. */
+static uint32_t leave_resting(struct eng_worker *worker, enum pccd_kind kind,
+                              const struct eng_point *points, uint32_t taken)
+{
+    struct eng_thick_work *work = eng_thick_work_of(worker);
+    bool is_all = worker->settings->mode == PCCD_MODE_PAIRS;
+    uint32_t left = is_all ? taken : leave_beyond(worker, kind, points, taken);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < left; i++) {
+        uint32_t at = is_all ? i : work->left[i];
+        struct pair pair =
+            pair_of(worker->scene, points, work->quads[at], common_kinds[kind].points);
+        if (rests(work, kind, &pair)) {
+            work->is_thin[work->pair[at]] = true;
+            continue;
+        }
+        work->pair[kept] = work->pair[at];
+        memmove(work->quads[kept], work->quads[at], sizeof work->quads[at]);
+        memmove(work->radius[kept++], work->radius[at], sizeof work->radius[at]);
+    }
+    return kept;
+}
+
 uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
                         const struct eng_point *points, const uint32_t (*quads)[4],
                         uint32_t count, eng_names_fn names)
@@ -329,14 +366,20 @@ uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
     assert(count <= ENG_CHUNK_MAX && worker->scene->thickness.is_on);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *quad = quads[i];
-        if (measure(worker, kind, points, quad, work->radius[taken])) {
+        work->is_thin[i] = !measure(worker, kind, points, quad, work->radius[taken]);
+        if (!work->is_thin[i]) {
             memcpy(work->quads[taken], quad, sizeof work->quads[taken]);
             work->pair[taken++] = i;
-        } else {
-            work->rest[rest++] = i;
         }
     }
-    work->candidates += taken;
+    if (worker->scene->thickness.may_rest) {
+        taken = leave_resting(worker, kind, points, taken);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        work->rest[rest] = i;
+        rest += work->is_thin[i];
+    }
+    work->candidates += count - rest;
     if (worker->settings->mode == PCCD_MODE_PAIRS) {
         keep_pairs(worker, kind, points, taken, names);
     } else if (taken > 0) {

@@ -27,6 +27,9 @@ struct eng_thick_work {
     uint32_t pair[ENG_CHUNK_MAX]; /* those that are tested */
     uint32_t quads[ENG_CHUNK_MAX][4];
     double radius[ENG_CHUNK_MAX][3];
+    double reach[ENG_CHUNK_MAX];
+    uint32_t left[ENG_CHUNK_MAX]; /* of those taken, by place */
+    bool is_thin[ENG_CHUNK_MAX];  /* of the candidates: is it left? */
 };
 
 static inline struct eng_thick_work *eng_thick_work_of(const struct eng_worker *worker)
