@@ -255,7 +255,7 @@ struct thick_work {
 };
 
 static void thick_in_chunks(struct thick_work *work, const struct records *records,
-                            const struct bench_candidates *c, struct eng_exact *exact)
+                            const struct bench_candidates *c)
 {
     const struct eng_thick_question question = {
         .kind = c->kind, .tolerance = TOLERANCE, .t_end = 1};
@@ -266,7 +266,7 @@ static void thick_in_chunks(struct thick_work *work, const struct records *recor
         work->contacts += eng_thick_batch_test(eng_kernels(), &question, records->points,
                                                (const uint32_t(*)[4])records->quads + i,
                                                (const double(*)[3])work->radius, n,
-                                               &work->thick, exact, &work->batch);
+                                               &work->thick, &work->batch);
         work->survivors += work->batch.survivors;
     }
 }
@@ -301,7 +301,7 @@ static void measure_thick(const struct bench_work *work, struct bench_candidates
         uint64_t t0 = common_now_ns();
         with_filter(&records, c, exact, &answers);
         uint64_t t1 = common_now_ns();
-        thick_in_chunks(&thick, &records, c, exact);
+        thick_in_chunks(&thick, &records, c);
         uint64_t t2 = common_now_ns();
         if (r > 0) {
             bench_add(&without, (double)(t1 - t0) / c->count);

@@ -92,8 +92,6 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/solvers.h \
     daemon/engine/elementary/thick.c \
     daemon/engine/elementary/thick.h \
-    daemon/engine/elementary/thick_advance.c \
-    daemon/engine/elementary/thick_advance.h \
     daemon/engine/elementary/thick_batch.c \
     daemon/engine/elementary/thick_batch.h \
     daemon/engine/elementary/thick_exact.c \

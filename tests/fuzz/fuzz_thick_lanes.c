@@ -54,7 +54,8 @@ static void make_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
     while (chunk->count < wanted) {
         struct fuzz_thick_case *made = &chunk->cases[chunk->count];
         fuzz_thick_make(&run->prng, 0, made);
-        if ((uint32_t)made->query.query.kind != chunk->question.kind) {
+        if ((uint32_t)made->query.query.kind != chunk->question.kind ||
+            eng_thick_is_thin(chunk->question.kind, made->query.radius)) {
             continue;
         }
         made->query.approach = chunk->question.approach;
@@ -86,10 +87,9 @@ static void fail(struct fuzz_thick_lanes *run, const struct eng_kernels *kernels
 static void compare(struct fuzz_thick_lanes *run, const struct chunk *chunk,
                     const struct eng_kernels *kernels, struct eng_thick_batch *batch)
 {
-    uint32_t count = eng_thick_batch_test(kernels, &chunk->question, chunk->points,
-                                          (const uint32_t(*)[4])chunk->quads,
-                                          (const double(*)[3])chunk->radius, chunk->count,
-                                          &run->thick, &run->contacts, batch);
+    uint32_t count = eng_thick_batch_test(
+        kernels, &chunk->question, chunk->points, (const uint32_t(*)[4])chunk->quads,
+        (const double(*)[3])chunk->radius, chunk->count, &run->thick, batch);
     uint32_t next = 0;
     for (uint32_t i = 0; i < chunk->count; i++) {
         bool is_found = next < count && batch->index[next] == i;
@@ -119,12 +119,12 @@ static void run_chunk(struct fuzz_thick_lanes *run, struct chunk *chunk)
             continue;
         }
         struct eng_thick_batch *batch = &batches[sets > 0];
+        batch->exact = 0;
         compare(run, chunk, kernels, batch);
         run->survivors += batch->survivors;
         run->cases += chunk->count;
         if (batch->survivors != batches[0].survivors ||
-            memcmp(batch->left, batches[0].left,
-                   batch->survivors * sizeof *batch->left) != 0) {
+            batch->exact != batches[0].exact) {
             fail(run, kernels, &chunk->cases[0], "other survivors than the first set");
         }
         sets++;

@@ -225,6 +225,37 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
     say(kernels, what, all);
 }
 
+/* Of all kinds in turn; what comes of it, described. */
+static uint64_t digest_advance(uint64_t before, const struct eng_kernels *kernels,
+                               const struct ground *ground, uint32_t i,
+                               const uint32_t *pairs, uint32_t count)
+{
+    static struct eng_advance advance[PAIRS];
+    static struct eng_hit hits[PAIRS];
+    const struct eng_advance_limits limits = {i % 8 < 4 ? 0 : 0.5, i % 4 < 2 ? 1 : 0.25,
+                                              i % 3 ? 30 : 40};
+    memset(hits, 0, sizeof hits);
+    for (uint32_t k = 0; k < count; k++) {
+        advance[k] = (struct eng_advance){.lo = 0.25 * (pairs[k] % 8)};
+    }
+    kernels->advance(i % 4, ground->points, ground->quads, pairs, count, &limits,
+                     advance);
+    for (uint32_t k = 0; k < count; k++) {
+        const struct eng_advance *own = &advance[k];
+        before = digest(before, &own->now, sizeof own->now);
+        before = digest(before, &own->is_inside, sizeof own->is_inside);
+        before = digest(before, &own->until, sizeof own->until);
+        before = digest(before, &own->cell, sizeof own->cell);
+        hits[k].toi = own->until < 1 ? own->until : 1;
+    }
+    kernels->describe(i % 4, ground->points, ground->quads, pairs, count, hits);
+    for (uint32_t k = 0; k < count; k++) {
+        before = digest(before, hits[k].param, sizeof hits[k].param);
+        before = digest(before, hits[k].normal, sizeof hits[k].normal);
+    }
+    return before;
+}
+
 static void run_tests(const struct eng_kernels *kernels, const struct ground *ground)
 {
     static uint32_t kept[PAIRS];
@@ -232,7 +263,6 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     uint64_t filter = DIGEST_BEGIN;
     uint64_t stay_beyond = DIGEST_BEGIN;
     uint64_t advance = DIGEST_BEGIN;
-    double since[PAIRS];
     double reach[PAIRS];
     for (uint32_t i = 0; i < PAIRS; i++) {
         reach[i] = 0.25 * (i % 8);
@@ -249,15 +279,21 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
                                     reach, kept);
         stay_beyond =
             digest(digest(stay_beyond, &left, sizeof left), kept, left * sizeof *kept);
-        left = kernels->advance(kind, ground->points, ground->quads, kept, left, reach,
-                                i % 4 < 2 ? 1 : 0.25, since);
-        advance = digest(digest(advance, &left, sizeof left), kept, left * sizeof *kept);
-        advance = digest(advance, since, left * sizeof *since);
+        advance = digest_advance(advance, kernels, ground, i, kept, left);
     }
     say(kernels, "apart", apart);
     say(kernels, "filter", filter);
     say(kernels, "stay_beyond", stay_beyond);
     say(kernels, "advance", advance);
+}
+
+static void set_numbers(const struct ground *ground, uint32_t part, uint32_t *a,
+                        uint32_t *b, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++) {
+        a[k] = ground->quads[k][0] % part;
+        b[k] = ground->quads[k][1] % part;
+    }
 }
 
 /* Grids that hold all but the last quarter of the points, or nothing. */
@@ -288,10 +324,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             .in_time = i % 7 == 0,
             .cubic_first = i % 2 == 0};
         uint32_t count = PAIRS - i;
-        for (uint32_t k = 0; k < count; k++) {
-            a[k] = ground->quads[k][0] % part;
-            b[k] = ground->quads[k][1] % part;
-        }
+        set_numbers(ground, part, a, b, count);
         count = kernels->sift(i % 4 < 2 ? PCCD_VF : PCCD_EE, &sieve, a, b, count);
         sift = digest(digest(sift, &count, sizeof count), a, count * sizeof *a);
         sift = digest(sift, b, count * sizeof *b);

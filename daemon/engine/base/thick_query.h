@@ -15,15 +15,18 @@ struct eng_thick_query {
     struct eng_query query;
     double radius[3]; /* each 0 .. 1e18: of feature a, of feature b, the separation */
     double approach;  /* 0, or 0 < approach < 1 */
-    /* The distance is known to be more than r before that time; 0: nothing is known. Of
-     * use to doubles; no answer depends on it. */
-    double since;
 };
 
-/* Not below the sum of the three, whose additions round. */
+/* Within 2 u of the sum of the three. */
+static inline double eng_thick_sum(const double radius[3])
+{
+    return radius[0] + radius[1] + radius[2];
+}
+
+/* Not below the sum. */
 static inline double eng_thick_reach(const double radius[3])
 {
-    return (radius[0] + radius[1] + radius[2]) * (1 + 4 * ENG_U);
+    return eng_thick_sum(radius) * (1 + 4 * ENG_U);
 }
 
 #endif

@@ -13,7 +13,6 @@
 #include "kernel.h"
 #include "kinds.h"
 #include "solve.h"
-#include "thick_advance.h"
 
 /* Cells are at most 2^-30 long whatever the tolerance: who advances to a contact wants to
  * come near. */
@@ -31,8 +30,7 @@ void eng_thick_deinit(struct eng_thick *thick)
     eng_thick_exact_deinit(&thick->exact);
 }
 
-/* The depth of the longest cells that are not longer than the tolerance. */
-static int depth_of(double tolerance)
+int eng_thick_depth(double tolerance)
 {
     int exponent;
     double fraction = frexp(tolerance, &exponent); /* tolerance = fraction 2^exponent */
@@ -48,60 +46,60 @@ static void set_cell(struct eng_hit *hit, int64_t cell, int depth)
     hit->toi_hi = eng_thick_cell_begin(cell + 1, depth);
 }
 
-/* Of a pair that integers gave up: before which time a batch would know of no contact; 2:
- * of none at all. */
-static double reached_in_lanes(const struct eng_thick_query *query)
+/* ---- the points of a query, as kernels have them ----------------------------------- */
+
+static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
+static const uint32_t pairs[1] = {0};
+
+static const struct eng_kernels *set_points(const struct eng_query *query,
+                                            struct eng_point points[4])
 {
-    static const uint32_t quads[1][4] = {{0, 1, 2, 3}};
-    const struct eng_kernels *kernels = eng_kernels_of(ENG_ISA_SCALAR);
-    uint32_t kind = (uint32_t)query->query.kind;
+    for (int i = 0; i < 4; i++) {
+        memcpy(points[i].x0, query->x[0][i], sizeof points[i].x0);
+        memcpy(points[i].x1, query->x[1][i], sizeof points[i].x1);
+    }
+    return eng_kernels_of(ENG_ISA_SCALAR);
+}
+
+/* By doubles. */
+static void advance_alone(const struct eng_thick_query *query, int depth, double t_end,
+                          struct eng_advance *advance)
+{
+    struct eng_point points[4];
+    const struct eng_kernels *kernels = set_points(&query->query, points);
+    const struct eng_advance_limits limits = {query->approach, t_end, depth};
+    *advance = (struct eng_advance){.lo = eng_thick_sum(query->radius)};
+    kernels->advance((uint32_t)query->query.kind, points, quads, pairs, 1, &limits,
+                     advance);
+}
+
+/* Of a pair that integers gave up: would a chunk have left it out? */
+static bool stays_beyond(const struct eng_thick_query *query)
+{
     struct eng_point points[4];
     uint32_t kept;
-    double since = 0;
+    const struct eng_kernels *kernels = set_points(&query->query, points);
     double reach = eng_thick_reach(query->radius);
-    for (int i = 0; i < 4; i++) {
-        memcpy(points[i].x0, query->query.x[0][i], sizeof points[i].x0);
-        memcpy(points[i].x1, query->query.x[1][i], sizeof points[i].x1);
-    }
-    uint32_t left = kernels->stay_beyond(common_kinds[kind].points[0], points, quads, 1,
-                                         &reach, &kept);
-    if (left > 0 && (kind == PCCD_VF || kind == PCCD_EE)) {
-        left = kernels->advance((enum pccd_kind)kind, points, quads, &kept, left, &reach,
-                                1, &since);
-    }
-    return left > 0 ? since : 2;
+    return kernels->stay_beyond(common_kinds[(uint32_t)query->query.kind].points[0],
+                                points, quads, 1, &reach, &kept) == 0;
 }
 
-/* The same of doubles by themselves. */
-static double reached_alone(const struct eng_thick_query *query, int depth)
-{
-    struct eng_thick_motion motion;
-    struct eng_thick_advance advance = {0};
-    eng_thick_motion_load(&motion, query);
-    (void)eng_thick_advance(&motion, query->approach, depth, 0, 1, &advance);
-    return advance.reached;
-}
+/* ---- decisions --------------------------------------------------------------------- */
 
-/* By integers. */
 static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query *query,
-                           int depth, struct eng_hit *hit)
+                           const struct eng_advance *advance, int depth,
+                           struct eng_hit *hit)
 {
     struct eng_thick_verdict verdict;
     eng_thick_exact_decide(&thick->exact, query, depth, &verdict);
     thick->decided[ENG_THICK_BY_INTEGERS]++;
-    if (verdict.found == ENG_THICK_NONE) {
+    if (verdict.found == ENG_THICK_NONE ||
+        (verdict.found == ENG_THICK_GIVEN_UP && stays_beyond(query))) {
         return false;
     }
     if (verdict.found == ENG_THICK_GIVEN_UP) {
-        double reached = reached_in_lanes(query);
-        if (reached > 1) {
-            return false;
-        }
-        if (thick->first == ENG_THICK_BY_DOUBLES) {
-            reached = fmax(reached, reached_alone(query, depth));
-        }
         thick->possible++;
-        *hit = (struct eng_hit){.toi = reached, .toi_hi = 1};
+        *hit = (struct eng_hit){.toi = advance->until, .toi_hi = 1};
     } else if (verdict.is_initial) {
         *hit = (struct eng_hit){.flags = PCCD_PROVED | PCCD_INITIAL};
     } else {
@@ -111,56 +109,58 @@ static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query
     return true;
 }
 
-static bool solve(struct eng_thick *thick, const struct eng_thick_query *query,
-                  struct eng_thick_motion *motion, int depth, double t_end,
-                  struct eng_hit *hit)
+bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *query,
+                      const struct eng_advance *advance, double tolerance, double t_end,
+                      struct eng_hit *hit)
 {
-    struct eng_thick_advance advance = {0};
-    enum eng_thick_advanced advanced =
-        thick->first == ENG_THICK_BY_DOUBLES
-            ? eng_thick_advance(motion, query->approach, depth, query->since, t_end,
-                                &advance)
-            : ENG_THICK_UNSURE;
-    thick->decided[ENG_THICK_BY_DOUBLES] += advanced != ENG_THICK_UNSURE;
-    switch (advanced) {
-    case ENG_THICK_MISSES:
+    int depth = eng_thick_depth(tolerance);
+    struct eng_hit found = {0};
+    thick->decided[ENG_THICK_BY_DOUBLES] += advance->now != ENG_ADVANCE_OPEN;
+    switch ((enum eng_advanced)advance->now) {
+    case ENG_ADVANCE_MISSES:
         return false;
-    case ENG_THICK_INITIALLY:
-        *hit = (struct eng_hit){.flags = PCCD_PROVED | PCCD_INITIAL};
-        return true;
-    case ENG_THICK_MEETS:
-        set_cell(hit, advance.cell, depth);
-        hit->flags |= advance.is_inside ? PCCD_INSIDE : 0;
-        return true;
-    case ENG_THICK_UNSURE:
+    case ENG_ADVANCE_INITIALLY:
+        found.flags = PCCD_PROVED | PCCD_INITIAL;
         break;
+    case ENG_ADVANCE_MEETS:
+        set_cell(&found, (int64_t)advance->cell, depth);
+        found.flags |= advance->is_inside ? PCCD_INSIDE : 0;
+        break;
+    case ENG_ADVANCE_OPEN:
+        if (!decide_exactly(thick, query, advance, depth, &found)) {
+            return false;
+        }
     }
-    return decide_exactly(thick, query, depth, hit);
+    *hit = found;
+    return found.toi <= t_end;
 }
 
-static bool is_contact(const struct eng_thick_query *query)
+bool eng_thick_is_thin(uint32_t kind, const double radius[3])
 {
-    return query->radius[0] == 0 && query->radius[1] == 0 && query->radius[2] == 0 &&
-           ((uint32_t)query->query.kind == PCCD_VF ||
-            (uint32_t)query->query.kind == PCCD_EE);
+    return radius[0] == 0 && radius[1] == 0 && radius[2] == 0 &&
+           (kind == PCCD_VF || kind == PCCD_EE);
 }
 
 bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
                      const struct eng_thick_query *query, double tolerance, double t_end,
                      struct eng_hit *hit)
 {
+    uint32_t kind = (uint32_t)query->query.kind;
+    struct eng_point points[4];
+    struct eng_advance advance;
+    struct eng_hit found;
     assert(query->approach >= 0 && query->approach < 1);
-    if (is_contact(query)) {
+    if (eng_thick_is_thin(kind, query->radius)) {
         return eng_solve(&query->query, tolerance, t_end, contacts, hit);
     }
-    struct eng_thick_motion motion;
-    struct eng_hit found = {0};
-    int depth = depth_of(tolerance);
-    eng_thick_motion_load(&motion, query);
-    if (!solve(thick, query, &motion, depth, t_end, &found) || found.toi > t_end) {
+    advance_alone(query, eng_thick_depth(tolerance), t_end, &advance);
+    if (thick->first == ENG_THICK_BY_INTEGERS) {
+        advance.now = ENG_ADVANCE_OPEN;
+    }
+    if (!eng_thick_decide(thick, query, &advance, tolerance, t_end, &found)) {
         return false;
     }
-    eng_thick_describe(&motion, (uint32_t)query->query.kind, found.toi, &found);
+    set_points(&query->query, points)->describe(kind, points, quads, pairs, 1, &found);
     *hit = found;
     return true;
 }

@@ -1,7 +1,8 @@
 /* daemon/engine/elementary/thick.h - the elementary test of thickness: do two features
  * come within a distance of each other during the step, and when first?
  *
- * Room:     engine. May include: exact.h, thick_exact.h, thick_query.h.
+ * Room:     engine. May include: exact.h, kernel.h, thick_exact.h,
+ *           thick_query.h.
  * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
  *           margins, and by integers where they are not sure. A miss is certain, a
  *           contact exists; only what exhausts integers' bounds is `possible`.
@@ -33,6 +34,7 @@
 #define ENG_THICK_H
 
 #include "exact.h"
+#include "kernel.h"
 #include "thick_exact.h"
 #include "thick_query.h"
 
@@ -59,5 +61,20 @@ void eng_thick_deinit(struct eng_thick *thick);
 bool eng_thick_solve(struct eng_thick *thick, struct eng_exact *contacts,
                      const struct eng_thick_query *query, double tolerance, double t_end,
                      struct eng_hit *hit);
+
+/* ---- in parts, for thick_batch.h --------------------------------------------------- */
+
+/* The depth of the longest cells that are not longer than the tolerance. */
+int eng_thick_depth(double tolerance);
+
+/* VF and EE with r = 0: what eng_solve decides. */
+bool eng_thick_is_thin(uint32_t kind, const double radius[3]);
+
+/* As eng_thick_solve of a query that is not thin, but for param and normal. `advance`:
+ * what the kernel said of it, up to t_end and by eng_thick_depth; the query is looked at
+ * if that is OPEN. */
+bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *query,
+                      const struct eng_advance *advance, double tolerance, double t_end,
+                      struct eng_hit *hit);
 
 #endif

@@ -14,6 +14,8 @@
 #include "kernel.h"
 #include "thick.h"
 
+static_assert(ENG_CHUNK_MAX <= ENG_ADVANCE_MAX, "the kernel takes a chunk at a time");
+
 struct eng_thick_question {
     uint32_t kind; /* PCCD_VF, PCCD_EE, PCCD_VE or PCCD_VV */
     double tolerance;
@@ -23,8 +25,7 @@ struct eng_thick_question {
 
 struct eng_thick_batch {
     /* Set by the owner, or NULL: never. Called after each pair that took integers, which
-     * is 2 ms at most, and now and then among others; true: the rest of the chunk is left
-     * out. */
+     * is 2 ms at most; true: the rest of the chunk is left out. */
     bool (*should_stop)(void *owner);
     void *owner;
     uint32_t survivors;            /* pairs that the kernels did not reject */
@@ -33,18 +34,16 @@ struct eng_thick_batch {
     struct eng_hit hits[ENG_CHUNK_MAX];
     uint32_t left[ENG_CHUNK_MAX]; /* scratch */
     double reach[ENG_CHUNK_MAX];
-    double since[ENG_CHUNK_MAX]; /* of those left, as in struct eng_thick_query */
+    struct eng_advance advance[ENG_CHUNK_MAX]; /* of those left */
 };
 
 /* Test `count` pairs, at most ENG_CHUNK_MAX. quads: indices into `points`, as in
- * batch.h; radius: of each pair, as in struct eng_thick_query. Returns how many have a
- * contact that begins before or at t_end. Chunks of VF and EE in which no pair has a
- * radius are quicker by eng_batch_test, whose answers are the same. */
+ * batch.h; radius: of each pair, as in struct eng_thick_query; no pair is thin (thick.h).
+ * Returns how many have a contact that begins before or at t_end. */
 uint32_t eng_thick_batch_test(const struct eng_kernels *kernels,
                               const struct eng_thick_question *question,
                               const struct eng_point *points, const uint32_t (*quads)[4],
                               const double (*radius)[3], uint32_t count,
-                              struct eng_thick *thick, struct eng_exact *contacts,
-                              struct eng_thick_batch *batch);
+                              struct eng_thick *thick, struct eng_thick_batch *batch);
 
 #endif

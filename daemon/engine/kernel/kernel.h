@@ -69,6 +69,31 @@ struct eng_crossed {
     uint32_t *open;  /* nobody knows of these */
 };
 
+/* What `advance` says of a pair of thick features (elementary/thick.h). */
+enum eng_advanced {
+    ENG_ADVANCE_OPEN,      /* there is no contact before `until` */
+    ENG_ADVANCE_MISSES,    /* no contact, or none that begins before or at t_end */
+    ENG_ADVANCE_INITIALLY, /* d(0) <= r, and no approach is asked for */
+    ENG_ADVANCE_MEETS      /* in `cell` */
+};
+
+struct eng_advance {
+    double until;      /* 0 at first; before that time the pair is farther apart than r */
+    double lo, hi;     /* before: lo is r, rounded. Then the kernel's own */
+    double looked;     /* its own, too */
+    double cell;       /* its number (thick_roots.h) */
+    uint8_t now;       /* enum eng_advanced */
+    uint8_t is_inside; /* d(0) <= r; 0 at first */
+};
+
+struct eng_advance_limits {
+    double approach; /* thick.h */
+    double t_end;
+    int depth; /* of cells */
+};
+
+#define ENG_ADVANCE_MAX 1024u
+
 struct eng_kernels {
     enum eng_isa isa;
     const char *name; /* as in PCCD_CPU */
@@ -186,12 +211,17 @@ struct eng_kernels {
                             const uint32_t (*quads)[4], uint32_t count,
                             const double *reach, uint32_t *kept);
 
-    /* The same of VF and EE, of pairs[count], which is changed: those stay, in their
-     * order, that are not certainly farther apart than reach[pair] up to t_end; until
-     * since[..] they are. Returns how many. */
-    uint32_t (*advance)(enum pccd_kind kind, const struct eng_point *points,
-                        const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
-                        const double *reach, double t_end, double *since);
+    /* What becomes of pairs[count], at most ENG_ADVANCE_MAX, of VF, EE, VE or VV: to
+     * advance[count], where `lo` and what its comment asks for are set. What is said of a
+     * pair does not depend on the others. */
+    void (*advance)(uint32_t kind, const struct eng_point *points,
+                    const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+                    const struct eng_advance_limits *limits, struct eng_advance *advance);
+    /* param and normal of contacts of these kinds, at their toi: hits[i] is of
+     * pairs[i]. */
+    void (*describe)(uint32_t kind, const struct eng_point *points,
+                     const uint32_t (*quads)[4], const uint32_t *pairs, uint32_t count,
+                     struct eng_hit *hits);
 
     /* Edges and faces, indices as the points of eng_distance_crosses: append to `out`. */
     void (*cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],

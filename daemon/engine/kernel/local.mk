@@ -5,6 +5,7 @@
 
 kernel_sources = \
     daemon/engine/kernel/across.h \
+    daemon/engine/kernel/advance.c \
     daemon/engine/kernel/apart.c \
     daemon/engine/kernel/axes.h \
     daemon/engine/kernel/begin.h \
@@ -54,6 +55,9 @@ kernel_sources = \
     daemon/engine/kernel/still.h \
     daemon/engine/kernel/table.c \
     daemon/engine/kernel/table.h \
+    daemon/engine/kernel/thick_cells.h \
+    daemon/engine/kernel/thick_motion.h \
+    daemon/engine/kernel/thick_way.h \
     daemon/engine/kernel/times.h \
     daemon/engine/kernel/vectors.h \
     daemon/engine/kernel/within.c

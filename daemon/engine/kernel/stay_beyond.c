@@ -6,15 +6,12 @@
  *           more than r beyond all points of the other, at both ends and so all over the
  *           step: the axes, the face diagonals, across both features and between their
  *           middles as they lie half way, or planes that turn with them; or of which no
- *           time is left when all axes are asked. Say until when other pairs certainly
- *           stay so far apart, along the way between their nearest points and by those
- *           planes, from one time to the next.
+ *           time is left when all axes are asked.
  * Threads:  [any].
  * Source:   BOUNDS.md, "Thick features in lanes".
  */
+#include "across.h"
 #include "directions.h"
-#include "place_edges.h"
-#include "place_face.h"
 #include "points.h"
 #include "table.h"
 #include "times.h"
@@ -164,14 +161,6 @@ ENG_INLINE struct sides sides_at_end(const struct pairs *pairs, int end)
                           eng_v_sub(d[pairs->count == 3 ? 2 : 1], d[0])};
 }
 
-ENG_INLINE struct sides sides_at(const struct sides ends[2], eng_d t)
-{
-    eng_d s = 1 - t;
-    return (struct sides){eng_v_mix(s, ends[0].w, t, ends[1].w),
-                          eng_v_mix(s, ends[0].u, t, ends[1].u),
-                          eng_v_mix(s, ends[0].v, t, ends[1].v)};
-}
-
 /* A cubic by its Bernstein coefficients between two times, those in the middle three
  * times: w . n, n = u x v, and what of it is certainly at most r |n| in magnitude. */
 struct heights {
@@ -216,167 +205,6 @@ ENG_INLINE eng_dm beyond_by_planes(const struct pairs *pairs)
         below = eng_dm_and(below, eng_d_less(heights.value[i], -heights.least[i]));
     }
     return eng_dm_and(eng_is_in_range(pairs->size), eng_dm_or(above, below));
-}
-
-/* Up to which part of the interval the distance of the planes is certainly more than r:
- * it is not below the line from the first coefficient to that of the others to which it
- * falls fastest. 1: all of it; 0: none. `fall`: how fast it falls at first. */
-ENG_INLINE eng_d part_beyond(const struct heights *heights, eng_d *fall)
-{
-    const eng_d zero = {0};
-    eng_dm is_turned = eng_d_less(heights->value[0], zero);
-    eng_d h[4];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++) {
-        eng_d value = eng_d_select(is_turned, -heights->value[i], heights->value[i]);
-        h[i] = value - heights->least[i];
-        if (i == 1 || i == 2) {
-            h[i] *= 1 / 3.0;
-        }
-    }
-    eng_dm all =
-        eng_d_less(zero, eng_d_min(eng_d_min(h[0], h[1]), eng_d_min(h[2], h[3])));
-    eng_d part = zero + 1;
-#pragma GCC unroll 3
-    for (int i = 1; i < 4; i++) {
-        eng_d at = (i / 3.0) * (h[0] / (h[0] - h[i]));
-        part = eng_d_select(eng_d_less(h[i], h[0]), eng_d_min(part, at), part);
-    }
-    part = eng_d_select(all, zero + 1, part);
-    *fall = (h[0] - h[1]) / h[0];
-    return eng_d_select(eng_d_less(zero, h[0]), part, zero);
-}
-
-/* ---- one after the other ----------------------------------------------------------- */
-
-/* From feature b to a at a time, about where they are nearest; m: the differences then.
- * Any vector would do. */
-ENG_INLINE struct eng_v way_between(enum pccd_kind kind, const struct eng_v *m)
-{
-    const eng_d none = {0};
-    const struct eng_v zero = {none, none, none};
-    bool is_vf = kind == PCCD_VF;
-    struct eng_v x[4] = {zero, is_vf ? eng_v_sub(zero, m[0]) : eng_v_sub(m[2], m[0]),
-                         eng_v_sub(zero, m[is_vf ? 1 : 0]),
-                         eng_v_sub(zero, m[is_vf ? 2 : 1])};
-    struct eng_parts parts = is_vf ? eng_place_vf(x) : eng_place_ee(x);
-    eng_d along = eng_v_dot(parts.w, parts.e) / eng_v_dot(parts.e, parts.e);
-    struct eng_v foot = eng_v_sub(parts.w, eng_v_times(along, parts.e));
-    struct eng_v way = eng_v_select(parts.foot, foot, parts.w);
-    way = eng_v_select(parts.inside, parts.n.v, way);
-    eng_dm is_turned = eng_d_less(eng_v_dot(way, m[0]), zero.x);
-    return eng_v_select(is_turned, eng_v_sub(zero, way), way);
-}
-
-/* Until when features that are farther apart than r up to t are so, along g. */
-ENG_INLINE eng_d beyond_until(const struct pairs *pairs, struct eng_v g, eng_d t)
-{
-    const eng_d zero = {0};
-    struct eng_v sizes = eng_v_abs(g);
-    eng_d gg = eng_v_dot(g, g);
-    eng_d reach = eng_d_sqrt(gg) * (1 + 8 * ENG_U) * pairs->reach +
-                  8 * ENG_U * (sizes.x + sizes.y + sizes.z) * pairs->size;
-    eng_d until = zero + 2;
-    eng_dm good = eng_d_at_most(eng_d_all(ENG_SQUARE_MIN), gg);
-#pragma GCC unroll 4
-    for (int k = 0; k < pairs->count; k++) {
-        eng_d a0 = eng_v_dot(g, pairs->d[0][k]) - reach;
-        eng_d a1 = eng_v_dot(g, pairs->d[1][k]) - reach;
-        eng_d at = a0 / (a0 - a1);
-        eng_dm begins = eng_d_less(zero, a0);
-        eng_dm ends = eng_d_less(zero, a1);
-        eng_dm is_late = eng_dm_and(ends, eng_d_less(at * (1 + 8 * ENG_U), t));
-        good = eng_dm_and(good, eng_dm_or(begins, is_late));
-        until = eng_d_select(eng_dm_and(begins, eng_dm_not(ends)),
-                             eng_d_min(until, at * (1 - 8 * ENG_U)), until);
-    }
-    return eng_d_select(good, until, t);
-}
-
-/* The same by planes, which turn: up to t = 1, or nearby, where they are almost linear:
- * twice as far as it takes if they go on like this. */
-ENG_INLINE eng_d planes_until(const struct pairs *pairs, const struct sides ends[2],
-                              eng_d t)
-{
-    const eng_d zero = {0};
-    struct sides from = sides_at(ends, t);
-    struct heights heights = heights_between(pairs, &from, &ends[1]);
-    eng_d fall;
-    eng_d part = part_beyond(&heights, &fall);
-    eng_dm all = eng_d_at_most(zero + 1, part);
-    eng_d ahead = (1 - t) * (2 / 3.0) / fall;
-    eng_d end =
-        eng_d_select(eng_d_less(zero, fall), eng_d_min(t + ahead, zero + 1), zero + 1);
-    struct sides to = sides_at(ends, end);
-    heights = heights_between(pairs, &from, &to);
-    part = part_beyond(&heights, &fall);
-    eng_d until = (t + part * (end - t)) * (1 - 16 * ENG_U);
-    return eng_d_select(all, zero + 2, until);
-}
-
-/* A stride that is not worth another turn, and turns. */
-#define STRIDE_LEAST 0x1p-10
-#define TURNS_MAX    10
-
-/* Until when each pair is certainly farther apart than r; beyond 1: all over the step.
- * What a lane says does not depend on the others. */
-ENG_INLINE eng_d advance_group(enum pccd_kind kind, const struct pairs *pairs)
-{
-    const eng_d zero = {0};
-    const struct sides ends[2] = {sides_at_end(pairs, 0), sides_at_end(pairs, 1)};
-    eng_d t = zero;
-    eng_dm goes_on = eng_is_in_range(pairs->size);
-    for (int turn = 0; turn < TURNS_MAX && eng_dm_bits(goes_on) != 0; turn++) {
-        struct eng_v m[DIFFERENCES_MAX];
-#pragma GCC unroll 4
-        for (int k = 0; k < pairs->count; k++) {
-            m[k] = eng_v_mix(1 - t, pairs->d[0][k], t, pairs->d[1][k]);
-        }
-        eng_d next = beyond_until(pairs, way_between(kind, m), t);
-        next = eng_d_max(next, planes_until(pairs, ends, t));
-        eng_d stride = next - t;
-        t = eng_d_select(eng_dm_and(goes_on, eng_d_less(zero, stride)), next, t);
-        goes_on = eng_dm_and(goes_on, eng_d_less(eng_d_all(STRIDE_LEAST), stride));
-        goes_on = eng_dm_and(goes_on, eng_d_less(t, zero + 1));
-    }
-    return t;
-}
-
-ENG_INLINE uint32_t advance(enum pccd_kind kind, const struct eng_point *points,
-                            const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
-                            const double *reach, double t_end, double *since)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i += ENG_D_LANES) {
-        uint32_t n = count - i < ENG_D_LANES ? count - i : ENG_D_LANES;
-        double own[ENG_D_LANES];
-        double until[ENG_D_LANES];
-        struct eng_group group = eng_group_of(points, quads, pairs + i, n);
-#pragma GCC unroll 8
-        for (uint32_t lane = 0; lane < ENG_D_LANES; lane++) {
-            own[lane] = reach[pairs[i + (lane < n ? lane : 0)]];
-        }
-        struct pairs loaded = load(common_kinds[kind].points[0], &group, own);
-        eng_d t = advance_group(kind, &loaded);
-        memcpy(until, &t, sizeof until);
-        for (uint32_t lane = 0; lane < n; lane++) {
-            /* Cells of time are 2^-30 long at most. */
-            if (until[lane] < 1 && until[lane] <= t_end + 0x1p-29) {
-                pairs[kept] = pairs[i + lane];
-                since[kept++] = until[lane];
-            }
-        }
-    }
-    return kept;
-}
-
-uint32_t ENG_KERNEL(advance)(enum pccd_kind kind, const struct eng_point *points,
-                             const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
-                             const double *reach, double t_end, double *since)
-{
-    return kind == PCCD_VF
-               ? advance(PCCD_VF, points, quads, pairs, count, reach, t_end, since)
-               : advance(PCCD_EE, points, quads, pairs, count, reach, t_end, since);
 }
 
 /* ---- all over the step ------------------------------------------------------------- */

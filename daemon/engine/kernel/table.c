@@ -37,5 +37,6 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .measure = ENG_KERNEL(measure),
     .stay_beyond = ENG_KERNEL(stay_beyond),
     .advance = ENG_KERNEL(advance),
+    .describe = ENG_KERNEL(describe),
     .cross_faces = ENG_KERNEL(cross_faces),
 };

@@ -70,9 +70,13 @@ void ENG_KERNEL(measure)(enum pccd_kind kind, const struct eng_point *points,
 uint32_t ENG_KERNEL(stay_beyond)(uint32_t points_a, const struct eng_point *points,
                                  const uint32_t (*quads)[4], uint32_t count,
                                  const double *reach, uint32_t *kept);
-uint32_t ENG_KERNEL(advance)(enum pccd_kind kind, const struct eng_point *points,
-                             const uint32_t (*quads)[4], uint32_t *pairs, uint32_t count,
-                             const double *reach, double t_end, double *since);
+void ENG_KERNEL(advance)(uint32_t kind, const struct eng_point *points,
+                         const uint32_t (*quads)[4], const uint32_t *pairs,
+                         uint32_t count, const struct eng_advance_limits *limits,
+                         struct eng_advance *advance);
+void ENG_KERNEL(describe)(uint32_t kind, const struct eng_point *points,
+                          const uint32_t (*quads)[4], const uint32_t *pairs,
+                          uint32_t count, struct eng_hit *hits);
 void ENG_KERNEL(cross_faces)(const struct eng_point *points, const uint32_t (*pairs)[5],
                              uint32_t count, uint32_t end, struct eng_crossed *out);
 

@@ -158,10 +158,9 @@ static void keep_contacts(struct eng_worker *worker, enum pccd_kind kind,
                                                 .tolerance = worker->settings->tolerance,
                                                 .t_end = worker->time_bound,
                                                 .approach = worker->settings->approach};
-    uint32_t hits = eng_thick_batch_test(worker->kernels, &question, points,
-                                         (const uint32_t(*)[4])work->quads,
-                                         (const double(*)[3])work->radius, count,
-                                         &work->thick, &worker->exact, &work->batch);
+    uint32_t hits = eng_thick_batch_test(
+        worker->kernels, &question, points, (const uint32_t(*)[4])work->quads,
+        (const double(*)[3])work->radius, count, &work->thick, &work->batch);
     worker->record.tests += count;
     work->survivors += work->batch.survivors;
     worker->tally.survivors += work->batch.survivors;
