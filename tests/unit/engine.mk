@@ -50,6 +50,7 @@ ENG_TESTS = \
     tests/unit/test_eng_filter \
     tests/unit/test_eng_sieve \
     tests/unit/test_eng_sieve_near \
+    tests/unit/test_eng_sieve_thick \
     tests/unit/test_eng_exact \
     tests/unit/test_eng_nearest \
     tests/unit/test_eng_plane \
@@ -189,6 +190,10 @@ tests_unit_test_eng_sieve_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_sieve_near_SOURCES = tests/unit/test_eng_sieve_near.c
 tests_unit_test_eng_sieve_near_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_sieve_near_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_sieve_thick_SOURCES = tests/unit/test_eng_sieve_thick.c
+tests_unit_test_eng_sieve_thick_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_sieve_thick_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_exact_SOURCES = tests/unit/test_eng_exact.c
 tests_unit_test_eng_exact_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -31,6 +31,12 @@ static uint32_t keep(const struct eng_kernels *kernels,
                      const double (*radius)[3], uint32_t count,
                      struct eng_thick_batch *batch)
 {
+    if (question->is_sifted) {
+        for (uint32_t i = 0; i < count; i++) {
+            batch->left[i] = i;
+        }
+        return count;
+    }
     for (uint32_t i = 0; i < count; i++) {
         batch->reach[i] = eng_thick_reach(radius[i]);
     }

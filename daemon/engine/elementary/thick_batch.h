@@ -21,6 +21,7 @@ struct eng_thick_question {
     double tolerance;
     double t_end; /* as for eng_thick_solve */
     double approach;
+    bool is_sifted; /* to look whether they stay far apart is not worth it */
 };
 
 struct eng_thick_batch {

@@ -211,6 +211,12 @@ struct eng_kernels {
                             const uint32_t (*quads)[4], uint32_t count,
                             const double *reach, uint32_t *kept);
 
+    /* Of pairs of marks, like `sift`: those of VF and EE stay that are not certainly
+     * farther apart than `reach`, in cells of the grid, all over the step. What goes,
+     * `stay_beyond` would reject with any reach that is not more. */
+    uint32_t (*sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
+                           uint32_t *a, uint32_t *b, uint32_t count);
+
     /* What becomes of pairs[count], at most ENG_ADVANCE_MAX, of VF, EE, VE or VV: to
      * advance[count], where `lo` and what its comment asks for are set. What is said of a
      * pair does not depend on the others. */

@@ -124,6 +124,11 @@ ENG_INLINE eng_d eng_d_sqrt(eng_d a)
     return (eng_d)_mm512_sqrt_pd((__m512d)a);
 }
 
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+    return (eng_f)_mm512_sqrt_ps((__m512)a);
+}
+
 #endif
 
 #endif

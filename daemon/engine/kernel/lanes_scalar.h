@@ -178,6 +178,11 @@ ENG_INLINE eng_d eng_d_sqrt(eng_d a)
     return __builtin_sqrt(a);
 }
 
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+    return (eng_f){__builtin_sqrtf(a[0])};
+}
+
 #endif
 
 #endif

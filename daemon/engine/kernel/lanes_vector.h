@@ -4,6 +4,8 @@
  * Room:     engine. May include: lane_types.h.
  * Does:     define the masks and comparisons that lanes.h promises.
  * Threads:  [any]; inline only.
+ *
+ * More than 200 lines: it is one list of operations, for three sets.
  */
 #ifndef ENG_LANES_VECTOR_H
 #define ENG_LANES_VECTOR_H
@@ -178,9 +180,25 @@ ENG_INLINE eng_d eng_d_sqrt(eng_d a)
 {
 #if ENG_VECTOR_BYTES == 32
     return (eng_d)_mm256_sqrt_pd((__m256d)a);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_d)_mm_sqrt_pd((__m128d)a);
 #else
     for (unsigned i = 0; i < ENG_D_LANES; i++) {
         a[i] = __builtin_sqrt(a[i]);
+    }
+    return a;
+#endif
+}
+
+ENG_INLINE eng_f eng_f_sqrt(eng_f a)
+{
+#if ENG_VECTOR_BYTES == 32
+    return (eng_f)_mm256_sqrt_ps((__m256)a);
+#elif defined __SSE2__ && ENG_VECTOR_BYTES == 16
+    return (eng_f)_mm_sqrt_ps((__m128)a);
+#else
+    for (unsigned i = 0; i < ENG_F_LANES; i++) {
+        a[i] = __builtin_sqrtf(a[i]);
     }
     return a;
 #endif

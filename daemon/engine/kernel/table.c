@@ -36,6 +36,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .beyond = ENG_KERNEL(beyond),
     .measure = ENG_KERNEL(measure),
     .stay_beyond = ENG_KERNEL(stay_beyond),
+    .sift_thick = ENG_KERNEL(sift_thick),
     .advance = ENG_KERNEL(advance),
     .describe = ENG_KERNEL(describe),
     .cross_faces = ENG_KERNEL(cross_faces),

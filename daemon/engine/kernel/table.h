@@ -70,6 +70,8 @@ void ENG_KERNEL(measure)(enum pccd_kind kind, const struct eng_point *points,
 uint32_t ENG_KERNEL(stay_beyond)(uint32_t points_a, const struct eng_point *points,
                                  const uint32_t (*quads)[4], uint32_t count,
                                  const double *reach, uint32_t *kept);
+uint32_t ENG_KERNEL(sift_thick)(enum pccd_kind kind, struct eng_sieve *sieve, float reach,
+                                uint32_t *a, uint32_t *b, uint32_t count);
 void ENG_KERNEL(advance)(uint32_t kind, const struct eng_point *points,
                          const uint32_t (*quads)[4], const uint32_t *pairs,
                          uint32_t count, const struct eng_advance_limits *limits,

@@ -150,11 +150,12 @@ static void keep_pairs(struct eng_worker *worker, enum pccd_kind kind,
 /* ---- contacts ---------------------------------------------------------------------- */
 
 static void keep_contacts(struct eng_worker *worker, enum pccd_kind kind,
-                          const struct eng_point *points, uint32_t count,
+                          const struct eng_point *points, uint32_t count, bool is_sifted,
                           eng_names_fn names)
 {
     struct eng_thick_work *work = eng_thick_work_of(worker);
     const struct eng_thick_question question = {.kind = kind,
+                                                .is_sifted = is_sifted,
                                                 .tolerance = worker->settings->tolerance,
                                                 .t_end = worker->time_bound,
                                                 .approach = worker->settings->approach};
@@ -265,10 +266,14 @@ static bool measure(const struct eng_worker *worker, enum pccd_kind kind,
                     double radius[3])
 {
     const uint32_t *sides = common_kinds[kind].points;
+    radius[0] = radius[1] = 0;
+    radius[2] = worker->scene->thickness.separation;
+    if (eng_thickness_is_plain(worker->scene)) {
+        return true;
+    }
     struct pair pair = pair_of(worker->scene, points, quad, sides);
     radius[0] = eng_thickness_radius(pair.object[0], pair.v, sides[0]);
     radius[1] = eng_thickness_radius(pair.object[1], pair.v + sides[0], sides[1]);
-    radius[2] = worker->scene->thickness.separation;
     return radius[0] > 0 || radius[1] > 0 || radius[2] > 0;
 }
 
@@ -357,7 +362,7 @@ static uint32_t leave_resting(struct eng_worker *worker, enum pccd_kind kind,
 
 uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
                         const struct eng_point *points, const uint32_t (*quads)[4],
-                        uint32_t count, eng_names_fn names)
+                        uint32_t count, bool is_sifted, eng_names_fn names)
 {
     struct eng_thick_work *work = eng_thick_work_of(worker);
     uint32_t rest = 0;
@@ -382,7 +387,7 @@ uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
     if (worker->settings->mode == PCCD_MODE_PAIRS) {
         keep_pairs(worker, kind, points, taken, names);
     } else if (taken > 0) {
-        keep_contacts(worker, kind, points, taken, names);
+        keep_contacts(worker, kind, points, taken, is_sifted, names);
     }
     return rest;
 }

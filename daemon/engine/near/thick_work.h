@@ -46,11 +46,11 @@ uint64_t eng_thick_work_bytes(const struct eng_worker *worker);
 void eng_thick_work_begin(struct eng_worker *worker);
 
 /* In a step with thickness: take those of `count` candidates, at most ENG_CHUNK_MAX, that
- * have a distance. The others, work->rest[..], are left; returns how many. Words of the
- * points: as for eng_near_test. */
+ * have a distance. The others, work->rest[..], are left; returns how many. is_sifted: the
+ * method has left out many already. Words of the points: as for eng_near_test. */
 uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
                         const struct eng_point *points, const uint32_t (*quads)[4],
-                        uint32_t count, eng_names_fn names);
+                        uint32_t count, bool is_sifted, eng_names_fn names);
 
 /* Of what is near: is a pair whose distance is between `lo` and `hi` within that of the
  * question and its radii, and not left out for its rest? Exactly. */

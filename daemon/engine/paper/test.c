@@ -138,7 +138,7 @@ static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
     name_points(worker->scene, kind, chunk, first, group);
     group->count =
         eng_thick_test(worker, kind, group->points, (const uint32_t(*)[4])group->quads,
-                       group->count, name_candidates);
+                       group->count, false, name_candidates);
     const uint32_t *rest = eng_thick_work_of(worker)->rest;
     if (!eng_solvers[kind].search) {
         group->count = 0; /* what keeps no distance is not tested */

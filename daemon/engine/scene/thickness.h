@@ -55,6 +55,19 @@ static inline double eng_thickness_radius(const struct eng_object *object,
 bool eng_thickness_is_within(const struct eng_scene *scene,
                              const struct eng_object *object);
 
+/* Has every pair the same distance, the separation? */
+static inline bool eng_thickness_is_plain(const struct eng_scene *scene)
+{
+    return !scene->thickness.may_have_radii && !scene->thickness.may_rest;
+}
+
+/* Not less than the distance at which any two features meet, in the frames. */
+static inline float eng_thickness_reach_growth(const struct eng_scene *scene)
+{
+    double most = scene->thickness.separation + 2 * scene->thickness.most;
+    return eng_near_growth(nextafter(most, INFINITY), scene->framing.scale);
+}
+
 /* By how much the box of a vertex of the object is larger, in its frame: not less than
  * the largest radius of its features and half of the separation. */
 static inline float eng_thickness_growth(const struct eng_scene *scene,

@@ -315,16 +315,39 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
 
 /* ---- what meets at a distance ------------------------------------------------------ */
 
+/* Those of a chunk stay that are not certainly farther apart, all over the step, than any
+ * two features meet. Returns whether that has left out so many that to look once more is
+ * not worth it. */
+static bool sift_thick(struct eng_worker *worker, enum pccd_kind kind,
+                       struct eng_wide_chunk *chunk)
+{
+    const struct eng_wide *wide = eng_wide_of(worker->scene);
+    struct eng_wide_work *work = eng_wide_work_of(worker);
+    double reach = eng_thickness_reach_growth(worker->scene) * wide->grid.scale;
+    uint32_t count = chunk->count;
+    if (worker->settings->mode == PCCD_MODE_PAIRS || !eng_wide_has_marks(wide) ||
+        !eng_solvers[kind].has_kernels || reach > ENG_GRID_REACH) {
+        return false;
+    }
+    float cells = nextafterf((float)reach, INFINITY);
+    chunk->count = work->join.kernels->sift_thick(kind, &work->sieves[kind], cells,
+                                                  chunk->a, chunk->b, count);
+    eng_thick_work_of(worker)->candidates += count - chunk->count;
+    worker->record.tests += count - chunk->count;
+    return count - chunk->count >= count / FILTER_PAYS_FROM;
+}
+
 /* Pairs of a chunk that meet at a distance are tested: only the others stay. */
 static void test_thick(struct eng_worker *worker, enum pccd_kind kind,
                        struct eng_wide_chunk *chunk)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
     struct eng_wide_work *work = eng_wide_work_of(worker);
+    bool is_sifted = sift_thick(worker, kind, chunk);
     make_quads(wide, kind, chunk, work->quads);
     uint32_t count =
         eng_thick_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
-                       chunk->count, name_near);
+                       chunk->count, is_sifted, name_near);
     const uint32_t *rest = eng_thick_work_of(worker)->rest;
     if (!eng_solvers[kind].search) {
         count = 0; /* what keeps no distance is not tested */
