@@ -50,8 +50,9 @@ kernel_sources = \
     daemon/engine/kernel/rims.h \
     daemon/engine/kernel/sieve.h \
     daemon/engine/kernel/sift.c \
+    daemon/engine/kernel/sift.h \
+    daemon/engine/kernel/sift_near.c \
     daemon/engine/kernel/sift_thick.c \
-    daemon/engine/kernel/sifting.h \
     daemon/engine/kernel/spot.h \
     daemon/engine/kernel/stay_beyond.c \
     daemon/engine/kernel/still.h \

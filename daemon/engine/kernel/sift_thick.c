@@ -11,7 +11,7 @@
  * Source:   BOUNDS.md, "The sieve: thick features".
  */
 #include "directions.h"
-#include "sifting.h"
+#include "sift.h"
 #include "table.h"
 
 /* What is compared with r is off by fewer cells, and by so much of the largest

@@ -1,4 +1,4 @@
-/* daemon/engine/kernel/sifting.h - what sieves compute with: floats made of marks, a pair
+/* daemon/engine/kernel/sift.h - what sieves compute with: floats made of marks, a pair
  * to each lane.
  *
  * Room:     engine. May include: marks.h.
@@ -6,8 +6,8 @@
  *           and the times that these leave.
  * Threads:  [any]; inline only. Included by files of this folder alone.
  */
-#ifndef ENG_SIFTING_H
-#define ENG_SIFTING_H
+#ifndef ENG_SIFT_H
+#define ENG_SIFT_H
 
 #include "marks.h"
 
