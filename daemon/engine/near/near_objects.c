@@ -234,7 +234,7 @@ void eng_near_objects_begin(struct eng_near_objects *objects)
 {
     atomic_init(&objects->next, 0);
     atomic_init(&objects->crossings, 0);
-    if (objects->ask.what == PCCD_NEAR_NEAREST) {
+    if (objects->ask.what == PCCD_NEAR_NEAREST && objects->share_count > 0) {
         for (uint32_t i = 0; i < objects->share_count; i++) {
             objects->shares[i].low =
                 bounds_of(objects, objects->shares[i].object)->low[0];
