@@ -37,12 +37,13 @@ static const char *const common_feature_names[4] = {"", "vertex", "edge", "face"
 
 /* Where a contact with these parameters lies on its features: the weights of the points
  * of a, w[0], and of b, w[1]. The parameters are the weights of all points but the first
- * of either; VF: of the face's second and third, EE: of the second of each edge. Not EF,
- * which has more points than two parameters tell. */
+ * of either; VF: of the face's second and third, EE: of the second of each edge, VE: the
+ * second parameter, of the edge's second. Not EF, which has more points than two
+ * parameters tell. */
 static inline void common_contact_weights(enum pccd_kind kind, const float param[2],
                                           double w[2][3])
 {
-    uint32_t next = 0;
+    uint32_t next = kind == PCCD_VE;
     assert(common_kinds[kind].points[0] + common_kinds[kind].points[1] <= 4);
     for (int side = 0; side < 2; side++) {
         w[side][0] = 1;

@@ -280,6 +280,7 @@ enum pccd_verdict {
  *              param and normal are then those of the nearest points at toi.
  * param        VF: barycentric weights of the face's second and third vertex.
  *              EE: position along edge a and along edge b, 0 at the lower vertex index.
+ *              VE: 0, then the position along the edge. VV: zeros.
  * normal       unit, pointing from feature b to feature a as they lie at t = 0; zeros
  *              where the configuration has no direction (coincident features). */
 struct pccd_contact {
@@ -288,7 +289,7 @@ struct pccd_contact {
     uint32_t object_a;  /* handle given by scene.add */
     uint32_t feature_a; /* vertex or edge index in that object's mesh */
     uint32_t object_b;
-    uint32_t feature_b; /* face or edge index */
+    uint32_t feature_b; /* vertex, edge or face index */
     double toi;
     double toi_hi;
     float param[2];

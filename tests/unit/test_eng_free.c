@@ -19,6 +19,7 @@
 
 #include "distance.h"
 #include "eng_kit.h"
+#include "kinds.h"
 #include "near.h"
 #include "near_kit.h"
 #include "thick.h"
@@ -123,6 +124,23 @@ static void mesh__takes_edges_and_points_whole_and_checked(void **state)
     assert_int_equal(eng_mesh_write_points(mesh, 1, 1, points, &bad), 0);
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     eng_mesh_release(mesh);
+}
+
+/* If it failed: a contact would be shown, and verified, at another place of its edge. */
+static void kinds__place_contacts_by_their_parameters(void **state)
+{
+    (void)state;
+    const float param[2] = {0, 0.25F};
+    const float of_face[2] = {0.5F, 0.25F};
+    double w[2][3];
+    common_contact_weights(PCCD_VE, param, w);
+    assert_true(w[0][0] == 1 && w[1][0] == 0.75 && w[1][1] == 0.25 && w[1][2] == 0);
+    common_contact_weights(PCCD_VV, (const float[2]){0, 0}, w);
+    assert_true(w[0][0] == 1 && w[1][0] == 1 && w[1][1] == 0);
+    common_contact_weights(PCCD_VF, of_face, w);
+    assert_true(w[1][0] == 0.25 && w[1][1] == 0.5 && w[1][2] == 0.25);
+    common_contact_weights(PCCD_EE, of_face, w);
+    assert_true(w[0][1] == 0.5 && w[1][1] == 0.25);
 }
 
 /* ---- a scene ----------------------------------------------------------------------- */
@@ -672,6 +690,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mesh__has_free_what_nothing_else_has),
         cmocka_unit_test(mesh__takes_edges_and_points_whole_and_checked),
+        cmocka_unit_test(kinds__place_contacts_by_their_parameters),
         cmocka_unit_test(step__finds_what_is_free_among_many),
         cmocka_unit_test(step__does_not_test_points_without_a_distance),
         cmocka_unit_test(near__has_free_points_and_edges),

@@ -10,15 +10,13 @@
 
 #include "kinds.h"
 
-/* The weights of a record's features: VE has the second parameter, VV none. Those of EF
- * are of a point of the edge, and nobody asks for them. */
+/* The weights of a record's features. Those of EF are of a point of the edge, and nobody
+ * asks for them. */
 static void near_weights(const struct pccd_near *near, double w[2][3])
 {
-    if (near->kind == PCCD_EF) {
-        return;
+    if (near->kind != PCCD_EF) {
+        common_contact_weights((enum pccd_kind)near->kind, near->param, w);
     }
-    const float param[2] = {near->param[near->kind == PCCD_VE], near->param[1]};
-    common_contact_weights((enum pccd_kind)near->kind, param, w);
 }
 
 /* The vertices of a feature of so many points; NULL: there is none of that index. */
