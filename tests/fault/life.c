@@ -309,8 +309,8 @@ static bool look_back(struct life *life, const struct belongings *has)
 /* The sheet's mesh again, under the same handle: it stands where it was registered. */
 static bool replace(struct life *life, const struct belongings *has)
 {
-    const struct proto_MESH_REPLACE_request request = {has->sheet_mesh, VERTICES,
-                                                       TRIANGLES};
+    const struct proto_MESH_REPLACE_request request = {
+        .mesh = has->sheet_mesh, .vertex_count = VERTICES, .triangle_count = TRIANGLES};
     float x[VERTICES][3];
     uint32_t triangles[TRIANGLES][3];
     sheet_positions(x, 1);
