@@ -24,14 +24,12 @@ static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
 #define SOON_MAX 8192u
 
 /* Buckets: enough for the threads to end together, small enough for the cache, and not so
- * small that their number costs. Samples: a few for each bucket; of long lists, which
- * have more of these, SAMPLES_MORE times as many. */
+ * small that their number costs. Samples: a few for each bucket. */
 #define BUCKETS_MIN            256u
 #define BUCKETS_PER_THREAD     8u
 #define RECORDS_PER_BUCKET_MIN 128u
 #define RECORDS_PER_BUCKET_MAX 2048u /* far more take twice as long each: radix.c */
-#define SAMPLES_MAX            8192u /* of all threads, if each has few */
-#define SAMPLES_MORE           4u
+#define SAMPLES_MAX            2048u /* of all threads, if each has few */
 #define SAMPLES_PER_THREAD_MIN 32u
 
 /* Bytes of scratch for each record: an item twice, and its bucket. */
@@ -175,10 +173,7 @@ static void look_at(struct eng_merge *merge, uint32_t threads, uint32_t thread)
     const struct eng_found *found = share->found;
     uint32_t samples_max = samples_of(threads);
     struct eng_name *samples = merge->samples + (size_t)thread * samples_max;
-    bool is_long = found->count > BUCKETS_MIN * RECORDS_PER_BUCKET_MAX / threads;
-    uint32_t wanted = is_long ? samples_max : samples_max / SAMPLES_MORE;
-    wanted = wanted > SAMPLES_PER_THREAD_MIN ? wanted : SAMPLES_PER_THREAD_MIN;
-    uint64_t stride = found->count / wanted + 1;
+    uint64_t stride = found->count / samples_max + 1;
     uint64_t to_next = 0; /* records until the next sample */
     share->sample_count = 0;
     share->counts = no_counts;
