@@ -255,14 +255,15 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
 
 /* Clients that come back to another daemon want the handles that their objects had, most
  * of them small. Who adds an object before all are back gets it a place behind these, and
- * by chance, as the same may happen again. Places that are left empty count as those that
- * are wanted do: of many such scenes of a session the later ones have none aside. */
+ * by chance, as the same may happen again: half of the places are behind any that chance
+ * begins with. Places that are left empty count as those that are wanted do: of many such
+ * scenes of a session the later ones have none aside. */
 #define ASIDE_PLACES 128u
 
 static uint32_t first_aside(const struct srv_session *session)
 {
     uint64_t luck = (session->service->epoch ^ session->id) * 0x9e3779b97f4a7c15u;
-    return ASIDE_PLACES + (uint32_t)(luck >> 32) % ASIDE_PLACES;
+    return ASIDE_PLACES + (uint32_t)(luck >> 32) % (ASIDE_PLACES / 2);
 }
 
 uint32_t srv_shared_aside(struct srv_member *member)
