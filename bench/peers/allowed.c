@@ -21,7 +21,6 @@
 #include "near_ours.h"
 #include "oracle_thick.h"
 #include "report.h"
-#include "swept.h"
 
 #define REPEATS_MAX 9u
 #define BUDGET_NS   3000000000u /* for one quantity; it has one repeat at least */
@@ -238,32 +237,18 @@ static void measure_distances(const struct run *of_scene, const char *name, doub
 static void measure_scene(const struct bench_scene *source, double r,
                           const struct bench_options *options)
 {
-    struct bench_frames frames;
-    struct bench_world world;
-    struct peer_input features;
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
-    struct eng_step_result result;
-    bench_frames_init(&frames, source, source->hard_frame);
-    bench_world_init(&world, &frames, NULL);
-    bench_world_step(&world, &frames, &settings, &result);
-    peers_swept_init(&features, &world);
-    struct run run = {.world = &world, .frames = &frames, .features = &features};
+    struct near_scene scene;
+    near_scene_init(&scene, source);
+    struct run run = {
+        .world = &scene.world, .frames = &scene.frames, .features = &scene.features};
 #ifdef PEERS_IPC_TOOLKIT
-    struct near_input input = {.vertex_count = features.vertices.count,
-                               .edge_count = features.edges.count,
-                               .face_count = features.faces.count,
-                               .x = (const double(*)[3])frames.x[0],
-                               .edges = (const uint32_t(*)[3])features.edges.corners,
-                               .faces = (const uint32_t(*)[3])features.faces.corners};
-    run.theirs = near_ipc_toolkit.open(&input);
+    run.theirs = near_ipc_toolkit.open(&scene.input);
 #endif
     measure_distances(&run, source->name, r, options->smoke ? 1 : REPEATS_MAX);
 #ifdef PEERS_IPC_TOOLKIT
     near_ipc_toolkit.close(run.theirs);
 #endif
-    peers_swept_deinit(&features);
-    bench_world_deinit(&world);
-    bench_frames_deinit(&frames);
+    near_scene_deinit(&scene);
 }
 
 int main(int argc, char **argv)

@@ -18,10 +18,7 @@ EXTRA_DIST += \
     bench/peers/ipc_toolkit.cc
 
 # What is near: ours is measured by itself where there is no ipc-toolkit.
-check_PROGRAMS += bench/peers/near
-bench_peers_near_SOURCES = \
-    bench/peers/near.c \
-    bench/peers/near_judge.c \
+near_sources = \
     bench/peers/near_judge.h \
     bench/peers/near_ours.c \
     bench/peers/near_ours.h \
@@ -29,6 +26,11 @@ bench_peers_near_SOURCES = \
     bench/peers/swept.c \
     bench/peers/swept.h \
     $(bench_engine_sources)
+if HAVE_IPC_TOOLKIT
+near_sources += bench/peers/ipc_toolkit.cc
+endif
+check_PROGRAMS += bench/peers/near
+bench_peers_near_SOURCES = bench/peers/near.c bench/peers/near_judge.c $(near_sources)
 bench_peers_near_CPPFLAGS = $(bench_engine_cppflags) -I$(top_srcdir)/bench/peers \
     -I$(top_srcdir)/client/oracle
 bench_peers_near_CXXFLAGS = $(PEERS_CXXFLAGS) $(IPC_TOOLKIT_CXXFLAGS)
@@ -37,25 +39,15 @@ bench_peers_near_LDADD = $(bench_engine_libs) liboracle.la $(GMP_LIBS)
 
 # How much of a step is safe at a distance.
 check_PROGRAMS += bench/peers/allowed
-bench_peers_allowed_SOURCES = \
-    bench/peers/allowed.c \
-    bench/peers/near_judge.h \
-    bench/peers/near_ours.c \
-    bench/peers/near_ours.h \
-    bench/peers/near_peer.h \
-    bench/peers/swept.c \
-    bench/peers/swept.h \
-    $(bench_engine_sources)
+bench_peers_allowed_SOURCES = bench/peers/allowed.c $(near_sources)
 bench_peers_allowed_CPPFLAGS = $(bench_peers_near_CPPFLAGS)
 bench_peers_allowed_CXXFLAGS = $(bench_peers_near_CXXFLAGS)
 bench_peers_allowed_LINK = $(bench_peers_near_LINK)
 bench_peers_allowed_LDADD = $(bench_peers_near_LDADD)
 
 if HAVE_IPC_TOOLKIT
-bench_peers_near_SOURCES += bench/peers/ipc_toolkit.cc
 bench_peers_near_CPPFLAGS += -DPEERS_IPC_TOOLKIT
 bench_peers_near_LDADD += $(IPC_TOOLKIT_LIBS) -lstdc++
-bench_peers_allowed_SOURCES += bench/peers/ipc_toolkit.cc
 endif
 
 .PHONY: bench-near

@@ -16,7 +16,6 @@
 #include "families.h"
 #include "near_ours.h"
 #include "report.h"
-#include "swept.h"
 
 #define REPEATS_MAX 15u
 #define THREADS_MAX 2u
@@ -299,29 +298,14 @@ static void measure_shares(const struct bench_scene *source, struct bench_world 
 static void measure_scene(const struct bench_scene *source, double d,
                           const struct bench_options *options)
 {
-    struct bench_frames frames;
-    struct bench_world world;
-    struct peer_input features;
-    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
-    struct eng_step_result result;
-    bench_frames_init(&frames, source, source->hard_frame);
-    bench_world_init(&world, &frames, NULL);
-    bench_world_step(&world, &frames, &settings, &result);
-    peers_swept_init(&features, &world);
-    struct near_input input = {.vertex_count = features.vertices.count,
-                               .edge_count = features.edges.count,
-                               .face_count = features.faces.count,
-                               .x = (const double(*)[3])frames.x[0],
-                               .edges = (const uint32_t(*)[3])features.edges.corners,
-                               .faces = (const uint32_t(*)[3])features.faces.corners};
+    struct near_scene scene;
+    near_scene_init(&scene, source);
     if (d > 0) {
-        measure(source->name, &world, &frames, &input, d, options);
+        measure(source->name, &scene.world, &scene.frames, &scene.input, d, options);
     } else {
-        measure_shares(source, &world, &frames, &input, options);
+        measure_shares(source, &scene.world, &scene.frames, &scene.input, options);
     }
-    peers_swept_deinit(&features);
-    bench_world_deinit(&world);
-    bench_frames_deinit(&frames);
+    near_scene_deinit(&scene);
 }
 
 /* ---- two bodies -------------------------------------------------------------------- */

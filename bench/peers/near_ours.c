@@ -16,6 +16,31 @@ _Static_assert(NEAR_VF == (int)PCCD_VF && NEAR_EE == (int)PCCD_EE &&
                    NEAR_VE == (int)PCCD_VE && NEAR_VV == (int)PCCD_VV,
                "kinds");
 
+void near_scene_init(struct near_scene *scene, const struct bench_scene *source)
+{
+    struct eng_step_settings settings = bench_step_settings(PCCD_MODE_ALL);
+    struct eng_step_result result;
+    bench_frames_init(&scene->frames, source, source->hard_frame);
+    bench_world_init(&scene->world, &scene->frames, NULL);
+    bench_world_step(&scene->world, &scene->frames, &settings, &result);
+    peers_swept_init(&scene->features, &scene->world);
+    const struct peer_input *features = &scene->features;
+    scene->input =
+        (struct near_input){.vertex_count = features->vertices.count,
+                            .edge_count = features->edges.count,
+                            .face_count = features->faces.count,
+                            .x = (const double(*)[3])scene->frames.x[0],
+                            .edges = (const uint32_t(*)[3])features->edges.corners,
+                            .faces = (const uint32_t(*)[3])features->faces.corners};
+}
+
+void near_scene_deinit(struct near_scene *scene)
+{
+    peers_swept_deinit(&scene->features);
+    bench_world_deinit(&scene->world);
+    bench_frames_deinit(&scene->frames);
+}
+
 struct eng_near_settings near_ours_settings(enum pccd_near_what what, double d,
                                             uint32_t threads)
 {

@@ -1,15 +1,27 @@
 /* near_ours.h - what the engine says is near, under the names of the libraries.
  *
  * Room:     bench/peers. May include: near_judge.h, bench, engine headers.
- * Does:     ask a resident scene for pairs, closest features and bounds of vertices, and
- *           keep the answers.
+ * Does:     put a scene into the engine and into what other libraries take; ask it for
+ *           pairs, closest features and bounds of vertices, and keep the answers.
  * Threads:  one asks; a team answers.
  */
 #ifndef NEAR_OURS_H
 #define NEAR_OURS_H
 
 #include "near_judge.h"
-#include "resident.h"
+#include "swept.h"
+
+/* A scene at its hard frame, which has made a step to the end of that by the method
+ * `paper`; and its start, as other libraries take it. */
+struct near_scene {
+    struct bench_frames frames;
+    struct bench_world world;
+    struct peer_input features;
+    struct near_input input;
+};
+
+void near_scene_init(struct near_scene *scene, const struct bench_scene *source);
+void near_scene_deinit(struct near_scene *scene);
 
 struct near_ours {
     struct near_answers answers;

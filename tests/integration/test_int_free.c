@@ -334,16 +334,6 @@ static void free__of_others_is_recorded_in_shared_scenes(void **state)
     assert_int_equal(test_ctl_number(said, "contacts"), 4);
 }
 
-static int set_up(void **state)
-{
-    return test_recording_begin() ? test_shared_start(state) : -1;
-}
-
-static int tear_down(void **state)
-{
-    return test_recording_end() ? test_shared_stop(state) : -1;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -354,5 +344,6 @@ int main(void)
         cmocka_unit_test(free__of_others_is_recorded_in_shared_scenes),
     };
 
-    return cmocka_run_group_tests_name("free", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("free", tests, test_recording_start,
+                                       test_recording_stop);
 }

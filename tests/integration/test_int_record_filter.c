@@ -31,19 +31,6 @@ struct play {
     uint64_t total; /* of the last answer */
 };
 
-static int set_up(void **state)
-{
-    if (!test_recording_begin() || test_shared_start(state) != 0) {
-        return -1;
-    }
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    return test_recording_end() ? test_shared_stop(state) : -1;
-}
-
 /* Two triangles, one across the other, which change sides at half of the step. */
 static void positions(float x[6][3], uint32_t body, float z)
 {
@@ -268,5 +255,6 @@ int main(void)
         cmocka_unit_test(record__begins_with_masks_and_pairs),
         cmocka_unit_test(record__segments_have_masks_and_pairs),
     };
-    return cmocka_run_group_tests_name("int_record_filter", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("int_record_filter", tests, test_recording_start,
+                                       test_recording_stop);
 }

@@ -37,19 +37,6 @@ struct member {
     uint64_t with_contacts; /* of these */
 };
 
-static int set_up(void **state)
-{
-    if (!test_recording_begin() || test_shared_start(state) != 0) {
-        return -1;
-    }
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    return test_recording_end() ? test_shared_stop(state) : -1;
-}
-
 static uint64_t draw(uint64_t below)
 {
     return prng_below(&prng, below);
@@ -424,5 +411,6 @@ int main(void)
         cmocka_unit_test(record__ends_where_it_would_not_be_whole),
         cmocka_unit_test(record__ends_when_the_daemon_is_lost),
     };
-    return cmocka_run_group_tests_name("int_record_shared", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("int_record_shared", tests, test_recording_start,
+                                       test_recording_stop);
 }

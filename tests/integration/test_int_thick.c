@@ -441,16 +441,6 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
 }
 
-static int set_up(void **state)
-{
-    return test_recording_begin() ? test_shared_start(state) : -1;
-}
-
-static int tear_down(void **state)
-{
-    return test_recording_end() ? test_shared_stop(state) : -1;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -463,5 +453,6 @@ int main(void)
         cmocka_unit_test(thick__is_recorded_repeated_and_verified),
     };
 
-    return cmocka_run_group_tests_name("thick", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("thick", tests, test_recording_start,
+                                       test_recording_stop);
 }

@@ -14,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "fixture.h"
 #include "run_ctl.h"
 
 #define ANSWERS_MAX 1000000 /* of any test */
@@ -37,6 +38,16 @@ bool test_recording_end(void)
 
     (void)snprintf(command, sizeof command, "rm -rf %s", folder);
     return system(command) == 0;
+}
+
+int test_recording_start(void **state)
+{
+    return test_recording_begin() ? test_shared_start(state) : -1;
+}
+
+int test_recording_stop(void **state)
+{
+    return test_recording_end() ? test_shared_stop(state) : -1;
 }
 
 void test_recording_clear(void)

@@ -16,6 +16,9 @@ extern char test_recording[96];
 /* Of a group: make the folder; remove it and all in it. */
 bool test_recording_begin(void);
 bool test_recording_end(void);
+/* Of a group that has a shared daemon, too (fixture.h). */
+int test_recording_start(void **state);
+int test_recording_stop(void **state);
 /* Remove the files of the last test. */
 void test_recording_clear(void);
 

@@ -251,14 +251,8 @@ static int follow_mesh(struct drive *drive, const struct registry *world,
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
-    size_t each = common_vertex_bytes(head.format);
-    struct registry_shape shape = {.format = head.format,
-                                   .vertex_count = head.vertex_count,
-                                   .triangle_count = head.triangle_count,
-                                   .x = x,
-                                   .triangles =
-                                       x + (head.vertex_count * each + 7) / 8 * 8};
-    world_complete(world, &shape);
+    const struct registry_shape shape =
+        world_shape(world, head.format, head.vertex_count, head.triangle_count, x);
     const struct pccd_mesh_data data = data_of(&shape);
     bool is_known = registry_mesh(world, head.mesh) != NULL;
     uint32_t made = is_known ? head.mesh : 0;
@@ -339,13 +333,8 @@ static int follow_guest(struct drive *drive, const struct registry *world,
         status = pccd_scene_remove(drive->client, head.scene, head.object);
     }
     if (status == PCCD_OK) {
-        struct registry_shape shape = {.format = PCCD_FORMAT_F64,
-                                       .vertex_count = head.vertex_count,
-                                       .triangle_count = head.triangle_count,
-                                       .x = x,
-                                       .triangles =
-                                           x + head.vertex_count * sizeof(double[3])};
-        world_complete(world, &shape);
+        const struct registry_shape shape = world_shape(
+            world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
         const struct pccd_mesh_data data = data_of(&shape);
         status = pccd_mesh_put(drive->client, &data, &mesh, NULL);
     }

@@ -37,17 +37,26 @@ static int twice(struct ctl_error *error, const char *what, uint32_t handle)
 
 /* ---- meshes, scenes, objects ------------------------------------------------------- */
 
-void world_complete(const struct registry *world, struct registry_shape *shape)
+struct registry_shape world_shape(const struct registry *world, uint32_t format,
+                                  uint32_t vertex_count, uint32_t triangle_count,
+                                  const uint8_t *x)
 {
-    bool has_free =
-        world->next_free != NULL && world->next_free_count == shape->vertex_count;
-    shape->radii =
-        world->next_radii_count == shape->vertex_count ? world->next_radii : NULL;
-    shape->edge_count = has_free ? world->next_edge_count : 0;
-    shape->point_count = has_free ? world->next_point_count : 0;
-    shape->edges = has_free ? world->next_free : NULL;
-    shape->points =
-        has_free ? world->next_free + 2 * (size_t)world->next_edge_count : NULL;
+    size_t x_bytes = vertex_count * common_vertex_bytes(format);
+    bool has_radii = world->next_radii_count == vertex_count;
+    bool has_free = world->next_free != NULL && world->next_free_count == vertex_count;
+    struct registry_shape shape = {.format = format,
+                                   .vertex_count = vertex_count,
+                                   .triangle_count = triangle_count,
+                                   .x = x,
+                                   .triangles = x + (x_bytes + 7) / 8 * 8,
+                                   .radii = has_radii ? world->next_radii : NULL};
+    if (has_free) {
+        shape.edge_count = world->next_edge_count;
+        shape.point_count = world->next_point_count;
+        shape.edges = world->next_free;
+        shape.points = world->next_free + 2 * (size_t)world->next_edge_count;
+    }
+    return shape;
 }
 
 static void forget_next(struct registry *world)
@@ -101,13 +110,8 @@ static int follow_mesh(struct registry *world, const struct record_view *view,
     const uint8_t *x = (const uint8_t *)view->payload + sizeof(struct record_mesh);
     struct record_mesh head;
     memcpy(&head, view->payload, sizeof head);
-    size_t x_bytes = head.vertex_count * common_vertex_bytes(head.format);
-    struct registry_shape shape = {.format = head.format,
-                                   .vertex_count = head.vertex_count,
-                                   .triangle_count = head.triangle_count,
-                                   .x = x,
-                                   .triangles = x + (x_bytes + 7) / 8 * 8};
-    world_complete(world, &shape);
+    const struct registry_shape shape =
+        world_shape(world, head.format, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
     forget_next(world);
     return copy != NULL && registry_put_mesh(world, head.mesh, copy, 0) == 0
@@ -120,7 +124,7 @@ static void mark_free(struct registry_mesh *mesh, const uint32_t (*sides)[2],
 {
     uint32_t side = 0; /* sides are some of the edges, in the same order */
     memset(mesh->is_free_vertex, 1, mesh->vertex_count);
-    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) {
+    for (uint64_t i = 0; i < 3 * (uint64_t)mesh->triangle_count; i++) {
         mesh->is_free_vertex[mesh->triangles[i / 3][i % 3]] = 0;
     }
     for (uint32_t i = 0; i < mesh->edge_count; i++) {
@@ -223,13 +227,8 @@ static int follow_guest(struct registry *world, const struct record_view *view,
     if (scene == NULL) {
         return unknown(error, "scene", head.scene);
     }
-    struct registry_shape shape = {.format = PCCD_FORMAT_F64,
-                                   .vertex_count = head.vertex_count,
-                                   .triangle_count = head.triangle_count,
-                                   .x = x,
-                                   .triangles =
-                                       x + head.vertex_count * sizeof(double[3])};
-    world_complete(world, &shape);
+    const struct registry_shape shape =
+        world_shape(world, PCCD_FORMAT_F64, head.vertex_count, head.triangle_count, x);
     struct registry_mesh *copy = registry_mesh_copy(&shape);
     forget_next(world);
     struct registry_object *object =

@@ -151,6 +151,21 @@ static uint64_t key_of(const struct eng_found *found, const struct pccd_pair *na
     return eng_order_key(&found->order, &words);
 }
 
+/* Room for some of `count` records, the first of them of this name, with a key each; 0:
+ * there are no keys, and the first is kept by itself. */
+static uint32_t open_records(struct eng_worker *worker, uint32_t count,
+                             const struct pccd_pair *name,
+                             const struct eng_distance *distance, void **records,
+                             uint64_t **keys)
+{
+    struct eng_found *found = &worker->found;
+    uint32_t n = found->has_keys ? eng_found_open(found, count, records, keys) : 0;
+    if (n == 0) {
+        keep_anywhere(worker, name, distance);
+    }
+    return n;
+}
+
 static void keep_records(struct eng_worker *worker, const struct pccd_pair *names,
                          const struct eng_distance *distances, uint32_t count)
 {
@@ -159,9 +174,8 @@ static void keep_records(struct eng_worker *worker, const struct pccd_pair *name
         void *slots;
         uint64_t *keys;
         uint32_t n =
-            found->has_keys ? eng_found_open(found, count - i, &slots, &keys) : 0;
+            open_records(worker, count - i, &names[i], &distances[i], &slots, &keys);
         if (n == 0) {
-            keep_anywhere(worker, &names[i], &distances[i]);
             i++;
             continue;
         }
@@ -212,10 +226,9 @@ static void keep_features(struct eng_worker *worker, uint32_t count)
     for (uint32_t i = 0; i < count;) {
         void *slots;
         uint64_t *keys;
-        uint32_t n =
-            found->has_keys ? eng_found_open(found, count - i, &slots, &keys) : 0;
+        uint32_t n = open_records(worker, count - i, &work->names[i],
+                                  &work->batch.found[i], &slots, &keys);
         if (n == 0) {
-            keep_anywhere(worker, &work->names[i], &work->batch.found[i]);
             i++;
             continue;
         }
