@@ -14,8 +14,8 @@
 
 #define DATA_PATH_MAX 1024
 
-/* The path of `name` in the folder PCCD_DATA (without it: shared/data beside the source
- * tree). False if there is no such file: the caller skips. */
+/* The path of `name` in the folder $PCCD_DATA. False if there is no such file, or nobody
+ * said where the scenes are: the caller skips. */
 bool data_find(const char *name, char path[DATA_PATH_MAX]);
 
 /* The public scenes, as names for data_find. Index 0 of the pairs is VF, 1 is EE. */

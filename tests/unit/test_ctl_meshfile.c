@@ -257,8 +257,7 @@ static void meshfile__reads_the_real_frames(void **state)
     for (size_t i = 0; i < KIT_COUNT(frames); i++) {
         struct ctl_mesh mesh = {0};
         struct ctl_error error = {.text = ""};
-        snprintf(path, sizeof path, "%s/%s", data != NULL ? data : "../shared/data",
-                 frames[i].name);
+        snprintf(path, sizeof path, "%s/%s", data != NULL ? data : "", frames[i].name);
         if (access(path, R_OK) != 0) {
             skip();
         }
