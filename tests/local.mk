@@ -14,6 +14,7 @@ include $(top_srcdir)/tests/proto/local.mk
 include $(top_srcdir)/tests/model/local.mk
 include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
+include $(top_srcdir)/tests/cpp/local.mk
 include $(top_srcdir)/tests/zoo/local.mk
 include $(top_srcdir)/tests/python/local.mk
 include $(top_srcdir)/tests/inspect/local.mk

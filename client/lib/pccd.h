@@ -293,8 +293,6 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
                       enum pccd_format format, uint32_t vertex_count,
                       const uint32_t (*triangles)[3], uint32_t triangle_count,
                       struct pccd_mesh_info *info);
-/* The unique edges in the order of the records' feature numbers, copied to
- * edges[info.edge_count]. */
 /* Everything that a mesh can have. */
 struct pccd_mesh_data {
     size_t struct_bytes; /* sizeof(struct pccd_mesh_data); 0 reads as that */
@@ -320,6 +318,8 @@ struct pccd_mesh_data {
  * above 1e18, E_VERSION: a daemon that knows of no radii, or no edges and points. */
 int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *data,
                   uint32_t *mesh, struct pccd_mesh_info *info);
+/* The unique edges in the order of the records' feature numbers, copied to
+ * edges[info.edge_count]. */
 int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge *edges,
                     uint32_t edge_count);
 int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh);

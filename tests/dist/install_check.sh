@@ -32,7 +32,8 @@ lib=$(dirname "$(find "$root" -name libpccd.so.0)")
     for name in pccdd pccdctl pccd-load; do
         [ -x "$bin/$name" ] || echo "no program $name"
     done
-    for name in libpccd.so libpccd.so.0 libpccd-direct.so.0 pkgconfig/pccd.pc; do
+    for name in libpccd.so libpccd.so.0 libpccd-direct.so.0 pkgconfig/pccd.pc \
+        cmake/pccd/pccdConfig.cmake cmake/pccd/pccdConfigVersion.cmake; do
         [ -e "$lib/$name" ] || echo "no $name beside the library"
     done
     # Without scdoc there are no pages at all.
@@ -154,6 +155,28 @@ else
     else
         tap_skip install__cxx17_program_works "no g++"
     fi
+fi
+name=install__cmake_project_works
+if nm -D "$lib/libpccd.so.0" | grep -qE '__(a|ub|t)san_'; then
+    tap_skip $name "the library is built with a sanitiser"
+elif ! command -v cmake >/dev/null || ! command -v g++ >/dev/null; then
+    tap_skip $name "no cmake, or no g++"
+else
+    mkdir "$work/project"
+    cp "$top_srcdir/client/cpp/falling.cc" "$work/project"
+    cat >"$work/project/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.13)
+project(game CXX)
+find_package(pccd REQUIRED COMPONENTS direct)
+add_executable(game falling.cc)
+target_compile_features(game PRIVATE cxx_std_17)
+target_link_libraries(game PRIVATE pccd::pccd)
+END
+    cmake -S "$work/project" -B "$work/made" -DCMAKE_PREFIX_PATH="${bin%/bin}" >"$log" 2>&1 &&
+        cmake --build "$work/made" >>"$log" 2>&1 &&
+        (cd / && timeout 60 "$work/made/game" >>"$log" 2>&1)
+    # If it failed, a project that is built by CMake would have to find our files itself.
+    tap_result $? $name "$log"
 fi
 
 # The installed tool finds the installed daemon, and the engine for its own process.

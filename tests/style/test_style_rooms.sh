@@ -35,6 +35,7 @@ client/lib          proto client/record client/registry
 client/tool         proto/text
 client/ctl          client/lib+ client/record client/registry client/oracle client/tool proto/text
 client/load         client/lib+ client/tool proto/text
+client/cpp          client/lib+
 client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
@@ -46,6 +47,7 @@ bench/redis         bench proto client/lib+
 bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto
 tests/abi           proto client/lib+
+tests/cpp           client/lib+
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ tests/support client/oracle
 tests/unit          proto daemon/engine daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
@@ -98,6 +100,7 @@ client/oracle       gmp.h
 daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h seccomp.h
 client/record       xxhash.h zstd.h
+client/cpp          array cstdio pccd.hpp vector
 client/ctl          jansson.h png.h xxhash.h
 bench               omp.h
 bench/model         omp.h
@@ -113,6 +116,7 @@ bench/peers         algorithm atomic cstdio cstdlib memory string vector
 bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
+tests               array cmath cstring limits pccd.hpp span
 '
 
 c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h

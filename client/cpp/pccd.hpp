@@ -1,0 +1,763 @@
+/* pccd.hpp - the library for C++17 and later: handles that free themselves, views, errors
+ * as exceptions or as values.
+ *
+ * Room:     client/cpp; installed. May include: pccd.h, the standard library.
+ * Does:     wrap the calls of pccd.h that most programs need; client::get() and the
+ *           handles' id() are for all others. Everything is inline: there is no library
+ *           of its own, and no ABI but that of pccd.h.
+ * Does not: copy positions or records. They are read where they lie.
+ * Threads:  a client and all that was made with it belong to one thread at a time.
+ *
+ * More than 200 lines: one header is all of it, to be read from top to bottom.
+ * More than 600 lines: likewise.
+ *
+ *     pccd::client client;                      // starts a daemon if none is running
+ *     pccd::scene scene = client.make_scene();
+ *     pccd::mesh mesh = client.make_mesh({x0, triangles});
+ *     pccd::object cloth = scene.add(mesh);
+ *     for (;;) {
+ *         pccd::answer answer = scene.step(pccd::to(cloth, x1));
+ *         for (const pccd_contact &contact : answer.contacts()) {
+ *             respond(contact);
+ *         }
+ *     }
+ *
+ * Positions are any contiguous range of floats or doubles: std::vector<float>, or of
+ * triples such as std::array<double, 3> or a struct of three floats.
+ *
+ * Errors: each call that can fail has two forms. scene.step(...) throws pccd::error;
+ * scene.try_step(...) returns a pccd::result, which is a value or an error. In a program
+ * that is compiled without exceptions the first form prints the error and aborts.
+ */
+#ifndef PCCD_HPP
+#define PCCD_HPP
+
+#include <pccd.h>
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <initializer_list>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace pccd {
+
+// ---- errors ---------------------------------------------------------------------------
+
+// A status of enum pccd_status, and a sentence that says what was wrong.
+class error : public std::runtime_error {
+public:
+    error(int status, const std::string &text)
+        : std::runtime_error(std::string(pccd_status_name(status)) + ": " +
+                             (text.empty() ? pccd_status_text(status) : text)),
+          status_(status)
+    {
+    }
+    int status() const noexcept { return status_; }
+
+private:
+    int status_;
+};
+
+[[noreturn]] inline void fail(const error &what)
+{
+#if defined(__cpp_exceptions)
+    throw what;
+#else
+    std::fprintf(stderr, "pccd: %s\n", what.what());
+    std::abort();
+#endif
+}
+
+// A value, or why there is none.
+template <class T> class result {
+public:
+    result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+    result(error why) : state_(std::in_place_index<1>, std::move(why)) {}
+
+    explicit operator bool() const noexcept { return state_.index() == 0; }
+    int status() const noexcept { return *this ? PCCD_OK : why().status(); }
+    // Only of one that failed.
+    const error &why() const noexcept { return *std::get_if<1>(&state_); }
+    // The value is moved out; without one, the error is thrown.
+    T value() &&
+    {
+        if (!*this) {
+            fail(why());
+        }
+        return std::move(*std::get_if<0>(&state_));
+    }
+    // Only of one that succeeded.
+    T &operator*() noexcept { return *std::get_if<0>(&state_); }
+    T *operator->() noexcept { return std::get_if<0>(&state_); }
+
+private:
+    std::variant<T, error> state_;
+};
+
+// Of a call that brings nothing.
+struct done {};
+
+// ---- views ----------------------------------------------------------------------------
+
+// Some elements in memory that belongs to somebody else. It converts into std::span.
+template <class T> class view {
+public:
+    view() = default;
+    view(T *data, std::size_t size) : data_(data), size_(size) {}
+    template <class Range, class = std::enable_if_t<std::is_convertible_v<
+                               decltype(std::data(std::declval<Range &>())), T *>>>
+    view(Range &&range) : data_(std::data(range)), size_(std::size(range))
+    {
+    }
+    T *data() const noexcept { return data_; }
+    std::size_t size() const noexcept { return size_; }
+    bool empty() const noexcept { return size_ == 0; }
+    T *begin() const noexcept { return data_; }
+    T *end() const noexcept { return data_ + size_; }
+    T &operator[](std::size_t i) const noexcept { return data_[i]; }
+
+private:
+    T *data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
+namespace detail {
+
+template <class Range>
+using element_of =
+    std::remove_cv_t<std::remove_pointer_t<decltype(std::data(std::declval<Range &>()))>>;
+
+// Numbers of the type Number, `Group` of them together: a flat range of these, or one of
+// arrays or structs of `Group` each.
+template <class Element, class Number, std::size_t Group> constexpr bool is_group_of()
+{
+    using plain = std::remove_all_extents_t<Element>;
+    if constexpr (std::is_arithmetic_v<plain>) {
+        return std::is_floating_point_v<plain> == std::is_floating_point_v<Number> &&
+               sizeof(plain) == sizeof(Number) &&
+               (std::is_arithmetic_v<Element> ||
+                sizeof(Element) == Group * sizeof(Number));
+    } else {
+        return std::is_trivially_copyable_v<Element> &&
+               sizeof(Element) == Group * sizeof(Number);
+    }
+}
+
+} // namespace detail
+
+// The coordinates of vertices, x y z x y z ..., as floats or doubles.
+class positions {
+public:
+    positions() = default;
+    positions(const float *x, std::uint32_t vertex_count)
+        : data_(x), count_(vertex_count), format_(PCCD_FORMAT_F32)
+    {
+    }
+    positions(const double *x, std::uint32_t vertex_count)
+        : data_(x), count_(vertex_count), format_(PCCD_FORMAT_F64)
+    {
+    }
+    template <class Range, class Element = detail::element_of<const Range>>
+    positions(const Range &range)
+    {
+        constexpr bool is_single = detail::is_group_of<Element, float, 3>();
+        static_assert(is_single || detail::is_group_of<Element, double, 3>(),
+                      "positions are floats or doubles, or triples of these");
+        constexpr std::size_t bytes = is_single ? sizeof(float) : sizeof(double);
+        const std::size_t numbers = std::size(range) * sizeof(Element) / bytes;
+        data_ = std::data(range);
+        count_ = static_cast<std::uint32_t>(numbers / 3);
+        format_ = is_single ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64;
+        is_whole_ = numbers % 3 == 0 && numbers / 3 == count_;
+    }
+    const void *data() const noexcept { return data_; }
+    std::uint32_t count() const noexcept { return count_; }
+    pccd_format format() const noexcept { return format_; }
+    // Not so if the numbers are no triples, or more than 2^32 of them.
+    bool is_whole() const noexcept { return is_whole_; }
+
+private:
+    const void *data_ = nullptr;
+    std::uint32_t count_ = 0;
+    pccd_format format_ = PCCD_FORMAT_F64;
+    bool is_whole_ = true;
+};
+
+// Vertex indices, Group of them a feature: 3 a triangle, 2 an edge, 1 a point.
+template <std::size_t Group> class indices {
+public:
+    indices() = default;
+    template <class Range, class Element = detail::element_of<const Range>>
+    indices(const Range &range)
+    {
+        static_assert(detail::is_group_of<Element, std::uint32_t, Group>(),
+                      "indices are 32-bit integers, or groups of these");
+        const std::size_t numbers = std::size(range) * sizeof(Element) / 4;
+        data_ = reinterpret_cast<const std::uint32_t *>(std::data(range));
+        count_ = static_cast<std::uint32_t>(numbers / Group);
+        is_whole_ = numbers % Group == 0 && numbers / Group == count_;
+    }
+    const std::uint32_t *data() const noexcept { return data_; }
+    std::uint32_t count() const noexcept { return count_; }
+    bool is_whole() const noexcept { return is_whole_; }
+
+private:
+    const std::uint32_t *data_ = nullptr;
+    std::uint32_t count_ = 0;
+    bool is_whole_ = true;
+};
+
+// What a mesh is made of. A member that is left out is empty.
+struct shape {
+    positions x;
+    indices<3> triangles{};
+    indices<2> edges{};         // rods
+    indices<1> points{};        // clouds
+    view<const double> radii{}; // none, or one for each vertex
+};
+
+// ---- settings: those of pccd.h, with the defaults filled in ----------------------
+
+struct options : pccd_options {
+    options() { pccd_options_init(this); }
+};
+struct step_settings : pccd_step_settings {
+    step_settings() : pccd_step_settings{} { struct_bytes = sizeof(pccd_step_settings); }
+};
+struct near_settings : pccd_near_settings {
+    explicit near_settings(pccd_near_what asked = PCCD_NEAR_PAIRS, double within = 0)
+        : pccd_near_settings{}
+    {
+        struct_bytes = sizeof(pccd_near_settings);
+        what = asked;
+        distance = within;
+        end = 1;
+    }
+};
+struct object_settings : pccd_object_settings {
+    object_settings() : pccd_object_settings{}
+    {
+        struct_bytes = sizeof(pccd_object_settings);
+    }
+};
+
+// ---- handles --------------------------------------------------------------------------
+
+namespace detail {
+
+using shared_client = std::shared_ptr<pccd_client>;
+
+inline error last(const shared_client &link, int status)
+{
+    return error(status, pccd_error_text(link.get()));
+}
+
+// A handle of the daemon. It is given back by `Free` with the last owner; the connection
+// stays for as long as something needs it.
+template <int (*Free)(pccd_client *, std::uint32_t)> class handle {
+public:
+    handle(shared_client link, std::uint32_t id) : link_(std::move(link)), id_(id) {}
+    handle(handle &&other) noexcept
+        : link_(std::move(other.link_)), id_(std::exchange(other.id_, 0u))
+    {
+    }
+    handle &operator=(handle &&other) noexcept
+    {
+        if (this != &other) {
+            reset();
+            link_ = std::move(other.link_);
+            id_ = std::exchange(other.id_, 0u);
+        }
+        return *this;
+    }
+    handle(const handle &) = delete;
+    handle &operator=(const handle &) = delete;
+    ~handle() { reset(); }
+
+    // For the calls of pccd.h; 0 after it was moved from.
+    std::uint32_t id() const noexcept { return id_; }
+
+protected:
+    const shared_client &connection() const noexcept { return link_; }
+    result<done> finish(int status) const
+    {
+        return status == PCCD_OK ? result<done>(done{}) : last(link_, status);
+    }
+
+private:
+    void reset() noexcept
+    {
+        if (link_ && id_ != 0) {
+            Free(link_.get(), std::exchange(id_, 0u));
+        }
+        link_.reset();
+    }
+
+    shared_client link_;
+    std::uint32_t id_;
+};
+
+} // namespace detail
+
+// A registered mesh. Objects that were made of it stay when it goes.
+class mesh : public detail::handle<pccd_mesh_destroy> {
+public:
+    const pccd_mesh_info &info() const noexcept { return info_; }
+
+    // The edges in the order of the records' feature numbers.
+    result<std::vector<pccd_edge>> try_edges() const
+    {
+        std::vector<pccd_edge> edges(info_.edge_count);
+        const int status =
+            pccd_mesh_edges(connection().get(), id(), edges.data(), info_.edge_count);
+        if (status != PCCD_OK) {
+            return detail::last(connection(), status);
+        }
+        return edges;
+    }
+    std::vector<pccd_edge> edges() const { return try_edges().value(); }
+
+    // Another shape for it and for each object that is made of it.
+    result<done> try_replace(const shape &shape)
+    {
+        std::uint32_t same = id();
+        return put(connection(), shape, &same, &info_);
+    }
+    void replace(const shape &shape) { try_replace(shape).value(); }
+
+private:
+    friend class client;
+    using handle::handle;
+
+    static result<done> put(const detail::shared_client &link, const shape &shape,
+                            std::uint32_t *id, pccd_mesh_info *info)
+    {
+        const bool has_radii = !shape.radii.empty();
+        if (!shape.x.is_whole() || !shape.triangles.is_whole() ||
+            !shape.edges.is_whole() || !shape.points.is_whole() ||
+            (has_radii && shape.radii.size() != shape.x.count())) {
+            return error(PCCD_E_INVAL, "positions and triangles are groups of three, "
+                                       "edges of two, and each vertex has a radius");
+        }
+        pccd_mesh_data data{};
+        data.struct_bytes = sizeof data;
+        data.x = shape.x.data();
+        data.format = shape.x.format();
+        data.vertex_count = shape.x.count();
+        data.triangle_count = shape.triangles.count();
+        data.triangles = shape.triangles.data();
+        data.radii = has_radii ? shape.radii.data() : nullptr;
+        data.edges = shape.edges.data();
+        data.points = shape.points.data();
+        data.edge_count = shape.edges.count();
+        data.point_count = shape.points.count();
+        const int status = pccd_mesh_put(link.get(), &data, id, info);
+        if (status != PCCD_OK) {
+            return detail::last(link, status);
+        }
+        return done{};
+    }
+
+    pccd_mesh_info info_{};
+};
+
+// An instance of a mesh in a scene. It is removed with this handle.
+class object {
+public:
+    object(object &&other) noexcept
+        : link_(std::move(other.link_)), scene_(other.scene_),
+          id_(std::exchange(other.id_, 0u)), vertex_count_(other.vertex_count_)
+    {
+    }
+    object &operator=(object &&other) noexcept
+    {
+        if (this != &other) {
+            reset();
+            link_ = std::move(other.link_);
+            scene_ = other.scene_;
+            id_ = std::exchange(other.id_, 0u);
+            vertex_count_ = other.vertex_count_;
+        }
+        return *this;
+    }
+    object(const object &) = delete;
+    object &operator=(const object &) = delete;
+    ~object() { reset(); }
+
+    std::uint32_t id() const noexcept { return id_; }
+    // Of its mesh when it was added.
+    std::uint32_t vertex_count() const noexcept { return vertex_count_; }
+
+    // Set what settings.what names: whom it may meet, how thick it is.
+    result<done> try_set(const pccd_object_settings &settings)
+    {
+        const int status = pccd_object_set(link_.get(), scene_, id_, &settings);
+        return status == PCCD_OK ? result<done>(done{}) : detail::last(link_, status);
+    }
+    void set(const pccd_object_settings &settings) { try_set(settings).value(); }
+    // Half its thickness, in the unit of the coordinates.
+    void set_radius(double radius)
+    {
+        object_settings settings;
+        settings.what = PCCD_OBJECT_RADIUS;
+        settings.radius = radius;
+        set(settings);
+    }
+
+private:
+    friend class scene;
+    object(detail::shared_client link, std::uint32_t scene, std::uint32_t id,
+           std::uint32_t count)
+        : link_(std::move(link)), scene_(scene), id_(id), vertex_count_(count)
+    {
+    }
+    void reset() noexcept
+    {
+        if (link_ && id_ != 0) {
+            pccd_scene_remove(link_.get(), scene_, std::exchange(id_, 0u));
+        }
+        link_.reset();
+    }
+
+    detail::shared_client link_;
+    std::uint32_t scene_ = 0;
+    std::uint32_t id_ = 0;
+    std::uint32_t vertex_count_ = 0;
+};
+
+// ---- what moves in a step -------------------------------------------------------------
+
+// The first vertices of an object, from where they are to x1.
+inline pccd_motion to(const object &object, const positions &x1)
+{
+    pccd_motion motion{};
+    motion.object = object.id();
+    motion.count = x1.is_whole() ? x1.count() : 0;
+    motion.format = x1.format();
+    motion.x1 = x1.is_whole() ? x1.data() : nullptr;
+    return motion;
+}
+
+// From x0 to x1, which have as many vertices and the same format.
+inline pccd_motion between(const object &object, const positions &x0, const positions &x1)
+{
+    pccd_motion motion = to(object, x1);
+    const bool is_alike =
+        x0.is_whole() && x0.count() == x1.count() && x0.format() == x1.format();
+    motion.x0 = is_alike ? x0.data() : nullptr;
+    motion.x1 = is_alike ? motion.x1 : nullptr;
+    return motion;
+}
+
+// All of a body by a transform for each end of the step, rows of [R | t]. Each vertex
+// goes straight from where the first puts it to where the second does.
+inline pccd_motion rigid(const object &object, const double (&m0)[12],
+                         const double (&m1)[12])
+{
+    pccd_motion motion{};
+    motion.object = object.id();
+    motion.count = object.vertex_count();
+    motion.m0 = m0;
+    motion.m1 = m1;
+    return motion;
+}
+
+// ---- answers --------------------------------------------------------------------------
+
+// The answer to a step or to a question about what is near. Its records lie in memory
+// that the daemon shares; they are given back with it.
+class answer {
+public:
+    answer(answer &&other) noexcept
+        : link_(std::move(other.link_)), data_(std::exchange(other.data_, pccd_answer{}))
+    {
+    }
+    answer &operator=(answer &&other) noexcept
+    {
+        if (this != &other) {
+            reset();
+            link_ = std::move(other.link_);
+            data_ = std::exchange(other.data_, pccd_answer{});
+        }
+        return *this;
+    }
+    answer(const answer &) = delete;
+    answer &operator=(const answer &) = delete;
+    ~answer() { reset(); }
+
+    // All that is known of it: total, toi_first, safe_step, verdict, counters, ...
+    const pccd_answer *operator->() const noexcept { return &data_; }
+    const pccd_answer &data() const noexcept { return data_; }
+
+    // The records of this page: one of these has them, by what was asked.
+    view<const pccd_contact> contacts() const noexcept { return page(data_.contacts); }
+    view<const pccd_pair> pairs() const noexcept { return page(data_.pairs); }
+    view<const pccd_near> near() const noexcept { return page(data_.near); }
+    view<const double> vertex_bounds() const noexcept
+    {
+        return page(data_.vertex_bounds);
+    }
+    // Nothing is missing: no further page, no deadline, no cancel, no limit.
+    bool is_complete() const noexcept { return data_.incomplete == PCCD_COMPLETE; }
+    bool has_more() const noexcept { return data_.cursor < data_.total; }
+
+private:
+    friend class client;
+    friend class scene;
+    explicit answer(detail::shared_client link) : link_(std::move(link)), data_{}
+    {
+        data_.struct_bytes = sizeof data_;
+    }
+    template <class T> view<const T> page(const T *records) const noexcept
+    {
+        return {records, records ? static_cast<std::size_t>(data_.count) : 0};
+    }
+    void reset() noexcept
+    {
+        if (link_) {
+            pccd_answer_release(link_.get(), &data_);
+        }
+        link_.reset();
+    }
+
+    detail::shared_client link_;
+    pccd_answer data_;
+};
+
+// ---- scenes ---------------------------------------------------------------------------
+
+class scene : public detail::handle<pccd_scene_destroy> {
+public:
+    using motions = view<const pccd_motion>;
+
+    // An object, where its mesh is registered.
+    result<object> try_add(const mesh &mesh)
+    {
+        std::uint32_t id = 0;
+        const int status = pccd_scene_add(connection().get(), this->id(), mesh.id(), &id);
+        if (status != PCCD_OK) {
+            return detail::last(connection(), status);
+        }
+        return object(connection(), this->id(), id, mesh.info().vertex_count);
+    }
+    object add(const mesh &mesh) { return try_add(mesh).value(); }
+
+    // Submit and wait.
+    result<answer> try_step(motions what, const pccd_step_settings &settings = {})
+    {
+        answer answer(connection());
+        const int status = pccd_step(connection().get(), id(), what.data(), number(what),
+                                     &settings, &answer.data_);
+        return finish(status, std::move(answer));
+    }
+    answer step(motions what, const pccd_step_settings &settings = {})
+    {
+        return try_step(what, settings).value();
+    }
+    answer step(const pccd_motion &what, const pccd_step_settings &settings = {})
+    {
+        return try_step({&what, 1}, settings).value();
+    }
+    answer step(std::initializer_list<pccd_motion> what,
+                const pccd_step_settings &settings = {})
+    {
+        return try_step({what.begin(), what.size()}, settings).value();
+    }
+
+    // Submit; take the answer by client::wait or try_poll. Returns the step's number.
+    result<std::uint64_t> try_submit(motions what,
+                                     const pccd_step_settings &settings = {})
+    {
+        std::uint64_t step = 0;
+        const int status = pccd_submit(connection().get(), id(), what.data(),
+                                       number(what), &settings, &step);
+        if (status != PCCD_OK) {
+            return detail::last(connection(), status);
+        }
+        return step;
+    }
+    std::uint64_t submit(motions what, const pccd_step_settings &settings = {})
+    {
+        return try_submit(what, settings).value();
+    }
+
+    // Go as far as nothing meets: x[i] gets where motion i, which has x0 and x1, ends;
+    // `part` how far of the way that is, 0 .. 1 (pccd_step_safe).
+    result<answer> try_step_safe(motions what, view<void *const> x, double &part,
+                                 const pccd_step_settings &settings = {})
+    {
+        answer answer(connection());
+        if (x.size() != what.size()) {
+            return error(PCCD_E_INVAL, "each motion needs a place for where it ends");
+        }
+        const int status =
+            pccd_step_safe(connection().get(), id(), what.data(), number(what), &settings,
+                           x.data(), &part, &answer.data_);
+        return finish(status, std::move(answer));
+    }
+    answer step_safe(motions what, view<void *const> x, double &part,
+                     const pccd_step_settings &settings = {})
+    {
+        return try_step_safe(what, x, part, settings).value();
+    }
+
+    // What is near where the scene is, or after these motions.
+    result<answer> try_near(const pccd_near_settings &settings, motions what = {})
+    {
+        answer answer(connection());
+        const int status = pccd_ask_near(connection().get(), id(), what.data(),
+                                         number(what), &settings, &answer.data_);
+        return finish(status, std::move(answer));
+    }
+    answer near(const pccd_near_settings &settings, motions what = {})
+    {
+        return try_near(settings, what).value();
+    }
+
+    // The page behind this one: while (answer.has_more()) answer = scene.next(answer);
+    // The records of this one are given back first.
+    result<answer> try_next(answer &page)
+    {
+        const std::uint64_t step = page.data_.step;
+        const std::uint64_t cursor = page.data_.cursor;
+        page.reset();
+        answer answer(connection());
+        const int status =
+            pccd_fetch(connection().get(), id(), step, cursor, &answer.data_);
+        return finish(status, std::move(answer));
+    }
+    answer next(answer &page) { return try_next(page).value(); }
+
+    // Let two objects ignore each other, or meet again.
+    result<done> try_ignore(const object &a, const object &b, bool ignored = true)
+    {
+        return handle::finish(
+            pccd_pair_ignore(connection().get(), id(), a.id(), b.id(), ignored));
+    }
+    void ignore(const object &a, const object &b, bool ignored = true)
+    {
+        try_ignore(a, b, ignored).value();
+    }
+
+private:
+    friend class client;
+    using handle::handle;
+
+    static std::uint32_t number(motions what)
+    {
+        return static_cast<std::uint32_t>(what.size());
+    }
+    result<answer> finish(int status, answer &&answer) const
+    {
+        if (status != PCCD_OK) {
+            return detail::last(connection(), status);
+        }
+        return std::move(answer);
+    }
+};
+
+// ---- clients --------------------------------------------------------------------------
+
+// A connection to a daemon, which is started if none is running.
+class client {
+public:
+    static result<client> try_connect(const pccd_options &options = pccd::options())
+    {
+        pccd_client *made = nullptr;
+        const int status = pccd_connect(&options, &made);
+        if (status != PCCD_OK) {
+            return error(status, pccd_error_text(nullptr));
+        }
+        return client(made);
+    }
+    explicit client(const pccd_options &options = pccd::options())
+        : client(try_connect(options).value())
+    {
+    }
+    // "direct:" to compute in this process.
+    explicit client(const char *url) : client(at(url)) {}
+
+    // For the calls of pccd.h that this header does not have.
+    pccd_client *get() const noexcept { return link_.get(); }
+    const char *url() const noexcept { return pccd_url(get()); }
+    int fd() const noexcept { return pccd_fd(get()); }
+
+    result<scene> try_make_scene(const pccd_scene_settings *settings = nullptr)
+    {
+        std::uint32_t id = 0;
+        const int status = pccd_scene_create(get(), settings, &id);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return scene(link_, id);
+    }
+    scene make_scene(const pccd_scene_settings *settings = nullptr)
+    {
+        return try_make_scene(settings).value();
+    }
+
+    result<mesh> try_make_mesh(const shape &shape)
+    {
+        std::uint32_t id = 0;
+        pccd_mesh_info info{};
+        result<done> put = mesh::put(link_, shape, &id, &info);
+        if (!put) {
+            return put.why();
+        }
+        mesh made(link_, id);
+        made.info_ = info;
+        return made;
+    }
+    mesh make_mesh(const shape &shape) { return try_make_mesh(shape).value(); }
+
+    // Wait for the answer to a step; timeout_ms < 0: the client's default.
+    result<answer> try_wait(std::uint64_t step, int timeout_ms = -1)
+    {
+        answer answer(link_);
+        const int status = pccd_wait(get(), step, timeout_ms, &answer.data_);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return answer;
+    }
+    answer wait(std::uint64_t step, int timeout_ms = -1)
+    {
+        return try_wait(step, timeout_ms).value();
+    }
+    // The oldest finished answer, without waiting: PCCD_E_AGAIN if there is none. A step
+    // that failed is an answer too, with data().status.
+    result<answer> try_poll()
+    {
+        answer answer(link_);
+        const int status = pccd_poll(get(), &answer.data_);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return answer;
+    }
+
+private:
+    explicit client(pccd_client *made) : link_(made, pccd_close) {}
+    static client at(const char *url)
+    {
+        pccd::options options;
+        options.url = url;
+        return try_connect(options).value();
+    }
+
+    detail::shared_client link_;
+};
+
+} // namespace pccd
+
+#endif

@@ -1,0 +1,231 @@
+/* check.cc - what pccd.hpp promises, against a real daemon and in this process (TAP).
+ *
+ * Room:     tests/cpp. May include: pccd.hpp.
+ * Does:     use all of the header. test_cpp.sh builds it by each compiler and standard.
+ */
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <pccd.hpp>
+
+#if __cplusplus >= 202002L
+#include <span>
+#endif
+
+namespace
+{
+
+struct vec3 {
+    double x, y, z;
+};
+
+int count = 0, failed = 0;
+
+void tell(bool is_right, const char *name)
+{
+    count++;
+    failed += !is_right;
+    std::printf("%sok %d - %s\n", is_right ? "" : "not ", count, name);
+}
+
+const std::vector<vec3> two = {{0, 0, 0},     {1, 0, 0},     {0, 1, 0},
+                               {.25, .25, 1}, {.75, .25, 4}, {.25, .75, 4}};
+const std::uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
+
+std::vector<vec3> moved(double by)
+{
+    std::vector<vec3> x = two;
+    for (std::size_t i = 3; i < x.size(); i++) {
+        x[i].z += by;
+    }
+    return x;
+}
+
+// If one failed, a program would be told another thing than by pccd.h.
+void check_step(pccd::client &client)
+{
+    pccd::scene scene = client.make_scene();
+    pccd::mesh mesh = client.make_mesh({two, faces});
+    pccd::object object = scene.add(mesh);
+    tell(mesh.info().triangle_count == 2 && mesh.edges().size() == 6 &&
+             object.vertex_count() == 6,
+         "mesh__tells_what_it_has");
+    const std::vector<vec3> down = moved(-2);
+    const pccd::answer answer = scene.step(pccd::to(object, down));
+    tell(answer.is_complete() && answer.contacts().size() == 1 &&
+             answer.contacts()[0].kind == PCCD_VF && answer->toi_first <= .5 &&
+             answer->toi_first > .499 && answer.pairs().empty() && answer.near().empty(),
+         "step__finds_the_contact");
+    std::uint32_t kinds = 0;
+    for (const pccd_contact &contact : answer.contacts()) {
+        kinds |= 1u << contact.kind;
+    }
+    tell(kinds == 1, "contacts__are_a_range");
+
+    pccd_answer plain{};
+    const int status = pccd_step_x0x1(client.get(), scene.id(), object.id(), two.data(),
+                                      down.data(), PCCD_FORMAT_F64, 6, nullptr, &plain);
+    tell(status == PCCD_OK && std::memcmp(plain.hash, answer->hash, 16) == 0,
+         "step__has_the_hash_of_that_in_c");
+    pccd_answer_release(client.get(), &plain);
+
+    pccd::near_settings near(PCCD_NEAR_NEAREST, std::numeric_limits<double>::infinity());
+    near.what = PCCD_NEAR_PAIRS;
+    near.distance = 1.25;
+    const pccd_motion back = pccd::to(object, two);
+    const pccd::answer pairs = scene.near(near, {&back, 1});
+    tell(pairs.contacts().empty() && !pairs.near().empty() &&
+             std::fabs(pairs->distance_min - 1) < 1e-9,
+         "near__measures_after_a_motion");
+
+    object.set_radius(.5);
+    pccd::step_settings settings;
+    settings.separation = .125;
+    const pccd::answer thick = scene.step(pccd::to(object, two), settings);
+    tell(thick->initial > 0 && thick->safe_step == 0, "radius__is_of_the_next_step");
+}
+
+// If one failed, positions would have to be copied into another container first.
+void check_positions(pccd::client &client)
+{
+    const float flat[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const double rows[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::array<std::array<float, 3>, 3> triples = {
+        {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}}};
+    const std::vector<double> numbers(&rows[0][0], &rows[0][0] + 9);
+    const std::vector<std::uint32_t> face = {0, 1, 2};
+    const std::vector<int> signed_face = {0, 1, 2};
+    tell(client.make_mesh({flat, face}).info().vertex_count == 3 &&
+             client.make_mesh({rows, face}).info().triangle_count == 1 &&
+             client.make_mesh({triples, signed_face}).info().triangle_count == 1 &&
+             client.make_mesh({numbers, face}).info().vertex_count == 3,
+         "positions__may_be_any_range");
+    pccd::shape rods;
+    rods.x = pccd::positions(rows);
+    const std::uint32_t edges[2][2] = {{0, 1}, {1, 2}};
+    rods.edges = edges;
+    tell(client.make_mesh(rods).info().free_edge_count == 2, "shape__may_be_rods");
+    const std::vector<float> seven(7);
+    const pccd::result<pccd::mesh> none = client.try_make_mesh({seven, face});
+    tell(!none && none.status() == PCCD_E_INVAL,
+         "positions__that_are_no_triples_are_told");
+#if __cplusplus >= 202002L
+    const std::span<const float> span(flat);
+    tell(client.make_mesh({span, face}).info().vertex_count == 3,
+         "positions__may_be_a_span");
+    const pccd::view<const float> view(flat);
+    tell(std::span<const float>(view).size() == 9, "view__becomes_a_span");
+#endif
+}
+
+// If one failed, memory of the daemon would leak, or be freed under somebody.
+void check_ownership(pccd::client &client)
+{
+    auto scene_count = [&client] {
+        int scenes = 0;
+        pccd_list_scenes(
+            client.get(), 0,
+            [](void *context, const pccd_scene_info *) {
+                ++*static_cast<int *>(context);
+            },
+            &scenes);
+        return scenes;
+    };
+    const int before = scene_count();
+    {
+        pccd::scene one = client.make_scene();
+        pccd::scene other = client.make_scene();
+        tell(scene_count() == before + 2, "scene__is_there");
+        one = std::move(other);
+        tell(scene_count() == before + 1 && one.id() != 0 && other.id() == 0,
+             "scene__that_is_replaced_goes");
+    }
+    tell(scene_count() == before, "scene__goes_with_its_handle");
+
+    pccd::scene scene = client.make_scene();
+    pccd::mesh mesh = client.make_mesh({two, faces});
+    pccd::object object = scene.add(mesh);
+    for (int i = 0; i < 200; i++) { // many more than answers that may wait
+        pccd::answer answer = scene.step(pccd::to(object, moved(i % 2 == 0 ? -2 : 0)));
+    }
+    const std::uint64_t step = scene.submit({}, pccd::step_settings());
+    const pccd::answer last = client.wait(step);
+    tell(last->step == step && last.is_complete(), "answer__is_given_back");
+    tell(client.try_poll().status() == PCCD_E_AGAIN, "poll__has_nothing_left");
+}
+
+// If it failed, an object that outlives its client's name would use freed memory.
+void check_order()
+{
+    std::vector<pccd::object> kept;
+    {
+        pccd::client client("direct:");
+        pccd::scene scene = client.make_scene();
+        kept.push_back(scene.add(client.make_mesh({two, faces})));
+    }
+    tell(kept[0].id() != 0, "connection__stays_while_something_needs_it");
+}
+
+// If one failed, somebody would look for the reason elsewhere.
+void check_errors(pccd::client &client)
+{
+    pccd::scene scene = client.make_scene();
+    std::vector<vec3> bad = two;
+    bad[4].y = std::numeric_limits<double>::quiet_NaN();
+    const pccd::result<pccd::mesh> mesh = client.try_make_mesh({bad, faces});
+    tell(!mesh && mesh.status() == PCCD_E_NOTFINITE &&
+             std::strstr(mesh.why().what(), "E_NOTFINITE: ") != nullptr &&
+             std::strlen(mesh.why().what()) > 20,
+         "error__says_what_was_wrong");
+    pccd::mesh good = client.make_mesh({two, faces});
+    pccd::object object = scene.add(good);
+    const pccd_motion motion =
+        pccd::between(object, two, pccd::positions(two.data() ? &two[0].x : nullptr, 3));
+    tell(scene.try_step({&motion, 1}).status() == PCCD_E_INVAL,
+         "motion__of_unequal_ends_is_told");
+#if defined(__cpp_exceptions)
+    int status = 0;
+    try {
+        scene.step(pccd::to(object, bad));
+    } catch (const pccd::error &error) {
+        status = error.status();
+    }
+    tell(status == PCCD_E_NOTFINITE, "error__is_thrown");
+    tell(scene.try_step({}).status() == PCCD_OK, "scene__goes_on_after_an_error");
+    try {
+        pccd::client nobody("unix:/nonexistent/pccd.sock");
+        status = 0;
+    } catch (const pccd::error &error) {
+        status = error.status();
+    }
+    tell(status != 0, "client__that_finds_no_daemon_throws");
+#endif
+}
+
+void check_all(pccd::client client)
+{
+    check_step(client);
+    check_positions(client);
+    check_ownership(client);
+    check_errors(client);
+}
+
+} // namespace
+
+int main()
+{
+    pccd::options options;
+    options.private_daemon = true;
+    pccd::result<pccd::client> client = pccd::client::try_connect(options);
+    if (!client) {
+        std::printf("Bail out! %s\n", client.why().what());
+        return 1;
+    }
+    check_all(*client);
+    check_all(pccd::client("direct:"));
+    check_order();
+    std::printf("1..%d\n", count);
+    return failed != 0;
+}
