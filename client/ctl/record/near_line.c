@@ -19,19 +19,6 @@ static void near_weights(const struct pccd_near *near, double w[2][3])
     }
 }
 
-/* The vertices of a feature of so many points; NULL: there is none of that index. */
-static const uint32_t *corners_of(const struct registry_mesh *mesh, uint32_t points,
-                                  const uint32_t *feature)
-{
-    if (points == 1) {
-        return *feature < mesh->vertex_count ? feature : NULL;
-    }
-    if (points == 2) {
-        return *feature < mesh->edge_count ? mesh->edges[*feature] : NULL;
-    }
-    return *feature < mesh->triangle_count ? mesh->triangles[*feature] : NULL;
-}
-
 bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
                uint32_t end, double ends[2][3])
 {
@@ -47,7 +34,7 @@ bool near_line(const struct registry_scene *scene, const struct pccd_near *near,
         const struct registry_object *object = registry_object(scene, handles[side]);
         uint32_t points = common_kinds[near->kind].points[side];
         const uint32_t *corners =
-            object != NULL ? corners_of(object->mesh, points, &features[side]) : NULL;
+            object != NULL ? world_feature(object->mesh, points, &features[side]) : NULL;
         if (corners == NULL) {
             return false;
         }

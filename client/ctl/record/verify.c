@@ -103,14 +103,14 @@ static const char *misnamed(const struct registry_scene *scene,
     }
     const uint32_t count_a = common_kinds[pair->kind].points[0];
     const uint32_t count_b = common_kinds[pair->kind].points[1];
-    const uint32_t *va = verify_feature(a->mesh, count_a, &pair->feature_a);
-    const uint32_t *vb = verify_feature(b->mesh, count_b, &pair->feature_b);
+    const uint32_t *va = world_feature(a->mesh, count_a, &pair->feature_a);
+    const uint32_t *vb = world_feature(b->mesh, count_b, &pair->feature_b);
     if (va == NULL || vb == NULL) {
         return "the record names a feature that there is not";
     }
     if ((pair->kind == PCCD_VE || pair->kind == PCCD_VV) &&
-        !(verify_is_free(a->mesh, count_a, pair->feature_a) &&
-          verify_is_free(b->mesh, count_b, pair->feature_b))) {
+        !(world_is_free(a->mesh, count_a, pair->feature_a) &&
+          world_is_free(b->mesh, count_b, pair->feature_b))) {
         return "the record names a vertex or an edge that is not free";
     }
     if (count_a == count_b && (pair->object_a > pair->object_b ||

@@ -17,29 +17,6 @@
 #include "oracle_thick.h"
 #include "registry_positions.h"
 
-const uint32_t *verify_feature(const struct registry_mesh *mesh, uint32_t points,
-                               const uint32_t *feature)
-{
-    if (*feature >= verify_feature_count(mesh, points)) {
-        return NULL;
-    }
-    return points == 1   ? feature
-           : points == 2 ? mesh->edges[*feature]
-                         : mesh->triangles[*feature];
-}
-
-bool verify_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
-{
-    return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
-}
-
-uint32_t verify_feature_count(const struct registry_mesh *mesh, uint32_t points)
-{
-    return points == 1   ? mesh->vertex_count
-           : points == 2 ? mesh->edge_count
-                         : mesh->triangle_count;
-}
-
 void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
                    double p[8][3])
 {
@@ -49,7 +26,7 @@ void verify_points(const struct registry_scene *scene, const struct pccd_pair *p
     uint32_t at = 0;
     for (int side = 0; side < 2; side++) {
         const struct registry_object *object = registry_object(scene, handles[side]);
-        const uint32_t *v = verify_feature(object->mesh, points[side], &features[side]);
+        const uint32_t *v = world_feature(object->mesh, points[side], &features[side]);
         for (uint32_t i = 0; i < points[side]; i++, at++) {
             memcpy(p[at], object->x0[v[i]], sizeof p[at]);
             memcpy(p[4 + at], object->x1[v[i]], sizeof p[4 + at]);
@@ -61,19 +38,6 @@ void verify_points(const struct registry_scene *scene, const struct pccd_pair *p
     }
 }
 
-double verify_radius(const struct registry_object *object, const uint32_t *v,
-                     uint32_t count)
-{
-    double most = 0;
-    if (object->attributes.radius > 0 || object->mesh->radii == NULL) {
-        return object->attributes.radius;
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        most = fmax(most, object->mesh->radii[v[i]]);
-    }
-    return most;
-}
-
 /* The registered positions of a pair of one object, as verify_points has them. */
 static void registered(const struct registry_mesh *mesh, const struct pccd_pair *pair,
                        double p[4][3])
@@ -82,7 +46,7 @@ static void registered(const struct registry_mesh *mesh, const struct pccd_pair 
     const uint32_t features[2] = {pair->feature_a, pair->feature_b};
     uint32_t at = 0;
     for (int side = 0; side < 2; side++) {
-        const uint32_t *v = verify_feature(mesh, points[side], &features[side]);
+        const uint32_t *v = world_feature(mesh, points[side], &features[side]);
         for (uint32_t i = 0; i < points[side]; i++, at++) {
             registry_registered(mesh, v[i], p[at]);
         }
@@ -130,8 +94,8 @@ static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair 
                        uint32_t rings)
 {
     const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t *a = verify_feature(mesh, points[0], &pair->feature_a);
-    const uint32_t *b = verify_feature(mesh, points[1], &pair->feature_b);
+    const uint32_t *a = world_feature(mesh, points[0], &pair->feature_a);
+    const uint32_t *b = world_feature(mesh, points[1], &pair->feature_b);
     uint8_t *marks = calloc(mesh->vertex_count, sizeof *marks);
     bool joined = false;
     for (uint32_t i = 0; marks != NULL && i < points[0]; i++) {
@@ -158,13 +122,13 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
     const struct registry_object *a = registry_object(step->scene, pair->object_a);
     const struct registry_object *b = registry_object(step->scene, pair->object_b);
     const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t *va = verify_feature(a->mesh, points[0], &pair->feature_a);
-    const uint32_t *vb = verify_feature(b->mesh, points[1], &pair->feature_b);
+    const uint32_t *va = world_feature(a->mesh, points[0], &pair->feature_a);
+    const uint32_t *vb = world_feature(b->mesh, points[1], &pair->feature_b);
     const struct oracle_thick thick = {.points_a = (int)points[0],
                                        .points_b = (int)points[1],
                                        .p = (const double(*)[3])meeting->p,
-                                       .radius = {verify_radius(a, va, points[0]),
-                                                  verify_radius(b, vb, points[1]),
+                                       .radius = {world_radius(a, va, points[0]),
+                                                  world_radius(b, vb, points[1]),
                                                   step->separation.separation},
                                        .approach = step->separation.approach};
     bool is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0 &&

@@ -9,6 +9,7 @@
 #include "world.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,6 +167,42 @@ int world_edges(struct registry_mesh *mesh, struct ctl_error *error)
     mark_free(mesh, (const uint32_t(*)[2])sides, side_count);
     free(sides);
     return PCCD_OK;
+}
+
+uint32_t world_feature_count(const struct registry_mesh *mesh, uint32_t points)
+{
+    return points == 1   ? mesh->vertex_count
+           : points == 2 ? mesh->edge_count
+                         : mesh->triangle_count;
+}
+
+const uint32_t *world_feature(const struct registry_mesh *mesh, uint32_t points,
+                              const uint32_t *feature)
+{
+    if (*feature >= world_feature_count(mesh, points)) {
+        return NULL;
+    }
+    return points == 1   ? feature
+           : points == 2 ? mesh->edges[*feature]
+                         : mesh->triangles[*feature];
+}
+
+bool world_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature)
+{
+    return points == 1 ? mesh->is_free_vertex[feature] : mesh->is_free_edge[feature];
+}
+
+double world_radius(const struct registry_object *object, const uint32_t *v,
+                    uint32_t count)
+{
+    double most = 0;
+    if (object->attributes.radius > 0 || object->mesh->radii == NULL) {
+        return object->attributes.radius;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        most = fmax(most, object->mesh->radii[v[i]]);
+    }
+    return most;
 }
 
 static int follow_scene(struct registry *world, const struct record_view *view,
