@@ -79,6 +79,7 @@ libctl_la_SOURCES = \
     client/ctl/picture/picture_scene.h \
     client/ctl/picture/picture_svg.c \
     client/ctl/picture/raster.c client/ctl/picture/raster.h \
+    client/ctl/picture/thick.c client/ctl/picture/thick.h \
     client/ctl/picture/viewpoint.c client/ctl/picture/viewpoint.h \
     client/ctl/record/answers.c client/ctl/record/answers.h \
     client/ctl/record/drive.c client/ctl/record/drive.h \

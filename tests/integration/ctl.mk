@@ -19,5 +19,5 @@ TESTS += tests/integration/ctl_record.sh
 dist_check_SCRIPTS += tests/integration/ctl_record.sh
 
 # What is near in the meshes of files.
-TESTS += tests/integration/ctl_near.sh
-dist_check_SCRIPTS += tests/integration/ctl_near.sh
+TESTS += tests/integration/ctl_near.sh tests/integration/ctl_see.sh
+dist_check_SCRIPTS += tests/integration/ctl_near.sh tests/integration/ctl_see.sh

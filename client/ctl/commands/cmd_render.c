@@ -39,6 +39,7 @@ enum {
     OPTION_SIZE,
     OPTION_AT,
     OPTION_NEAR,
+    OPTION_THICK,
     OPTION_OUTPUT = 'o'
 };
 
@@ -53,6 +54,7 @@ struct render {
     uint32_t width, height;
     bool is_at_contacts;
     bool is_near; /* what is near, and not contacts */
+    bool is_thick;
 };
 
 static const struct argp_option option_list[] = {
@@ -73,6 +75,10 @@ static const struct argp_option option_list[] = {
     {"near", OPTION_NEAR, NULL, 0,
      "Draw the last answer about what is near instead of contacts: lines between nearest "
      "points, coloured by distance, and edges that cross",
+     0},
+    {"thick", OPTION_THICK, NULL, 0,
+     "Draw triangles with their thickness, too, and half of the step's separation around "
+     "everything: what meets, touches. Without it rods and points alone have theirs",
      0},
     {"zoom", OPTION_ZOOM, "Z", 0, "Enlarge the picture's contents Z times", 0},
     {"size", OPTION_SIZE, "WxH", 0, "Size of the picture in pixels (default: 1200x900)",
@@ -187,6 +193,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_NEAR:
         render->is_near = true;
         return 0;
+    case OPTION_THICK:
+        render->is_thick = true;
+        return 0;
     case OPTION_ZOOM:
         render->zoom = ctl_option_real(state, "zoom", text, 0.01, ZOOM_MAX);
         return 0;
@@ -257,19 +266,20 @@ static struct picture_place place_of(const struct render *render,
     struct picture_place place = {.radius = 0};
     if (render->contact > 0) {
         const struct still_contact *contact = &still->contacts[still->chosen];
-        memcpy(place.at, contact->at, sizeof place.at);
+        for (uint32_t k = 0; k < 3; k++) {
+            place.at[k] = contact->at[k] +
+                          (render->is_thick ? contact->share * contact->reach[k] : 0);
+        }
         place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
                                            : (float)(PLACE_LEAST * still->extent);
     }
     return place;
 }
 
-/* Contacts by their times, or lines by their shares of the greatest distance. False: all
- * have one colour. */
-static bool make_marks(const struct still *still, struct picture_mark *marks,
-                       struct picture_scale *scale)
+/* Lines by their shares of the greatest distance. */
+static void mark_lines(const struct still *still, double greatest,
+                       struct picture_mark *marks)
 {
-    double greatest = still_greatest(still);
     for (uint64_t i = 0; i < still->line_count; i++) {
         double share = greatest > 0 ? still->lines[i].distance / greatest : 0;
         memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);
@@ -277,25 +287,75 @@ static bool make_marks(const struct still *still, struct picture_mark *marks,
         marks[i].is_line = true;
         marks[i].group = (uint32_t)(share * (GROUPS - 1));
     }
-    if (still->lines != NULL) {
-        snprintf(scale->title, sizeof scale->title, "distance");
-        snprintf(scale->high, sizeof scale->high, "%.4g", greatest);
+}
+
+/* A dot, over a line to the nearest point of its first feature if it is at a distance;
+ * the dot is where they touch. Returns how many marks there are now. */
+static uint32_t mark_contact(const struct still_contact *contact, bool is_thick,
+                             struct picture_mark *marks, uint32_t count)
+{
+    uint32_t group = contact->toi > 0 ? (uint32_t)(contact->toi * GROUPS) : 0;
+    struct picture_mark mark = {.group = group < GROUPS ? group : GROUPS - 1};
+    const float *reach = contact->reach;
+    memcpy(mark.at, contact->at, sizeof mark.at);
+    if (reach[0] != 0 || reach[1] != 0 || reach[2] != 0) {
+        mark.is_line = true;
+        for (uint32_t k = 0; k < 3; k++) {
+            mark.to[k] = mark.at[k] + reach[k];
+        }
+        marks[count++] = mark;
+        mark.is_line = false;
     }
+    for (uint32_t k = 0; k < 3 && is_thick; k++) {
+        mark.at[k] += contact->share * reach[k];
+    }
+    marks[count] = mark;
+    return count + 1;
+}
+
+/* Contacts by their times, the chosen one over the others. Returns how many marks. */
+static uint32_t mark_contacts(const struct render *render, const struct still *still,
+                              struct picture_mark *marks)
+{
+    uint32_t count = 0;
     for (uint64_t i = 0; i < still->contact_count; i++) {
-        double toi = still->contacts[i].toi;
-        uint32_t group = toi > 0 ? (uint32_t)(toi * GROUPS) : 0;
-        memcpy(marks[i].at, still->contacts[i].at, sizeof marks[i].at);
-        marks[i].group = group < GROUPS ? group : GROUPS - 1;
+        if (render->contact == 0 || i != still->chosen) {
+            count = mark_contact(&still->contacts[i], render->is_thick, marks, count);
+        }
     }
-    return still->lines == NULL || greatest > 0;
+    if (render->contact > 0) {
+        count =
+            mark_contact(&still->contacts[still->chosen], render->is_thick, marks, count);
+        marks[count - 1].is_chosen = true;
+    }
+    return count;
+}
+
+static void make_meshes(const struct still *still, struct picture_mesh *meshes)
+{
+    for (uint32_t i = 0; i < still->object_count; i++) {
+        const struct still_object *object = &still->objects[i];
+        meshes[i] =
+            (struct picture_mesh){.x = (const float(*)[3])object->x,
+                                  .triangles = (const uint32_t(*)[3])object->triangles,
+                                  .edges = (const uint32_t(*)[2])object->edges,
+                                  .points = object->points,
+                                  .radii = object->radii,
+                                  .vertex_count = object->vertex_count,
+                                  .triangle_count = object->triangle_count,
+                                  .edge_count = object->edge_count,
+                                  .point_count = object->point_count};
+        colour_of_object(i, meshes[i].front, meshes[i].back);
+    }
 }
 
 static int draw(const struct render *render, const struct still *still, FILE *file,
                 struct ctl_error *error)
 {
     struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof *meshes);
-    uint64_t mark_count = still->contact_count + still->line_count; /* one is 0 */
-    struct picture_mark *marks = calloc(mark_count + 1, sizeof *marks);
+    struct picture_mark *marks =
+        calloc(2 * still->contact_count + still->line_count + 1, sizeof *marks);
+    double greatest = still_greatest(still);
     struct picture_group groups[GROUPS];
     struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
     char title[128];
@@ -304,19 +364,13 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
         free(marks);
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
     }
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        meshes[i].x = (const float(*)[3])still->objects[i].x;
-        meshes[i].triangles = (const uint32_t(*)[3])still->objects[i].triangles;
-        meshes[i].vertex_count = still->objects[i].vertex_count;
-        meshes[i].triangle_count = still->objects[i].triangle_count;
-        colour_of_object(i, meshes[i].front, meshes[i].back);
-    }
-    bool has_scale = make_marks(still, marks, &scale);
-    if (render->contact > 0) { /* last, over the others */
-        struct picture_mark chosen = marks[still->chosen];
-        marks[still->chosen] = marks[still->contact_count - 1];
-        chosen.is_chosen = true;
-        marks[still->contact_count - 1] = chosen;
+    make_meshes(still, meshes);
+    uint32_t mark_count = still->lines != NULL ? (uint32_t)still->line_count
+                                               : mark_contacts(render, still, marks);
+    if (still->lines != NULL) {
+        mark_lines(still, greatest, marks);
+        snprintf(scale.title, sizeof scale.title, "distance");
+        snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
     }
     for (uint32_t i = 0; i < GROUPS; i++) {
         groups[i].label[0] = '\0';
@@ -328,16 +382,19 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
                               .marks = marks,
                               .groups = groups,
                               .mesh_count = still->object_count,
-                              .mark_count = (uint32_t)mark_count,
+                              .mark_count = mark_count,
                               .group_count = GROUPS,
                               .up = render->up,
                               .width = render->width,
                               .height = render->height,
                               .zoom = (float)render->zoom,
                               .is_at_marks = render->is_at_contacts,
+                              .is_thick = render->is_thick,
+                              .gap = (float)(still->separation / 2),
                               .place = render->contact > 0 ? &place : NULL,
                               .title = title,
-                              .scale = has_scale ? &scale : NULL};
+                              .scale =
+                                  still->lines == NULL || greatest > 0 ? &scale : NULL};
     find_eye(render, picture.from);
     if (render->contact > 0 && isnan(render->azimuth)) {
         viewpoint_choose(still, picture.from);
@@ -346,6 +403,15 @@ static int draw(const struct render *render, const struct still *still, FILE *fi
     free(meshes);
     free(marks);
     return status;
+}
+
+static bool has_thickness(const struct still *still)
+{
+    bool has = still->separation > 0;
+    for (uint32_t i = 0; i < still->object_count; i++) {
+        has = has || still->objects[i].radii != NULL;
+    }
+    return has;
 }
 
 int ctl_cmd_render(int argc, char **argv)
@@ -386,6 +452,10 @@ int ctl_cmd_render(int argc, char **argv)
     whole_file_discard(&file);
     if (status == PCCD_OK) {
         play_options_warn(&render.options.play, &summary);
+        if (render.is_thick && !has_thickness(&still)) {
+            ctl_complain("nothing in %s %" PRIu64 " has a thickness",
+                         render.is_near ? "question" : "step", still.step);
+        }
         still_report(&still, render.path, render.options.is_json);
     } else {
         ctl_error_tell(&error);

@@ -16,12 +16,15 @@
 
 #include "crease.h"
 #include "picture_canvas.h"
+#include "thick.h"
 
 #define HALF_VIEW   0.34f /* tangent of half the vertical angle of view */
 #define MARGIN      1.12f /* room around the scene */
 #define ZOOM_LEAST  0.01f /* of the view, that marks take at least */
 #define PLACE_LEAST 1e-5f /* of the view, that a place takes at least */
 #define LINE_WIDTH  0.35f /* picture pixels */
+#define ROD_LEAST   1.1f  /* radius of a rod, picture pixels */
+#define POINT_LEAST 2.0f  /* of a point */
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
 static const float sky_bottom[3] = {0.78f, 0.82f, 0.87f};
@@ -47,6 +50,25 @@ static void normalize(float x[3])
     }
 }
 
+/* Of the feature that has these vertices, as it is drawn. */
+static float radius_of(const struct picture *picture, const struct picture_mesh *mesh,
+                       const uint32_t *vertices, uint32_t count)
+{
+    float most = 0;
+    for (uint32_t i = 0; i < count && mesh->radii != NULL; i++) {
+        most = fmaxf(most, mesh->radii[vertices[i]]);
+    }
+    return picture->is_thick ? most + picture->gap : most;
+}
+
+/* Room that is needed around a vertex. */
+static float room_of(const struct picture *picture, const struct picture_mesh *mesh,
+                     uint32_t vertex)
+{
+    bool has_round = picture->is_thick || mesh->edge_count > 0 || mesh->point_count > 0;
+    return has_round ? radius_of(picture, mesh, &vertex, 1) : 0;
+}
+
 /* The middle of the box around all vertices, or around all marks; or the place that is to
  * be seen. */
 static void find_centre(const struct picture *picture, float centre[3])
@@ -59,9 +81,11 @@ static void find_centre(const struct picture *picture, float centre[3])
     for (uint32_t k = 0; k < 3; k++) {
         float low = INFINITY, high = -INFINITY;
         for (uint32_t m = 0; m < picture->mesh_count && !at_marks; m++) {
-            for (uint32_t i = 0; i < picture->meshes[m].vertex_count; i++) {
-                low = fminf(low, picture->meshes[m].x[i][k]);
-                high = fmaxf(high, picture->meshes[m].x[i][k]);
+            const struct picture_mesh *mesh = &picture->meshes[m];
+            for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+                float room = room_of(picture, mesh, i);
+                low = fminf(low, mesh->x[i][k] - room);
+                high = fmaxf(high, mesh->x[i][k] + room);
             }
         }
         for (uint32_t i = 0; i < picture->mark_count && at_marks; i++) {
@@ -129,12 +153,13 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
     view_of(canvas, &wide, &high);
     canvas->distance = 0.0f;
     for (uint32_t m = 0; m < picture->mesh_count; m++) {
-        for (uint32_t i = 0; i < picture->meshes[m].vertex_count; i++) {
-            float d[3];
-            offset_of(canvas, picture->meshes[m].x[i], d);
-            float needed = fmaxf(fabsf(dot(d, canvas->axes[0])) / wide,
-                                 fabsf(dot(d, canvas->axes[1])) / high) -
-                           dot(d, canvas->axes[2]);
+        const struct picture_mesh *mesh = &picture->meshes[m];
+        for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+            float d[3], room = room_of(picture, mesh, i);
+            offset_of(canvas, mesh->x[i], d);
+            float aside = fabsf(dot(d, canvas->axes[0])) + room * hypotf(1, wide);
+            float above = fabsf(dot(d, canvas->axes[1])) + room * hypotf(1, high);
+            float needed = fmaxf(aside / wide, above / high) - dot(d, canvas->axes[2]);
             canvas->distance = fmaxf(canvas->distance, needed);
         }
     }
@@ -160,11 +185,48 @@ void picture_project(const struct picture_canvas *canvas, const float x[3],
     corner->y = 0.5f * (float)canvas->raster.height - scale * dot(d, canvas->axes[1]);
 }
 
-static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *mesh)
+/* The light stands to the upper left behind the eye. */
+static struct raster_surface surface_of(const struct picture_canvas *canvas,
+                                        const struct picture_mesh *mesh)
+{
+    struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
+    memcpy(surface.front, mesh->front, sizeof surface.front);
+    memcpy(surface.back, mesh->back, sizeof surface.back);
+    for (uint32_t k = 0; k < 3; k++) {
+        surface.eye[k] = -canvas->axes[2][k];
+        surface.light[k] =
+            surface.eye[k] + 0.9f * canvas->axes[1][k] - 0.8f * canvas->axes[0][k];
+    }
+    normalize(surface.light);
+    return surface;
+}
+
+/* Rods and points, never so thin that nobody sees them. */
+static void draw_free(const struct picture *picture, struct picture_canvas *canvas,
+                      const struct picture_mesh *mesh)
+{
+    const struct raster_surface surface = surface_of(canvas, mesh);
+    for (uint64_t i = 0; i < (uint64_t)mesh->edge_count + mesh->point_count; i++) {
+        bool is_edge = i < mesh->edge_count;
+        const uint32_t *v =
+            is_edge ? mesh->edges[i] : &mesh->points[i - mesh->edge_count];
+        const float *ends[2] = {mesh->x[v[0]], mesh->x[v[is_edge ? 1 : 0]]};
+        struct raster_corner corners[2];
+        picture_project(canvas, ends[0], &corners[0]);
+        picture_project(canvas, ends[1], &corners[1]);
+        float least = (is_edge ? ROD_LEAST : POINT_LEAST) * PICTURE_OVERSAMPLING /
+                      canvas->focus / fmaxf(corners[0].nearness, corners[1].nearness);
+        float radius = radius_of(picture, mesh, v, is_edge ? 2 : 1);
+        thick_segment(canvas, ends[0], ends[1], (double)fmaxf(radius, least), &surface);
+    }
+}
+
+static bool draw_triangles(const struct picture *picture, struct picture_canvas *canvas,
+                           const struct picture_mesh *mesh)
 {
     struct raster_corner *corners = calloc(mesh->vertex_count + 1, sizeof *corners);
     float(*normals)[3] = malloc((3 * (size_t)mesh->triangle_count + 1) * sizeof *normals);
-    struct raster_surface surface = {.line_width = LINE_WIDTH * PICTURE_OVERSAMPLING};
+    const struct raster_surface surface = surface_of(canvas, mesh);
     int octave;
     (void)frexpf(fmaxf(canvas->distance, FLT_MIN), &octave);
     if (corners == NULL || normals == NULL || !crease_normals(mesh, octave, normals)) {
@@ -175,17 +237,15 @@ static bool draw_mesh(struct picture_canvas *canvas, const struct picture_mesh *
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         picture_project(canvas, mesh->x[i], &corners[i]);
     }
-    memcpy(surface.front, mesh->front, sizeof surface.front);
-    memcpy(surface.back, mesh->back, sizeof surface.back);
-    /* The light stands to the upper left behind the eye. */
-    for (uint32_t k = 0; k < 3; k++) {
-        surface.eye[k] = -canvas->axes[2][k];
-        surface.light[k] =
-            surface.eye[k] + 0.9f * canvas->axes[1][k] - 0.8f * canvas->axes[0][k];
-    }
-    normalize(surface.light);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *v = mesh->triangles[t];
+        float radius = picture->is_thick ? radius_of(picture, mesh, v, 3) : 0;
+        if (radius > 0) {
+            thick_triangle(
+                canvas, (const float *[]){mesh->x[v[0]], mesh->x[v[1]], mesh->x[v[2]]},
+                (const float(*)[3])normals + 3 * (size_t)t, (double)radius, &surface);
+            continue;
+        }
         struct raster_corner three[3] = {corners[v[0]], corners[v[1]], corners[v[2]]};
         for (uint32_t k = 0; k < 3; k++) {
             memcpy(three[k].normal, normals[3 * t + k], sizeof three[k].normal);
@@ -209,9 +269,20 @@ bool picture_draw(const struct picture *picture, struct picture_canvas *canvas)
         place_camera(picture, canvas);
     }
     for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++) {
-        has_memory = draw_mesh(canvas, &picture->meshes[m]);
+        has_memory = draw_triangles(picture, canvas, &picture->meshes[m]);
+        draw_free(picture, canvas, &picture->meshes[m]);
     }
     return has_memory;
+}
+
+void picture_place_mark(const struct picture *picture,
+                        const struct picture_canvas *canvas,
+                        const struct picture_mark *mark, struct raster_corner *corner)
+{
+    picture_project(canvas, mark->at, corner);
+    if (picture->is_thick && mark->is_chosen) {
+        corner->nearness = INFINITY; /* between two that touch it would be hidden */
+    }
 }
 
 float picture_mark_radius(const struct picture_mark *mark)
@@ -219,8 +290,7 @@ float picture_mark_radius(const struct picture_mark *mark)
     return mark->is_chosen ? 3 * PICTURE_DOT_RADIUS : PICTURE_DOT_RADIUS;
 }
 
-/* Dots so close that they make a line; its ends are larger, or it would not be seen where
- * it is short. */
+/* Its ends are larger, or it would not be seen where it is short. */
 static void draw_line(const struct picture *picture, struct picture_canvas *canvas,
                       const struct picture_mark *mark)
 {
@@ -228,18 +298,10 @@ static void draw_line(const struct picture *picture, struct picture_canvas *canv
     struct raster_corner ends[2] = {{.x = 0}, {.x = 0}};
     picture_project(canvas, mark->at, &ends[0]);
     picture_project(canvas, mark->to, &ends[1]);
-    float away = fmaxf(fabsf(ends[1].x - ends[0].x), fabsf(ends[1].y - ends[0].y));
-    uint32_t dots = (uint32_t)fminf(away, 2.0f * PICTURE_SIDE_MAX) + 1;
-    for (uint32_t i = 0; i <= dots; i++) {
-        float t = (float)i / (float)dots;
-        bool is_end = i == 0 || i == dots;
-        struct raster_corner at = {.x = ends[0].x + t * (ends[1].x - ends[0].x),
-                                   .y = ends[0].y + t * (ends[1].y - ends[0].y),
-                                   .nearness = ends[0].nearness +
-                                               t * (ends[1].nearness - ends[0].nearness)};
-        raster_dot(&canvas->raster, &at,
-                   (is_end ? PICTURE_DOT_RADIUS : PICTURE_LINE_RADIUS) *
-                       PICTURE_OVERSAMPLING,
+    raster_line(&canvas->raster, ends, PICTURE_LINE_RADIUS * PICTURE_OVERSAMPLING, colour,
+                PICTURE_DOT_HIDDEN);
+    for (uint32_t i = 0; i < 2; i++) {
+        raster_dot(&canvas->raster, &ends[i], PICTURE_DOT_RADIUS * PICTURE_OVERSAMPLING,
                    colour, PICTURE_DOT_HIDDEN);
     }
 }
@@ -253,7 +315,7 @@ void picture_draw_marks(const struct picture *picture, struct picture_canvas *ca
             draw_line(picture, canvas, mark);
             continue;
         }
-        picture_project(canvas, mark->at, &corner);
+        picture_place_mark(picture, canvas, mark, &corner);
         raster_dot(&canvas->raster, &corner,
                    picture_mark_radius(mark) * PICTURE_OVERSAMPLING,
                    picture->groups[mark->group].colour, PICTURE_DOT_HIDDEN);

@@ -33,6 +33,10 @@ bool picture_draw(const struct picture *picture, struct picture_canvas *canvas);
 /* Where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
                      struct raster_corner *corner);
+/* The same of a mark. */
+void picture_place_mark(const struct picture *picture,
+                        const struct picture_canvas *canvas,
+                        const struct picture_mark *mark, struct raster_corner *corner);
 /* Picture pixels. */
 float picture_mark_radius(const struct picture_mark *mark);
 /* Marks and legend onto the canvas. */

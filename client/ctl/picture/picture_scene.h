@@ -19,8 +19,11 @@
 struct picture_mesh {
     const float (*x)[3];
     const uint32_t (*triangles)[3];
+    const uint32_t (*edges)[2]; /* of rods */
+    const uint32_t *points;     /* of clouds: vertices */
+    const float *radii; /* of the vertices; a feature has the greatest of them; NULL: 0 */
     uint32_t vertex_count;
-    uint32_t triangle_count;
+    uint32_t triangle_count, edge_count, point_count;
     float front[3], back[3]; /* colours of the sides, 0 .. 1 */
 };
 
@@ -62,6 +65,8 @@ struct picture {
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
     bool is_at_marks;       /* the marks are what is to be seen */
+    bool is_thick;          /* triangles have their radii; rods and points always have */
+    float gap;              /* with is_thick: added to every radius */
     const struct picture_place *place; /* this is, and not the marks; NULL: no place */
     const char *title;
     const struct picture_scale *scale; /* NULL: none */

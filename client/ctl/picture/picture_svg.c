@@ -69,7 +69,7 @@ static void put_marks(const struct picture *picture, const struct picture_canvas
             put_line(picture, canvas, &picture->marks[i], file);
             continue;
         }
-        picture_project(canvas, picture->marks[i].at, &corner);
+        picture_place_mark(picture, canvas, &picture->marks[i], &corner);
         if (!(corner.x >= 0 && corner.y >= 0 && corner.x < (float)canvas->raster.width &&
               corner.y < (float)canvas->raster.height)) {
             continue;

@@ -264,6 +264,18 @@ void raster_triangle(struct raster *raster, const struct raster_corner c[3],
     }
 }
 
+void raster_pixel(struct raster *raster, uint32_t x, uint32_t y, float nearness,
+                  const float normal[3], const struct raster_surface *surface)
+{
+    size_t pixel = (size_t)y * raster->width + x;
+    if (nearness > raster->nearness[pixel]) {
+        float colour[3];
+        raster->nearness[pixel] = nearness;
+        shade(surface, normal, false, colour);
+        put(raster, pixel, colour);
+    }
+}
+
 static bool is_on(const struct raster *raster, const struct raster_corner *at)
 {
     return at->x >= 0.0f && at->y >= 0.0f && at->x < (float)raster->width &&
@@ -280,28 +292,53 @@ bool raster_is_hidden(const struct raster *raster, const struct raster_corner *a
     return at->nearness * (1.0f + DOT_BIAS) < raster->nearness[centre];
 }
 
-void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
-                const float colour[3], float hidden)
+/* Where on the segment between two places (dx, dy) apart the one is that is nearest to a
+ * place (x, y) away from the first: 0 .. 1. */
+static float along(float dx, float dy, float x, float y)
 {
-    uint32_t x0, x1, y0, y1;
+    float square = dx * dx + dy * dy;
+    return square > 0.0f ? fminf(fmaxf((x * dx + y * dy) / square, 0.0f), 1.0f) : 0.0f;
+}
+
+void raster_line(struct raster *raster, const struct raster_corner ends[2], float radius,
+                 const float colour[3], float hidden)
+{
     float rim[3] = {colour[0] * RIM_SHADE, colour[1] * RIM_SHADE, colour[2] * RIM_SHADE};
-    if (!is_on(raster, at)) {
-        return;
-    }
-    clip(at->x - radius, at->x + radius, raster->width, &x0, &x1);
-    clip(at->y - radius, at->y + radius, raster->height, &y0, &y1);
-    bool is_hidden = raster_is_hidden(raster, at);
+    float dx = ends[1].x - ends[0].x, dy = ends[1].y - ends[0].y;
+    uint32_t x0, x1, y0, y1;
+    clip(fminf(ends[0].y, ends[1].y) - radius, fmaxf(ends[0].y, ends[1].y) + radius,
+         raster->height, &y0, &y1);
     for (uint32_t y = y0; y <= y1; y++) {
+        float away_y = (float)y + 0.5f - ends[0].y;
+        /* The part of the segment that can be so near. */
+        float from = dy != 0.0f ? (away_y - radius) / dy : 0.0f;
+        float to = dy != 0.0f ? (away_y + radius) / dy : 1.0f;
+        float a = ends[0].x + dx * fminf(fmaxf(from, 0.0f), 1.0f);
+        float b = ends[0].x + dx * fminf(fmaxf(to, 0.0f), 1.0f);
+        clip(fminf(a, b) - radius, fmaxf(a, b) + radius, raster->width, &x0, &x1);
         for (uint32_t x = x0; x <= x1; x++) {
-            float away = hypotf((float)x + 0.5f - at->x, (float)y + 0.5f - at->y);
-            if (away > radius) {
+            float away_x = (float)x + 0.5f - ends[0].x;
+            float t = along(dx, dy, away_x, away_y);
+            float away = hypotf(away_x - t * dx, away_y - t * dy);
+            const struct raster_corner at = {
+                .x = ends[0].x + t * dx,
+                .y = ends[0].y + t * dy,
+                .nearness = ends[0].nearness + t * (ends[1].nearness - ends[0].nearness)};
+            if (away > radius || !is_on(raster, &at)) {
                 continue;
             }
+            bool is_hidden = raster_is_hidden(raster, &at);
             bool is_rim = !is_hidden && away > radius * 0.72f;
             mix(raster, (size_t)y * raster->width + x, is_rim ? rim : colour,
                 is_hidden ? hidden : 1.0f);
         }
     }
+}
+
+void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
+                const float colour[3], float hidden)
+{
+    raster_line(raster, (const struct raster_corner[]){*at, *at}, radius, colour, hidden);
 }
 
 void raster_box(struct raster *raster, uint32_t x, uint32_t y, uint32_t width,

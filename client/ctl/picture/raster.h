@@ -42,8 +42,14 @@ void raster_deinit(struct raster *raster);
 void raster_clear(struct raster *raster, const float top[3], const float bottom[3]);
 void raster_triangle(struct raster *raster, const struct raster_corner corners[3],
                      const struct raster_surface *surface);
-/* A dot with a dark rim: full where nothing nearer is, `hidden` (0 .. 1) opaque
- * elsewhere. */
+/* A pixel on the canvas of a surface whose front is seen, unless something nearer is
+ * there. */
+void raster_pixel(struct raster *raster, uint32_t x, uint32_t y, float nearness,
+                  const float normal[3], const struct raster_surface *surface);
+/* A line with a dark rim, `radius` to either side: full where nothing nearer is, `hidden`
+ * (0 .. 1) opaque elsewhere. A dot is one without length. */
+void raster_line(struct raster *raster, const struct raster_corner ends[2], float radius,
+                 const float colour[3], float hidden);
 void raster_dot(struct raster *raster, const struct raster_corner *at, float radius,
                 const float colour[3], float hidden);
 /* Whether something nearer is at the middle of a dot; a dot off the canvas is. */

@@ -61,6 +61,37 @@ static void choose_origin(const struct registry_scene *scene, double t,
     }
 }
 
+/* Rods and points. */
+static void take_free(const struct registry_mesh *mesh, struct still_object *object)
+{
+    for (uint32_t i = 0; i < mesh->edge_count; i++) {
+        if (world_is_free(mesh, 2, i)) {
+            memcpy(object->edges[object->edge_count++], mesh->edges[i],
+                   sizeof *object->edges);
+        }
+    }
+    for (uint32_t i = 0; i < mesh->named_point_count; i++) {
+        if (world_is_free(mesh, 1, mesh->named_points[i])) {
+            object->points[object->point_count++] = mesh->named_points[i];
+        }
+    }
+}
+
+static void take_radii(const struct registry_object *from, struct still_object *object)
+{
+    bool is_thick = false;
+    for (uint32_t i = 0; i < object->vertex_count; i++) {
+        double radius = world_radius(from, &i, 1);
+        object->radii[i] = (float)radius;
+        is_thick = is_thick || radius > 0;
+    }
+    if (!is_thick) {
+        free(object->radii);
+        object->radii = NULL;
+    }
+}
+
+/* Its mesh has its edges (world_edges). */
 static bool take_object(const struct registry_object *from, double t,
                         const double origin[3], struct still_object *object)
 {
@@ -69,13 +100,17 @@ static bool take_object(const struct registry_object *from, double t,
         .handle = from->handle,
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
+        .edges = malloc(((size_t)mesh->edge_count + 1) * sizeof *object->edges),
+        .points = malloc(((size_t)mesh->named_point_count + 1) * sizeof *object->points),
+        .radii = malloc(mesh->vertex_count * sizeof *object->radii),
         .x = malloc(mesh->vertex_count * sizeof *object->x),
         .motion = malloc(mesh->vertex_count * sizeof *object->motion),
         .triangles =
             malloc(((size_t)mesh->triangle_count + 1) * sizeof *object->triangles),
         .hits = calloc((size_t)mesh->triangle_count + 1, sizeof *object->hits)};
     if (object->x == NULL || object->motion == NULL || object->triangles == NULL ||
-        object->hits == NULL) {
+        object->hits == NULL || object->edges == NULL || object->points == NULL ||
+        object->radii == NULL) {
         return false;
     }
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
@@ -89,6 +124,8 @@ static bool take_object(const struct registry_object *from, double t,
         memcpy(object->triangles, mesh->triangles,
                mesh->triangle_count * sizeof *object->triangles);
     }
+    take_free(mesh, object);
+    take_radii(from, object);
     return true;
 }
 
@@ -100,26 +137,6 @@ static struct still_object *find_object(const struct still *still, uint32_t hand
         }
     }
     return NULL;
-}
-
-/* The vertices of a feature: its number of them, 0 for one that there is not. */
-static uint32_t corners_of(const struct still_object *object,
-                           const struct registry_mesh *mesh, uint32_t feature,
-                           uint32_t size, uint32_t corners[3])
-{
-    if (size == 1 && feature < object->vertex_count) {
-        corners[0] = feature;
-        return 1;
-    }
-    if (size == 2 && feature < mesh->edge_count) {
-        memcpy(corners, mesh->edges[feature], 2 * sizeof *corners);
-        return 2;
-    }
-    if (size == 3 && feature < object->triangle_count) {
-        memcpy(corners, object->triangles[feature], 3 * sizeof *corners);
-        return 3;
-    }
-    return 0;
 }
 
 /* Make room around a contact for the corners of one of its features. */
@@ -134,6 +151,42 @@ static void widen(struct still_contact *contact, const struct still_object *obje
     }
 }
 
+/* A point of a feature, whose vertices are weighed, at a time. */
+static void point_of(const struct registry_object *object, const uint32_t *corners,
+                     const double w[3], uint32_t count, double t, double at[3])
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        at[k] = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            double x0 = object->x0[corners[i]][k], x1 = object->x1[corners[i]][k];
+            at[k] += w[i] * (x0 + t * (x1 - x0));
+        }
+    }
+}
+
+/* How far apart the two features are when they meet, unless they keep no distance: then
+ * what is between their points is rounding. */
+static void find_reach(double separation, const struct registry_object *const objects[2],
+                       const uint32_t *const corners[2], const uint32_t counts[2],
+                       const double w[2][3], struct still_contact *contact)
+{
+    double at[2][3];
+    double own = world_radius(objects[1], corners[1], counts[1]) + separation / 2;
+    double both = own + world_radius(objects[0], corners[0], counts[0]) + separation / 2;
+    if (!(both > 0)) {
+        return;
+    }
+    contact->share = (float)(own / both);
+    for (uint32_t side = 0; side < 2; side++) {
+        point_of(objects[side], corners[side], w[side], counts[side],
+                 fmin(fmax(contact->toi, 0), 1), at[side]);
+    }
+    for (uint32_t k = 0; k < 3; k++) {
+        contact->reach[k] = (float)(at[0][k] - at[1][k]);
+    }
+    contact->radius = fmaxf(contact->radius, (float)both);
+}
+
 /* Where the second feature is touched; false for a record that makes no sense. */
 static bool place_contact(const struct still *still, const struct registry_scene *scene,
                           const struct pccd_contact *from, struct still_contact *to)
@@ -143,15 +196,14 @@ static bool place_contact(const struct still *still, const struct registry_scene
     const struct registry_object *known_a = registry_object(scene, from->object_a);
     const struct registry_object *known_b = registry_object(scene, from->object_b);
     double w[2][3];
-    uint32_t of_a[3], of_b[3];
     if (a == NULL || b == NULL || known_a == NULL || known_b == NULL ||
         from->kind >= PCCD_KIND_COUNT) {
         return false;
     }
     const uint32_t *points = common_kinds[from->kind].points;
-    uint32_t count_a = corners_of(a, known_a->mesh, from->feature_a, points[0], of_a);
-    uint32_t count_b = corners_of(b, known_b->mesh, from->feature_b, points[1], of_b);
-    if (count_a == 0 || count_b == 0) {
+    const uint32_t *of_a = world_feature(known_a->mesh, points[0], &from->feature_a);
+    const uint32_t *of_b = world_feature(known_b->mesh, points[1], &from->feature_b);
+    if (of_a == NULL || of_b == NULL) {
         return false;
     }
     *to = (struct still_contact){.toi = from->toi,
@@ -165,7 +217,7 @@ static bool place_contact(const struct still *still, const struct registry_scene
     common_contact_weights((enum pccd_kind)from->kind, from->param, w);
     for (uint32_t k = 0; k < 3; k++) {
         double at = 0;
-        for (uint32_t i = 0; i < count_b; i++) {
+        for (uint32_t i = 0; i < points[1]; i++) {
             at += w[1][i] * (double)b->x[of_b[i]][k];
         }
         to->at[k] = (float)at;
@@ -173,8 +225,10 @@ static bool place_contact(const struct still *still, const struct registry_scene
     if (points[1] == 3) {
         b->hits[from->feature_b]++;
     }
-    widen(to, a, of_a, count_a);
-    widen(to, b, of_b, count_b);
+    widen(to, a, of_a, points[0]);
+    widen(to, b, of_b, points[1]);
+    find_reach(still->separation, (const struct registry_object *[]){known_a, known_b},
+               (const uint32_t *[]){of_a, of_b}, points, (const double(*)[3])w, to);
     return true;
 }
 
@@ -222,9 +276,9 @@ static int take_objects(struct still *still, const struct registry_scene *scene,
     choose_origin(scene, still->t, still);
     for (uint32_t i = 0; i < scene->object_count; i++) {
         still->object_count++;
-        if (!take_object(&scene->objects[i], still->t, still->origin,
-                         &still->objects[i]) ||
-            world_edges(scene->objects[i].mesh, error) != PCCD_OK) {
+        if (world_edges(scene->objects[i].mesh, error) != PCCD_OK ||
+            !take_object(&scene->objects[i], still->t, still->origin,
+                         &still->objects[i])) {
             return no_memory(error);
         }
     }
@@ -241,6 +295,7 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     still_deinit(still);
     still->step = step->number;
     still->t = taking->at->t;
+    still->separation = step->separation.separation;
     if (taking->at->contact > 0) {
         int status = find_contact(taking->at, step, &still->t, error);
         if (status != PCCD_OK) {
@@ -405,6 +460,9 @@ void still_deinit(struct still *still)
         free(still->objects[i].x);
         free(still->objects[i].motion);
         free(still->objects[i].triangles);
+        free(still->objects[i].edges);
+        free(still->objects[i].points);
+        free(still->objects[i].radii);
         free(still->objects[i].hits);
     }
     free(still->objects);

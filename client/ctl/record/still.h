@@ -15,15 +15,23 @@
 struct still_object {
     uint32_t handle;
     uint32_t vertex_count, triangle_count;
+    uint32_t edge_count, point_count;
     float (*x)[3];      /* at the time that was asked for, less the origin */
     float (*motion)[3]; /* from t = 0 to t = 1 */
     uint32_t (*triangles)[3];
+    uint32_t (*edges)[2]; /* of rods: those that no triangle has */
+    uint32_t *points;     /* those that no triangle and no edge has */
+    float *radii;   /* of its vertices; a feature has the greatest of them; NULL: all 0 */
     uint32_t *hits; /* of each triangle: contacts of it, its edges and its corners */
 };
 
 struct still_contact {
     float at[3]; /* where its second feature is touched, then, less the origin */
     float normal[3];
+    /* When they meet, from there to the nearest point of its first feature, where the two
+     * have a distance to keep; and which part of that is on the side of the second. */
+    float reach[3];
+    float share;
     float radius; /* to the farthest vertex of its two features, then */
     double toi;
     uint32_t kind, flags;
@@ -40,6 +48,7 @@ struct still_line {
 struct still {
     uint64_t step;
     double t;
+    double separation; /* of the step */
     struct still_object *objects;
     uint32_t object_count;
     struct still_contact *contacts;

@@ -1,0 +1,131 @@
+#!/bin/bash
+# tests/integration/ctl_see.sh - thickness, rods and points in pictures and exports (TAP).
+#
+# Room:     client/ctl, from outside.
+# Does:     records steps of a few features whose places are known by hand, and looks at the pixels
+#           of pictures and at the numbers of exports.
+# Does not: look at surfaces without thickness; ctl_record.sh does.
+# Source:   client/man/pccdctl.1.scd says what is promised.
+# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
+
+set -u
+: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}"
+. "$(dirname "$0")/../support/tap.sh"
+unset PCCD_URL PCCD_RECORD PCCD_RECORD_OPTIONS
+
+dir=$(mktemp -d "${TMPDIR:-/tmp}/pccd-see-XXXXXX") || exit 1
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+log=$dir/log
+# report NAME: the status of the command before it decides.
+report() {
+    tap_result $? "$1" "$log"
+    : >"$log"
+}
+ctl() { timeout 60 "$PCCDCTL" "$@" >out 2>>"$log"; }
+
+if ! command -v python3 >/dev/null; then
+    tap_skip pictures "no python3, which reads them"
+    tap_end
+    exit
+fi
+# A picture as rows of pixels; what is drawn is what differs from the background, a vertical run of
+# colours, as the column at its left border has it. The legend is left out.
+cat >picture.py <<'END'
+import struct, zlib
+def rows(path):
+    data, at, packed = open(path, 'rb').read(), 8, b''
+    while at < len(data):
+        size, kind = struct.unpack('>I4s', data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        if kind == b'IHDR':
+            wide, high, bits, colours = struct.unpack('>IIBB', body[:10])
+            assert (bits, colours) == (8, 2)
+        packed += body if kind == b'IDAT' else b''
+        at += size + 12
+    flat, before, out = zlib.decompress(packed), bytes(3 * wide), []
+    for y in range(high):
+        how, line = flat[y * (3 * wide + 1)], bytearray(flat[y * (3 * wide + 1) + 1:][:3 * wide])
+        for i in range(3 * wide):
+            left, up, corner = (line[i - 3], before[i], before[i - 3]) if i >= 3 else (0, before[i], 0)
+            near = min((abs(left + up - corner - c), k) for k, c in enumerate((left, up, corner)))
+            line[i] = (line[i] + (0, left, up, (left + up) // 2, (left, up, corner)[near[1]])[how]) & 255
+        out.append([tuple(line[3 * x:3 * x + 3]) for x in range(wide)])
+        before = bytes(line)
+    return out
+def drawn(path):
+    return [[(x > 250 or y > 112) and max(abs(a - b) for a, b in zip(p, row[0])) > 6
+             for x, p in enumerate(row)] for y, row in enumerate(rows(path))]
+def runs(line): # [first, end) of what is drawn
+    edges = [i for i in range(len(line) + 1)
+             if (i < len(line) and line[i]) != (i > 0 and line[i - 1])]
+    return list(zip(edges[::2], edges[1::2]))
+END
+export PYTHONPATH=$dir PYTHONDONTWRITEBYTECODE=1
+# record NAME RADIUS: from NAME0.obj to NAME1.obj.
+record() {
+    ctl record --force --contacts -o "$1.rec" -- "$PCCDCTL" check --private --repeat 0 --thickness "$2" \
+        "${3:-$1}0.obj" "${3:-$1}1.obj"
+}
+
+# Two points come straight towards each other, to the distance 2.
+printf 'v %s\n' '-2 0 0' '2 0 0' >points0.obj
+printf 'v %s\n' '-1 0 0' '1 0 0' >points1.obj
+for frame in 0 1; do printf 'p 1 2\n' >>points$frame.obj; done
+
+# If it failed, clouds would not be seen, or with another thickness than they meet with: at their
+# time of impact two would overlap, or have a gap between them.
+record points 0.75 && record wide 1 points && record small 1e-9 points &&
+    for name in points wide small; do
+        ctl render --size 600x400 --view 90,0 --up z -o $name.png $name.rec || break
+    done && python3 - >>"$log" 2>&1 <<'END'
+from picture import drawn, runs
+gap, touch, small = [runs(max(drawn(name + '.png'), key=sum)) for name in ('points', 'wide', 'small')]
+assert len(gap) == 2 and len(touch) == 1 and len(small) == 2, (gap, touch, small)
+(a, b), (c, d) = gap # seen from the front, both as large as the ratio of radius and distance
+assert abs((c - b) / (b - a) - 0.5 / 1.5) < 0.03 and abs((b - a) - (d - c)) <= 2, gap
+assert all(3 <= end - first <= 6 for first, end in small), small
+END
+report render__draws_points_as_thick_as_they_meet
+
+# If it failed, rods would not be seen; or without their round ends.
+printf 'v %s\n' '-2 0 0' '2 0 0' >rod0.obj
+printf 'l 1 2\n' >>rod0.obj
+cp rod0.obj rod1.obj
+record rod 0.5 && ctl render --size 600x400 --view 90,0 --up z -o rod.png rod.rec &&
+    python3 - >>"$log" 2>&1 <<'END'
+from picture import drawn, runs
+image = drawn('rod.png')
+(first, end), = runs(max(image, key=sum))
+high = sum(any(line) for line in image)
+assert abs((end - first) / high - 5) < 0.4, (end - first, high) # 4 and two radii, by two radii
+corner = min(y for y, line in enumerate(image) if any(line))
+assert not image[corner][first + high // 8] and image[corner + 2][(first + end) // 2]
+END
+report render__draws_rods_with_round_ends
+
+# If it failed, surfaces would have no thickness where it was asked for, or one where it was not.
+# Seen along its plane, a triangle without one is a line.
+printf 'v %s\n' '-2 0 -2' '2 0 -2' '0 0 2' >face0.obj
+printf 'f 1 2 3\n' >>face0.obj
+cp face0.obj face1.obj
+record face 0.5 && ctl render --size 600x400 --view 0,0 --up z -o plain.png face.rec &&
+    ctl render --thick --size 600x400 --view 0,0 --up z -o thick.png face.rec &&
+    python3 - >>"$log" 2>&1 <<'END'
+from picture import drawn, runs
+plain, thick = drawn('plain.png'), drawn('thick.png')
+assert max(sum(line) for line in plain) <= 2, max(map(runs, plain))
+lines = [runs(line) for line in thick]
+high = sum(any(line) for line in thick)
+wide = max(end - first for line in lines for first, end in line)
+assert abs(high / wide - 5) < 0.6, (high, wide) # 4 and two radii, by two radii
+assert all(len(line) <= 1 for line in lines)
+END
+report render__draws_surfaces_thick_where_it_is_asked_for
+
+# If it failed, a picture without the thickness that was asked for would not say so.
+record none 0 face && timeout 60 "$PCCDCTL" render --thick -o none.png none.rec 2>said >>"$log" &&
+    grep -q 'nothing in step 1 has a thickness' said && cat said >>"$log"
+report render__says_where_nothing_is_thick
+
+tap_end
