@@ -254,7 +254,7 @@ assert len(x) == 3 * points and x[9:12] == (0.25, 0.25, -1.0)
 cells = {a.get('Name'): read(a) for a in piece.find('CellData')}
 assert all(len(v) == (verts + polys) * (3 if n == 'normal' else 1) for n, v in cells.items())
 assert all(0 <= t <= 1 for t in cells['toi'][:verts]) and cells['toi'][verts:] == (2, 2)
-assert set(cells['kind'][:verts]) <= {0, 1} and cells['kind'][verts:] == (2, 2)
+assert set(cells['kind'][:verts]) <= {0, 1} and cells['kind'][verts:] == (8, 8)
 for cell, each, count in (('Verts', 1, verts), ('Polys', 3, polys)):
     of = {a.get('Name'): read(a) for a in piece.find(cell)}
     assert len(of['connectivity']) == each * count and max(of['connectivity']) < points

@@ -128,4 +128,57 @@ record none 0 face && timeout 60 "$PCCDCTL" render --thick -o none.png none.rec 
     grep -q 'nothing in step 1 has a thickness' said && cat said >>"$log"
 report render__says_where_nothing_is_thick
 
+# If it failed, a contact at a distance would be drawn where nothing is: each is a line between the
+# two nearest points at its time. The radius is 1/4: a point falls on a face, an edge and a point.
+printf 'v %s\n' '0 0 0' '4 0 0' '0 4 0' '10 0 0' '14 0 0' '20 0 0' >under.obj
+for height in 1 0; do
+    printf 'v %s\n' "1 1 $height" "12 0 $height" "20 0 $height" | cat under.obj - >all$((1 - height)).obj
+    printf '%s\n' 'f 1 2 3' 'l 4 5' 'p 6 7 8 9' >>all$((1 - height)).obj
+done
+record all 0.25 && ctl render --size 600x400 --time 0 -o all.svg all.rec &&
+    ctl export --time 0.5 -o all.glb all.rec && ctl export --time 0.5 -o all.vtp all.rec &&
+    python3 - >>"$log" 2>&1 <<'END'
+import base64, json, struct, xml.dom.minidom, xml.etree.ElementTree as tree
+svg = xml.dom.minidom.parse('all.svg')
+assert len(svg.getElementsByTagName('line')) == len(svg.getElementsByTagName('circle')) == 3
+data = open('all.glb', 'rb').read()
+size, = struct.unpack('<I', data[12:16])
+doc, binary = json.loads(data[20:20 + size]), data[28 + size:]
+def read(index):
+    accessor = doc['accessors'][index]
+    words = accessor['count'] * {'SCALAR': 1, 'VEC3': 3}[accessor['type']]
+    form = {5126: 'f', 5125: 'I'}[accessor['componentType']]
+    return struct.unpack_from('<%d%s' % (words, form), binary,
+                              doc['bufferViews'][accessor['bufferView']]['byteOffset'])
+body, points, normals = [mesh['primitives'] for mesh in doc['meshes']]
+assert {p['mode']: read(p['indices']) for p in body} == \
+    {4: (0, 1, 2), 1: (3, 4), 0: (5, 6, 7, 8)}
+assert all(read(p['attributes']['_RADIUS']) == (0.25,) * 9 for p in body)
+assert all(len(read(p['targets'][0]['POSITION'])) == 27 for p in body)
+ends = read(normals[0]['attributes']['POSITION'])
+lines = sorted(ends[i:i + 6] for i in range(0, len(ends), 6)) # of two points the first has the lower index
+true = [(1, 1, 0, 1, 1, .5), (12, 0, 0, 12, 0, .5), (20, 0, .5, 20, 0, 0)]
+assert len(lines) == 3 and all(abs(a - b) < 1e-5 for line, right in zip(lines, true)
+                               for a, b in zip(line, right))
+piece = tree.parse('all.vtp').getroot().find('PolyData/Piece')
+def vtk(array):
+    data = base64.b64decode(array.text, validate=True)
+    count, = struct.unpack('<Q', data[:8])
+    assert len(data) == 8 + count
+    return struct.unpack('<%d%s' % (count // 4, {'Float32': 'f', 'UInt32': 'I'}[array.get('type')]), data[8:])
+counts = [int(piece.get('NumberOf' + name)) for name in ('Points', 'Verts', 'Lines', 'Polys')]
+assert counts == [12, 3 + 4, 1, 1], counts
+cells = {name: {a.get('Name'): vtk(a) for a in piece.find(name)} for name in ('Verts', 'Lines', 'Polys')}
+assert cells['Verts']['connectivity'][3:] == (5, 6, 7, 8)
+assert cells['Lines'] == {'connectivity': (3, 4), 'offsets': (2,)}
+assert cells['Polys']['connectivity'] == (0, 1, 2)
+numbers = {a.get('Name'): vtk(a) for a in piece.find('CellData')}
+assert sorted(numbers['kind'][:3]) == [0, 2, 3] and numbers['kind'][3:] == (8,) * 6
+assert all(len(words) == (9 * 3 if name == 'normal' else 9) for name, words in numbers.items())
+assert numbers['feature_a'][3:] == (0, 1, 2, 3, 0, 0)
+vertices = {a.get('Name'): vtk(a) for a in piece.find('PointData')}
+assert vertices['radius'] == (0.25,) * 9 + (0,) * 3
+END
+report contacts__at_a_distance_are_lines_and_rods_and_points_are_exported
+
 tap_end

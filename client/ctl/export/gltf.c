@@ -116,10 +116,10 @@ static void add_material(struct gltf *gltf, const float colour[3], bool is_surfa
            gltf);
 }
 
-static void add_node(struct gltf *gltf, json_t *primitive, const char *name,
+static void add_node(struct gltf *gltf, json_t *primitives, const char *name,
                      json_t *weights)
 {
-    json_t *mesh = json_pack("{s:s, s:[o]}", "name", name, "primitives", primitive);
+    json_t *mesh = json_pack("{s:s, s:o}", "name", name, "primitives", primitives);
     if (weights != NULL) {
         json_object_set_new(mesh, "weights", weights);
     }
@@ -169,17 +169,38 @@ static float (*start_of(const struct still_object *object, double t))[3]
     return x;
 }
 
+/* Some of an object's features, by the indices of their vertices, if there are any. */
+static void add_features(struct gltf *gltf, json_t *primitives, const uint32_t *indices,
+                         size_t count, int mode, const json_t *attributes, int motion)
+{
+    if (count == 0) {
+        return;
+    }
+    int view = add_view(gltf, indices, count * sizeof *indices, INDICES);
+    int made = add_accessor(gltf, view, UNSIGNED, "SCALAR", count);
+    append(primitives,
+           json_pack("{s:o, s:i, s:i, s:I, s:[{s:i}]}", "attributes",
+                     json_copy((json_t *)attributes), "indices", made, "mode", mode,
+                     "material", (json_int_t)json_array_size(gltf->materials) - 1,
+                     "targets", "POSITION", motion),
+           gltf);
+}
+
 static void add_object(struct gltf *gltf, const struct still_object *object, uint32_t i,
                        double t)
 {
     float front[3], back[3];
     char name[32];
-    if (object->triangle_count == 0) {
-        return; /* rods and points are not shown */
+    json_t *primitives = json_array();
+    if (object->triangle_count + object->edge_count + object->point_count == 0) {
+        json_decref(primitives); /* its vertices are named by nothing */
+        return;
     }
     float(*x)[3] = start_of(object, t);
-    if (x == NULL) {
+    if (x == NULL || primitives == NULL) {
         gltf->has_memory = false;
+        json_decref(primitives);
+        free(x);
         return;
     }
     colour_of_object(i, front, back);
@@ -187,18 +208,23 @@ static void add_object(struct gltf *gltf, const struct still_object *object, uin
     int positions = add_vectors(gltf, (const float(*)[3])x, object->vertex_count, true);
     int motion =
         add_vectors(gltf, (const float(*)[3])object->motion, object->vertex_count, true);
-    int indices = add_accessor(
-        gltf,
-        add_view(gltf, object->triangles,
-                 object->triangle_count * sizeof *object->triangles, INDICES),
-        UNSIGNED, "SCALAR", 3 * (size_t)object->triangle_count);
+    json_t *attributes = json_pack("{s:i}", "POSITION", positions);
+    if (object->radii != NULL) {
+        int view = add_view(gltf, object->radii,
+                            object->vertex_count * sizeof *object->radii, ARRAY);
+        json_object_set_new(attributes, "_RADIUS",
+                            json_integer(add_accessor(gltf, view, FLOAT, "SCALAR",
+                                                      object->vertex_count)));
+    }
+    add_features(gltf, primitives, (const uint32_t *)object->triangles,
+                 3 * (size_t)object->triangle_count, TRIANGLES, attributes, motion);
+    add_features(gltf, primitives, (const uint32_t *)object->edges,
+                 2 * (size_t)object->edge_count, LINES, attributes, motion);
+    add_features(gltf, primitives, object->points, object->point_count, POINTS,
+                 attributes, motion);
+    json_decref(attributes);
     snprintf(name, sizeof name, "object 0x%x", object->handle);
-    add_node(gltf,
-             json_pack("{s:{s:i}, s:i, s:i, s:I, s:[{s:i}]}", "attributes", "POSITION",
-                       positions, "indices", indices, "mode", TRIANGLES, "material",
-                       (json_int_t)json_array_size(gltf->materials) - 1, "targets",
-                       "POSITION", motion),
-             name, json_pack("[f]", t));
+    add_node(gltf, primitives, name, json_pack("[f]", t));
     animate(gltf, json_array_size(gltf->nodes) - 1);
     free(x);
 }
@@ -213,7 +239,7 @@ static void add_coloured(struct gltf *gltf, const float (*x)[3],
     int positions = add_vectors(gltf, x, count, true);
     int tints = add_vectors(gltf, colours, count, false);
     add_node(gltf,
-             json_pack("{s:{s:i, s:i}, s:i, s:I}", "attributes", "POSITION", positions,
+             json_pack("[{s:{s:i, s:i}, s:i, s:I}]", "attributes", "POSITION", positions,
                        "COLOR_0", tints, "mode", has_lines ? LINES : POINTS, "material",
                        (json_int_t)json_array_size(gltf->materials) - 1),
              name, NULL);
@@ -241,7 +267,8 @@ static void add_lines(struct gltf *gltf, const struct still *still)
     free(colours);
 }
 
-/* Points, or lines of the normals' direction, in the colours of their times. */
+/* Points, or lines of the normals' direction, in the colours of their times. The line of
+ * a contact at a distance goes to the nearest point of its first feature. */
 static void add_marks(struct gltf *gltf, const struct still *still, bool has_lines)
 {
     uint32_t each = has_lines ? 2 : 1;
@@ -250,9 +277,12 @@ static void add_marks(struct gltf *gltf, const struct still *still, bool has_lin
     float(*colours)[3] = malloc((count + 1) * sizeof *colours);
     for (size_t i = 0; x != NULL && colours != NULL && i < count; i++) {
         const struct still_contact *contact = &still->contacts[i / each];
-        float size = i % each == 0 ? 0 : (float)(NORMAL_SIZE * still->extent);
+        const float *reach = contact->reach;
+        bool is_apart = reach[0] != 0 || reach[1] != 0 || reach[2] != 0;
+        float size = is_apart ? 1 : (float)(NORMAL_SIZE * still->extent);
         for (int k = 0; k < 3; k++) {
-            x[i][k] = contact->at[k] + size * contact->normal[k];
+            float way = is_apart ? reach[k] : contact->normal[k];
+            x[i][k] = contact->at[k] + (i % each == 0 ? 0 : size * way);
         }
         colour_of_time(contact->toi, colours[i]);
     }

@@ -2,8 +2,9 @@
  * browsers open.
  *
  * Room:     client/ctl. May include: still.h.
- * Does:     write a mesh for each object, with its motion as a morph target and an
- *           animation of one second; contacts as points coloured by time, their normals
+ * Does:     write a mesh for each object, its triangles, rods and points, with its motion
+ *           as a morph target and an animation of one second; radii as an attribute
+ *           _RADIUS of the vertices; contacts as points coloured by time, their normals
  *           as lines; what is near as lines coloured by distance.
  * Does not: need a library.
  * Threads:  one.

@@ -2,8 +2,8 @@
  *
  * Room:     client/ctl.
  * Does:     points: vertices of all objects, then contacts, then ends of lines; cells:
- *           contacts as vertices, lines, then triangles; arrays in base64, as text is
- *           rounded.
+ *           contacts and points as vertices, lines and rods as lines, then triangles;
+ *           arrays in base64, as text is rounded.
  * Does not: place contacts; see still.c.
  * Threads:  one.
  * Source:   vtp.h.
@@ -18,15 +18,17 @@
 
 #include "base64.h"
 
-#define TOI_NONE 2.0f /* of a triangle: later than any contact */
+#define TOI_NONE  2.0f           /* of a feature: later than any contact */
+#define KIND_NONE PCCD_KINDS_MAX /* likewise */
 
 /* Everything that is written, in the order of points and cells. */
 struct vtp {
     const struct still *still;
     FILE *to;
     uint64_t vertices, triangles, contacts, lines;
-    uint64_t *bytes; /* of the array below: VTK wants both in one piece of base64 */
-    void *scratch;   /* an array: 24 bytes for each point or cell */
+    uint64_t rods, points; /* edges, and points, that nothing else has */
+    uint64_t *bytes;       /* of the array below: VTK wants both in one piece of base64 */
+    void *scratch;         /* an array: 24 bytes for each point or cell */
     bool is_ok;
 };
 
@@ -61,6 +63,12 @@ static void widen(struct vtp *vtp, uint64_t count)
 static uint64_t point_count(const struct vtp *vtp)
 {
     return vtp->vertices + vtp->contacts + 2 * vtp->lines;
+}
+
+/* There are contacts, or lines, never both. */
+static uint64_t cell_count(const struct vtp *vtp)
+{
+    return vtp->contacts + vtp->points + vtp->lines + vtp->rods + vtp->triangles;
 }
 
 static void put_points(struct vtp *vtp)
@@ -99,10 +107,20 @@ static void put_point_data(struct vtp *vtp)
     }
     memset(motion, 0, (vtp->contacts + 2 * vtp->lines) * sizeof *motion);
     put_array(vtp, "Float32", "motion", 3, point_count(vtp) * sizeof(float[3]));
+    float *radius = vtp->scratch;
+    memset(radius, 0, point_count(vtp) * sizeof *radius);
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        if (object->radii != NULL) {
+            memcpy(radius, object->radii, object->vertex_count * sizeof *radius);
+        }
+        radius += object->vertex_count;
+    }
+    put_array(vtp, "Float32", "radius", 1, point_count(vtp) * sizeof *radius);
     fputs("</PointData>\n", vtp->to);
 }
 
-/* One word for each contact, then for each triangle. */
+/* One word for each contact, then for each point, edge of a rod, and triangle. */
 typedef uint32_t (*contact_word)(const struct still_contact *contact);
 
 static uint32_t float_word(float value)
@@ -147,72 +165,92 @@ static uint32_t feature_b_word(const struct still_contact *contact)
     return contact->feature_b;
 }
 
-/* What a triangle has in the same array. */
-enum triangle_word {
-    TRIANGLE_NONE,
-    TRIANGLE_TOI,
-    TRIANGLE_KIND,
-    TRIANGLE_OBJECT,
-    TRIANGLE_INDEX,
-    TRIANGLE_HITS
+/* What a feature has in the same array: INDEX, its number among those of its object that
+ * are drawn likewise. */
+enum feature_word {
+    FEATURE_NONE,
+    FEATURE_TOI,
+    FEATURE_KIND,
+    FEATURE_OBJECT,
+    FEATURE_INDEX,
+    FEATURE_HITS
 };
 
-static void put_cells(struct vtp *vtp, const char *type, const char *name,
-                      contact_word of_contact, enum triangle_word of_triangle)
+static uint32_t *put_features(const struct still_object *object, uint32_t count,
+                              const uint32_t *hits, enum feature_word which,
+                              uint32_t *words)
 {
+    for (uint32_t i = 0; i < count; i++) {
+        *words++ = which == FEATURE_TOI                    ? float_word(TOI_NONE)
+                   : which == FEATURE_KIND                 ? KIND_NONE
+                   : which == FEATURE_OBJECT               ? object->handle
+                   : which == FEATURE_INDEX                ? i
+                   : which == FEATURE_HITS && hits != NULL ? hits[i]
+                                                           : 0;
+    }
+    return words;
+}
+
+static void put_cells(struct vtp *vtp, const char *type, const char *name,
+                      contact_word of_contact, enum feature_word which)
+{
+    const struct still *still = vtp->still;
     uint32_t *words = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        *words++ = of_contact != NULL ? of_contact(&vtp->still->contacts[i]) : 0;
+        *words++ = of_contact != NULL ? of_contact(&still->contacts[i]) : 0;
     }
-    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
-        const struct still_object *object = &vtp->still->objects[o];
-        for (uint32_t t = 0; t < object->triangle_count; t++) {
-            *words++ = of_triangle == TRIANGLE_TOI      ? float_word(TOI_NONE)
-                       : of_triangle == TRIANGLE_KIND   ? 2
-                       : of_triangle == TRIANGLE_OBJECT ? object->handle
-                       : of_triangle == TRIANGLE_INDEX  ? t
-                       : of_triangle == TRIANGLE_HITS   ? object->hits[t]
-                                                        : 0;
-        }
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        words = put_features(&still->objects[o], still->objects[o].point_count, NULL,
+                             which, words);
     }
-    put_array(vtp, type, name, 1, (vtp->contacts + vtp->triangles) * sizeof(uint32_t));
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        words = put_features(&still->objects[o], still->objects[o].edge_count, NULL,
+                             which, words);
+    }
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        words = put_features(&still->objects[o], still->objects[o].triangle_count,
+                             still->objects[o].hits, which, words);
+    }
+    put_array(vtp, type, name, 1, cell_count(vtp) * sizeof(uint32_t));
 }
 
 static void put_cell_data(struct vtp *vtp)
 {
     fputs("<CellData Scalars=\"toi\" Normals=\"normal\">\n", vtp->to);
-    put_cells(vtp, "Float32", "toi", toi_word, TRIANGLE_TOI);
-    put_cells(vtp, "UInt32", "kind", kind_word, TRIANGLE_KIND);
-    put_cells(vtp, "UInt32", "flags", flags_word, TRIANGLE_NONE);
-    put_cells(vtp, "UInt32", "object_a", object_a_word, TRIANGLE_OBJECT);
-    put_cells(vtp, "UInt32", "feature_a", feature_a_word, TRIANGLE_INDEX);
-    put_cells(vtp, "UInt32", "object_b", object_b_word, TRIANGLE_NONE);
-    put_cells(vtp, "UInt32", "feature_b", feature_b_word, TRIANGLE_NONE);
-    put_cells(vtp, "UInt32", "contacts", NULL, TRIANGLE_HITS);
+    put_cells(vtp, "Float32", "toi", toi_word, FEATURE_TOI);
+    put_cells(vtp, "UInt32", "kind", kind_word, FEATURE_KIND);
+    put_cells(vtp, "UInt32", "flags", flags_word, FEATURE_NONE);
+    put_cells(vtp, "UInt32", "object_a", object_a_word, FEATURE_OBJECT);
+    put_cells(vtp, "UInt32", "feature_a", feature_a_word, FEATURE_INDEX);
+    put_cells(vtp, "UInt32", "object_b", object_b_word, FEATURE_NONE);
+    put_cells(vtp, "UInt32", "feature_b", feature_b_word, FEATURE_NONE);
+    put_cells(vtp, "UInt32", "contacts", NULL, FEATURE_HITS);
     float(*normal)[3] = vtp->scratch;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
         memcpy(normal[i], vtp->still->contacts[i].normal, sizeof *normal);
     }
-    memset(normal + vtp->contacts, 0, vtp->triangles * sizeof *normal);
-    put_array(vtp, "Float32", "normal", 3,
-              (vtp->contacts + vtp->triangles) * sizeof(float[3]));
+    memset(normal + vtp->contacts, 0, (cell_count(vtp) - vtp->contacts) * sizeof *normal);
+    put_array(vtp, "Float32", "normal", 3, cell_count(vtp) * sizeof(float[3]));
     fputs("</CellData>\n", vtp->to);
 }
 
-/* Of what is near: distances and kinds of lines; a triangle has no distance. */
+/* Of what is near: distances and kinds of lines, which come behind the points; a feature
+ * has no distance. */
 static void put_near_data(struct vtp *vtp)
 {
     const struct still_line *lines = vtp->still->lines;
-    uint64_t count = vtp->lines + vtp->triangles;
+    uint64_t count = cell_count(vtp), first = vtp->points;
     double *distance = vtp->scratch;
     uint32_t *kind = vtp->scratch;
     fputs("<CellData Scalars=\"distance\">\n", vtp->to);
     for (uint64_t i = 0; i < count; i++) {
-        distance[i] = i < vtp->lines ? lines[i].distance : NAN;
+        bool is_line = i >= first && i - first < vtp->lines;
+        distance[i] = is_line ? lines[i - first].distance : NAN;
     }
     put_array(vtp, "Float64", "distance", 1, count * sizeof *distance);
     for (uint64_t i = 0; i < count; i++) {
-        kind[i] = i < vtp->lines ? lines[i].kind : PCCD_KINDS_MAX;
+        bool is_line = i >= first && i - first < vtp->lines;
+        kind[i] = is_line ? lines[i - first].kind : KIND_NONE;
     }
     put_array(vtp, "UInt32", "kind", 1, count * sizeof *kind);
     fputs("</CellData>\n", vtp->to);
@@ -230,25 +268,41 @@ static void put_offsets(struct vtp *vtp, uint64_t count, uint32_t each)
 
 static void put_contact_cells(struct vtp *vtp)
 {
-    uint32_t *points = vtp->scratch;
+    uint32_t *points = vtp->scratch, first = 0;
     for (uint64_t i = 0; i < vtp->contacts; i++) {
-        points[i] = (uint32_t)(vtp->vertices + i);
+        *points++ = (uint32_t)(vtp->vertices + i);
     }
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        for (uint32_t i = 0; i < object->point_count; i++) {
+            *points++ = first + object->points[i];
+        }
+        first += object->vertex_count;
+    }
+    uint64_t count = vtp->contacts + vtp->points;
     fputs("<Verts>\n", vtp->to);
-    put_array(vtp, "UInt32", "connectivity", 1, vtp->contacts * sizeof *points);
-    put_offsets(vtp, vtp->contacts, 1);
+    put_array(vtp, "UInt32", "connectivity", 1, count * sizeof *points);
+    put_offsets(vtp, count, 1);
     fputs("</Verts>\n", vtp->to);
 }
 
 static void put_line_cells(struct vtp *vtp)
 {
-    uint32_t *points = vtp->scratch;
+    uint32_t *points = vtp->scratch, first = 0;
     for (uint64_t i = 0; i < 2 * vtp->lines; i++) {
-        points[i] = (uint32_t)(vtp->vertices + vtp->contacts + i);
+        *points++ = (uint32_t)(vtp->vertices + vtp->contacts + i);
     }
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        const struct still_object *object = &vtp->still->objects[o];
+        for (uint64_t i = 0; i < 2 * (uint64_t)object->edge_count; i++) {
+            *points++ = first + object->edges[i / 2][i % 2];
+        }
+        first += object->vertex_count;
+    }
+    uint64_t count = vtp->lines + vtp->rods;
     fputs("<Lines>\n", vtp->to);
-    put_array(vtp, "UInt32", "connectivity", 1, 2 * vtp->lines * sizeof *points);
-    put_offsets(vtp, vtp->lines, 2);
+    put_array(vtp, "UInt32", "connectivity", 1, 2 * count * sizeof *points);
+    put_offsets(vtp, count, 2);
     fputs("</Lines>\n", vtp->to);
 }
 
@@ -282,8 +336,10 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
     for (uint32_t o = 0; o < still->object_count; o++) {
         vtp.vertices += still->objects[o].vertex_count;
         vtp.triangles += still->objects[o].triangle_count;
+        vtp.rods += still->objects[o].edge_count;
+        vtp.points += still->objects[o].point_count;
     }
-    uint64_t most = point_count(&vtp) + vtp.triangles;
+    uint64_t most = point_count(&vtp) + cell_count(&vtp);
     if (most > UINT32_MAX / 3) {
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than 32-bit indices name",
                              path);
@@ -300,8 +356,8 @@ int vtp_write(const struct still *still, FILE *to, const char *path,
             "\" NumberOfVerts=\"%" PRIu64 "\" NumberOfLines=\"%" PRIu64
             "\" NumberOfStrips=\"0\" "
             "NumberOfPolys=\"%" PRIu64 "\">\n",
-            still->step, still->t, point_count(&vtp), vtp.contacts, vtp.lines,
-            vtp.triangles);
+            still->step, still->t, point_count(&vtp), vtp.contacts + vtp.points,
+            vtp.lines + vtp.rods, vtp.triangles);
     put_point_data(&vtp);
     if (still->lines != NULL) {
         put_near_data(&vtp);

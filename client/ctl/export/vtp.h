@@ -2,8 +2,8 @@
  * opens.
  *
  * Room:     client/ctl. May include: still.h.
- * Does:     write triangles and contacts, or lines of what is near, with their numbers as
- *           data of points and cells.
+ * Does:     write triangles, rods, points and contacts, or lines of what is near, with
+ *           their numbers as data of points and cells.
  * Does not: need a library.
  * Threads:  one.
  * Source:   VTK file formats, docs.vtk.org.
