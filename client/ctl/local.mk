@@ -53,10 +53,12 @@ libctl_la_SOURCES = \
     client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
+    client/ctl/mesh/glb.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
+    client/ctl/mesh/stl.c \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
     client/ctl/near/near_csv.c client/ctl/near/near_csv.h \
     client/ctl/near/near_report.c client/ctl/near/near_report.h \

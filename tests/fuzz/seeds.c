@@ -494,8 +494,44 @@ static void save_text(unsigned is_obj, const char *text, size_t bytes, const cha
 
 #define SAVE_TEXT(is_obj, text, name) save_text(is_obj, text, sizeof text - 1, name)
 
+/* A glTF whose description is `json` (a multiple of four bytes), with one triangle. */
+static void save_glb(const char *json, size_t json_bytes)
+{
+    const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const uint32_t head[3] = {2, (uint32_t)(28 + json_bytes + sizeof x),
+                              (uint32_t)json_bytes};
+    const uint32_t chunk[2] = {sizeof x, 0x004e4942};
+    begin();
+    put_u8(241);
+    put("glTF", 4);
+    put(head, sizeof head);
+    put("JSON", 4);
+    put(json, json_bytes);
+    put(chunk, sizeof chunk);
+    put(x, sizeof x);
+    save("reader", "triangle.glb");
+}
+
 static void make_reader_seeds(void)
 {
+    static const char glb[] =
+        "{\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[1,2,3]}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"targets\":["
+        "{\"POSITION\":0}]}],\"weights\":[1]}],\"accessors\":[{\"bufferView\":0,"
+        "\"count\":3,"
+        "\"componentType\":5126,\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,"
+        "\"byteLength\":36}]}   ";
+    save_glb(glb, sizeof glb / 4 * 4);
+    SAVE_TEXT(240,
+              "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+              "vertex 0 1 1e-3\nendloop\nendfacet\nendsolid a\n",
+              "ascii.stl");
+    SAVE_TEXT(
+        240,
+        "01234567890123456789012345678901234567890123456789012345678901234567890123456"
+        "789\001\0\0\0zzzzzzzzzzzz\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0\0\0\0\0"
+        "\0\0\0\0\0\0\200?\0\0\0\0xy",
+        "binary.stl");
     SAVE_TEXT(1, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "plain.obj");
     SAVE_TEXT(1,
               "# c\nv 0 0 0 1\nv 1e9 -.5 0\r\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng a\n"

@@ -31,6 +31,15 @@ timeout 60 "$PCCDCTL" record -o some.rec --contacts -- \
 has_page=yes
 timeout 60 "$PCCDCTL" inspect -o page.html some.rec 2>&1 | grep -q 'built without' && has_page=
 
+# If it failed, a scene that was exported could not be looked at by us again, or would be another.
+"$PCCDCTL" export --steps 1 --time 0 -o 0.glb some.rec >"$log" 2>&1 &&
+    "$PCCDCTL" export --steps 1 --time 1 -o 1.glb some.rec >>"$log" 2>&1 &&
+    "$PCCDCTL" check --private --json 0.glb 1.glb >from_glb 2>>"$log"
+"$PCCDCTL" check --private --json a.obj b.obj >from_obj 2>>"$log"
+grep -h '"hash"' from_glb from_obj >>"$log"
+grep -q '"contacts": 1,' from_glb && [ "$(grep '"hash"' from_glb)" = "$(grep '"hash"' from_obj)" ]
+tap_result $? files__an_export_is_read_again "$log"
+
 # If it failed, the name of a file could clear the screen of who works with it, or answer a
 # question for them. A name that is not UTF-8 would make JSON that is none.
 evil=$'\e[2J\x9b\xff'

@@ -295,10 +295,9 @@ static void malformed__tells_files_it_cannot_read(void **state)
     assert_non_null(strstr(error.text, "cannot open: No such file or directory"));
     assert_int_equal(ctl_mesh_read(kit_folder, &mesh, &error), PCCD_E_SYSTEM);
     assert_non_null(strstr(error.text, "cannot read: Is a directory"));
-    kit_write_file("mesh.stl", "solid\n", 6, path);
+    kit_write_file("mesh.off", "OFF\n", 4, path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
-    assert_non_null(
-        strstr(error.text, "neither PLY (first line \"ply\") nor a name ending"));
+    assert_non_null(strstr(error.text, "neither PLY (first line \"ply\") nor glTF "));
 }
 
 #define BINARY_START "ply\nformat binary_little_endian 1.0\nelement vertex "

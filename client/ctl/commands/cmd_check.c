@@ -175,8 +175,7 @@ const struct argp ctl_argp_check = {
     .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
     .doc =
         "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
-        "to "
-        "MESH_T2 and so on. Files are PLY (ascii or binary) or OBJ and have the same "
+        "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF (.glb) and have the same "
         "faces.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "

@@ -80,7 +80,7 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         options->player.frame_count = (uint32_t)(state->argc - state->next);
         return 0;
     case ARGP_KEY_NO_ARGS:
-        tool_misused(state, "a file at least: PLY or OBJ");
+        tool_misused(state, "a file at least: PLY, OBJ, STL or glTF");
         return 0;
     case OPTION_SCENE:
         options->player.scene = text;

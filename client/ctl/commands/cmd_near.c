@@ -112,8 +112,8 @@ const struct argp ctl_argp_near = {
     .doc =
         "Tell what is near where meshes stand: pairs within a distance, the nearest pair "
         "of each two, edges that pass through faces, or how deep one mesh is in another. "
-        "Each file, PLY or OBJ, is an object of its own. Objects are compared with each "
-        "other, and each with itself except for features that share a vertex.\v"
+        "Each file, PLY, OBJ, STL or glTF, is an object of its own. Objects are compared "
+        "with each other, and each with itself except for features that share a vertex.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,type,a,b,i0,i1,i2,i3,i4,d_lo,d_hi,count,u,v,nx,ny,nz; of vertices "
         "object,vertex,bound. "

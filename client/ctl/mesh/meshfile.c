@@ -2,7 +2,7 @@
  *
  * Room:     client/ctl.
  * Does:     tells the format, holds the arrays, compares two frames.
- * Does not: parse; see ply.c and obj.c.
+ * Does not: parse; see ply.c, obj.c, stl.c and glb.c.
  * Threads:  [any]; nothing is shared.
  * Source:   meshfile.h.
  */
@@ -26,22 +26,60 @@ static bool has_ply_magic(const struct ctl_file *file)
            (file->data[3] == '\n' || file->data[3] == '\r');
 }
 
-static int unknown(const char *path, struct ctl_error *error)
+static bool has_glb_magic(const struct ctl_file *file)
 {
-    return ctl_error_set(error, PCCD_E_FORMAT,
-                         "%s: neither PLY (first line \"ply\") nor a name ending in .ply "
-                         "or .obj",
-                         path);
+    return file->bytes >= 4 && memcmp(file->data, "glTF", 4) == 0;
+}
+
+static int judge_obj(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
+{
+    (void)begin;
+    (void)error;
+    *is_text = true;
+    return PCCD_OK;
+}
+
+/* What a file is, by its first bytes or its name. */
+static const struct format {
+    const char *ending;
+    bool (*has_magic)(const struct ctl_file *file); /* NULL: its name alone tells */
+    ctl_file_judge judge;
+    int (*parse)(const struct ctl_file *file, struct ctl_mesh *mesh,
+                 struct ctl_error *error);
+} formats[] = {
+    {".ply", has_ply_magic, ctl_ply_judge, ctl_ply_parse},
+    {".glb", has_glb_magic, ctl_glb_judge, ctl_glb_parse},
+    {".obj", NULL, judge_obj, ctl_obj_parse},
+    {".stl", NULL, ctl_stl_judge, ctl_stl_parse},
+};
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+/* NULL, with an error: none that is known. */
+static const struct format *format_of(const struct ctl_file *file,
+                                      struct ctl_error *error)
+{
+    for (int i = 0; i < FORMATS; i++) {
+        if (formats[i].has_magic != NULL && formats[i].has_magic(file)) {
+            return &formats[i];
+        }
+    }
+    for (int i = 0; i < FORMATS; i++) {
+        if (has_ending(file->path, formats[i].ending)) {
+            return &formats[i];
+        }
+    }
+    ctl_error_set(error, PCCD_E_FORMAT,
+                  "%s: neither PLY (first line \"ply\") nor glTF (first word \"glTF\") "
+                  "nor a name ending in .ply, .obj, .stl or .glb",
+                  file->path);
+    return NULL;
 }
 
 /* Of a large file: whether it can be what its first bytes say. */
 static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
-    if (has_ply_magic(begin) || has_ending(begin->path, ".ply")) {
-        return ctl_ply_judge(begin, is_text, error);
-    }
-    *is_text = has_ending(begin->path, ".obj");
-    return *is_text ? PCCD_OK : unknown(begin->path, error);
+    const struct format *format = format_of(begin, error);
+    return format != NULL ? format->judge(begin, is_text, error) : PCCD_E_FORMAT;
 }
 
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
@@ -54,12 +92,9 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
     }
     if (file.bytes == 0) {
         status = ctl_error_set(error, PCCD_E_FORMAT, "%s: the file is empty", path);
-    } else if (has_ply_magic(&file) || has_ending(path, ".ply")) {
-        status = ctl_ply_parse(&file, &read, error);
-    } else if (has_ending(path, ".obj")) {
-        status = ctl_obj_parse(&file, &read, error);
     } else {
-        status = unknown(path, error);
+        const struct format *format = format_of(&file, error);
+        status = format != NULL ? format->parse(&file, &read, error) : PCCD_E_FORMAT;
     }
     if (status == PCCD_OK && read.vertex_count == 0) {
         status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);

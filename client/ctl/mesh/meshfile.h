@@ -1,13 +1,16 @@
-/* client/ctl/mesh/meshfile.h - reads a mesh from a PLY or OBJ file.
+/* client/ctl/mesh/meshfile.h - reads a mesh from a PLY, OBJ, STL or glTF file.
  *
  * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
- * Does:     read PLY (ascii, binary of both byte orders) and OBJ; polygons become fans of
- *           triangles. Edges and points by themselves are PLY's element edge, and l and p
- *           of OBJ; of a PLY without faces and edges all vertices are points.
+ * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
+ *           binary glTF; polygons become fans of triangles. Edges and points by
+ *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
+ *           of a PLY without faces and edges all vertices are points.
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
- *           i of the next.
+ *           i of the next. STL alone has no vertices, and gets them where corners are at
+ *           the same place.
  * Threads:  [any]; nothing is shared.
- * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1.
+ * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1;
+ *           StereoLithography Interface Specification; glTF 2.0.
  */
 #ifndef CTL_MESHFILE_H
 #define CTL_MESHFILE_H
@@ -38,7 +41,8 @@ struct ctl_mesh {
     uint32_t *points;
 };
 
-/* Read `path`; the kind is told by the first line "ply", else by the ending .ply or .obj.
+/* Read `path`; the kind is told by the first bytes "ply" or "glTF", else by the ending
+ * .ply, .obj, .stl or .glb.
  * A mesh has at least one vertex and one triangle, edge or point, finite coordinates and
  * valid indices.
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
@@ -66,7 +70,7 @@ int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char 
 int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
                        struct ctl_error *error);
 
-/* The two formats. `mesh` is empty before and the caller's to deinit after, also on
+/* The formats. `mesh` is empty before and the caller's to deinit after, also on
  * error. */
 int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
                   struct ctl_error *error);
@@ -74,5 +78,11 @@ int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
 int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
                   struct ctl_error *error);
+int ctl_stl_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error);
+int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
+int ctl_glb_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error);
+int ctl_glb_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 
 #endif

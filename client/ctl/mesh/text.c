@@ -161,6 +161,13 @@ void ctl_file_deinit(struct ctl_file *file)
     file->bytes = 0;
 }
 
+uint32_t ctl_file_word(const char *at)
+{
+    const unsigned char *bytes = (const unsigned char *)at;
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line)
 {
     if (text->at == text->end) {

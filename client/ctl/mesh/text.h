@@ -49,6 +49,8 @@ struct ctl_word {
 int ctl_file_read(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
+/* Four bytes of a file that is not text, the lowest first. */
+uint32_t ctl_file_word(const char *at);
 
 /* The next line without its line end (LF or CR LF); false at the end of the file. */
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line);

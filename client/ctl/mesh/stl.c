@@ -1,0 +1,279 @@
+/* client/ctl/mesh/stl.c - STL files.
+ *
+ * Room:     client/ctl.
+ * Does:     read binary and ascii STL. Each facet of the file has corners of its own;
+ *           corners at exactly the same place become one vertex, numbered as they come,
+ *           since a surface is of one piece only by its vertices.
+ * Does not: read normals, colours or names of solids; join corners that are merely close.
+ * Threads:  [any]; nothing is shared.
+ * Source:   3D Systems, "StereoLithography Interface Specification" (1988).
+ */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "meshfile.h"
+
+#define HEADER_BYTES 84u /* 80 of any text, and the number of facets */
+#define FACET_BYTES  50u /* a normal, three corners, and two bytes of anything */
+#define FREE         UINT32_MAX
+
+struct stl_reader {
+    const struct ctl_file *file;
+    struct ctl_mesh *mesh;
+    struct ctl_error *error;
+    struct ctl_text text;     /* of ascii */
+    uint32_t vertex_capacity; /* of mesh->x */
+    uint32_t *table;          /* [table_mask + 1]: vertices by their places; FREE: none */
+    uint32_t table_mask;
+    uint32_t corners[3];
+};
+
+static int no_memory(struct stl_reader *reader)
+{
+    return ctl_error_set(reader->error, PCCD_E_NOMEM, "%s: no memory for %u vertices",
+                         reader->file->path, reader->mesh->vertex_count);
+}
+
+/* Where a place, or the first free entry after it, is in the table. */
+static uint32_t *entry_of(const struct stl_reader *reader, const float place[3])
+{
+    const float(*x)[3] = reader->mesh->x;
+    uint64_t hash = 0;
+    for (int k = 0; k < 3; k++) {
+        uint32_t bits;
+        memcpy(&bits, &place[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 32;
+    }
+    uint32_t at = (uint32_t)hash & reader->table_mask;
+    while (reader->table[at] != FREE &&
+           memcmp(x[reader->table[at]], place, sizeof *x) != 0) {
+        at = (at + 1) & reader->table_mask;
+    }
+    return &reader->table[at];
+}
+
+/* Twice as many vertices, and a table that is at most half full with them. */
+static int grow(struct stl_reader *reader)
+{
+    struct ctl_mesh *mesh = reader->mesh;
+    uint64_t wanted =
+        reader->vertex_capacity > 0 ? 2 * (uint64_t)reader->vertex_capacity : 1024;
+    if (mesh->vertex_count == CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(reader->error, PCCD_E_LIMIT,
+                             "%s: more than %" PRIu64 " vertices", reader->file->path,
+                             CTL_MESH_COUNT_MAX);
+    }
+    wanted = wanted > CTL_MESH_COUNT_MAX ? CTL_MESH_COUNT_MAX : wanted;
+    void *x = realloc(mesh->x, (size_t)wanted * sizeof(float[3]));
+    if (x == NULL) {
+        return no_memory(reader);
+    }
+    mesh->x = x;
+    reader->vertex_capacity = (uint32_t)wanted;
+    uint32_t entries = 2048;
+    while (entries < 2 * wanted) {
+        entries *= 2;
+    }
+    free(reader->table);
+    reader->table = malloc(entries * sizeof *reader->table);
+    if (reader->table == NULL) {
+        return no_memory(reader);
+    }
+    memset(reader->table, 0xff, entries * sizeof *reader->table);
+    reader->table_mask = entries - 1;
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        *entry_of(reader, ((const float(*)[3])mesh->x)[i]) = i;
+    }
+    return PCCD_OK;
+}
+
+static int add_corner(struct stl_reader *reader, const float x[3], uint32_t *vertex)
+{
+    struct ctl_mesh *mesh = reader->mesh;
+    float place[3];
+    for (int k = 0; k < 3; k++) {
+        place[k] = x[k] == 0 ? 0 : x[k]; /* 0 and -0 are one place */
+    }
+    if (mesh->vertex_count == reader->vertex_capacity) {
+        int status = grow(reader);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    uint32_t *entry = entry_of(reader, place);
+    if (*entry == FREE) {
+        memcpy(((float(*)[3])mesh->x)[mesh->vertex_count], place, sizeof place);
+        *entry = mesh->vertex_count++;
+    }
+    *vertex = *entry;
+    return PCCD_OK;
+}
+
+/* ---- binary ------------------------------------------------------------------------ */
+
+/* Whether a file of so many bytes is binary: its number of facets says how long it is.
+ * The first line of ascii does not tell, since headers may begin with "solid", too. */
+static bool is_binary(const char *data, size_t bytes, uint64_t all_bytes)
+{
+    return bytes >= HEADER_BYTES &&
+           all_bytes == HEADER_BYTES + (uint64_t)ctl_file_word(data + 80) * FACET_BYTES;
+}
+
+static int read_binary(struct stl_reader *reader)
+{
+    const struct ctl_file *file = reader->file;
+    uint32_t count = ctl_file_word(file->data + 80);
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        const char *facet = file->data + HEADER_BYTES + (size_t)i * FACET_BYTES;
+        for (uint32_t k = 0; k < 3 && status == PCCD_OK; k++) {
+            float x[3];
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                uint32_t bits = ctl_file_word(facet + 12 * (k + 1) + 4 * axis);
+                memcpy(&x[axis], &bits, sizeof bits);
+                if (!ctl_mesh_coordinate_ok((double)x[axis])) {
+                    return ctl_error_set(reader->error, PCCD_E_NOTFINITE,
+                                         "%s: facet %" PRIu32 ", corner %" PRIu32
+                                         ": coordinate %c is %g; |x| <= 1e18 is needed",
+                                         file->path, i, k, "xyz"[axis], (double)x[axis]);
+                }
+            }
+            status = add_corner(reader, x, &reader->corners[k]);
+        }
+        if (status == PCCD_OK) {
+            status = ctl_mesh_add_triangle(reader->mesh, reader->corners, file->path,
+                                           reader->error);
+        }
+    }
+    return status;
+}
+
+/* ---- ascii ------------------------------------------------------------------------- */
+
+/* The next line that is not blank, and its first word. */
+static bool next_line(struct stl_reader *reader, struct ctl_word *line,
+                      struct ctl_word *word)
+{
+    while (ctl_text_line(&reader->text, line)) {
+        if (ctl_word_next(line, word)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int unexpected(struct stl_reader *reader, const char *wanted,
+                      const struct ctl_word *word)
+{
+    return ctl_error_set(
+        reader->error, PCCD_E_FORMAT, "%s:%" PRIu64 ": \"%.*s\" where \"%s\" is needed",
+        reader->file->path, reader->text.line, ctl_word_length(word), word->at, wanted);
+}
+
+static int expect(struct stl_reader *reader, const char *wanted, struct ctl_word *line)
+{
+    struct ctl_word word;
+    if (!next_line(reader, line, &word)) {
+        return ctl_error_set(reader->error, PCCD_E_FORMAT,
+                             "%s: it ends where \"%s\" is needed", reader->file->path,
+                             wanted);
+    }
+    return ctl_word_is(&word, wanted) ? PCCD_OK : unexpected(reader, wanted, &word);
+}
+
+static int read_corner(struct stl_reader *reader, uint32_t *vertex)
+{
+    struct ctl_word line;
+    float x[3];
+    int status = expect(reader, "vertex", &line);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        struct ctl_word word = {line.end, line.end};
+        double value;
+        if (!ctl_word_next(&line, &word) || !ctl_word_float(&word, &value)) {
+            return unexpected(reader, "three numbers", &word);
+        }
+        if (!ctl_mesh_coordinate_ok(value)) {
+            return ctl_error_set(
+                reader->error, PCCD_E_NOTFINITE,
+                "%s:%" PRIu64 ": coordinate %c is %g; |x| <= 1e18 is needed",
+                reader->file->path, reader->text.line, "xyz"[axis], value);
+        }
+        x[axis] = (float)value;
+    }
+    return add_corner(reader, x, vertex);
+}
+
+static int read_facet(struct stl_reader *reader)
+{
+    struct ctl_word line;
+    int status = expect(reader, "outer", &line);
+    for (int k = 0; k < 3 && status == PCCD_OK; k++) {
+        status = read_corner(reader, &reader->corners[k]);
+    }
+    if (status == PCCD_OK) {
+        status = expect(reader, "endloop", &line);
+    }
+    if (status == PCCD_OK) {
+        status = expect(reader, "endfacet", &line);
+    }
+    return status == PCCD_OK ? ctl_mesh_add_triangle(reader->mesh, reader->corners,
+                                                     reader->file->path, reader->error)
+                             : status;
+}
+
+/* One solid after the other; they are one mesh. */
+static int read_ascii(struct stl_reader *reader)
+{
+    struct ctl_word line, word;
+    bool is_within = false;
+    int status = PCCD_OK;
+    while (status == PCCD_OK && next_line(reader, &line, &word)) {
+        if (ctl_word_is(&word, is_within ? "endsolid" : "solid")) {
+            is_within = !is_within;
+        } else if (is_within && ctl_word_is(&word, "facet")) {
+            status = read_facet(reader);
+        } else {
+            status = unexpected(reader, is_within ? "facet" : "solid", &word);
+        }
+    }
+    if (status == PCCD_OK && is_within) {
+        status = expect(reader, "endsolid", &line);
+    }
+    return status;
+}
+
+int ctl_stl_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
+                  struct ctl_error *error)
+{
+    struct stl_reader reader = {
+        .file = file,
+        .mesh = mesh,
+        .error = error,
+        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+    };
+    mesh->format = PCCD_FORMAT_F32;
+    int status = is_binary(file->data, file->bytes, file->bytes) ? read_binary(&reader)
+                                                                 : read_ascii(&reader);
+    free(reader.table);
+    return status;
+}
+
+int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
+{
+    uint64_t all_bytes = begin->bytes + begin->rest_bytes;
+    *is_text = !is_binary(begin->data, begin->bytes, all_bytes);
+    if (!*is_text || (begin->bytes >= 5 && memcmp(begin->data, "solid", 5) == 0)) {
+        return PCCD_OK;
+    }
+    return ctl_error_set(
+        error, PCCD_E_FORMAT,
+        "%s: no STL: it does not begin with \"solid\", and %" PRIu32
+        " facets do not make %" PRIu64 " bytes",
+        begin->path, begin->bytes >= HEADER_BYTES ? ctl_file_word(begin->data + 80) : 0,
+        all_bytes);
+}
