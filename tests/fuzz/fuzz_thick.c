@@ -42,13 +42,7 @@ void fuzz_thick_deinit(struct fuzz_thick_run *run)
     eng_exact_deinit(&run->contacts);
 }
 
-/* What the oracle says of a case. */
-struct truth {
-    bool is_inside;
-    struct oracle_first *first; /* NULL: none */
-};
-
-static struct truth find_truth(const struct fuzz_thick_case *made)
+struct fuzz_thick_truth fuzz_thick_truth_of(const struct fuzz_thick_case *made)
 {
     const struct oracle_thick thick = {
         .points_a = fuzz_thick_points(made, 0),
@@ -56,7 +50,8 @@ static struct truth find_truth(const struct fuzz_thick_case *made)
         .p = (const double(*)[3])made->query.query.x,
         .radius = {made->query.radius[0], made->query.radius[1], made->query.radius[2]},
         .approach = made->query.approach};
-    return (struct truth){oracle_thick_is_inside(&thick), oracle_thick_first_new(&thick)};
+    return (struct fuzz_thick_truth){oracle_thick_is_inside(&thick),
+                                     oracle_thick_first_new(&thick)};
 }
 
 static bool is_contact(const struct fuzz_thick_case *made)
@@ -66,10 +61,13 @@ static bool is_contact(const struct fuzz_thick_case *made)
     return r[0] + r[1] + r[2] == 0 && (kind == PCCD_VF || kind == PCCD_EE);
 }
 
-/* A hit against the truth. */
-static const char *judge_hit(const struct fuzz_thick_case *made,
-                             const struct truth *truth, const struct eng_hit *hit)
+const char *fuzz_thick_judge_hit(const struct fuzz_thick_case *made,
+                                 const struct fuzz_thick_truth *truth,
+                                 const struct eng_hit *hit)
 {
+    if (!hit) {
+        return truth->first ? "missed" : NULL;
+    }
     bool is_inside = made->query.approach > 0 && truth->is_inside;
     if (((hit->flags & PCCD_INSIDE) != 0) != is_inside && !is_contact(made)) {
         return "INSIDE";
@@ -100,24 +98,21 @@ static const char *judge_hit(const struct fuzz_thick_case *made,
 }
 
 static const char *judge(struct fuzz_thick_run *run, const struct fuzz_thick_case *made,
-                         enum eng_thick_stage first, const struct truth *truth,
+                         enum eng_thick_stage first, const struct fuzz_thick_truth *truth,
                          struct eng_hit *hit)
 {
     run->thick.first = first;
     memset(hit, 0, sizeof *hit);
     bool hits = eng_thick_solve(&run->thick, &run->contacts, &made->query,
                                 made->tolerance, 1, hit);
-    if (!hits) {
-        return truth->first ? "missed" : NULL;
-    }
-    const char *what = judge_hit(made, truth, hit);
-    if (what) {
+    const char *what = fuzz_thick_judge_hit(made, truth, hits ? hit : NULL);
+    if (what || !hits) {
         return what;
     }
     /* Asked only for what begins until some time, it says the same or nothing. */
     struct eng_hit same;
     double t_end = prng_below(&run->prng, 2) ? hit->toi : nextafter(hit->toi, -1);
-    if (t_end >= 0 && hits &&
+    if (t_end >= 0 &&
         eng_thick_solve(&run->thick, &run->contacts, &made->query, made->tolerance, t_end,
                         &same) != (hit->toi <= t_end)) {
         return "t_end";
@@ -130,7 +125,7 @@ const char *fuzz_thick_judge(struct fuzz_thick_run *run,
                              enum eng_thick_stage first)
 {
     struct eng_hit hit;
-    struct truth truth = find_truth(made);
+    struct fuzz_thick_truth truth = fuzz_thick_truth_of(made);
     const char *what = judge(run, made, first, &truth, &hit);
     oracle_first_free(truth.first);
     return what;
@@ -235,7 +230,7 @@ static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *m
         fuzz_thick_print(run->log, made, &hits[1], "this is what they say");
     }
     if (prng_below(&run->prng, run->oracle_each) == 0) {
-        struct truth truth = find_truth(made);
+        struct fuzz_thick_truth truth = fuzz_thick_truth_of(made);
         for (int i = 0; i < ENG_THICK_STAGES; i++) {
             const char *what =
                 judge(run, made, (enum eng_thick_stage)i, &truth, &hits[i]);

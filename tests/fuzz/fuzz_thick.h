@@ -15,6 +15,8 @@
 #include "prng.h"
 #include "thick.h"
 
+struct oracle_first;
+
 enum fuzz_thick_family {
     FUZZ_THICK_RANDOM,
     FUZZ_THICK_GRID,
@@ -73,6 +75,18 @@ void fuzz_thick_make(struct prng *prng, uint32_t least_kind,
 
 void fuzz_thick_init(struct fuzz_thick_run *run, uint64_t seed, FILE *log);
 void fuzz_thick_deinit(struct fuzz_thick_run *run);
+
+/* What the oracle says of a case; `first` is NULL where they do not meet. The caller
+ * frees it with oracle_first_free. */
+struct fuzz_thick_truth {
+    bool is_inside;
+    struct oracle_first *first;
+};
+struct fuzz_thick_truth fuzz_thick_truth_of(const struct fuzz_thick_case *made);
+/* What is wrong with a hit (NULL: none was found), or NULL. */
+const char *fuzz_thick_judge_hit(const struct fuzz_thick_case *made,
+                                 const struct fuzz_thick_truth *truth,
+                                 const struct eng_hit *hit);
 
 /* What is wrong with the engine's answer to a case from `first` on, or NULL. */
 const char *fuzz_thick_judge(struct fuzz_thick_run *run,

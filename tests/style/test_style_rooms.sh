@@ -56,7 +56,7 @@ tests/fault         proto client/lib+ tests/support client/oracle
 tests/zoo           proto client/lib+ tests/support
 tests/determinism   daemon/engine tests/support client/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support client/oracle tests/unit
-tests/truth         proto daemon/engine client/lib+ tests/support client/oracle tests/unit
+tests/truth         proto daemon/engine client/lib+ tests/support client/oracle tests/unit tests/fuzz
 '
 
 # A room of several folders has a line for each of them, from the bottom layer to the top:

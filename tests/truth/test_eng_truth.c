@@ -18,68 +18,11 @@
 
 #include <cmocka.h>
 
-#include "data.h"
 #include "eng_way.h"
-#include "oracle_scene.h"
-#include "ply.h"
-#include "step.h"
-
-#define HANDMADE_QUERIES 3779
+#include "truth_engine.h"
 
 /* One record of so many is timed by the oracle, which takes a tenth of a millisecond. */
 #define TIMED_SHARE 8
-
-typedef const double (*points_t)[3];
-
-static struct eng_mesh *make_mesh(points_t x, uint32_t vertex_count,
-                                  const uint32_t (*triangles)[3], uint32_t triangle_count)
-{
-    struct eng_mesh *mesh = NULL;
-    uint32_t bad = 0;
-    assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), PCCD_OK);
-    assert_int_equal(eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, vertex_count, x),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
-                     PCCD_OK);
-    assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
-    return mesh;
-}
-
-/* One object moved to x1 in one step. The scene is the caller's, and holds the
- * records. */
-static struct eng_scene *run(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1,
-                             const struct eng_step_settings *settings,
-                             struct eng_step_result *result)
-{
-    struct eng_scene *scene = NULL;
-    uint32_t object_idx;
-    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
-    assert_int_equal(eng_scene_add(scene, mesh, 0, &object_idx), PCCD_OK);
-    eng_stage_begin(scene);
-    assert_int_equal(
-        eng_stage_x1(scene, object_idx, PCCD_FORMAT_F64, 0, vertex_count, x1), PCCD_OK);
-    assert_int_equal(eng_step(scene, settings, result), PCCD_OK);
-    assert_int_equal(result->incomplete, PCCD_COMPLETE);
-    return scene;
-}
-
-/* Skip the test if a file is not there. */
-static void must_find(const char *name, char path[DATA_PATH_MAX])
-{
-    if (!data_find(name, path)) {
-        skip();
-    }
-}
-
-static void read_frames(const struct data_scene *scene, struct ply frames[2])
-{
-    for (int end = 0; end < 2; end++) {
-        char path[DATA_PATH_MAX];
-        must_find(scene->frames[end], path);
-        assert_true(ply_read(path, &frames[end]));
-    }
-    assert_int_equal(frames[0].vertex_count, frames[1].vertex_count);
-}
 
 /* The colliding pairs of both lists as records name them, sorted. Freed by the caller. */
 static struct oracle_pair *read_truth(const struct data_scene *scene,
@@ -92,8 +35,8 @@ static struct oracle_pair *read_truth(const struct data_scene *scene,
         char ids[DATA_PATH_MAX];
         char flags[DATA_PATH_MAX];
         struct data_pairs pairs;
-        must_find(scene->ids[kind], ids);
-        must_find(scene->truth[kind], flags);
+        truth_find(scene->ids[kind], ids);
+        truth_find(scene->truth[kind], flags);
         assert_true(data_pairs_read(ids, flags, &pairs));
         truth = realloc(truth, (*count + pairs.count + 1) * sizeof *truth);
         assert_non_null(truth);
@@ -140,12 +83,12 @@ static bool confirm(const struct oracle_object *object, const uint32_t (*edges)[
     }
     enum oracle_kind kind = contact->kind == PCCD_VF ? ORACLE_VF : ORACLE_EE;
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
-    struct oracle_first *first = oracle_first_new(kind, (points_t)moving);
+    struct oracle_first *first = oracle_first_new(kind, (truth_points)moving);
     if (first) {
         tally->timed++;
         assert_true(oracle_first_compare(first, contact->toi) >= 0);
         assert_true(!is_proved || oracle_first_compare(first, contact->toi_hi) <= 0);
-        assert_int_equal(oracle_touching_at(kind, (points_t)moving, 0),
+        assert_int_equal(oracle_touching_at(kind, (truth_points)moving, 0),
                          (contact->flags & PCCD_INITIAL) != 0);
     }
     assert_true(first || !is_proved);
@@ -180,28 +123,14 @@ static void compare(const struct oracle_object *object, const uint32_t (*edges)[
     tally->missing += truth_count - at;
 }
 
-/* The settings of a step in way `i` of WAYS: alone by the method of the paper, then by
- * each method with each instruction set, by teams. */
-#define WAYS (1 + WAY_METHODS * way_kernels_count())
-
-static struct eng_step_settings way(uint32_t i)
-{
-    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
-    settings.method = i == 0 ? PCCD_METHOD_PAPER : way_methods[(i - 1) % WAY_METHODS];
-    settings.kernels = i == 0 ? NULL : way_kernels((i - 1) / WAY_METHODS);
-    settings.threads = i == 0 ? 1 : 1 + i % 4;
-    settings.team_always = true;
-    return settings;
-}
-
 /* If that failed, who computes would decide what is found. */
-static void check_ways(struct eng_mesh *mesh, uint32_t vertex_count, points_t x1,
+static void check_ways(struct eng_mesh *mesh, const struct oracle_object *object,
                        const uint64_t hash[2])
 {
-    for (uint32_t i = 1; i < WAYS; i++) {
-        struct eng_step_settings settings = way(i);
+    for (uint32_t i = 1; i < truth_way_count(); i++) {
+        struct eng_step_settings settings = truth_way(i);
         struct eng_step_result result;
-        eng_scene_free(run(mesh, vertex_count, x1, &settings, &result));
+        eng_scene_free(truth_run(mesh, object, NULL, &settings, &result));
         if (result.hash[0] != hash[0] || result.hash[1] != hash[1]) {
             char text[WAY_TEXT_MAX];
             way_tell(&settings, text);
@@ -220,22 +149,16 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
     struct tally tally;
     uint32_t edge_count;
     size_t truth_count;
-    read_frames(scene, frames);
-    const uint32_t(*triangles)[3] = (const uint32_t(*)[3])frames[0].triangles;
-    struct oracle_object object = {.object_id = 0,
-                                   .vertex_count = frames[0].vertex_count,
-                                   .triangle_count = frames[0].triangle_count,
-                                   .x0 = (points_t)frames[0].x,
-                                   .x1 = (points_t)frames[1].x,
-                                   .triangles = triangles};
+    truth_read_frames(scene, frames);
+    struct oracle_object object = truth_object(frames);
     uint32_t(*edges)[2] = oracle_edges(&object, &edge_count);
     struct oracle_pair *truth =
         read_truth(scene, object.vertex_count, edge_count, &truth_count);
-    struct eng_mesh *mesh =
-        make_mesh(object.x0, object.vertex_count, triangles, object.triangle_count);
+    struct eng_mesh *mesh = truth_mesh(&object);
     assert_memory_equal(eng_mesh_edges(mesh), edges, edge_count * sizeof *edges);
-    struct eng_step_settings alone = way(0);
-    struct eng_scene *engine = run(mesh, object.vertex_count, object.x1, &alone, &result);
+    struct eng_step_settings alone = truth_way(0);
+    struct eng_scene *engine = truth_run(mesh, &object, NULL, &alone, &result);
+    assert_int_equal(result.incomplete, PCCD_COMPLETE);
     compare(&object, (const uint32_t(*)[2])edges, &result, truth, truth_count, &tally);
     print_message("# %s: %zu true, %zu missing; %zu records, %zu beside the lists "
                   "(%zu of them no contact), %zu possible, %zu timed exactly\n",
@@ -243,7 +166,7 @@ static void check_scene(enum data_scene_name name, size_t truth_expected,
                   tally.extra, tally.untrue, tally.possible, tally.timed);
     eng_scene_free(engine);
     uint64_t hash[2] = {result.hash[0], result.hash[1]};
-    check_ways(mesh, object.vertex_count, object.x1, hash);
+    check_ways(mesh, &object, hash);
     eng_mesh_release(mesh);
     free(truth);
     free(edges);
@@ -285,51 +208,22 @@ struct handmade {
     size_t untrue;   /* of these, no contact */
 };
 
-/* Two triangles: the query's features, each padded to a triangle with vertices of their
- * own at the place of a vertex that they have. */
-static const uint32_t vf_triangles[2][3] = {{1, 2, 3}, {0, 4, 5}};
-static const int vf_points[6] = {0, 1, 2, 3, 0, 0};
-static const uint32_t ee_triangles[2][3] = {{0, 1, 4}, {2, 3, 5}};
-static const int ee_points[6] = {0, 1, 2, 3, 0, 2};
-
-/* The record of the query: vertex 0 and face 0, or edges 0-1 and 2-3. */
-static const struct pccd_contact *find_record(bool is_vf, const struct eng_mesh *mesh,
-                                              const struct eng_step_result *result)
-{
-    const struct pccd_contact *contacts = result->records;
-    const uint32_t(*edges)[2] = eng_mesh_edges(mesh);
-    for (uint64_t i = 0; i < result->count; i++) {
-        uint32_t a = contacts[i].feature_a;
-        uint32_t b = contacts[i].feature_b;
-        if (contacts[i].kind == (is_vf ? PCCD_VF : PCCD_EE) &&
-            (is_vf ? a == 0 && b == 0
-                   : edges[a][0] == 0 && edges[a][1] == 1 && edges[b][0] == 2 &&
-                         edges[b][1] == 3)) {
-            return &contacts[i];
-        }
-    }
-    return NULL;
-}
-
 /* Each query in another way, and each way with half a thousand of them. */
 static void run_handmade(void *context, bool is_vf, const char *path,
                          const struct data_queries *queries)
 {
     struct handmade *tally = context;
-    const uint32_t(*triangles)[3] = is_vf ? vf_triangles : ee_triangles;
-    const int *points = is_vf ? vf_points : ee_points;
     assert_true(queries->has_truth);
     for (size_t i = 0; i < queries->count; i++) {
-        double x[2][6][3];
+        struct truth_two two;
         struct eng_step_result result;
-        for (int k = 0; k < 12; k++) {
-            memcpy(x[k / 6][k % 6], queries->p[i][4 * (k / 6) + points[k % 6]],
-                   sizeof x[0][0]);
-        }
-        struct eng_mesh *mesh = make_mesh((points_t)x[0], 6, triangles, 2);
-        struct eng_step_settings settings = way((uint32_t)tally->queries % WAYS);
-        struct eng_scene *scene = run(mesh, 6, (points_t)x[1], &settings, &result);
-        const struct pccd_contact *contact = find_record(is_vf, mesh, &result);
+        truth_two_init(&two, is_vf, (truth_points)queries->p[i]);
+        struct eng_mesh *mesh = truth_mesh(&two.object);
+        struct eng_step_settings settings =
+            truth_way((uint32_t)tally->queries % truth_way_count());
+        struct eng_scene *scene = truth_run(mesh, &two.object, NULL, &settings, &result);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+        const struct pccd_contact *contact = truth_two_find(is_vf, mesh, &result);
         bool is_proved = contact && contact->flags & PCCD_PROVED;
         tally->queries++;
         tally->truths += queries->truth[i];
@@ -360,7 +254,7 @@ static void engine__answers_every_handmade_query(void **state)
         "them no contact\n",
         tally.queries, tally.truths, tally.missing, tally.proved_wrong, tally.possible,
         tally.untrue);
-    assert_int_equal(tally.queries, HANDMADE_QUERIES);
+    assert_int_equal(tally.queries, TRUTH_HANDMADE);
     assert_int_equal(tally.missing, 0);
     assert_int_equal(tally.proved_wrong, 0);
 }

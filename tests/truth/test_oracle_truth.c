@@ -18,13 +18,7 @@
 
 #include <cmocka.h>
 
-#include "data.h"
-#include "oracle_scene.h"
-#include "ply.h"
-
-#define HANDMADE_QUERIES 3779
-
-typedef const double (*points_t)[3];
+#include "truth_kit.h"
 
 struct tally {
     size_t queries;
@@ -63,7 +57,7 @@ static void compare_file(void *context, bool is_vf, const char *path,
             p[k / 3][k % 3] = ldexp(queries->p[i][row][k % 3], tally->exponent);
         }
         exchange(is_vf, tally->role, p);
-        bool hits = oracle_hits(is_vf ? ORACLE_VF : ORACLE_EE, (points_t)p);
+        bool hits = oracle_hits(is_vf ? ORACLE_VF : ORACLE_EE, (truth_points)p);
         tally->queries++;
         if (hits != queries->truth[i]) {
             tally->wrong++;
@@ -79,7 +73,7 @@ static void compare_handmade(struct tally tally)
         skip();
     }
     print_message("# %zu queries, %zu wrong\n", tally.queries, tally.wrong);
-    assert_int_equal(tally.queries, HANDMADE_QUERIES);
+    assert_int_equal(tally.queries, TRUTH_HANDMADE);
     assert_int_equal(tally.wrong, 0);
 }
 
@@ -116,34 +110,13 @@ static void oracle__agrees_at_every_scale(void **state)
     compare_handmade((struct tally){.exponent = -100, .is_reversed = true});
 }
 
-/* Read one of the scene's files, or skip or fail the test. */
-static void must_find(const char *name, char path[DATA_PATH_MAX])
-{
-    if (!data_find(name, path)) {
-        skip();
-    }
-}
-
 static void read_pairs(const struct data_scene *scene, int kind, struct data_pairs *pairs)
 {
     char ids[DATA_PATH_MAX];
     char truth[DATA_PATH_MAX];
-    must_find(scene->ids[kind], ids);
-    must_find(scene->truth[kind], truth);
+    truth_find(scene->ids[kind], ids);
+    truth_find(scene->truth[kind], truth);
     assert_true(data_pairs_read(ids, truth, pairs));
-}
-
-static void read_frames(const struct data_scene *scene, struct ply frames[2])
-{
-    for (int end = 0; end < 2; end++) {
-        char path[DATA_PATH_MAX];
-        must_find(scene->frames[end], path);
-        assert_true(ply_read(path, &frames[end]));
-    }
-    assert_int_equal(frames[0].vertex_count, frames[1].vertex_count);
-    assert_int_equal(frames[0].triangle_count, frames[1].triangle_count);
-    assert_memory_equal(frames[0].triangles, frames[1].triangles,
-                        frames[0].triangle_count * sizeof *frames[0].triangles);
 }
 
 /* Every pair of the lists, with its points from the frames. */
@@ -152,15 +125,9 @@ static void compare_scene(const struct data_scene *scene)
     struct ply frames[2];
     uint32_t edge_count;
     size_t wrong = 0;
-    read_frames(scene, frames);
+    truth_read_frames(scene, frames);
     uint32_t v = frames[0].vertex_count;
-    struct oracle_object object = {.object_id = 0,
-                                   .vertex_count = v,
-                                   .triangle_count = frames[0].triangle_count,
-                                   .x0 = (points_t)frames[0].x,
-                                   .x1 = (points_t)frames[1].x,
-                                   .triangles =
-                                       (const uint32_t(*)[3])frames[0].triangles};
+    struct oracle_object object = truth_object(frames);
     uint32_t(*edges)[2] = oracle_edges(&object, &edge_count);
     for (int kind = 0; kind < 2; kind++) {
         struct data_pairs pairs;
@@ -178,7 +145,7 @@ static void compare_scene(const struct data_scene *scene)
                 assert_true(a >= v && a < v + edge_count && b >= v && b < v + edge_count);
                 oracle_ee_points(&object, edges[a - v], &object, edges[b - v], p);
             }
-            bool hits = oracle_hits(kind ? ORACLE_EE : ORACLE_VF, (points_t)p);
+            bool hits = oracle_hits(kind ? ORACLE_EE : ORACLE_VF, (truth_points)p);
             hit_count += hits;
             if (hits != pairs.truth[i]) {
                 wrong++;
@@ -233,13 +200,13 @@ static void oracle__agrees_with_published_rationals(void **state)
         if (!scene->queries[kind]) {
             continue;
         }
-        must_find(scene->queries[kind], path);
+        truth_find(scene->queries[kind], path);
         read_pairs(scene, kind, &pairs);
         assert_true(data_queries_read(path, &queries));
         assert_int_equal(queries.count, pairs.count);
         for (size_t k = 0; k < pairs.count; k++) {
-            wrong += oracle_hits(kind ? ORACLE_EE : ORACLE_VF, (points_t)queries.p[k]) !=
-                     pairs.truth[k];
+            wrong += oracle_hits(kind ? ORACLE_EE : ORACLE_VF,
+                                 (truth_points)queries.p[k]) != pairs.truth[k];
         }
         total += pairs.count;
         data_pairs_deinit(&pairs);
