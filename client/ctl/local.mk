@@ -86,6 +86,7 @@ libctl_la_SOURCES = \
     client/ctl/record/answers.c client/ctl/record/answers.h \
     client/ctl/record/drive.c client/ctl/record/drive.h \
     client/ctl/record/near_line.c client/ctl/record/near_line.h \
+    client/ctl/record/frames.c client/ctl/record/frames.h \
     client/ctl/record/play.c client/ctl/record/play.h \
     client/ctl/record/play_options.c client/ctl/record/play_options.h \
     client/ctl/record/step_trace.c client/ctl/record/step_trace.h \

@@ -40,6 +40,27 @@ grep -h '"hash"' from_glb from_obj >>"$log"
 grep -q '"contacts": 1,' from_glb && [ "$(grep '"hash"' from_glb)" = "$(grep '"hash"' from_obj)" ]
 tap_result $? files__an_export_is_read_again "$log"
 
+# If one failed, who has two files would have to write a program that is recorded to see more
+# than a list of contacts; or files would stay behind.
+mkdir tmp
+export TMPDIR=$work/tmp
+for output in two.png two.glb ${has_page:+two.html}; do
+    case $output in
+    *.png) command="render --size 64x64" what='1 contact$' ;;
+    *.glb) command=export what='1 contact$' ;;
+    *.html) command=inspect what='1 step, 1 to 1, ' ;;
+    esac
+    # shellcheck disable=SC2086 # words
+    timeout 60 "$PCCDCTL" $command -o $output a.obj b.obj >"$log" 2>&1 &&
+        grep -q "$what" "$log" && [ -s $output ] && [ -z "$(ls tmp)" ]
+    tap_result $? "files__two_frames_become_$output" "$log"
+done
+timeout 60 "$PCCDCTL" render --size 64x64 -o one.png a.obj >"$log" 2>&1 &&
+    grep -q '0 contacts$' "$log" && ! "$PCCDCTL" render -o no.png a.obj some.rec >>"$log" 2>&1 &&
+    grep -q 'some.rec: neither PLY' "$log" && [ ! -e no.png ] && [ -z "$(ls tmp)" ]
+tap_result $? files__one_mesh_is_drawn_where_it_stands "$log"
+unset TMPDIR
+
 # If it failed, the name of a file could clear the screen of who works with it, or answer a
 # question for them. A name that is not UTF-8 would make JSON that is none.
 evil=$'\e[2J\x9b\xff'

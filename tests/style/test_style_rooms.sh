@@ -86,7 +86,7 @@ client/ctl mesh           .
 client/ctl check          . mesh
 client/ctl near           . mesh check
 client/ctl observe        . check
-client/ctl record         . check
+client/ctl record         . mesh check
 client/ctl export         record
 client/ctl inspect        . check record export
 client/ctl picture        . record export

@@ -83,8 +83,9 @@ static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {
 const struct argp ctl_argp_export = {
     .options = option_list,
     .parser = parse,
-    .args_doc = "FILE",
-    .doc = "Write a step of a recording, with its contacts, for other programs.\vWithout "
+    .args_doc = "FILE\nFRAME [FRAME...]",
+    .doc = "Write a step of a recording, or of the frames of a mesh, with its contacts, "
+           "for other programs.\vWithout "
            "--steps it is the last step that was answered, with --steps the last of the "
            "range; with --near it is the last answer about what is near instead. The "
            "contacts are those of the recording, or of a daemon that repeats the "
@@ -115,20 +116,24 @@ static int write_still(const struct export *export, const struct still *still,
 int ctl_cmd_export(int argc, char **argv)
 {
     struct export export = {.t = NAN};
-    struct still still;
+    struct still still = {.object_count = 0};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     play_options_init(&export.options, "steps");
     export.options.play.source = PLAY_RECORDS;
     export.options.play.needs_records = true;
     export.options.play.only_last = true;
+    export.options.takes_frames = true;
     if (argp_parse(&ctl_argp_export, argc, argv, 0, NULL, &export) != 0) {
         return CTL_USAGE;
     }
     const struct still_at at = {.t = isnan(export.t) ? 1 : export.t};
-    int status = export.is_near
+    int status = play_options_open(&export.options, &error);
+    if (status == PCCD_OK) {
+        status = export.is_near
                      ? still_take_near(&export.options.play, &still, &summary, &error)
                      : still_take(&export.options.play, &at, &still, &summary, &error);
+    }
     if (status == PCCD_OK) {
         status = write_still(&export, &still, &error);
     }

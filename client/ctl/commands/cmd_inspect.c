@@ -113,9 +113,10 @@ static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {
 const struct argp ctl_argp_inspect = {
     .options = option_list,
     .parser = parse,
-    .args_doc = "FILE",
+    .args_doc = "FILE\nFRAME [FRAME...]",
     .doc =
-        "Repeat the steps of a recording with a daemon, and write them as a page that "
+        "Repeat the steps of a recording, or of the frames of a mesh, with a daemon, and "
+        "write them as a page that "
         "any browser opens: the objects in motion, the contacts by kind and time, the "
         "boxes of the hierarchies, and what each phase and each thread took.\vThe page "
         "is one file, which asks for nothing over a network. Without --url and --socket "
@@ -217,6 +218,7 @@ int ctl_cmd_inspect(int argc, char **argv)
     command.options.play.source = PLAY_DAEMON;
     command.options.play.needs_records = true;
     command.options.play.is_traced = true;
+    command.options.takes_frames = true;
     command.options.play.show_near = inspect_near;
     if (argp_parse(&ctl_argp_inspect, argc, argv, 0, NULL, &command) != 0) {
         return CTL_USAGE;
@@ -229,6 +231,9 @@ int ctl_cmd_inspect(int argc, char **argv)
             "./bootstrap, or with configure --with-inspect=fetch, where node (18 or "
             "later) and npm are installed; \"pccdctl render\" and \"export\" need "
             "neither");
+    }
+    if (status == PCCD_OK) {
+        status = play_options_open(&command.options, &error);
     }
     if (status == PCCD_OK) {
         status = output_open(&file, command.path, false, &error);

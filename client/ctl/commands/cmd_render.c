@@ -220,10 +220,11 @@ static const struct argp_child children[] = {{&play_options_argp, 0, NULL, 0}, {
 const struct argp ctl_argp_render = {
     .options = option_list,
     .parser = parse,
-    .args_doc = "FILE",
+    .args_doc = "FILE\nFRAME [FRAME...]",
     .doc =
-        "Draw a step of a recording: its objects, and its contacts coloured by their "
-        "time of impact.\vWithout --steps it is the last step that was answered, with "
+        "Draw a step of a recording, or of the frames of a mesh: its objects, and its "
+        "contacts coloured by their time of impact.\vWithout --steps it is the last step "
+        "that was answered, with "
         "--steps the last of the range. The contacts are those of the recording, or of a "
         "daemon that repeats the step.",
     .children = children};
@@ -425,6 +426,7 @@ int ctl_cmd_render(int argc, char **argv)
     render.options.play.source = PLAY_RECORDS;
     render.options.play.needs_records = true;
     render.options.play.only_last = true;
+    render.options.takes_frames = true;
     if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
         return CTL_USAGE;
     }
@@ -432,9 +434,12 @@ int ctl_cmd_render(int argc, char **argv)
     if (isnan(at.t) && at.contact == 0) {
         at.t = 1;
     }
-    int status = render.is_near
+    int status = play_options_open(&render.options, &error);
+    if (status == PCCD_OK) {
+        status = render.is_near
                      ? still_take_near(&render.options.play, &still, &summary, &error)
                      : still_take(&render.options.play, &at, &still, &summary, &error);
+    }
     if (status == PCCD_OK && still.object_count == 0) {
         status =
             ctl_error_set(&error, PCCD_E_INVAL,

@@ -301,7 +301,7 @@ static bool print_json(const struct replay *replay, const struct play_summary *s
 int ctl_cmd_replay(int argc, char **argv)
 {
     struct replay replay = {.compared = 0};
-    struct play_summary summary;
+    struct play_summary summary = {.frames = 0};
     struct ctl_error error = {.text = ""};
     int status;
     play_options_init(&replay.options, "steps");
@@ -310,7 +310,10 @@ int ctl_cmd_replay(int argc, char **argv)
     if (argp_parse(&ctl_argp_replay, argc, argv, 0, NULL, &replay) != 0) {
         return CTL_USAGE;
     }
-    status = play(&replay.options.play, compare, &replay, &summary, &error);
+    status = play_options_open(&replay.options, &error);
+    if (status == PCCD_OK) {
+        status = play(&replay.options.play, compare, &replay, &summary, &error);
+    }
     if (summary.frames + summary.questions > 0 || status == PCCD_OK) {
         if (status == PCCD_OK || summary.ending != RECORD_ENDING_UNKNOWN) {
             play_options_warn(&replay.options.play,

@@ -242,7 +242,10 @@ int ctl_cmd_verify(int argc, char **argv)
     if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
         return CTL_USAGE;
     }
-    int status = play(&verification.options.play, check, &verification, &summary, &error);
+    int status = play_options_open(&verification.options, &error);
+    if (status == PCCD_OK) {
+        status = play(&verification.options.play, check, &verification, &summary, &error);
+    }
     if (status == PCCD_OK && !verification.has_failed &&
         verification.counts.steps == verification.counts.unchecked &&
         verification.counts.nears == verification.counts.nears_unchecked) {

@@ -54,6 +54,15 @@ static const struct format {
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
+bool ctl_mesh_is_named(const char *path)
+{
+    bool is_named = false;
+    for (int i = 0; i < FORMATS; i++) {
+        is_named = is_named || has_ending(path, formats[i].ending);
+    }
+    return is_named;
+}
+
 /* NULL, with an error: none that is known. */
 static const struct format *format_of(const struct ctl_file *file,
                                       struct ctl_error *error)

@@ -49,6 +49,8 @@ struct ctl_mesh {
  * file, the line or byte, and what was wrong there. */
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
+/* Whether a file has the name of a mesh file. */
+bool ctl_mesh_is_named(const char *path);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "meshfile.h"
 #include "names.h"
 #include "report.h"
 #include "shown.h"
@@ -85,16 +86,15 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_JSON:
         options->is_json = true;
         return 0;
-    case ARGP_KEY_ARG:
-        if (options->play.path != NULL) {
+    case ARGP_KEY_ARGS:
+        options->files = state->argv + state->next;
+        options->file_count = (uint32_t)(state->argc - state->next);
+        if (options->file_count > 1 && !options->takes_frames) {
             tool_misused(state, "one recording at a time");
         }
-        options->play.path = text;
         return 0;
-    case ARGP_KEY_END:
-        if (options->play.path == NULL) {
-            tool_misused(state, "which recording? pccdctl record makes one");
-        }
+    case ARGP_KEY_NO_ARGS:
+        tool_misused(state, "which recording? pccdctl record makes one");
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -114,8 +114,21 @@ void play_options_init(struct play_options *options, const char *label)
     options->play.first = 1;
 }
 
+int play_options_open(struct play_options *options, struct ctl_error *error)
+{
+    options->play.path = options->files[0];
+    if (!options->takes_frames ||
+        (options->file_count == 1 && !ctl_mesh_is_named(options->files[0]))) {
+        return PCCD_OK;
+    }
+    options->play.path = options->frames.path;
+    return frames_record(&options->frames, options->files, options->file_count,
+                         &options->link, error);
+}
+
 void play_options_deinit(struct play_options *options)
 {
+    frames_remove(&options->frames);
     ctl_link_deinit(&options->link);
 }
 

@@ -1,8 +1,9 @@
 /* client/ctl/record/play_options.h - the options that all commands which read a recording
  * have in common.
  *
- * Room:     client/ctl. May include: link.h, play.h.
- * Does:     provide FILE, --steps, --method, --threads, --json and the daemon's options.
+ * Room:     client/ctl. May include: frames.h, link.h, play.h.
+ * Does:     provide FILE, or frames of a mesh that become one, --steps, --method,
+ *           --threads, --json and the daemon's options.
  * Does not: know what a command does with the steps.
  * Threads:  one.
  */
@@ -11,19 +12,28 @@
 
 #include <argp.h>
 
+#include "frames.h"
 #include "link.h"
 #include "play.h"
 
-/* An argp child; its input is a struct play_options. It takes the one argument. */
+/* An argp child; its input is a struct play_options. It takes the arguments: a recording,
+ * or with takes_frames also the files of a mesh. */
 struct play_options {
     struct ctl_link link;
     struct play_settings play;
     bool is_json;
+    bool takes_frames; /* set before parsing */
+    char **files; /* argv's */
+    uint32_t file_count;
+    struct frames_recording frames;
 };
 extern const struct argp play_options_argp;
 
 /* Before parsing, and after: a private daemon unless another one is named. */
 void play_options_init(struct play_options *options, const char *label);
+/* Once parsed: play.path is a recording afterwards, of the frames if that is what was
+ * named. */
+int play_options_open(struct play_options *options, struct ctl_error *error);
 void play_options_deinit(struct play_options *options);
 
 /* How the file ended, when it did not end well; nothing otherwise. To stderr. */
