@@ -16,39 +16,10 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "folder.h"
 #include "proto_direct.h"
 
-#define PATH_BYTES 4096
-#define WHY_BYTES  (CLI_TEXT_BYTES / 2)
-
-static void cut_name(char path[PATH_BYTES])
-{
-    char *slash = strrchr(path, '/');
-
-    *(slash != NULL ? slash : path) = '\0';
-}
-
-/* The folder of the file that this function is in, and that of the program; "": not
- * known, or too long. */
-static void find_folder_of_us(char folder[PATH_BYTES])
-{
-    Dl_info info;
-
-    folder[0] = '\0';
-    if (dladdr((const void *)(uintptr_t)&cli_direct_open, &info) != 0 &&
-        info.dli_fname != NULL && strlen(info.dli_fname) < PATH_BYTES) {
-        memcpy(folder, info.dli_fname, strlen(info.dli_fname) + 1);
-    }
-    cut_name(folder);
-}
-
-static void find_folder_of_program(char folder[PATH_BYTES])
-{
-    ssize_t bytes = readlink("/proc/self/exe", folder, PATH_BYTES - 1);
-
-    folder[bytes > 0 ? bytes : 0] = '\0';
-    cut_name(folder);
-}
+#define WHY_BYTES (CLI_TEXT_BYTES / 2)
 
 static void *load(const char *path)
 {
@@ -59,7 +30,7 @@ static void *load(const char *path)
  * reason goes to `why`. */
 static void *load_in(const char *folder, const char *sub, char why[WHY_BYTES])
 {
-    char path[PATH_BYTES];
+    char path[CLI_FOLDER_BYTES];
     void *library = NULL;
     int length =
         snprintf(path, sizeof path, "%s%s/%s", folder, sub, PROTO_DIRECT_LIBRARY);
@@ -76,13 +47,13 @@ static void *load_in(const char *folder, const char *sub, char why[WHY_BYTES])
 /* Wherever it may be, if nobody has said where. */
 static void *search(char why[WHY_BYTES])
 {
-    char folder[PATH_BYTES];
+    char folder[CLI_FOLDER_BYTES];
     void *library;
 
-    find_folder_of_us(folder);
+    cli_folder_of_library(folder);
     library = load_in(folder, "", why);
     if (library == NULL) {
-        find_folder_of_program(folder);
+        cli_folder_of_program(folder);
         library = load_in(folder, "", why);
     }
     if (library == NULL) { /* where libtool has it, of a program in a build folder */

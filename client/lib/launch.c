@@ -21,6 +21,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "folder.h"
 #include "launch.h"
 #include "openmp.h"
 
@@ -65,25 +66,30 @@ static int find_program(const char *name, char *program)
     return PCCD_E_NODAEMON;
 }
 
-/* pccdd in the folder of the running program: how a build folder has it, an installation,
- * and a product that brings its own. Returns 0 or PCCD_E_NODAEMON. */
+/* pccdd in a folder. Returns 0 or PCCD_E_NODAEMON. */
+static int find_in(char folder[CLI_FOLDER_BYTES], char *program)
+{
+    size_t bytes = strlen(folder);
+
+    if (bytes == 0 || bytes + sizeof "/pccdd" > CLI_FOLDER_BYTES) {
+        return PCCD_E_NODAEMON;
+    }
+    memcpy(folder + bytes, "/pccdd", sizeof "/pccdd");
+    return find_program(folder, program);
+}
+
+/* pccdd beside the running program or this library: how a build folder has it, an
+ * installation, and a product that brings its own. */
 static int find_beside(char *program)
 {
-    char candidate[PROGRAM_BYTES];
-    ssize_t bytes = readlink("/proc/self/exe", candidate, sizeof candidate - 1);
-    char *slash;
+    char folder[CLI_FOLDER_BYTES];
 
-    if (bytes <= 0) {
-        return PCCD_E_NODAEMON;
+    cli_folder_of_program(folder);
+    if (find_in(folder, program) == 0) {
+        return 0;
     }
-    candidate[bytes] = '\0';
-    slash = strrchr(candidate, '/');
-    if (slash == NULL ||
-        (size_t)(slash - candidate) + sizeof "/pccdd" > sizeof candidate) {
-        return PCCD_E_NODAEMON;
-    }
-    memcpy(slash, "/pccdd", sizeof "/pccdd");
-    return find_program(candidate, program);
+    cli_folder_of_library(folder);
+    return find_in(folder, program);
 }
 
 static int choose_program(struct pccd_client *client, const char *asked, char *program)
@@ -101,10 +107,11 @@ static int choose_program(struct pccd_client *client, const char *asked, char *p
         find_program("pccdd", program) == 0) {
         return 0;
     }
-    return cli_fail(client, PCCD_E_NODAEMON,
-                    "no daemon to start: no pccdd beside this program, at %s or in "
-                    "$PATH; PCCD_DAEMON=PROGRAM names one",
-                    CLI_DAEMON_PATH);
+    return cli_fail(
+        client, PCCD_E_NODAEMON,
+        "no daemon to start: no pccdd beside this program or libpccd, at %s or in "
+        "$PATH; PCCD_DAEMON=PROGRAM names one",
+        CLI_DAEMON_PATH);
 }
 
 /* Move a descriptor out of the way of 0 .. READY_FD. */

@@ -26,6 +26,8 @@ libclient_la_SOURCES = \
     client/lib/filter.c \
     client/lib/flight.c \
     client/lib/flight.h \
+    client/lib/folder.c \
+    client/lib/folder.h \
     client/lib/frame.c \
     client/lib/frame.h \
     client/lib/keep.c \

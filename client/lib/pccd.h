@@ -84,7 +84,8 @@ struct pccd_options {
     const char *url;       /* "unix:PATH", or "direct:" for no daemon at all (see below);
                               NULL: $PCCD_URL, else the user's own socket */
     const char *daemon;    /* program to start for the user; NULL: $PCCD_DAEMON, else
-                              pccdd beside the running program, installed, or in $PATH */
+                              pccdd beside the running program or this library,
+                              installed, or in $PATH */
     const char *name;      /* of this client, for the daemon's log; NULL: the program's */
     int timeout_ms;        /* of every call that waits, 1 .. 3600000; 0 = 30000 */
     bool no_autostart;     /* never start a daemon */

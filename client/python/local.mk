@@ -12,6 +12,7 @@ python_module = \
     client/python/module/library.py \
     client/python/module/memory.py \
     client/python/module/observe.py \
+    client/python/module/py.typed \
     client/python/module/scenes.py \
     client/python/module/values.py
 python_headers = \
@@ -44,3 +45,11 @@ clean-python:
 EXTRA_DIST += client/python/abi.awk client/python/example_cloth.py \
     client/python/example_cloth_near.py client/python/example_cloth_thick.py \
     client/python/example_shared.py
+
+# For people who have no compiler: pip install FILE, also without a network.
+wheel: all
+	@$(BASH) $(srcdir)/client/python/make_wheel.sh '$(abs_top_srcdir)' '$(abs_top_builddir)' \
+	    '$(abs_top_builddir)/dist'
+.PHONY: wheel
+EXTRA_DIST += client/python/conda/meta.yaml daemon/container/Dockerfile \
+    client/python/README.md client/python/make_wheel.sh client/python/pyproject.toml

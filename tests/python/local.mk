@@ -3,7 +3,8 @@
 
 python_tests = \
     tests/python/test_python_client.sh \
-    tests/python/test_python_use.sh
+    tests/python/test_python_use.sh \
+    tests/python/test_python_wheel.sh
 TESTS += $(python_tests)
 dist_check_SCRIPTS += $(python_tests)
 EXTRA_DIST += \

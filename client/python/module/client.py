@@ -328,7 +328,8 @@ def connect(url: Optional[str] = None, *, private: bool = False,
                   is started when nobody listens
     private       start a daemon of our own on a socket of our own, gone with us, whatever
                   unix:PATH is in PCCD_URL
-    daemon        program to start; None: $PCCD_DAEMON, else pccdd installed or in $PATH
+    daemon        program to start; None: $PCCD_DAEMON, else pccdd beside libpccd,
+                  installed or in $PATH
     autostart     whether to start one at all
     name          of this client, for the daemon's log; None: the program's
     timeout       seconds, of every call that waits

@@ -141,7 +141,7 @@ def near_settings(what: int = NearWhat.PAIRS, distance: float = 0.0, end: int = 
                   method: int = Method.DEFAULT, threads: int = 0, tuning: str = "",
                   deadline_ns: int = 0) -> abi.pccd_near_settings:
     """What is asked about what is near (Client.submit_near), for the library."""
-    made = with_size(abi.pccd_near_settings())
+    made: abi.pccd_near_settings = with_size(abi.pccd_near_settings())
     made.distance, made.gap = distance, gap
     for name, given in (("what", what), ("end", end), ("object_a", object_a),
                         ("object_b", object_b), ("method", method),
