@@ -21,6 +21,7 @@ PAGE_FILES = \
     client/inspect/src/panels.js \
     client/inspect/src/scene.js \
     client/inspect/src/shaders.js \
+    client/inspect/src/solids.js \
     client/inspect/src/state.js \
     client/inspect/src/style.css \
     client/inspect/src/timeline.js \

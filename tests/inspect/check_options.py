@@ -4,13 +4,14 @@ Room:     tests/inspect.
 Does:     options, exit statuses, size; the data against what check said.
 """
 
+import array
 import json
 import os
 import tempfile
 import unittest
 
 from page import Page
-from scene import FRAMES, NAME, Scene, pccdctl, positions
+from scene import FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions
 
 MIB = 1 << 20
 
@@ -64,6 +65,34 @@ class Options(unittest.TestCase):
         self.assertGreater(told["still_features"], 0)
         self.assertEqual(step["answer"]["counters"]["still_features"],
                          told["still_features"])
+
+    # If it failed, rods, points and their contacts would not be there, or as others.
+    def test_page__holds_rods_points_and_thickness(self):
+        scene = ThickScene(self.made.name, 1, "--separation", "0.0625")
+        page = Page(scene.page)
+        step, mesh = page.meta["steps"][0], page.meta["meshes"][0]
+        named = (("edges", 8, [3, 4, 9, 10]), ("points", 4, [5, 6, 7, 8]))
+        for of, size, words in named:
+            read = page.section(mesh[of]["at"], size * mesh[of]["count"])
+            self.assertEqual(list(array.array("I", read)), words)
+        self.assertEqual(step["objects"][0]["radius"], RADIUS)
+        self.assertEqual(step["separation"], 0.0625)
+        self.assertEqual(step["answer"]["safe_step"], scene.said["safe_step"])
+        self.assertLess(scene.said["safe_step"], 1)
+        kinds = [flags >> 6 for flags in page.flags(0)]
+        for kind, name in enumerate(("vf", "ee", "ve", "vv")):
+            self.assertEqual(kinds.count(kind), scene.said[name])
+            self.assertGreater(scene.said[name], 0)
+
+    # If it failed, what begins within its distance would look as if it came from outside.
+    def test_page__tells_what_begins_within_its_distance(self):
+        scene = ThickScene(self.made.name, 0.4, "--approach", "0.5")
+        page = Page(scene.page)
+        step = page.meta["steps"][0]
+        flags = page.flags(0)
+        self.assertEqual(step["answer"]["inside"], scene.said["inside"])
+        self.assertEqual(sum(flag & 4 for flag in flags), 4 * scene.said["inside"])
+        self.assertGreater(scene.said["inside"], 0)
 
     # If it failed, what stands still would be stored at each step.
     def test_page__stores_an_end_once(self):

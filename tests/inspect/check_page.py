@@ -6,12 +6,13 @@ Does:     open it from the file system and use it as people do; compare what it 
           $PCCD_PICTURES: a folder for pictures of it.
 """
 
+import math
 import os
 import tempfile
 import unittest
 
 from browser import Browser, is_here
-from scene import FRAMES, NAME, Scene, pccdctl, positions
+from scene import FRAMES, NAME, RADIUS, Scene, ThickScene, pccdctl, positions
 
 SPACE, ENTER, RIGHT, HOME = " ", "\ue007", "\ue014", "\ue011"
 READY = "return document.body.classList.contains('ready')"
@@ -226,7 +227,7 @@ class Opened(InBrowser):
         self.browser.press(RIGHT, RIGHT)
         self.assertEqual(self.value("index"), 2)
         self.browser.press("1")
-        self.assertEqual(self.value("kinds"), [False, True])
+        self.assertEqual(self.value("kinds"), [False, True, True, True])
         self.browser.press(SPACE)
         self.assertTrue(self.value("playing"))
         self.browser.press(SPACE)
@@ -371,6 +372,150 @@ class Near(unittest.TestCase):
                     browser.picture(os.path.join(os.environ["PCCD_PICTURES"],
                                                  f"inspect-{what}.png"))
                 self.assertEqual(browser.said(), [])
+
+
+# The places of the contacts' sticks: from the second feature to the first.
+STICKS = """
+    const step = pccd.data.step(0);
+    const {origin} = pccd.data.meta;
+    return Array.from({length: step.contacts.count}, (_, i) => [0, 1].flatMap((end) =>
+      [0, 1, 2].map((k) => step.at0[3 * i + k] + end * step.reach[3 * i + k]
+        + step.contacts.toi[i] * (step.at1[3 * i + k] - step.at0[3 * i + k])
+        + origin[k])));"""
+# How many pixels of the view are not as in the picture that is kept: [left, right]; and
+# keep this one.
+CHANGED = """
+    const copy = document.createElement('canvas');
+    const view = document.getElementById('view');
+    pccd.view.picture();
+    copy.width = view.width;
+    copy.height = view.height;
+    const context = copy.getContext('2d');
+    context.drawImage(view, 0, 0);
+    const {data} = context.getImageData(0, 0, copy.width, copy.height);
+    const pixels = new Uint32Array(data.buffer);
+    const before = window.kept;
+    window.kept = pixels;
+    const sides = [0, 0];
+    before?.forEach((pixel, i) => {
+      sides[i % copy.width < 0.6 * copy.width ? 0 : 1] += pixel !== pixels[i] ? 1 : 0;
+    });
+    return sides;"""
+
+
+@unittest.skipUnless(is_here(), "no chromium, or no chromedriver")
+class Thick(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.made.cleanup)
+        cls.browser = Browser(cls.made.name)
+        cls.addClassCleanup(cls.browser.close)
+
+    def open(self, *arguments):
+        scene = ThickScene(self.made.name, *arguments)
+        self.browser.open_blank()
+        self.browser.said()
+        self.browser.open(scene.page)
+        self.browser.wait(READY)
+        self.browser.frames()
+        return scene.said
+
+    def set(self, values):
+        """Of the page's state; how many pixels of the view have changed."""
+        self.browser.run(CHANGED)
+        self.browser.run(f"pccd.state.set({values})")
+        self.browser.frames()
+        return self.browser.run(CHANGED)
+
+    def picture(self, name):
+        folder = os.environ.get("PCCD_PICTURES")
+        if folder:
+            self.browser.picture(os.path.join(folder, f"inspect-{name}.png"))
+
+    def tearDown(self):
+        self.assertEqual(self.browser.said(), [])
+
+    # If it failed, rods and points would not be seen, or have another thickness than they
+    # meet with; or triangles would have one unasked.
+    def test_view__shows_rods_points_and_thickness(self):
+        self.open(1, "--separation", "0.25")
+        self.set("{kinds: []}")
+        hide = "{hidden: new Set([pccd.data.step(0).objects[0].handle])}"
+        face, rods = self.set(hide)
+        self.assertGreater(face, 1000)
+        self.assertGreater(rods, 1000)  # they are to the right of the face
+        self.set("{hidden: new Set()}")
+        around = self.set("{thick: true}")
+        self.assertGreater(min(around), 100)
+        self.assertEqual(self.set("{thick: false}"), around)
+        # Without the separation rods are as thick as they are.
+        self.open(1)
+        self.set("{kinds: []}")
+        face, rods = self.set("{thick: true}")
+        self.assertGreater(face, 100)
+        self.assertEqual(rods, 0)
+        self.assertGreater(self.set("{opacity: 0.28}")[1], 100)
+
+    # If it failed, contacts of points would not be listed, or be drawn where nothing is.
+    def test_contacts__of_all_kinds_are_listed_and_span_their_distance(self):
+        said = self.open(1)
+        for kind in ("vf", "ee", "ve", "vv"):
+            self.assertTrue(self.browser.run(
+                f"return document.getElementById('kind-{kind}').checkVisibility()"))
+            self.assertEqual(number(self.browser.run(TEXT, f"kind-{kind}")), said[kind])
+        sticks = self.browser.run("return pccd.state.values.sticks")
+        self.assertEqual(sticks, said["contacts"])
+        for *second, z1, x0, y0, z0 in self.browser.run(STICKS):
+            apart = math.dist((*second, z1), (x0, y0, z0))
+            self.assertLess(abs(apart - 2 * RADIUS), 1e-4)
+            self.assertLess(min(z0, z1), 0.01)
+        self.browser.press("3")
+        self.assertEqual(self.browser.run("return pccd.state.values.picked.length"),
+                         said["contacts"] - said["ve"])
+        self.browser.press("3")
+        self.browser.run("document.querySelector('#contact-rows .row').click()")
+        self.browser.frames(60)
+        self.assertIn("at the distance 0.5", self.browser.run(TEXT, "caption"))
+        self.set("{thick: true}")
+        self.picture("thick")
+
+    # If it failed, the buttons of all kinds would make a page wider than a phone.
+    def test_page__fits_a_phone_with_all_kinds(self):
+        self.browser.resize(400, 800)
+        self.open(1)
+        for script in (BEYOND, OVERLAPS, SMALL):
+            self.assertEqual(self.browser.run(script), [])
+        self.set("{thick: true}")
+        self.picture("thick-400")
+        self.browser.resize(1500, 950)
+
+    # If it failed, nobody would see how far a step is safe, and what begins too near.
+    def test_answer__tells_the_safe_step_and_what_begins_inside(self):
+        said = self.open(0.4, "--approach", "0.5", "--separation", "0.125")
+        facts = self.browser.run("""
+            return Object.fromEntries([...document.querySelectorAll('.fact')].map((one) =>
+              [one.firstChild.textContent, one.lastChild.textContent]));""")
+        self.assertEqual(float(facts["safe step"]), round(said["safe_step"], 6))
+        self.assertEqual((facts["separation"], facts["approach"]), ("0.125", "0.5"))
+        self.assertEqual(int(facts["inside at 0"]), said["inside"])
+        rows = self.browser.run(TEXT, "contact-rows")
+        self.assertGreater(said["inside"], 0)
+        self.assertEqual(rows.count(" in"), said["inside"])
+        # Two that begin 0.4 apart meet at half of that.
+        self.assertTrue(any(abs(math.dist(stick[:3], stick[3:]) - 0.2) < 1e-4
+                            for stick in self.browser.run(STICKS)))
+
+    # If it failed, a page without thickness would have a button that does nothing.
+    def test_thick__is_offered_only_where_something_is(self):
+        shown = "return document.getElementById('thick').checkVisibility()"
+        self.open(1)
+        self.assertTrue(self.browser.run(shown))
+        self.open(1, "--thickness", "0")
+        self.assertFalse(self.browser.run(shown))
+        self.browser.run("document.activeElement.blur()")
+        self.browser.press("t")
+        self.assertFalse(self.browser.run("return pccd.state.values.thick"))
 
 
 class Lean(InBrowser):

@@ -49,6 +49,11 @@ class Page:
         data = base64.b64decode(self._blobs[f"pccd-{blob:08}"])
         return data[offset:offset + count]
 
+    def flags(self, step):
+        """Of the contacts of a step, with their kinds in bits 6 and 7."""
+        contacts = self.meta["steps"][step]["contacts"]
+        return self.section(contacts["at"], 24 * contacts["count"])[23::24]
+
     def positions(self, step, end, item=0):
         """Of an object at the end "x0" or "x1" of a step: [[x, y, z], ...]."""
         of = self.meta["steps"][step]["objects"][item]

@@ -82,3 +82,29 @@ class Scene:
         """Write a page; what pccdctl said."""
         return pccdctl("inspect", NAME, "-o", name, *options, check=check,
                        folder=self.folder)
+
+
+# A face, a rod and a point, and above them two points, a point and a rod across,
+# which come down.
+RADIUS = 0.25
+UNDER = ["v 0 0 0", "v 4 0 0", "v 0 4 0", "v 10 0 0", "v 14 0 0", "v 20 0 0"]
+ABOVE = ["v 1 1 {0}", "v 11 0 {0}", "v 20 0 {0}", "v 13 -2 {0}", "v 13 2 {0}"]
+NAMED = ["f 1 2 3", "l 4 5", "l 10 11", "p 6 7 8 9"]
+
+
+class ThickScene:
+    """A step of rods and points in `folder` that come down from `high` to the height 0.1,
+    with what check said of it; `options` are check's."""
+
+    def __init__(self, folder, high, *options):
+        for name, height in (("high.obj", high), ("low.obj", 0.1)):
+            with open(os.path.join(folder, name), "w") as to:
+                lines = UNDER + [line.format(height) for line in ABOVE] + NAMED
+                to.writelines(f"{line}\n" for line in lines)
+        said = pccdctl("record", "--force", "-o", "thick.rec", "--",
+                       os.environ["PCCDCTL"], "check", "--json", "--repeat", "0",
+                       "--thickness", str(RADIUS), *options, "high.obj", "low.obj",
+                       folder=folder).stdout
+        self.said = json.loads(said)
+        pccdctl("inspect", "thick.rec", "-o", "thick.html", folder=folder)
+        self.page = os.path.join(folder, "thick.html")

@@ -20,7 +20,7 @@
 #include "names.h"
 #include "report.h"
 
-#define FORMAT 1 /* of the data; data.js is in the same file, and asks nevertheless */
+#define FORMAT 2 /* of the data; data.js is in the same file, and asks nevertheless */
 /* Of the JSON text beside steps and meshes; names are cut to fit. */
 #define META_REST      4096u
 #define NAME_MAX_BYTES 256u
@@ -95,6 +95,9 @@ static json_t *answer_of(const struct pccd_answer *answer, bool *ok)
     report_kinds(object, answer->counts, ok);
     set_count(object, "possible", answer->possible, ok);
     set_count(object, "initial", answer->initial, ok);
+    set_count(object, "inside", answer->inside, ok);
+    set(object, "safe_step", json_real(answer->safe_step), ok);
+    set(object, "crowded", json_boolean(answer->crowded), ok);
     set(object, "toi_first",
         answer->toi_first <= 1 ? json_real(answer->toi_first) : json_null(), ok);
     set_name(object, "hash", hash, ok);
@@ -188,6 +191,8 @@ static json_t *describe(struct inspect *inspect, const struct play_step *step,
     set(object, "answer", answer_of(step->answer, &ok), &ok);
     set(object, "objects",
         inspect_pack_objects(inspect, step->scene, INSPECT_BOTH, meshes), &ok);
+    set(object, "separation", json_real(step->separation.separation), &ok);
+    set(object, "approach", json_real(step->separation.approach), &ok);
     set(object, "contacts", inspect_pack_contacts(inspect, step), &ok);
     set(object, "boxes", inspect_pack_boxes(inspect, step), &ok);
     set(object, "events", inspect_pack_events(inspect, step->trace), &ok);
@@ -251,6 +256,15 @@ static bool is_chosen(struct inspect *inspect, const struct registry_scene *scen
     return true;
 }
 
+static int find_edges(const struct registry_scene *scene, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
+        status = world_edges(scene->objects[i].mesh, error);
+    }
+    return status;
+}
+
 /* As a step in which nothing moves, with lines in the place of contacts. */
 static json_t *describe_near(struct inspect *inspect, const struct play_near *near,
                              const char *compared, json_t *meshes)
@@ -272,6 +286,7 @@ static json_t *describe_near(struct inspect *inspect, const struct play_near *ne
     set(object, "answer", answer, &ok);
     set(object, "objects", inspect_pack_objects(inspect, near->scene, moment, meshes),
         &ok);
+    set(object, "separation", json_real(0), &ok);
     set(object, "contacts",
         json_pack("{s:o, s:i}", "at", inspect_section(inspect, 0), "count", 0), &ok);
     set(object, "lines", inspect_pack_lines(inspect, near), &ok);
@@ -295,11 +310,9 @@ int inspect_near(void *context, const struct play_near *near, struct ctl_error *
     if (!is_chosen(inspect, near->scene)) {
         return PCCD_OK;
     }
-    for (uint32_t i = 0; i < near->scene->object_count; i++) {
-        int status = world_edges(near->scene->objects[i].mesh, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    int status = find_edges(near->scene, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     json_t *meshes = json_array();
     return add(inspect, near->number, describe_near(inspect, near, compared, meshes),
@@ -316,6 +329,10 @@ int inspect_step(void *context, const struct play_step *step, struct ctl_error *
     inspect->differ += strcmp(compared, "other") == 0;
     if (!is_chosen(inspect, step->scene)) {
         return PCCD_OK;
+    }
+    int status = find_edges(step->scene, error);
+    if (status != PCCD_OK) {
+        return status;
     }
     if (step->trace != NULL && step->trace->status != PCCD_OK) {
         memcpy(inspect->no_lanes, step->trace->text, sizeof inspect->no_lanes);

@@ -9,6 +9,8 @@
  *
  * Numbers in the data are little-endian. A section is [blob, offset] in JSON; arrays:
  *     triangles  u32[3], or u16[3] of a mesh with at most 65536 vertices
+ *     edges      u32[2] of rods, points u32: what nothing else of the mesh has
+ *     radii      f32 of vertices, in the page's unit
  *     positions  f32[3] relative to the page's origin, in its unit; or, rounded,
  *                f32[3] low, f32[3] step, then u16[3] in which x = low + step * number
  *     contacts   struct inspect_contact; boxes: struct pccd_box, in the same way
@@ -40,9 +42,9 @@ struct inspect_contact {
     float toi;
     uint16_t param[2]; /* 0 .. 65535 for 0 .. 1 */
     int8_t normal[3];  /* -127 .. 127 for -1 .. 1 */
-    uint8_t flags;     /* enum pccd_contact_flag; 128: edge-edge */
+    uint8_t flags;     /* enum pccd_contact_flag | enum pccd_kind << INSPECT_KIND_SHIFT */
 };
-#define INSPECT_EDGE_EDGE 128u
+#define INSPECT_KIND_SHIFT 6u
 
 /* 32 bytes: of what is near, the nearest points; of a crossing, the ends of its edge. */
 struct inspect_line {
@@ -68,7 +70,7 @@ struct inspect_place {
 
 /* A mesh that is in the file. */
 struct inspect_mesh {
-    uint64_t hash[2]; /* XXH3-128 of its triangles */
+    uint64_t hash[2]; /* XXH3-128 of those of its triangles, rods, points and radii */
     uint32_t vertex_count, triangle_count;
 };
 

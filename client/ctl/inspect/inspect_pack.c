@@ -21,6 +21,7 @@
 #define LEVELS 65535.0 /* of a rounded coordinate */
 
 _Static_assert(sizeof(struct inspect_contact) == 24, "data.js reads 24 bytes");
+_Static_assert(PCCD_KIND_COUNT <= 1 << (8 - INSPECT_KIND_SHIFT), "a kind has its room");
 _Static_assert(sizeof(struct inspect_line) == 32, "data.js reads 32 bytes");
 _Static_assert(sizeof(struct inspect_event) == 20, "data.js reads 20 bytes");
 
@@ -38,7 +39,59 @@ static void hash_of(const void *bytes, size_t count, uint64_t hash[2])
 
 /* ---- meshes ------------------------------------------------------------------------ */
 
-static json_t *pack_triangles(struct inspect *inspect, const struct registry_mesh *mesh)
+static json_t *counted(const struct inspect *inspect, size_t offset, uint64_t count)
+{
+    return json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset), "count",
+                     (json_int_t)count);
+}
+
+/* Its edges are known (world_edges). */
+static json_t *pack_rods(struct inspect *inspect, const struct registry_mesh *mesh)
+{
+    uint32_t count = 0;
+    size_t offset = 0;
+    for (uint32_t i = 0; i < mesh->edge_count; i++) {
+        count += world_is_free(mesh, 2, i);
+    }
+    uint32_t(*to)[2] = bytes_section(&inspect->data, count * sizeof *to, &offset);
+    for (uint32_t i = 0; to != NULL && i < mesh->edge_count; i++) {
+        if (world_is_free(mesh, 2, i)) {
+            memcpy(to++, mesh->edges[i], sizeof *to);
+        }
+    }
+    return to != NULL ? counted(inspect, offset, count) : NULL;
+}
+
+static json_t *pack_points(struct inspect *inspect, const struct registry_mesh *mesh)
+{
+    uint32_t count = 0;
+    size_t offset = 0;
+    for (uint32_t i = 0; i < mesh->named_point_count; i++) {
+        count += world_is_free(mesh, 1, mesh->named_points[i]);
+    }
+    uint32_t *to = bytes_section(&inspect->data, count * sizeof *to, &offset);
+    for (uint32_t i = 0; to != NULL && i < mesh->named_point_count; i++) {
+        if (world_is_free(mesh, 1, mesh->named_points[i])) {
+            *to++ = mesh->named_points[i];
+        }
+    }
+    return to != NULL ? counted(inspect, offset, count) : NULL;
+}
+
+static json_t *pack_radii(struct inspect *inspect, const struct registry_mesh *mesh)
+{
+    size_t offset = 0;
+    if (mesh->radii == NULL) {
+        return json_null();
+    }
+    float *to = bytes_section(&inspect->data, mesh->vertex_count * sizeof *to, &offset);
+    for (uint32_t i = 0; to != NULL && i < mesh->vertex_count; i++) {
+        to[i] = (float)(mesh->radii[i] / inspect->unit);
+    }
+    return to != NULL ? inspect_section(inspect, offset) : NULL;
+}
+
+static json_t *pack_mesh(struct inspect *inspect, const struct registry_mesh *mesh)
 {
     size_t corners = (size_t)mesh->triangle_count * 3, offset = 0;
     const uint32_t *from = (const uint32_t *)mesh->triangles;
@@ -56,9 +109,14 @@ static json_t *pack_triangles(struct inspect *inspect, const struct registry_mes
             ((uint32_t *)to)[i] = from[i];
         }
     }
-    return json_pack("{s:I, s:I, s:o}", "vertices", (json_int_t)mesh->vertex_count,
-                     "triangles", (json_int_t)mesh->triangle_count, "at",
-                     inspect_section(inspect, offset));
+    json_t *rods = pack_rods(inspect, mesh);
+    json_t *points = pack_points(inspect, mesh);
+    json_t *radii = pack_radii(inspect, mesh);
+    return json_pack("{s:I, s:I, s:o, s:o, s:o, s:o}", "vertices",
+                     (json_int_t)mesh->vertex_count, "triangles",
+                     (json_int_t)mesh->triangle_count, "at",
+                     inspect_section(inspect, offset), "edges", rods, "points", points,
+                     "radii", radii);
 }
 
 /* The number of a mesh in the file, -1 without memory. */
@@ -67,8 +125,16 @@ static int64_t find_mesh(struct inspect *inspect, const struct registry_mesh *me
 {
     struct inspect_mesh key = {.vertex_count = mesh->vertex_count,
                                .triangle_count = mesh->triangle_count};
+    uint64_t parts[4][2];
     hash_of(mesh->triangles, (size_t)mesh->triangle_count * sizeof *mesh->triangles,
-            key.hash);
+            parts[0]);
+    hash_of(mesh->named_edges, mesh->named_edge_count * sizeof *mesh->named_edges,
+            parts[1]);
+    hash_of(mesh->named_points, mesh->named_point_count * sizeof *mesh->named_points,
+            parts[2]);
+    hash_of(mesh->radii,
+            mesh->radii != NULL ? mesh->vertex_count * sizeof *mesh->radii : 0, parts[3]);
+    hash_of(parts, sizeof parts, key.hash);
     for (uint32_t i = 0; i < inspect->known_count; i++) {
         if (memcmp(&inspect->known[i], &key, sizeof key) == 0) {
             return i;
@@ -76,7 +142,7 @@ static int64_t find_mesh(struct inspect *inspect, const struct registry_mesh *me
     }
     if (!array_reserve((void **)&inspect->known, inspect->known_count,
                        &inspect->known_room, sizeof key) ||
-        json_array_append_new(meshes, pack_triangles(inspect, mesh)) != 0) {
+        json_array_append_new(meshes, pack_mesh(inspect, mesh)) != 0) {
         return -1;
     }
     inspect->known[inspect->known_count] = key;
@@ -185,9 +251,9 @@ json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scen
         double(*end)[3] = moment == INSPECT_BEGIN ? object->x0 : object->x1;
         json_t *x0 = pack_positions(inspect, place, (const double(*)[3])begin, count);
         json_t *x1 = pack_positions(inspect, place, (const double(*)[3])end, count);
-        json_t *item =
-            json_pack("{s:I, s:I, s:o, s:o}", "handle", (json_int_t)object->handle,
-                      "mesh", (json_int_t)mesh, "x0", x0, "x1", x1);
+        json_t *item = json_pack("{s:I, s:I, s:o, s:o, s:f}", "handle",
+                                 (json_int_t)object->handle, "mesh", (json_int_t)mesh,
+                                 "x0", x0, "x1", x1, "radius", object->attributes.radius);
         if (json_array_append_new(objects, item) != 0) {
             json_decref(objects);
             return NULL;
@@ -239,8 +305,8 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
             !find_object(step->scene, from->object_b, &b)) {
             continue; /* a record that makes no sense: see still.c */
         }
-        if (from->kind != PCCD_VF && from->kind != PCCD_EE) {
-            continue; /* the page shows these two */
+        if (from->kind >= PCCD_KIND_COUNT) {
+            continue; /* likewise */
         }
         to[packed++] = (struct inspect_contact){
             .feature_a = from->feature_a,
@@ -251,12 +317,11 @@ json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *s
             .param = {share_of(from->param[0]), share_of(from->param[1])},
             .normal = {part_of(from->normal[0]), part_of(from->normal[1]),
                        part_of(from->normal[2])},
-            .flags = (uint8_t)((from->flags & (PCCD_PROVED | PCCD_INITIAL)) |
-                               (from->kind == PCCD_EE ? INSPECT_EDGE_EDGE : 0))};
+            .flags =
+                (uint8_t)((from->flags & (PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE)) |
+                          from->kind << INSPECT_KIND_SHIFT)};
     }
-    return to == NULL ? NULL
-                      : json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset),
-                                  "count", (json_int_t)packed);
+    return to != NULL ? counted(inspect, offset, packed) : NULL;
 }
 
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near)
@@ -277,9 +342,7 @@ json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near
         to[packed].distance = (float)near->records[i].d_lo;
         to[packed++].kind = near->records[i].kind;
     }
-    return to == NULL ? NULL
-                      : json_pack("{s:o, s:I}", "at", inspect_section(inspect, offset),
-                                  "count", (json_int_t)packed);
+    return to != NULL ? counted(inspect, offset, packed) : NULL;
 }
 
 /* ---- events ------------------------------------------------------------------------ */

@@ -15,14 +15,15 @@
 #include "inspect_data.h"
 #include "play.h"
 
-/* [{"handle", "mesh", "x0", "x1"}] of the step's scene, or both ends of one moment;
- * `meshes` gets those that are not in the file yet. */
+/* [{"handle", "mesh", "x0", "x1", "radius"}] of the step's scene, or both ends of one
+ * moment; `meshes` gets those that are not in the file yet. Edges of the scene's meshes
+ * are known. */
 enum inspect_moment { INSPECT_BEGIN, INSPECT_END, INSPECT_BOTH };
 json_t *inspect_pack_objects(struct inspect *inspect, const struct registry_scene *scene,
                              enum inspect_moment moment, json_t *meshes);
 /* {"at", "count"} */
 json_t *inspect_pack_contacts(struct inspect *inspect, const struct play_step *step);
-/* The same of what is near; edges of the scene's meshes are known. */
+/* The same of what is near; likewise. */
 json_t *inspect_pack_lines(struct inspect *inspect, const struct play_near *near);
 /* {"at", "count", "threads", "lost"}, or null: it was not recorded. */
 json_t *inspect_pack_events(struct inspect *inspect, const struct step_trace *trace);

@@ -1,7 +1,7 @@
 // contacts.js - the list of contacts: by kind, by time, one of them chosen.
 
 import { colourOfTime, cssOf } from "./colours.js";
-import { KINDS } from "./data.js";
+import { FEATURES, INITIAL, INSIDE, KINDS } from "./data.js";
 import { byId, colourOf, count, element, hideTip, oncePerFrame, prepareCanvas, showTip } from "./dom.js";
 
 const BINS = 60;
@@ -21,7 +21,7 @@ export function pickContacts(contacts, { kinds, range, order }) {
 }
 
 export function histogramOf(contacts, kinds) {
-  const bins = Array.from({ length: BINS }, () => [0, 0]);
+  const bins = Array.from({ length: BINS }, () => KINDS.map(() => 0));
   for (let i = 0; i < contacts.count; i++) {
     if (kinds[contacts.kind[i]]) {
       bins[Math.min(BINS - 1, Math.floor(contacts.toi[i] * BINS))][contacts.kind[i]]++;
@@ -37,9 +37,17 @@ export function featureText(step, i, side) {
   const { contacts, objects } = step;
   const object = side === "a" ? contacts.objectA[i] : contacts.objectB[i];
   const feature = side === "a" ? contacts.featureA[i] : contacts.featureB[i];
-  const kind = contacts.kind[i] === 1 ? "edge" : side === "a" ? "vertex" : "face";
+  const kind = FEATURES[KINDS[contacts.kind[i]].points[side === "a" ? 0 : 1]];
   return objects.length > 1 ? `${kind} ${feature} · ${object}` : `${kind} ${feature}`;
 }
+
+/** How the features of a contact begin: {text, title}, or null where it is as ever. */
+export function flagText({ contacts }, i) {
+  return contacts.flags[i] & INITIAL ? { text: "at 0", title: "touching or within their distance at t = 0" }
+    : contacts.flags[i] & INSIDE ? { text: "in", title: "within their distance at t = 0, and approaching" } : null;
+}
+
+const sumOf = (bin) => bin.reduce((sum, of) => sum + of, 0);
 
 function makeHistogram(data, state) {
   const canvas = byId("histogram");
@@ -49,14 +57,14 @@ function makeHistogram(data, state) {
     const { context, width, height } = prepareCanvas(canvas);
     const { index, kinds, range } = state.values;
     const bins = histogramOf(data.step(index).contacts, kinds);
-    const highest = Math.max(1, ...bins.map(([a, b]) => a + b));
+    const highest = Math.max(1, ...bins.map(sumOf));
     const bar = width / BINS;
-    bins.forEach(([a, b], i) => {
-      const share = (a + b) / highest;
+    bins.map(sumOf).forEach((sum, i) => {
+      const share = sum / highest;
       const isIn = (i + 1) / BINS > range[0] && i / BINS < range[1];
       context.globalAlpha = isIn ? 1 : 0.25;
       context.fillStyle = cssOf(colourOfTime((i + 0.5) / BINS));
-      const tall = a + b > 0 ? Math.max(2, Math.sqrt(share) * (height - 4)) : 0;
+      const tall = sum > 0 ? Math.max(2, Math.sqrt(share) * (height - 4)) : 0;
       context.fillRect(i * bar + 0.5, height - tall, Math.max(1, bar - 1), tall);
     });
     context.globalAlpha = 1;
@@ -77,8 +85,9 @@ function makeHistogram(data, state) {
   canvas.addEventListener("pointermove", (event) => {
     const at = timeAt(event);
     const bins = histogramOf(data.step(state.values.index).contacts, state.values.kinds);
-    const [vf, ee] = bins[Math.min(BINS - 1, Math.floor(at * BINS))];
-    showTip(event, `t = ${at.toFixed(3)}`, [`${count(vf)} vertex-face`, `${count(ee)} edge-edge`]);
+    const bin = bins[Math.min(BINS - 1, Math.floor(at * BINS))];
+    showTip(event, `t = ${at.toFixed(3)}`, KINDS.flatMap(({ name }, kind) =>
+      (kind < 2 || bin[kind] > 0 ? [`${count(bin[kind])} ${name}`] : [])));
     if (from !== null && Math.abs(at - from) > 0.01) {
       state.set({ range: [Math.min(from, at), Math.max(from, at)] });
     }
@@ -102,17 +111,19 @@ function makeList(data, state, fly) {
   function row(step, i, place) {
     const { contacts } = step;
     const { chosen } = state.values;
+    const { name, id } = KINDS[contacts.kind[i]];
+    const flag = flagText(step, i);
     const made = element("div", { className: "row", role: "option", id: `contact-${i}` },
       element("i", { className: "dot" }),
-      element("span", { className: "kind" }, contacts.kind[i] === 0 ? "VF" : "EE"),
+      element("span", { className: "kind", title: flag?.title ?? "" }, `${id.toUpperCase()} ${flag?.text ?? ""}`),
       element("span", {}, featureText(step, i, "a")),
       element("span", {}, featureText(step, i, "b")),
       element("span", { className: "number" }, timeText(contacts.toi[i])));
     made.firstChild.style.background = cssOf(colourOfTime(contacts.toi[i]));
     made.style.top = `${place * ROW}px`;
     made.setAttribute("aria-selected", String(i === chosen));
-    made.setAttribute("aria-label", `${KINDS[contacts.kind[i]]}, ${featureText(step, i, "a")}, `
-      + `${featureText(step, i, "b")}, time ${timeText(contacts.toi[i])}`);
+    made.setAttribute("aria-label", `${name}, ${featureText(step, i, "a")}, `
+      + `${featureText(step, i, "b")}, time ${timeText(contacts.toi[i])}${flag ? `, ${flag.title}` : ""}`);
     made.addEventListener("click", () => {
       state.set({ chosen: i });
       fly(i);
@@ -164,8 +175,9 @@ export function moveChoice(state, by) {
 }
 
 export function makeContacts(data, state, fly) {
-  const buttons = [byId("kind-vf"), byId("kind-ee")];
+  const buttons = KINDS.map(({ id }) => byId(`kind-${id}`));
   buttons.forEach((button, kind) => {
+    button.hidden = kind > 1 && data.meta.steps.every(({ near, answer }) => near || answer[KINDS[kind].id] === 0);
     button.addEventListener("click", () => {
       const kinds = [...state.values.kinds];
       kinds[kind] = !kinds[kind];
@@ -179,13 +191,10 @@ export function makeContacts(data, state, fly) {
     const picked = pickContacts(contacts, filters);
     const isKept = !changed.has("index") && picked.includes(filters.chosen);
     state.set({ picked, chosen: isKept ? filters.chosen : -1 });
-    let vf = 0;
-    for (let i = 0; i < contacts.count; i++) {
-      vf += contacts.kind[i] === 0 ? 1 : 0;
-    }
-    [vf, contacts.count - vf].forEach((of, kind) => {
-      buttons[kind].querySelector("b").textContent = count(of);
-      buttons[kind].setAttribute("aria-pressed", String(filters.kinds[kind]));
+    buttons.forEach((button, kind) => {
+      const of = contacts.kind.reduce((sum, its) => sum + (its === kind ? 1 : 0), 0);
+      button.querySelector("b").textContent = count(of);
+      button.setAttribute("aria-pressed", String(filters.kinds[kind]));
     });
     const isCut = filters.range[0] > 0 || filters.range[1] < 1;
     byId("range-clear").hidden = !isCut;

@@ -12,6 +12,8 @@ const TEXTS = {
   leaf_pairs: "pairs of leaves that overlap",
   candidates_vf: "vertex-face pairs after box tests",
   candidates_ee: "edge-edge pairs after box tests",
+  candidates_ve: "vertex-edge pairs after box tests",
+  candidates_vv: "vertex-vertex pairs after box tests",
   survivors: "pairs that the filter could not reject",
   exact: "queries that went to exact arithmetic",
   builds: "hierarchies built during the step",

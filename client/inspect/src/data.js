@@ -5,17 +5,24 @@
 
 import { byId } from "./dom.js";
 
-const FORMAT = 1;
-const EDGE_EDGE = 128;
-const PROVED = 1;
-const INITIAL = 2;
+const FORMAT = 2;
+const KIND_SHIFT = 6; // of a contact's kind, over its flags
+export const INITIAL = 2;
+export const INSIDE = 4;
 const CONTACT_BYTES = 24;
 const LINE_BYTES = 32;
 const EVENT_BYTES = 20;
 const BOX_BYTES = 48;
 const STEPS_KEPT = 12; // decoded ones
 
-export const KINDS = ["vertex-face", "edge-edge"];
+/** By enum pccd_kind: name, short name, and how many points each of the two features has. */
+export const KINDS = [
+  { name: "vertex-face", id: "vf", points: [1, 3] },
+  { name: "edge-edge", id: "ee", points: [2, 2] },
+  { name: "vertex-edge", id: "ve", points: [1, 2] },
+  { name: "vertex-vertex", id: "vv", points: [1, 1] },
+];
+export const FEATURES = ["", "vertex", "edge", "face"]; // by their points
 export const EVENT_KINDS = ["step", "refit", "task unit", "subtree", "pairs", "high-level node",
   "tests", "rebuild", "built in the background", "wait", "merge"];
 
@@ -50,9 +57,14 @@ function makeCache(make, kept) {
   };
 }
 
-/** The unique edges, numbered by (larger, smaller vertex) as in the records. */
-function edgesOf(triangles, vertexCount) {
-  const keys = new Float64Array(triangles.length);
+/** The unique edges, numbered by (larger, smaller vertex) as in the records; `rods`: ends of
+ * those that no triangle has. */
+function edgesOf(triangles, rods, vertexCount) {
+  const keys = new Float64Array(triangles.length + rods.length / 2);
+  for (let i = 0; i < rods.length; i += 2) {
+    keys[triangles.length + i / 2] =
+      Math.max(rods[i], rods[i + 1]) * vertexCount + Math.min(rods[i], rods[i + 1]);
+  }
   for (let i = 0; i < triangles.length; i += 3) {
     for (let k = 0; k < 3; k++) {
       const p = triangles[i + k];
@@ -115,8 +127,8 @@ function readContacts({ at, count }) {
       contacts.normal[3 * i + k] = view.getInt8(from + 20 + k) / 127;
     }
     const flags = view.getUint8(from + 23);
-    contacts.kind[i] = flags & EDGE_EDGE ? 1 : 0;
-    contacts.flags[i] = flags & (PROVED | INITIAL);
+    contacts.kind[i] = flags >> KIND_SHIFT;
+    contacts.flags[i] = flags & ((1 << KIND_SHIFT) - 1);
   }
   return contacts;
 }
@@ -149,27 +161,55 @@ function readEvents({ at, count }) {
   }));
 }
 
-/** Where each contact is on its second feature at t = 0 and t = 1. */
-function placeContacts(contacts, objects) {
-  const at0 = new Float32Array(3 * contacts.count);
-  const at1 = new Float32Array(3 * contacts.count);
-  for (let i = 0; i < contacts.count; i++) {
-    const { x0, x1, mesh } = objects[contacts.objectB[i]];
-    const feature = contacts.featureB[i];
-    const u = contacts.u[i];
-    const v = contacts.v[i];
-    const corners = contacts.kind[i] === 0
-      ? [[mesh.triangles[3 * feature], 1 - u - v], [mesh.triangles[3 * feature + 1], u],
-        [mesh.triangles[3 * feature + 2], v]]
-      : [[mesh.edges[2 * feature], 1 - v], [mesh.edges[2 * feature + 1], v]];
-    for (const [vertex, weight] of corners) {
-      for (let k = 0; k < 3; k++) {
-        at0[3 * i + k] += weight * x0[3 * vertex + k];
-        at1[3 * i + k] += weight * x1[3 * vertex + k];
-      }
+/** The vertices of a feature with so many points. */
+export function verticesOf({ mesh }, points, feature) {
+  const from = points === 2 ? mesh.edges : mesh.triangles;
+  return points === 1 ? [feature] : Array.from(from.slice(points * feature, points * (feature + 1)));
+}
+
+/** Half the thickness of a feature, in the page's unit: the greatest of its vertices. */
+export function radiusOf({ radius, mesh }, vertices) {
+  return radius > 0 || !mesh.radii ? radius
+    : vertices.reduce((most, vertex) => Math.max(most, mesh.radii[vertex]), 0);
+}
+
+/** The weights of the vertices of both features, as common_contact_weights of kinds.h. */
+function weightsOf(kind, u, v) {
+  return [kind === 1 ? [1 - u, u] : [1], [[1 - u - v, u, v], [1 - v, v], [1 - v, v], [1]][kind]];
+}
+
+/** Where weighed vertices of an object are, between x0 and x1. */
+function pointOf({ x0, x1 }, vertices, weights, t) {
+  return [0, 1, 2].map((k) => vertices.reduce((sum, vertex, i) => {
+    const from = x0[3 * vertex + k];
+    return sum + weights[i] * (from + t * (x1[3 * vertex + k] - from));
+  }, 0));
+}
+
+/** Where each contact is on its second feature at t = 0 and t = 1. `reach`: of one at a distance,
+ * from there to the nearest point of the first feature when they meet; `share`: which part of
+ * that is on the second's side. */
+function placeContacts(contacts, objects, separation) {
+  const { count } = contacts;
+  const [at0, at1, reach] = [0, 1, 2].map(() => new Float32Array(3 * count));
+  const share = new Float32Array(count);
+  for (let i = 0; i < count; i++) {
+    const kind = contacts.kind[i];
+    const sides = [objects[contacts.objectA[i]], objects[contacts.objectB[i]]];
+    const vertices = [contacts.featureA[i], contacts.featureB[i]].map((feature, side) =>
+      verticesOf(sides[side], KINDS[kind].points[side], feature));
+    const weights = weightsOf(kind, contacts.u[i], contacts.v[i]);
+    const at = (side, t) => pointOf(sides[side], vertices[side], weights[side], t);
+    const [first, second] = sides.map((object, side) => radiusOf(object, vertices[side]) + separation / 2);
+    at0.set(at(1, 0), 3 * i);
+    at1.set(at(1, 1), 3 * i);
+    if (first + second > 0) {
+      const [to, from] = [at(0, contacts.toi[i]), at(1, contacts.toi[i])];
+      reach.set(to.map((x, k) => x - from[k]), 3 * i);
+      share[i] = second / (first + second);
     }
   }
-  return { at0, at1 };
+  return { at0, at1, reach, share };
 }
 
 /** The whole page's data; throws an Error with a sentence for people. */
@@ -183,17 +223,21 @@ export function readData() {
     throw new Error(`This page cannot read data of format ${meta.format}.`);
   }
   const mesh = makeCache((number) => {
-    const { vertices, triangles, at } = meta.meshes[number];
+    const { vertices, triangles, at, edges: rods, points, radii } = meta.meshes[number];
     const isSmall = vertices <= 65536;
     const buffer = section(at, triangles * 3 * (isSmall ? 2 : 4));
     const corners = isSmall ? new Uint16Array(buffer) : new Uint32Array(buffer);
+    const rodEnds = new Uint32Array(section(rods.at, 8 * rods.count));
     let edges = null;
     return {
       number,
       vertexCount: vertices,
       triangles: corners,
+      rods: rodEnds, // the ends of edges that no triangle has
+      points: new Uint32Array(section(points.at, 4 * points.count)), // that nothing else has
+      radii: radii && new Float32Array(section(radii, 4 * vertices)),
       get edges() {
-        edges ??= edgesOf(corners, vertices);
+        edges ??= edgesOf(corners, rodEnds, vertices);
         return edges;
       },
     };
@@ -206,6 +250,7 @@ export function readData() {
       const its = mesh(object.mesh);
       return {
         handle: object.handle,
+        radius: object.radius / meta.unit,
         mesh: its,
         x0: positions(object.x0.join(), object.x0, its.vertexCount),
         x1: positions(object.x1.join(), object.x1, its.vertexCount),
@@ -215,7 +260,10 @@ export function readData() {
     });
     const contacts = readContacts(from.contacts);
     const lines = from.lines ? readLines(from.lines) : null;
-    return { ...from, index, objects, contacts, lines, ...placeContacts(contacts, objects) };
+    const separation = from.separation / meta.unit;
+    return {
+      ...from, separation, index, objects, contacts, lines, ...placeContacts(contacts, objects, separation),
+    };
   }, STEPS_KEPT);
   return {
     meta,

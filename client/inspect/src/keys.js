@@ -28,10 +28,13 @@ export function makeKeys(data, state, does) {
     Escape: () => state.set({ chosen: -1 }),
     1: () => kind(0),
     2: () => kind(1),
+    3: () => kind(2),
+    4: () => kind(3),
     "[": () => level(-1),
     "]": () => level(1),
     f: does.fit,
     w: () => state.set({ wires: !state.values.wires }),
+    t: () => state.set({ thick: !state.values.thick && !byId("thick").hidden }),
     x: () => state.set({ opacity: state.values.opacity < 1 ? 1 : 0.28 }),
     "?": () => help.showModal(),
   };

@@ -1,12 +1,12 @@
 // main.js - the page of `pccdctl inspect`: puts the parts together.
 
-import { featureText, makeContacts } from "./contacts.js";
+import { featureText, flagText, makeContacts } from "./contacts.js";
 import { makeCounters } from "./counters.js";
-import { readData } from "./data.js";
+import { KINDS, readData } from "./data.js";
 import { byId, oncePerFrame, plural } from "./dom.js";
 import { makeKeys } from "./keys.js";
 import { makeLanes } from "./lanes.js";
-import { between, featuresOf } from "./marks.js";
+import { apartOf, between, featuresOf } from "./marks.js";
 import { makeAnswer, makeHead, makeHierarchy, makeObjectList } from "./panels.js";
 import { makeScene } from "./scene.js";
 import { makeState } from "./state.js";
@@ -65,17 +65,18 @@ function connectView(data, state, view) {
   let scene = null;
   state.on(["theme"], () => view.dress());
   state.on(["t"], ({ t }) => view.setTime(t));
-  state.on(["index", "wires", "opacity", "hidden", "theme"], (values) => {
+  state.on(["index", "wires", "opacity", "hidden", "thick", "theme"], (values) => {
     const step = data.step(values.index);
     if (scene !== step.scene) { // another one may be anywhere
       scene = step.scene;
-      view.setExtent(step, values.up);
+      view.setExtent(step, values.up, values.thick);
       view.fit(values.up, true);
     }
     view.showObjects(step, values);
   });
   state.on(["index", "theme"], ({ index }) => state.set({ lines: view.showLines(data.step(index)) }));
-  state.on(["picked"], ({ index, picked }) => view.showMarks(data.step(index), picked));
+  state.on(["picked", "thick"], ({ index, picked, thick }) =>
+    state.set({ sticks: view.showMarks(data.step(index), picked, thick) }));
   state.on(["chosen", "theme"], ({ index, chosen }) => {
     const step = data.step(index);
     view.choose(step, chosen, chosen >= 0 ? sizeOf(step, chosen, radius()) : 0);
@@ -99,6 +100,14 @@ function connectView(data, state, view) {
   });
 }
 
+/** "vertex 3 meets face 4 at t = 0.500000, at the distance 0.02" */
+function meetingText(step, i, unit) {
+  const apart = apartOf(step, i) * unit;
+  const flag = flagText(step, i);
+  return `${featureText(step, i, "a")} meets ${featureText(step, i, "b")} at t = ${step.contacts.toi[i].toFixed(6)}`
+    + (apart > 0 ? `, at the distance ${Number(apart.toPrecision(4))}` : "") + (flag ? ` (${flag.title})` : "");
+}
+
 /** What is chosen, in words, over the view. */
 function makeCaption(data, state) {
   const draw = oncePerFrame(() => {
@@ -106,8 +115,7 @@ function makeCaption(data, state) {
     const step = data.step(index);
     byId("caption").textContent = step.near
       ? `question ${step.number}: ${step.near}, ${plural(step.lines.count, "line", "lines")}`
-      : chosen < 0 ? `step ${step.number}, t = ${t.toFixed(2)}`
-        : `${featureText(step, chosen, "a")} meets ${featureText(step, chosen, "b")} at t = ${step.contacts.toi[chosen].toFixed(6)}`;
+      : chosen < 0 ? `step ${step.number}, t = ${t.toFixed(2)}` : meetingText(step, chosen, data.meta.unit);
     byId("scale-text").textContent = step.near ? "share of the greatest distance" : "time of impact";
     byId("view").setAttribute("aria-label", `Step ${step.number} at time ${t.toFixed(2)}: `
       + `${plural(step.objects.length, "object", "objects")}, ${plural(picked.length, "contact", "contacts")} shown`);
@@ -118,13 +126,18 @@ function makeCaption(data, state) {
 function makeToggles(state, does) {
   const toggle = (id, read, write) => {
     byId(id).addEventListener("click", () => state.set(write(state.values)));
-    state.on(["wires", "opacity"], (values) => byId(id).setAttribute("aria-pressed", String(read(values))));
+    state.on(["wires", "opacity", "thick"], (values) => byId(id).setAttribute("aria-pressed", String(read(values))));
   };
   toggle("wires", ({ wires }) => wires, ({ wires }) => ({ wires: !wires }));
   toggle("xray", ({ opacity }) => opacity < 1, ({ opacity }) => ({ opacity: opacity < 1 ? 1 : 0.28 }));
+  toggle("thick", ({ thick }) => thick, ({ thick }) => ({ thick: !thick }));
   byId("fit").addEventListener("click", does.fit);
   byId("up").addEventListener("change", (event) => state.set({ up: event.target.value }));
 }
+
+/** Whether anything in the page has a thickness. */
+const isThick = ({ steps, meshes }) => meshes.some(({ radii }) => radii)
+  || steps.some(({ separation, objects }) => separation > 0 || objects.some(({ radius }) => radius > 0));
 
 function start() {
   const data = readData();
@@ -132,15 +145,15 @@ function start() {
   const busiest = steps.reduce((best, { answer }, i) => (answer.total > steps[best].answer.total ? i : best), 0);
   const triangles = steps[0].objects.reduce((sum, { mesh }) => sum + data.meta.meshes[mesh].triangles, 0);
   const state = makeState({
-    index: busiest, t: 1, playing: false, speed: 1, kinds: [true, true], range: [0, 1], order: "toi",
-    picked: [], chosen: -1, lines: 0, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
+    index: busiest, t: 1, playing: false, speed: 1, kinds: KINDS.map(() => true), range: [0, 1], order: "toi",
+    picked: [], chosen: -1, lines: 0, sticks: 0, thick: false, tree: "faces", level: -1, boxes: 0, lanes: 0, hidden: new Set(),
     wires: triangles <= WIRES_MAX, opacity: 1, up: "y", theme: "",
   });
   const view = makeView(drawAxes);
   const does = {
     fit() {
-      const { index, up } = state.values;
-      view?.setExtent(data.step(index), up);
+      const { index, up, thick } = state.values;
+      view?.setExtent(data.step(index), up, thick);
       view?.fit(up);
     },
     fly(i) {
@@ -152,6 +165,7 @@ function start() {
       }
     },
   };
+  byId("thick").hidden = !isThick(data.meta);
   makeHead(data);
   makeContacts(data, state, does.fly);
   if (view) {

@@ -1,25 +1,25 @@
 // marks.js - the contacts as points, and the two features of the one that is chosen.
 
-import { BufferAttribute, BufferGeometry, Group, Mesh, Points } from "three";
+import { BufferAttribute, BufferGeometry, Group, LineSegments, Mesh, Points } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 
 import { colourOfTime } from "./colours.js";
-import { pointMaterial, surfaceMaterial } from "./shaders.js";
+import { KINDS, verticesOf } from "./data.js";
+import { pointMaterial, stickMaterial, surfaceMaterial } from "./shaders.js";
 
 /** The corners of both features of contact `i`: [{object, vertices}, ...]. */
-export function featuresOf(step, i) {
-  const { contacts, objects } = step;
-  const a = objects[contacts.objectA[i]];
-  const b = objects[contacts.objectB[i]];
-  const edge = (object, feature) => Array.from(object.mesh.edges.slice(2 * feature, 2 * feature + 2));
-  return contacts.kind[i] === 0
-    ? [{ object: a, vertices: [contacts.featureA[i]] },
-      { object: b, vertices: Array.from(b.mesh.triangles.slice(3 * contacts.featureB[i], 3 * contacts.featureB[i] + 3)) }]
-    : [{ object: a, vertices: edge(a, contacts.featureA[i]) },
-      { object: b, vertices: edge(b, contacts.featureB[i]) }];
+export function featuresOf({ contacts, objects }, i) {
+  const { points } = KINDS[contacts.kind[i]];
+  return [[contacts.objectA[i], contacts.featureA[i]], [contacts.objectB[i], contacts.featureB[i]]]
+    .map(([object, feature], side) => ({
+      object: objects[object], vertices: verticesOf(objects[object], points[side], feature),
+    }));
 }
+
+/** How far apart the features of a contact are when they meet. */
+export const apartOf = ({ reach }, i) => Math.hypot(...reach.subarray(3 * i, 3 * i + 3));
 
 /** A place between its two ends. */
 export const between = (x0, x1, i, t) =>
@@ -71,14 +71,32 @@ function nearLines({ count, ends, distance, kind }, crossingColour) {
   return lines;
 }
 
+const columns = (count) => ({
+  at: new Float32Array(3 * count), target: new Float32Array(3 * count),
+  colour: new Float32Array(3 * count), toi: new Float32Array(count),
+});
+
+/** The foot of contact `i`, or a part of the way from there to its first feature. */
+function putMark({ at, target, colour, toi }, place, { at0, at1, reach, contacts }, i, part) {
+  for (let k = 0; k < 3; k++) {
+    at[3 * place + k] = at0[3 * i + k] + part * reach[3 * i + k];
+    target[3 * place + k] = at1[3 * i + k] + part * reach[3 * i + k];
+  }
+  colour.set(colourOfTime(contacts.toi[i]), 3 * place);
+  toi[place] = contacts.toi[i];
+}
+
 export function makeMarks(group, uniforms) {
   const points = new Points(new BufferGeometry(), pointMaterial(uniforms));
+  const sticks = new LineSegments(new BufferGeometry(), stickMaterial(uniforms));
   const chosen = new Group();
   let near = null;
   let ways = []; // {lines, at, target}: to be placed at a time
-  points.frustumCulled = false;
-  points.renderOrder = 2;
-  group.add(points, chosen);
+  for (const one of [points, sticks]) {
+    one.frustumCulled = false;
+    one.renderOrder = 2;
+  }
+  group.add(sticks, points, chosen);
 
   function clearChosen() {
     for (const part of chosen.children.slice()) {
@@ -104,14 +122,15 @@ export function makeMarks(group, uniforms) {
   /** The features of a contact, drawn over everything, and its normal. */
   function showChosen(step, i, size, colours) {
     const features = featuresOf(step, i);
-    const [a, b] = features;
+    const [, b] = features;
+    if (features.some(({ vertices }) => vertices.length === 0)) {
+      return; // a record that names what there is not
+    }
     if (b.vertices.length === 3) {
       const face = new Mesh(geometryOf(corners(b), [0, 1, 2]), surfaceMaterial(uniforms, colours.b));
       face.material.polygonOffsetFactor = -1;
       face.frustumCulled = false;
       chosen.add(face);
-    } else if (a.vertices.length === 1) {
-      return; // a record that names what there is not
     }
     features.forEach((feature, side) => {
       const { length } = feature.vertices;
@@ -121,12 +140,14 @@ export function makeMarks(group, uniforms) {
         addLines(corners({ object: feature.object, vertices: ends }), side === 0 ? colours.a : colours.b, 3.5);
       }
     });
-    if (a.vertices.length === 1) { // the way of the vertex during the step
-      const { x0, x1 } = a.object;
-      const way = [0, 1].flatMap((t) => between(x0, x1, a.vertices[0], t));
-      addLines({ at: way, target: way }, colours.a, 2.5);
-    }
-    const tip = [0, 1, 2].map((k) => size * step.contacts.normal[3 * i + k]);
+    features.forEach(({ object: { x0, x1 }, vertices }, side) => {
+      if (vertices.length === 1) { // its way during the step
+        const way = [0, 1].flatMap((t) => between(x0, x1, vertices[0], t));
+        addLines({ at: way, target: way }, side === 0 ? colours.a : colours.b, 2.5);
+      }
+    });
+    const isApart = apartOf(step, i) > 0; // then to where the first feature is
+    const tip = [0, 1, 2].map((k) => (isApart ? step.reach[3 * i + k] : size * step.contacts.normal[3 * i + k]));
     const [at, target] = [0, 1].map((t) => {
       const foot = between(step.at0, step.at1, i, t);
       return [...foot, ...foot.map((x, k) => x + tip[k])];
@@ -135,23 +156,25 @@ export function makeMarks(group, uniforms) {
   }
 
   return {
-    /** `picked`: places of the contacts to be drawn. */
-    show(step, picked) {
-      const at = new Float32Array(3 * picked.length);
-      const target = new Float32Array(3 * picked.length);
-      const colour = new Float32Array(3 * picked.length);
-      const toi = new Float32Array(picked.length);
-      picked.forEach((i, place) => {
-        at.set(step.at0.subarray(3 * i, 3 * i + 3), 3 * place);
-        target.set(step.at1.subarray(3 * i, 3 * i + 3), 3 * place);
-        colour.set(colourOfTime(step.contacts.toi[i]), 3 * place);
-        toi[place] = step.contacts.toi[i];
+    /** `picked`: places of the contacts to be drawn; `isThick`: where thick things touch. Returns
+     * how many are at a distance, and so have a stick to their other feature. */
+    show(step, picked, isThick) {
+      const dots = columns(picked.length);
+      const apart = picked.filter((i) => apartOf(step, i) > 0);
+      const ends = columns(2 * apart.length);
+      picked.forEach((i, place) => putMark(dots, place, step, i, isThick ? step.share[i] : 0));
+      apart.forEach((i, place) => {
+        putMark(ends, 2 * place, step, i, 0);
+        putMark(ends, 2 * place + 1, step, i, 1);
       });
-      points.geometry.dispose();
-      points.geometry = geometryOf({ at, target });
-      points.geometry.setAttribute("colour", new BufferAttribute(colour, 3));
-      points.geometry.setAttribute("toi", new BufferAttribute(toi, 1));
-      points.visible = picked.length > 0;
+      for (const [one, part] of [[points, dots], [sticks, ends]]) {
+        one.geometry.dispose();
+        one.geometry = geometryOf(part);
+        one.geometry.setAttribute("colour", new BufferAttribute(part.colour, 3));
+        one.geometry.setAttribute("toi", new BufferAttribute(part.toi, 1));
+        one.visible = part.toi.length > 0;
+      }
+      return apart.length;
     },
     /** Lines of a question about what is near; returns how many there are. */
     showLines(step, crossingColour) {

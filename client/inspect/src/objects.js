@@ -1,13 +1,14 @@
-// objects.js - the surfaces of a step's objects, with their edges.
+// objects.js - the surfaces of a step's objects, with their edges; rods and points.
 
 import { BufferAttribute, BufferGeometry, LineSegments, Mesh } from "three";
 
 import { colourOfObject } from "./colours.js";
 import { lineMaterial, surfaceMaterial } from "./shaders.js";
+import { makeSolids } from "./solids.js";
 
 /** Keeps one surface for each object of the step shown, and changes only what moved. */
 export function makeObjects(group, uniforms) {
-  let shown = []; // {handle, mesh, key0, key1, surface, wires}
+  let shown = []; // {handle, mesh, key0, key1, surface, wires, solids}
 
   function make(object, index) {
     const geometry = new BufferGeometry();
@@ -15,7 +16,8 @@ export function makeObjects(group, uniforms) {
     const surface = new Mesh(geometry, surfaceMaterial(uniforms, colourOfObject(index)));
     surface.frustumCulled = false; // its box is of another time
     group.add(surface);
-    return { handle: object.handle, mesh: object.mesh.number, surface, wires: null };
+    const solids = makeSolids(group, uniforms, index);
+    return { handle: object.handle, mesh: object.mesh.number, surface, wires: null, solids };
   }
 
   function place(item, object) {
@@ -32,6 +34,7 @@ export function makeObjects(group, uniforms) {
   }
 
   function drop(item) {
+    item.solids.drop();
     for (const part of [item.surface, item.wires]) {
       if (part) {
         group.remove(part);
@@ -53,7 +56,8 @@ export function makeObjects(group, uniforms) {
   }
 
   return {
-    show(step, { wires, opacity, hidden, wireColour }) {
+    /** `thick`: triangles are drawn with their thickness, and half of the separation. */
+    show(step, { wires, opacity, hidden, thick, wireColour }) {
       const kept = step.objects.map((object, index) => {
         const old = shown[index];
         const isSame = old && old.handle === object.handle && old.mesh === object.mesh.number;
@@ -66,11 +70,12 @@ export function makeObjects(group, uniforms) {
           addWires(item, object, wireColour);
         }
         const isVisible = !hidden.has(object.handle);
-        item.surface.visible = isVisible;
+        const isSolid = item.solids.show(object, thick ? step.separation / 2 : null, { isVisible, opacity });
+        item.surface.visible = isVisible && !isSolid;
         item.surface.material.transparent = opacity < 1;
         item.surface.material.depthWrite = opacity === 1;
         if (item.wires) {
-          item.wires.visible = isVisible && wires;
+          item.wires.visible = isVisible && wires && !isSolid;
           item.wires.material.uniforms.colour.value.setRGB(...wireColour);
         }
         return item;
@@ -81,16 +86,20 @@ export function makeObjects(group, uniforms) {
   };
 }
 
-/** The box around some objects at both ends: {low, high}, or null without a vertex. */
-export function extentOf(objects) {
+/** The box around some objects at both ends, with room for their radii: {low, high}, or null
+ * without a vertex. */
+export function extentOf(objects, gap) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
-  for (const { x0, x1 } of objects) {
+  for (const { x0, x1, radius, mesh } of objects) {
+    const isRound = gap !== null || mesh.rods.length > 0 || mesh.points.length > 0;
+    const most = radius > 0 || !mesh.radii ? radius : mesh.radii.reduce((a, b) => Math.max(a, b), 0);
+    const room = isRound ? most + (gap ?? 0) : 0;
     for (const x of [x0, x1]) {
       for (let i = 0; i < x.length; i++) {
         const k = i % 3;
-        low[k] = Math.min(low[k], x[i]);
-        high[k] = Math.max(high[k], x[i]);
+        low[k] = Math.min(low[k], x[i] - room);
+        high[k] = Math.max(high[k], x[i] + room);
       }
     }
   }

@@ -2,6 +2,7 @@
 
 import { TREES } from "./boxes.js";
 import { PHASES, colourOfObject, cssOf, scaleGradient } from "./colours.js";
+import { KINDS } from "./data.js";
 import { byId, count, duration, element, plural } from "./dom.js";
 import { partsOf } from "./timeline.js";
 
@@ -56,6 +57,16 @@ function nearFacts({ distance_min: least, distance_max: greatest, crossings, ver
   ];
 }
 
+/** What there is to say where things have a thickness. */
+function thickFacts({ answer, separation, approach }) {
+  return [
+    ...(separation > 0 ? [fact("separation", Number(separation.toPrecision(6)), "added to the radii of each two features")] : []),
+    ...(approach > 0 ? [fact("approach", approach, "the part of their first distance to which features may come that begin within it")] : []),
+    ...(answer.inside > 0 ? [fact("inside at 0", count(answer.inside), "contacts of features that begin within their distance")] : []),
+    ...(answer.crowded ? [fact("crowded", "yes", "more than half of the contacts begin within their distance: mostly the thickness is above the length of the edges")] : []),
+  ];
+}
+
 /** What the step was answered. */
 export function makeAnswer(data, state) {
   state.on(["index"], ({ index }) => {
@@ -65,11 +76,12 @@ export function makeAnswer(data, state) {
     byId("total").textContent = count(answer.total);
     byId("total-what").textContent = step.near ? `near: ${step.near}` : isPairs ? "candidate pairs" : answer.total === 1 ? "contact" : "contacts";
     byId("facts").replaceChildren(
-      fact("vertex-face", count(answer.vf)),
-      fact("edge-edge", count(answer.ee)),
+      ...KINDS.flatMap(({ name, id }, kind) => (kind < 2 || answer[id] > 0 ? [fact(name, count(answer[id]))] : [])),
       ...(step.near ? nearFacts(answer) : []),
       fact("first", answer.toi_first === null ? "–" : answer.toi_first.toFixed(6), "smallest time of impact"),
-      fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0"),
+      ...(step.near ? [] : [fact("safe step", answer.safe_step.toFixed(6), "up to there nothing meets")]),
+      ...thickFacts(step),
+      fact("touching at 0", count(answer.initial), "contacts of features that touch at t = 0, or are within their distance"),
       fact("possible", count(answer.possible), "not proved"),
       fact("answer", answer.status !== "OK" ? answer.status : INCOMPLETE[answer.incomplete] ?? "?"),
       ...(step.near ? [] : [fact("mode", answer.mode === "any" ? `any: ${VERDICTS[answer.verdict]}` : answer.mode)]),
@@ -128,6 +140,15 @@ export function makeHierarchy(data, state, view) {
   });
 }
 
+/** "12 v · 4 f", and rods (r), points (p) and half the thickness where there are any. */
+function sizeText({ mesh, radius }, unit) {
+  const { vertexCount, triangles, rods, points, radii } = mesh;
+  const parts = [[vertexCount, "v"], [triangles.length / 3, "f"], [rods.length / 2, "rod edges"], [points.length, "points"]];
+  const most = radius > 0 || !radii ? radius : radii.reduce((a, b) => Math.max(a, b), 0);
+  return [...parts.filter(([of]) => of > 0).map(([of, name]) => `${count(of)} ${name}`),
+    ...(most > 0 ? [`radius ${Number((most * unit).toPrecision(3))}`] : [])].join(" · ");
+}
+
 /** The list of objects, and which are hidden. */
 export function makeObjectList(data, state) {
   const list = byId("objects");
@@ -144,7 +165,7 @@ export function makeObjectList(data, state) {
         state.set({ hidden: next });
       });
       return element("label", { className: "object" }, box, dot, `object ${i}`,
-        element("span", {}, `${count(object.mesh.vertexCount)} v · ${count(object.mesh.triangles.length / 3)} f`));
+        element("span", {}, sizeText(object, data.meta.unit)));
     }));
   });
 }

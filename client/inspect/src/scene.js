@@ -36,7 +36,7 @@ export function makeScene(canvas, onMove) {
   const camera = new PerspectiveCamera(38, 1, 0.01, 100);
   let controls = null;
   const uniforms = {
-    t: { value: 1 }, size: { value: 12 }, rim: { value: 0 }, opacity: { value: 1 },
+    t: { value: 1 }, pixel: { value: 1e-3 }, size: { value: 12 }, rim: { value: 0 }, opacity: { value: 1 },
     up: { value: upVector("y") }, ring: { value: new Color() },
   };
   const groundUniforms = { colour: { value: new Color() }, cells: { value: 80 } };
@@ -95,6 +95,7 @@ export function makeScene(canvas, onMove) {
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       uniforms.size.value = pointSize * renderer.getPixelRatio();
+      uniforms.pixel.value = 2 * Math.tan((camera.fov * Math.PI) / 360) / height;
       draw();
     }
   }
@@ -137,8 +138,9 @@ export function makeScene(canvas, onMove) {
       marks.setTime(t);
       draw();
     },
-    setExtent(step, up) {
-      const box = extentOf(step.objects);
+    /** `thick`: as of showObjects. */
+    setExtent(step, up, thick) {
+      const box = extentOf(step.objects, thick ? step.separation / 2 : null);
       if (!box) {
         return;
       }
@@ -184,12 +186,13 @@ export function makeScene(canvas, onMove) {
       objects.show(step, { ...options, wireColour: rgbOf("wire") });
       draw();
     },
-    showMarks(step, picked) {
-      marks.show(step, picked);
+    showMarks(step, picked, thick) {
+      const sticks = marks.show(step, picked, thick);
       pointSize = Math.min(POINT_MAX, Math.max(POINT_MIN, 13 - 2 * Math.log10(picked.length + 1)));
       uniforms.size.value = pointSize * renderer.getPixelRatio();
       uniforms.rim.value = 0.035 * pointSize - 0.15; // small ones would be all ring
       draw();
+      return sticks;
     },
     showLines(step) {
       const count = marks.showLines(step, rgbOf("feature-a"));
