@@ -181,4 +181,10 @@ assert vertices['radius'] == (0.25,) * 9 + (0,) * 3
 END
 report contacts__at_a_distance_are_lines_and_rods_and_points_are_exported
 
+# If it failed, what was exported would come back without its rods and points, or with the marks of
+# contacts as if they were some.
+ctl check --repeat 0 all.glb all.glb && grep -q '^mesh  *9 vertices, 4 edges, 1 triangle$' out &&
+    grep -q '^free  *1 edge, 4 points$' out
+report export__is_read_back_with_rods_and_points
+
 tap_end
