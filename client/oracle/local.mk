@@ -28,6 +28,8 @@ liboracle_la_SOURCES = \
     client/oracle/oracle_thick.c \
     client/oracle/oracle_thick.h \
     client/oracle/oracle_vec.c \
-    client/oracle/oracle_vec.h
+    client/oracle/oracle_vec.h \
+    client/oracle/oracle_within.c \
+    client/oracle/oracle_within.h
 liboracle_la_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/oracle
 liboracle_la_LIBADD = $(GMP_LIBS) $(LIBM)

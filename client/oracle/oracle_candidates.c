@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "oracle_within.h"
+
 /* Squares of lengths below that may lose their last bits. */
 #define SQUARES_FROM 1e-100
 
@@ -49,11 +51,50 @@ static bool is_after(const struct oracle_moment *moment, const struct oracle_fea
     return id_a != id_b ? id_a > id_b : a->index > b->index;
 }
 
+static double radius_of(const struct oracle_moment *moment,
+                        const struct oracle_feature *feature)
+{
+    return moment->is_thick ? oracle_radius(&moment->objects[feature->object], feature->v,
+                                            feature->points)
+                            : 0;
+}
+
+/* Are they of one object, and left thin for where they are at rest? */
+static bool rest(const struct oracle_moment *moment, const struct oracle_feature *a,
+                 const struct oracle_feature *b)
+{
+    const struct oracle_object *object = &moment->objects[a->object];
+    double x[4][3];
+    if (!moment->is_thick || a->object != b->object || a->points + b->points > 4) {
+        return false;
+    }
+    if (object->rest_rings > 0) {
+        uint32_t count;
+        uint32_t(*edges)[2] = oracle_edges(object, &count);
+        bool are_joined =
+            oracle_are_joined((const uint32_t(*)[2])edges, count, object->vertex_count,
+                              a->v, a->points, b->v, b->points, object->rest_rings);
+        free(edges);
+        if (are_joined) {
+            return true;
+        }
+    }
+    for (uint32_t i = 0; object->rest_distance > 0 && i < 4; i++) {
+        uint32_t last = b->points - 1;
+        uint32_t k = i - a->points < last ? i - a->points : last;
+        memcpy(x[i], object->registered[i < a->points ? a->v[i] : b->v[k]], sizeof x[i]);
+    }
+    return object->rest_distance > 0 &&
+           oracle_is_nearer(a->points, (const double(*)[3])x, object->rest_distance);
+}
+
 static void consider(const struct oracle_moment *moment, const struct oracle_feature *a,
                      const struct oracle_feature *b, double distance,
                      struct oracle_candidates *candidates)
 {
-    if (boxes_are_apart(a, b, distance) || oracle_features_share_vertex(a, b)) {
+    double reach = distance + radius_of(moment, a) + radius_of(moment, b);
+    if (boxes_are_apart(a, b, reach) || oracle_features_share_vertex(a, b) ||
+        rest(moment, a, b)) {
         return;
     }
     if (candidates->count == candidates->capacity) {
@@ -139,6 +180,8 @@ void oracle_candidate_name(const struct oracle_moment *moment, uint32_t kind,
     near->record.object_b = moment->objects[near->object[1]].object_id;
     near->record.feature_b = candidate->b->index;
     near->record.count = 1;
+    near->radius[0] = radius_of(moment, candidate->a);
+    near->radius[1] = radius_of(moment, candidate->b);
 }
 
 void oracle_near_write(const struct oracle_distance *distance, struct oracle_near *near)

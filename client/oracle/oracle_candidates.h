@@ -24,8 +24,8 @@ struct oracle_candidates {
     size_t capacity;
 };
 
-/* Pairs of one of `left` and one of `right`, of two that may meet, that share no vertex;
- * `left` and `right` may be the same. Added to *candidates. */
+/* Pairs of one of `left` and one of `right`, of two that may meet, that share no vertex
+ * and are not left thin; `left` and `right` may be the same. Added to *candidates. */
 void oracle_candidates_find(const struct oracle_moment *moment,
                             const struct oracle_features *left,
                             const struct oracle_features *right, double distance,
@@ -37,7 +37,8 @@ void oracle_candidates_deinit(struct oracle_candidates *candidates);
 void oracle_candidate_load(const struct oracle_moment *moment,
                            const struct oracle_candidate *candidate, double p[5][3],
                            uint8_t rank[5]);
-/* The names of near->record, of enum pccd_kind or pccd_near_kind, and near->object. */
+/* The names of near->record, of enum pccd_kind or pccd_near_kind, near->object and
+ * near->radius. */
 void oracle_candidate_name(const struct oracle_moment *moment, uint32_t kind,
                            const struct oracle_candidate *candidate,
                            struct oracle_near *near);

@@ -12,6 +12,7 @@
 
 #include "oracle_candidates.h"
 #include "oracle_features.h"
+#include "oracle_within.h"
 
 /* The points of a candidate. One of fewer than four is of VF, with a face that is a
  * segment or a point: its last point is repeated, and comes after itself. */
@@ -46,17 +47,20 @@ static void decide_pairs(const struct oracle_moment *moment, uint32_t of_kind,
 {
     enum oracle_kind kind = of_kind == PCCD_EE ? ORACLE_EE : ORACLE_VF;
     for (size_t i = 0; i < candidates->count; i++) {
+        const struct oracle_candidate *candidate = &candidates->items[i];
         double p[5][3];
         uint8_t rank[5];
         struct oracle_distance found;
-        load_pair(moment, &candidates->items[i], p, rank);
+        struct oracle_near near = {.points = 0};
+        load_pair(moment, candidate, p, rank);
+        oracle_candidate_name(moment, of_kind, candidate, &near);
         pairs->queries++;
-        if (oracle_distance_within(kind, (const double(*)[3])p, distance)) {
-            struct oracle_near *near = oracle_nears_add(pairs);
+        if (oracle_is_within(kind == ORACLE_EE ? 2 : 1, (const double(*)[3])p,
+                             near.radius, distance)) {
             oracle_distance_find(kind, (const double(*)[3])p, rank, &found);
             place(of_kind, &found);
-            oracle_candidate_name(moment, of_kind, &candidates->items[i], near);
-            oracle_near_write(&found, near);
+            oracle_near_write(&found, &near);
+            *oracle_nears_add(pairs) = near;
         }
     }
 }

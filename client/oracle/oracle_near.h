@@ -26,6 +26,9 @@ struct oracle_moment {
     uint32_t object_count;
     bool (*may_meet)(const void *context, uint32_t id_a, uint32_t id_b);
     const void *context;
+    /* Radii are added to the distance, and what is left thin is left out: of pairs,
+     * closest features and the nearest of objects. */
+    bool is_thick;
 };
 
 /* A record, and which points of the pair its distance is between (oracle_distance.h). */
@@ -33,6 +36,7 @@ struct oracle_near {
     struct pccd_near record;
     uint32_t points;
     uint32_t object[2]; /* indices into the objects, of a and b */
+    double radius[2];   /* of these features; 0 where thickness does not count */
 };
 
 struct oracle_nears {

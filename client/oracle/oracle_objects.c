@@ -14,6 +14,7 @@
 #include "oracle_candidates.h"
 #include "oracle_features.h"
 #include "oracle_inside.h"
+#include "oracle_within.h"
 
 /* More than rounding takes off a difference, a square or a sum of three, or than squares
  * lose that are too small for doubles. */
@@ -42,7 +43,8 @@ static void two_init(struct two *two, const struct oracle_moment *moment, uint32
     two->at[1] = b;
     two->objects[0] = moment->objects[a];
     two->objects[1] = moment->objects[b];
-    two->moment = (struct oracle_moment){two->objects, 2, are_different, NULL};
+    two->moment =
+        (struct oracle_moment){two->objects, 2, are_different, NULL, moment->is_thick};
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_list(two->objects, 2, i + 1, &two->of_points[i]);
     }
@@ -165,18 +167,30 @@ static void add_best(const struct two *two, struct best *best, struct oracle_nea
 
 /* ---- nearest ----------------------------------------------------------------------- */
 
+static double largest_radius(const struct two *two, uint32_t i)
+{
+    double most = 0;
+    for (uint32_t v = 0; v < two->objects[i].vertex_count; v++) {
+        most = fmax(most, oracle_radius(&two->objects[i], &v, 1));
+    }
+    return most;
+}
+
 static bool add_nearest(struct two *two, double distance, uint64_t queries_max,
                         struct oracle_nears *nears)
 {
     const struct oracle_features *vertices = &two->of_points[0];
-    double reach = fmin(distance, reach_of(two, vertices->items, vertices->count));
+    double most =
+        two->moment.is_thick ? largest_radius(two, 0) + largest_radius(two, 1) : 0;
+    double reach = fmin(distance + most, reach_of(two, vertices->items, vertices->count));
     struct best best;
     if (!look_at_all(two, vertices, true, reach, queries_max, nears, &best)) {
         return false;
     }
     if (best.is_made &&
         (isinf(distance) ||
-         oracle_distance_within(best.kind, (const double(*)[3])best.p, distance))) {
+         oracle_is_within(best.kind == ORACLE_EE ? 2 : 1, (const double(*)[3])best.p,
+                          best.near.radius, distance))) {
         add_best(two, &best, nears);
     }
     return true;

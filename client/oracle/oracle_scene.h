@@ -28,6 +28,13 @@ struct oracle_object {
     uint32_t point_count;
     const uint32_t (*edges)[2];
     const uint32_t *points;
+    /* How thick it is, which oracle_near.h looks at: radii of vertices [vertex_count],
+     * NULL: none; and which pairs within it are left thin: those that are nearer than
+     * rest_distance where it was registered, and those that so many edges join. */
+    const double *radii;
+    const double (*registered)[3]; /* NULL: rest_distance is 0 */
+    double rest_distance;
+    uint32_t rest_rings;
 };
 
 /* VF: a vertex of object a and a face of object b. EE: (object_a, feature_a) comes before

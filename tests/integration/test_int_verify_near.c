@@ -2,8 +2,9 @@
  * and replay find that.
  *
  * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
- * Does:     record questions of every sort, two of which move the scene; forge the
- *           recording in ways that leave it whole; have it judged.
+ * Does:     record questions of every sort, two of which move the scene and some of
+ *           which are about thick objects; forge the recording in ways that leave it
+ *           whole; have it judged.
  * Threads:  one.
  */
 #include <math.h>
@@ -71,6 +72,55 @@ static int ask_two(struct pccd_client *client)
                : 0;
 }
 
+/* Of these two, which are 1/2 apart, with radii that add up to 1/4, and of a third object
+ * that is both, whose parts are left thin. What is at most 3/10 beyond radii: pairs,
+ * closest features, and the nearest of the first two. */
+static int ask_thick(struct pccd_client *client, const uint32_t mesh[2])
+{
+    static const uint32_t faces[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    struct pccd_object_settings thick = {.struct_bytes = sizeof thick,
+                                         .what = PCCD_OBJECT_RADIUS |
+                                                 PCCD_OBJECT_REST_DISTANCE,
+                                         .radius = .125,
+                                         .rest_distance = .75};
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    double x[6][3];
+    uint32_t scene, both, object[3];
+    memcpy(x, floor_x, sizeof floor_x);
+    memcpy(x + 3, needle_x, sizeof needle_x);
+    for (int i = 0; i < 6; i++) {
+        x[i][0] += 100; /* far from the others */
+    }
+    if (pccd_scene_create(client, NULL, &scene) != 0 ||
+        pccd_mesh_create(client, x, PCCD_FORMAT_F64, 6, faces, 2, &both, NULL) != 0 ||
+        pccd_scene_add(client, scene, mesh[0], &object[0]) != 0 ||
+        pccd_scene_add(client, scene, mesh[1], &object[1]) != 0 ||
+        pccd_scene_add(client, scene, both, &object[2]) != 0) {
+        return -1;
+    }
+    for (int i = 0; i < 3; i++) {
+        if (pccd_object_set(client, scene, object[i], &thick) != 0) {
+            return -1;
+        }
+    }
+    settings.distance = .3;
+    settings.object_a = object[0];
+    settings.object_b = object[1];
+    for (int i = 0; i < 4; i++) {
+        static const enum pccd_near_what whats[4] = {
+            PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES, PCCD_NEAR_NEAREST, PCCD_NEAR_NEAREST};
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+        settings.what = whats[i];
+        settings.gap = i == 3 ? .125 : 0;
+        if (pccd_ask_near(client, scene, NULL, 0, &settings, &answer) != 0 ||
+            answer.total != 1) {
+            return -1;
+        }
+        pccd_answer_release(client, &answer);
+    }
+    return 0;
+}
+
 static int set_up(void **state)
 {
     const struct pccd_record_settings settings = {.contacts = 1};
@@ -105,6 +155,7 @@ static int set_up(void **state)
     }
     x1[0][2] = .75;
     if (ask(client, scene, PCCD_NEAR_PAIRS, 1, &motion) != 0 || ask_two(client) != 0 ||
+        ask_thick(client, mesh) != 0 ||
         pccd_step(client, scene, NULL, 0, NULL, &answer) != 0) {
         return -1;
     }
@@ -281,11 +332,11 @@ static void verify__passes_what_is_near(void **state)
     (void)state;
     assert_int_equal(test_ctl("verify", "", honest, said, sizeof said), 0);
     assert_non_null(strstr(said, "PASS: 1 step"));
-    assert_non_null(strstr(said, "8 questions about what is near with "));
+    assert_non_null(strstr(said, "12 questions about what is near with "));
     assert_null(strstr(said, "not checked"));
     assert_int_equal(
         test_ctl("verify", "--repeat --method paper", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "8 questions about what is near with "));
+    assert_non_null(strstr(said, "12 questions about what is near with "));
 }
 
 /* If this failed, a daemon that is wrong about distances would be trusted. */
@@ -324,12 +375,13 @@ static void replay__compares_what_is_near(void **state)
 
     (void)state;
     assert_int_equal(test_ctl("replay", "", honest, said, sizeof said), 0);
-    assert_non_null(strstr(said, "8 the same, 0 not")); /* with a gap any pair is right */
+    /* With a gap any pair is right. */
+    assert_non_null(strstr(said, "11 the same, 0 not"));
     forge(FORGE_HASH);
     assert_int_equal(test_ctl("replay", "", forged, said, sizeof said), 1);
     assert_non_null(strstr(said, "what is near, question 1 has another hash"));
     assert_int_equal(test_ctl("replay", "--steps 2..", forged, said, sizeof said), 0);
-    assert_non_null(strstr(said, "7 the same, 0 not"));
+    assert_non_null(strstr(said, "10 the same, 0 not"));
 }
 
 int main(void)

@@ -60,8 +60,10 @@ static void moment_init(struct moment *moment, const struct player *player, uint
         qsort(moment->objects, player->object_count, sizeof moment->objects[0],
               compare_objects);
     }
-    moment->oracle = (struct oracle_moment){moment->objects, player->object_count,
-                                            may_meet, &player->filters};
+    moment->oracle = (struct oracle_moment){.objects = moment->objects,
+                                            .object_count = player->object_count,
+                                            .may_meet = may_meet,
+                                            .context = &player->filters};
 }
 
 /* false: it would take too long. */

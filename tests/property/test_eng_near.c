@@ -257,7 +257,10 @@ static void find_due(const struct sequence *s, struct due *due)
         due->objects[i].x0 = s->objects[i].x[s->settings.end];
         due->objects[i].x1 = due->objects[i].x0;
     }
-    due->moment = (struct oracle_moment){due->objects, s->object_count, may_meet, s};
+    due->moment = (struct oracle_moment){.objects = due->objects,
+                                         .object_count = s->object_count,
+                                         .may_meet = may_meet,
+                                         .context = s};
     oracle_near_pairs(&due->moment, crosses ? 0 : s->settings.distance, UINT64_MAX,
                       &due->pairs);
     if (crosses) {

@@ -159,7 +159,8 @@ static void begin_truth(const struct play *play, struct truth *truth)
                                    .x1 = x,
                                    .triangles = (const uint32_t(*)[3])shape->faces};
     }
-    truth->moment = (struct oracle_moment){truth->objects, play->kit.count, NULL, NULL};
+    truth->moment = (struct oracle_moment){.objects = truth->objects,
+                                           .object_count = play->kit.count};
 }
 
 /* All of it, and nothing else. */

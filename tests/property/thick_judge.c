@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "oracle_distance.h"
+#include "oracle_within.h"
 
 struct feature {
     uint32_t object;
@@ -118,30 +118,6 @@ static double radius_of(const struct thick_play *play, const struct feature *fea
     return body->thickness.has_radius ? body->thickness.radius : most;
 }
 
-/* Do at most n edges lead from a vertex of the one to a vertex of the other? */
-static bool are_within_rings(const struct thick_body *body, const struct feature *a,
-                             const struct feature *b, uint32_t n)
-{
-    bool reached[THICK_VERTICES] = {false};
-    bool is_within = false;
-    for (uint32_t i = 0; i < a->count; i++) {
-        reached[a->v[i]] = true;
-    }
-    for (uint32_t ring = 0; ring < n; ring++) {
-        bool before[THICK_VERTICES];
-        memcpy(before, reached, sizeof before);
-        for (uint32_t e = 0; e < body->edge_count; e++) {
-            const uint32_t *v = body->edges[e];
-            reached[v[0]] |= before[v[1]];
-            reached[v[1]] |= before[v[0]];
-        }
-    }
-    for (uint32_t k = 0; k < b->count; k++) {
-        is_within |= reached[b->v[k]];
-    }
-    return is_within;
-}
-
 /* Vertex i, 0 .. 3, of a pair; the last one stands for all behind it. */
 static uint32_t vertex_of(const struct feature *a, const struct feature *b, uint32_t i)
 {
@@ -154,15 +130,15 @@ static bool rests(const struct thick_play *play, const struct feature *a,
                   const struct feature *b)
 {
     const struct thick_body *body = &play->bodies[a->object];
-    const double far[4][3] = {{body->thickness.rest_distance}};
     double x[4][3];
     for (uint32_t i = 0; i < 4; i++) {
         memcpy(x[i], body->rest[vertex_of(a, b, i)], sizeof x[i]);
     }
     return a->object == b->object &&
-           (are_within_rings(body, a, b, body->thickness.rest_rings) ||
-            oracle_distance_compare(a->count == 1 ? ORACLE_VF : ORACLE_EE,
-                                    (const double(*)[3])x, ORACLE_VF, far) < 0);
+           (oracle_are_joined(body->edges, body->edge_count, THICK_VERTICES, a->v,
+                              a->count, b->v, b->count, body->thickness.rest_rings) ||
+            oracle_is_nearer(a->count, (const double(*)[3])x,
+                             body->thickness.rest_distance));
 }
 
 static bool have_common(const struct feature *a, const struct feature *b)

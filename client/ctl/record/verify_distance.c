@@ -17,6 +17,7 @@
 #include "kinds.h"
 #include "oracle_near.h"
 #include "oracle_objects.h"
+#include "registry_positions.h"
 #include "verify.h"
 
 #define DECISIONS_MAX 4000000u /* exact ones for one answer: a minute */
@@ -44,9 +45,38 @@ static bool may_meet(const void *context, uint32_t a, uint32_t b)
     return registry_may_meet(scene, registry_object(scene, a), registry_object(scene, b));
 }
 
+/* Radii of vertices, and where they were registered. false: no memory. */
+static bool add_thickness(const struct registry_object *object, struct oracle_object *to)
+{
+    uint32_t count = object->mesh->vertex_count;
+    double *radii = malloc(((size_t)count + 1) * sizeof *radii);
+    double(*registered)[3] = malloc(((size_t)count + 1) * sizeof *registered);
+    to->radii = radii;
+    to->registered = (const double(*)[3])registered;
+    to->rest_distance = object->attributes.rest_distance;
+    to->rest_rings = object->attributes.rest_rings;
+    for (uint32_t v = 0; radii != NULL && registered != NULL && v < count; v++) {
+        radii[v] = world_radius(object, &v, 1);
+        registry_registered(object->mesh, v, registered[v]);
+    }
+    return radii != NULL && registered != NULL;
+}
+
+static void free_moment(struct judge *judge)
+{
+    for (uint32_t i = 0; judge->objects != NULL && i < judge->moment.object_count; i++) {
+        free((void *)judge->objects[i].radii);
+        free((void *)judge->objects[i].registered);
+    }
+    free(judge->objects);
+}
+
+/* Free it in any case. false: no memory. */
 static bool make_moment(struct judge *judge)
 {
     const struct registry_scene *scene = judge->near->scene;
+    uint32_t what = judge->near->asked->what;
+    bool has_memory = true;
     judge->objects = calloc((size_t)scene->object_count + 1, sizeof *judge->objects);
     for (uint32_t i = 0; judge->objects != NULL && i < scene->object_count; i++) {
         const struct registry_object *object = &scene->objects[i];
@@ -63,10 +93,16 @@ static bool make_moment(struct judge *judge)
             .point_count = object->mesh->named_point_count,
             .edges = (const uint32_t(*)[2])object->mesh->named_edges,
             .points = object->mesh->named_points};
+        has_memory = add_thickness(object, &judge->objects[i]) && has_memory;
     }
-    judge->moment =
-        (struct oracle_moment){judge->objects, scene->object_count, may_meet, scene};
-    return judge->objects != NULL;
+    judge->moment = (struct oracle_moment){.objects = judge->objects,
+                                           .object_count = scene->object_count,
+                                           .may_meet = may_meet,
+                                           .context = scene,
+                                           .is_thick = what == PCCD_NEAR_PAIRS ||
+                                                       what == PCCD_NEAR_FEATURES ||
+                                                       what == PCCD_NEAR_NEAREST};
+    return judge->objects != NULL && has_memory;
 }
 
 /* Numbers of the answer, where it has all records. */
@@ -222,7 +258,7 @@ static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth
             return wrong(judge, "its numbers are not those of its pair", i);
         }
         if (is->d_lo > truth->items[at].record.d_hi + near->asked->gap ||
-            is->d_lo > near->asked->distance) {
+            is->d_lo > near->asked->distance + must.radius[0] + must.radius[1]) {
             return wrong(judge, "another pair is nearer by more than the gap", i);
         }
         before.record = near->records[i > 0 ? i - 1 : 0];
@@ -312,11 +348,12 @@ int verify_distances(const struct play_near *near, struct verify_counts *counts,
         return PCCD_OK;
     }
     if (!make_moment(&judge)) {
+        free_moment(&judge);
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what is near");
     }
     int found = check(&judge);
     counts->nears_unchecked += found < 0;
     *is_right = found != 0;
-    free(judge.objects);
+    free_moment(&judge);
     return PCCD_OK;
 }

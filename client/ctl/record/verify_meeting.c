@@ -9,12 +9,11 @@
 #include "verify_meeting.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "kinds.h"
-#include "oracle_distance.h"
 #include "oracle_thick.h"
+#include "oracle_within.h"
 #include "registry_positions.h"
 
 void verify_points(const struct registry_scene *scene, const struct pccd_pair *pair,
@@ -61,51 +60,20 @@ static bool is_nearer(const struct registry_mesh *mesh, const struct pccd_pair *
                       double distance)
 {
     double p[4][3];
-    const double apart[4][3] = {{0}, {0}, {distance}, {distance}};
     registered(mesh, pair, p);
-    /* VE and VV are VF of a face that is a segment or a point. */
-    return oracle_distance_compare(pair->kind == PCCD_EE ? ORACLE_EE : ORACLE_VF,
-                                   (const double(*)[3])p, ORACLE_EE, apart) < 0;
+    return oracle_is_nearer(common_kinds[pair->kind].points[0], (const double(*)[3])p,
+                            distance);
 }
 
-/* Mark what one more edge reaches. Returns whether a vertex of `goal` is marked. */
-static bool grow(const struct registry_mesh *mesh, uint8_t *marks, uint8_t ring,
-                 const uint32_t *goal, uint32_t goals)
-{
-    for (uint32_t e = 0; e < mesh->edge_count; e++) {
-        const uint32_t *v = mesh->edges[e];
-        for (int k = 0; k < 2; k++) {
-            if (marks[v[k]] != 0 && marks[v[k]] <= ring && marks[v[1 - k]] == 0) {
-                marks[v[1 - k]] = (uint8_t)(ring + 1);
-            }
-        }
-    }
-    for (uint32_t i = 0; i < goals; i++) {
-        if (marks[goal[i]] != 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Do so many edges or fewer join a vertex of the one and a vertex of the other? Without
- * memory: no, and the oracle says what is wrong. */
+/* Do so many edges or fewer join a vertex of the one and a vertex of the other? */
 static bool are_joined(const struct registry_mesh *mesh, const struct pccd_pair *pair,
                        uint32_t rings)
 {
     const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t *a = world_feature(mesh, points[0], &pair->feature_a);
-    const uint32_t *b = world_feature(mesh, points[1], &pair->feature_b);
-    uint8_t *marks = calloc(mesh->vertex_count, sizeof *marks);
-    bool joined = false;
-    for (uint32_t i = 0; marks != NULL && i < points[0]; i++) {
-        marks[a[i]] = 1;
-    }
-    for (uint32_t ring = 1; marks != NULL && !joined && ring <= rings; ring++) {
-        joined = grow(mesh, marks, (uint8_t)ring, b, points[1]);
-    }
-    free(marks);
-    return joined;
+    return oracle_are_joined(
+        (const uint32_t(*)[2])mesh->edges, mesh->edge_count, mesh->vertex_count,
+        world_feature(mesh, points[0], &pair->feature_a), points[0],
+        world_feature(mesh, points[1], &pair->feature_b), points[1], rings);
 }
 
 static bool is_excluded(const struct registry_object *object,

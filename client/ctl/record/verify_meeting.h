@@ -1,7 +1,7 @@
 /* client/ctl/record/verify_meeting.h - when the features of a pair meet first in a
  * recorded step, by exact arithmetic.
  *
- * Room:     client/ctl. May include: play.h, oracle.h, oracle_thick.h, oracle_distance.h.
+ * Room:     client/ctl. May include: play.h, oracle.h, oracle_thick.h, oracle_within.h.
  * Does:     find the radii of a pair, leave out what rest excludes, and ask the oracle.
  * Threads:  one.
  * Source:   the definition of a contact in oracle.h, of a thick one in oracle_thick.h;
