@@ -17,6 +17,7 @@ PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/ora
     -I$(top_srcdir)/tests/unit $(XXHASH_CFLAGS) $(CMOCKA_CFLAGS)
 PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
+property_sequences = tests/property/sequences.c tests/property/sequences.h
 property_judge = \
     tests/property/judge.c \
     tests/property/judge.h
@@ -27,7 +28,8 @@ tests_property_test_eng_against_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_against_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_against_oracle_LDADD = $(PROPERTY_LDADD)
 
-tests_property_test_eng_near_objects_SOURCES = tests/property/test_eng_near_objects.c
+tests_property_test_eng_near_objects_SOURCES = \
+    tests/property/test_eng_near_objects.c $(property_sequences)
 tests_property_test_eng_near_objects_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_objects_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_objects_LDADD = $(PROPERTY_LDADD)
@@ -38,18 +40,19 @@ tests_property_test_eng_plays_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_plays_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_standing_SOURCES = tests/property/test_eng_standing.c \
-    $(property_judge)
+    $(property_sequences) $(property_judge)
 tests_property_test_eng_standing_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_standing_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_standing_LDADD = $(PROPERTY_LDADD)
 
-tests_property_test_eng_rigid_SOURCES = tests/property/test_eng_rigid.c $(property_judge)
+tests_property_test_eng_rigid_SOURCES = tests/property/test_eng_rigid.c \
+    $(property_sequences) $(property_judge)
 tests_property_test_eng_rigid_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_rigid_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_rigid_LDADD = $(PROPERTY_LDADD)
 
-
 tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracle.c \
+    $(property_sequences) \
     tests/property/near_judge.c \
     tests/property/near_judge.h
 tests_property_test_eng_near_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)

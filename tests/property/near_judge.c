@@ -43,8 +43,10 @@ static int compare_objects(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-static void moment_init(struct moment *moment, const struct player *player, uint32_t end)
+static void moment_init(struct moment *moment, const struct player *player,
+                        const struct eng_near_settings *settings)
 {
+    uint32_t end = settings->end;
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
         const double(*x)[3] = (const double(*)[3])(end == 0 ? object->x0 : object->x1);
@@ -54,16 +56,23 @@ static void moment_init(struct moment *moment, const struct player *player, uint
                                    .triangle_count = object->triangle_count,
                                    .x0 = x,
                                    .x1 = x,
-                                   .triangles = (const uint32_t(*)[3])object->triangles};
+                                   .triangles = (const uint32_t(*)[3])object->triangles,
+                                   .radii = object->radii,
+                                   .registered = (const double(*)[3])object->registered,
+                                   .rest_distance = object->thickness.rest_distance,
+                                   .rest_rings = object->thickness.rest_rings};
     }
     if (player->object_count > 0) {
         qsort(moment->objects, player->object_count, sizeof moment->objects[0],
               compare_objects);
     }
-    moment->oracle = (struct oracle_moment){.objects = moment->objects,
-                                            .object_count = player->object_count,
-                                            .may_meet = may_meet,
-                                            .context = &player->filters};
+    moment->oracle =
+        (struct oracle_moment){.objects = moment->objects,
+                               .object_count = player->object_count,
+                               .may_meet = may_meet,
+                               .context = &player->filters,
+                               .is_thick = settings->what == PCCD_NEAR_PAIRS ||
+                                           settings->what == PCCD_NEAR_FEATURES};
 }
 
 /* false: it would take too long. */
@@ -309,6 +318,8 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
         const struct pccd_near *record = &truth->pairs.items[i].record;
         sums->types[PCCD_NEAR_TYPE(record->flags)]++;
         sums->touching += record->d_hi == 0;
+        sums->thick +=
+            record->d_lo > settings->distance && settings->what != PCCD_NEAR_CROSSINGS;
         sums->at_distance += record->d_hi > 0 && record->d_lo == record->d_hi &&
                              record->d_lo == settings->distance;
     }
@@ -348,7 +359,7 @@ const char *near_judge(const struct player *player,
     struct moment moment;
     struct truth truth;
     const char *wrong = NULL;
-    moment_init(&moment, player, settings->end);
+    moment_init(&moment, player, settings);
     if (!find_truth(&moment, settings, queries_max, &truth)) {
         truth_deinit(&truth);
         return NULL;

@@ -20,6 +20,7 @@ struct near_sums {
     uint64_t types[PCCD_KINDS_MAX]; /* of these, by PCCD_NEAR_TYPE */
     uint64_t touching;
     uint64_t at_distance; /* exactly as far away as was asked for */
+    uint64_t thick;       /* farther, but not by more than their radii */
     uint64_t features;
     uint64_t bounds; /* below the distance */
     uint64_t crossings;

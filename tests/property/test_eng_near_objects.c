@@ -5,9 +5,9 @@
  *           tests/unit, cmocka.
  * Does:     small objects at random, with coordinates of all bits, on a coarse grid
  *           (where almost everything is equally near, touches, or is met by a ray at an
- *           edge), far away or tiny; moved, asked again for either end, by both methods,
- *           every instruction set and several threads. Every record must be the one that
- *           the oracle finds, with its numbers.
+ *           edge), far away or tiny, some with radii; moved, asked again for either end,
+ *           by both methods, every instruction set and several threads. Every record must
+ *           be the one that the oracle finds, with its numbers.
  * Threads:  teams of one to three.
  * Source:   PCCD_SEED repeats a scene; PCCD_PROPERTY_SECONDS says for how long.
  */
@@ -21,10 +21,10 @@
 
 #include <cmocka.h>
 
-#include "clock.h"
 #include "eng_way.h"
 #include "near_kit.h"
 #include "oracle_objects.h"
+#include "sequences.h"
 
 #define SCENES      150
 #define ASKED       4u
@@ -40,6 +40,7 @@ static struct {
     uint64_t inside;
     uint64_t outside; /* vertices */
     uint64_t crossings;
+    uint64_t thick; /* nearest that are farther than asked, but not than with radii */
 } sums;
 
 struct shape {
@@ -48,6 +49,7 @@ struct shape {
     uint32_t face_count;
     uint32_t faces[20][3];
     double x[2][POINTS_MAX][3]; /* at both ends */
+    double radii[POINTS_MAX];   /* as the mesh has them, or the object */
 };
 
 struct play {
@@ -96,6 +98,25 @@ static void place(struct play *play, uint32_t end, double spread)
     }
 }
 
+/* As far as objects on the grid often are from each other. */
+static double some_radius(struct play *play)
+{
+    return play->scale * 0.125 * draw(play, 5);
+}
+
+/* The last object has one radius for all, whatever its mesh has. */
+static void set_radius(struct play *play, struct shape *shape)
+{
+    const struct eng_object_thickness thickness = {.has_radius = true,
+                                                   .radius = some_radius(play)};
+    for (uint32_t v = 0; v < shape->points; v++) {
+        shape->radii[v] = thickness.radius;
+    }
+    assert_int_equal(eng_scene_set_thickness(
+                         play->kit.scene, play->kit.idx[play->kit.count - 1], &thickness),
+                     PCCD_OK);
+}
+
 /* Triangles between points at random, or a closed surface: an octahedron with its points
  * anywhere, twice as many faces if it is doubled. */
 static void make(struct play *play, struct shape *shape, bool is_closed)
@@ -120,9 +141,17 @@ static void make(struct play *play, struct shape *shape, bool is_closed)
             x[v][k] = prng_between(&play->prng, 0, 1);
         }
     }
-    shape->mesh = kit_mesh((const double(*)[3])x, shape->points,
-                           (const uint32_t(*)[3])shape->faces, shape->face_count);
+    bool has_radii = draw(play, 2) > 0;
+    for (uint32_t v = 0; has_radii && v < shape->points; v++) {
+        shape->radii[v] = some_radius(play);
+    }
+    shape->mesh = kit_mesh_thick((const double(*)[3])x, shape->points,
+                                 (const uint32_t(*)[3])shape->faces, shape->face_count,
+                                 has_radii ? shape->radii : NULL);
     near_kit_add(&play->kit, shape->mesh);
+    if (draw(play, 3) == 0) {
+        set_radius(play, shape);
+    }
 }
 
 static void move(struct play *play)
@@ -157,15 +186,16 @@ static void begin_truth(const struct play *play, struct truth *truth)
                                    .triangle_count = shape->face_count,
                                    .x0 = x,
                                    .x1 = x,
-                                   .triangles = (const uint32_t(*)[3])shape->faces};
+                                   .triangles = (const uint32_t(*)[3])shape->faces,
+                                   .radii = shape->radii};
     }
-    truth->moment = (struct oracle_moment){.objects = truth->objects,
-                                           .object_count = play->kit.count};
+    truth->moment = (struct oracle_moment){
+        .objects = truth->objects, .object_count = play->kit.count, .is_thick = true};
 }
 
 /* All of it, and nothing else. */
-static void compare(const struct play *play, const struct eng_near_result *result,
-                    struct truth *truth)
+static void compare(const struct play *play, double distance,
+                    const struct eng_near_result *result, struct truth *truth)
 {
     for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
         const struct pccd_near *is = near_kit_record(result, i);
@@ -177,6 +207,7 @@ static void compare(const struct play *play, const struct eng_near_result *resul
              "another pair is nearer, or a vertex is not inside");
         must(play, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
         sums.touching += is->d_hi == 0;
+        sums.thick += is->d_lo > distance;
     }
     must(play, result->count == truth->nears.count, "there are too many or too few");
     sums.ties += truth->nears.ties;
@@ -209,7 +240,7 @@ static void check_nearest(struct play *play)
     begin_truth(play, &truth);
     assert_true(
         oracle_objects_nearest(&truth.moment, all, distance, UINT64_MAX, &truth.nears));
-    compare(play, &result, &truth);
+    compare(play, distance, &result, &truth);
     sums.nearest += result.count;
 }
 
@@ -222,7 +253,7 @@ static void check_depth(struct play *play)
     begin_truth(play, &truth);
     assert_true(
         oracle_objects_depth(&truth.moment, all, UINT64_MAX, &truth.nears, &crossings));
-    compare(play, &result, &truth);
+    compare(play, INFINITY, &result, &truth);
     must(play, result.crossings == crossings, "other edges pass through");
     sums.crossings += crossings;
     sums.inside += result.count;
@@ -270,23 +301,18 @@ static void live(uint64_t seed)
  * what it is in; or the answer would depend on how it was found. */
 static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
 {
-    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
-    uint64_t end_ns = common_now_ns();
-    struct prng prng = {prng_seed()};
     (void)state;
-    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
-    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < SCENES; i++) {
-        live(i == 0 ? prng.state : prng_next(&prng));
-    }
+    sequences_live(live, SCENES, NULL);
     print_message("# %llu scenes: %llu nearest, %llu ties, %llu touching; %llu inside, "
-                  "%llu not, %llu crossings\n",
+                  "%llu not, %llu crossings; %llu by their radii\n",
                   (unsigned long long)sums.scenes, (unsigned long long)sums.nearest,
                   (unsigned long long)sums.ties, (unsigned long long)sums.touching,
                   (unsigned long long)sums.inside, (unsigned long long)sums.outside,
-                  (unsigned long long)sums.crossings);
+                  (unsigned long long)sums.crossings, (unsigned long long)sums.thick);
     if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
         assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
-                    sums.inside > 0 && sums.outside > 0 && sums.crossings > 0);
+                    sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
+                    sums.thick > 0);
     }
 }
 

@@ -3,8 +3,9 @@
  * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
  * Does:     long sequences of steps and questions: objects come, go, are replaced, stand,
- *           move and jump; steps fail, end early, are given up, or are taken by the other
- *           method; some questions move the scene themselves, some are cut short. Each
+ *           move and jump, have radii in some sequences and leave pairs thin; steps fail,
+ *           end early, are given up, or are taken by the other method; some questions
+ *           move the scene themselves, some are cut short. Each
  *           answer against a scene made anew that is asked by the other method; of small
  *           scenes also against exact arithmetic on all pairs. Each step against a fresh
  *           scene, as if nothing had been asked, and its answer stays as it was.
@@ -31,11 +32,11 @@
 #include "near_judge.h"
 #include "near_kit.h"
 #include "play_actor.h"
+#include "sequences.h"
 
-#define SEQUENCES      60
-#define THREADS_MAX    4u
-#define TINY_TRIANGLES 12u   /* an object: few enough for exact arithmetic */
-#define QUERIES_MAX    3000u /* exact decisions for one answer */
+#define SEQUENCES   60
+#define THREADS_MAX 4u
+#define QUERIES_MAX 3000u /* exact decisions for one answer */
 
 static struct {
     uint64_t sequences;
@@ -192,6 +193,9 @@ static void take_step(struct sequence *sequence)
 
 /* ---- questions --------------------------------------------------------------------- */
 
+/* As far as features, with radii of any play, may be asked for. */
+#define FAR 0x1p59
+
 static double some_distance(struct sequence *sequence)
 {
     double unit = PLAY_UNIT;
@@ -209,7 +213,7 @@ static double some_distance(struct sequence *sequence)
     case 5:
         return ldexp(1, -(int)draw(sequence, 1074));
     case 6: /* everything, seldom */
-        return draw(sequence, 4) == 0 ? 1e18 : unit * PLAY_ONE / 4;
+        return draw(sequence, 4) == 0 ? FAR : unit * PLAY_ONE / 4;
     default:
         return prng_between(&sequence->prng, 0, unit * PLAY_ONE / 8);
     }
@@ -230,6 +234,7 @@ static void draw_question(struct sequence *sequence)
         question->step = sequence->settings;
         question->step.mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
     }
+    question->step.separation = some_distance(sequence); /* is that of steps alone */
     if (question->what == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 &&
         player->object_count > 0) {
         question->objects[0] = player->objects[draw(sequence, player->object_count)].id;
@@ -291,24 +296,14 @@ static void ask_some(struct sequence *sequence)
 
 /* ---- sequences --------------------------------------------------------------------- */
 
-static uint32_t some_size(struct sequence *sequence)
+/* All objects come anew, some of meshes that have radii, as others that come later. */
+static void thicken(struct sequence *sequence)
 {
-    uint32_t kind = draw(sequence, 100);
-    if (kind < 4) {
-        return 3000; /* trees of several levels in the method `wide` */
+    struct player *player = &sequence->stir.player;
+    player->radii_from = &sequence->prng;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        stir_replace(&sequence->stir, i);
     }
-    return kind < 60 ? TINY_TRIANGLES : kind < 95 ? 80 : 400;
-}
-
-static struct eng_scene_settings some_scene(struct sequence *sequence)
-{
-    static const double ratios[] = {0, 0.9, 0.9, 1};
-    static const uint32_t regions[] = {1, 16, 40, 1024};
-    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum pccd_quality)(1 + draw(sequence, 2));
-    made.rebuild_ratio = ratios[draw(sequence, 4)];
-    made.rebuild_triangles_max = regions[draw(sequence, 4)];
-    return made;
 }
 
 static void note_size(const struct player *player)
@@ -323,16 +318,23 @@ static void note_size(const struct player *player)
 static void live(uint64_t seed)
 {
     struct sequence sequence = {.seed = seed, .prng = {seed}};
-    struct eng_scene_settings made = some_scene(&sequence);
-    uint32_t size = some_size(&sequence);
+    struct eng_scene_settings made = stir_draw_scene(&sequence.prng);
+    uint32_t size = stir_draw_size(&sequence.prng, 4);
     uint32_t steps = 3 + draw(&sequence, 8);
     sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
+    bool is_thick = draw(&sequence, 2) > 0;
+    if (is_thick) {
+        thicken(&sequence);
+    }
     for (; sequence.step < steps; sequence.step++) {
         note_size(&sequence.stir.player);
         forget_last(&sequence); /* it may go with an object */
         stir_change(&sequence.stir);
+        if (is_thick && draw(&sequence, 2) > 0) {
+            player_draw_thickness(&sequence.stir.player, &sequence.prng);
+        }
         ask_some(&sequence);
         if (draw(&sequence, 8) == 0) {
             stir_fail(&sequence.stir);
@@ -360,16 +362,8 @@ static void live(uint64_t seed)
  * has asked. */
 static void near__is_answered_as_by_a_fresh_scene(void **state)
 {
-    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
-    const char *number = getenv("PCCD_NEAR_SEQUENCES");
-    uint64_t count = number ? strtoull(number, NULL, 10) : SEQUENCES;
-    uint64_t end_ns = common_now_ns();
-    struct prng prng = {prng_seed()};
     (void)state;
-    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
-    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < count; i++) {
-        live(i == 0 ? prng.state : prng_next(&prng));
-    }
+    sequences_live(live, SEQUENCES, "PCCD_NEAR_SEQUENCES");
     print_message("# %llu sequences, %llu steps, %llu questions: %llu that moved, %llu "
                   "cut, %llu limited; %llu records; up to %llu triangles\n",
                   (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
@@ -378,20 +372,23 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
                   (unsigned long long)sums.records, (unsigned long long)sums.large);
     print_message(
         "# judged by %llu exact decisions: %llu answers, %llu pairs (vf %llu "
-        "ee %llu ve %llu vv %llu; %llu touch, %llu exactly that far), %llu "
+        "ee %llu ve %llu vv %llu; %llu touch, %llu exactly that far, %llu by their "
+        "radii), %llu "
         "features, %llu bounds, %llu crossings, %llu free, %llu of parts\n",
         (unsigned long long)judged.queries, (unsigned long long)judged.judged,
         (unsigned long long)judged.pairs, (unsigned long long)judged.types[PCCD_VF],
         (unsigned long long)judged.types[PCCD_EE],
         (unsigned long long)judged.types[PCCD_VE],
         (unsigned long long)judged.types[PCCD_VV], (unsigned long long)judged.touching,
-        (unsigned long long)judged.at_distance, (unsigned long long)judged.features,
-        (unsigned long long)judged.bounds, (unsigned long long)judged.crossings,
-        (unsigned long long)judged.free, (unsigned long long)judged.parts);
+        (unsigned long long)judged.at_distance, (unsigned long long)judged.thick,
+        (unsigned long long)judged.features, (unsigned long long)judged.bounds,
+        (unsigned long long)judged.crossings, (unsigned long long)judged.free,
+        (unsigned long long)judged.parts);
     if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
         assert_true(sums.moving > 0 && sums.cut > sums.limited && sums.limited > 0);
         assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);
         assert_true(judged.touching > 0 && judged.at_distance > 0 && judged.free > 0);
+        assert_true(judged.thick > 0);
         assert_true(judged.crossings > 0 && judged.parts > 0);
     }
 }

@@ -22,10 +22,10 @@
 
 #include <cmocka.h>
 
-#include "clock.h"
 #include "eng_fresh.h"
 #include "eng_way.h"
 #include "judge.h"
+#include "sequences.h"
 
 #define SEQUENCES     40
 #define STEPS         8u
@@ -415,14 +415,8 @@ static void live(uint64_t seed)
  * that move it seem to keep its parts from each other. */
 static void rigid__objects_are_answered_as_any_others(void **state)
 {
-    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
-    uint64_t end_ns = common_now_ns();
-    struct prng prng = {prng_seed()};
     (void)state;
-    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
-    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < SEQUENCES; i++) {
-        live(i == 0 ? prng.state : prng_next(&prng));
-    }
+    sequences_live(live, SEQUENCES, NULL);
     print_message(
         "# %llu sequences, %llu steps, %llu records, %llu within objects; %llu "
         "objects left out, %llu beside such records; by the oracle %llu steps\n",

@@ -26,10 +26,10 @@
 #include "eng_stir.h"
 #include "eng_way.h"
 #include "judge.h"
+#include "sequences.h"
 
-#define SEQUENCES      400
-#define THREADS_MAX    3u
-#define TINY_TRIANGLES 12u /* an object: few enough for exact arithmetic */
+#define SEQUENCES   400
+#define THREADS_MAX 3u
 
 static struct {
     uint64_t sequences;
@@ -200,26 +200,6 @@ static void take_step(struct sequence *sequence)
     }
 }
 
-static uint32_t some_size(struct sequence *sequence)
-{
-    uint32_t kind = draw(sequence, 100);
-    if (kind == 0) {
-        return 3000; /* trees of several levels in the method `wide` */
-    }
-    return kind < 60 ? TINY_TRIANGLES : kind < 95 ? 80 : 400;
-}
-
-static struct eng_scene_settings some_scene(struct sequence *sequence)
-{
-    static const double ratios[] = {0, 0.9, 0.9, 1};
-    static const uint32_t regions[] = {1, 16, 40, 1024};
-    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
-    made.quality = (enum pccd_quality)(1 + draw(sequence, 2));
-    made.rebuild_ratio = ratios[draw(sequence, 4)];
-    made.rebuild_triangles_max = regions[draw(sequence, 4)];
-    return made;
-}
-
 static uint64_t triangles_of(const struct player *player)
 {
     uint64_t count = 0;
@@ -232,10 +212,10 @@ static uint64_t triangles_of(const struct player *player)
 static void live(uint64_t seed)
 {
     struct sequence sequence = {.seed = seed, .prng = {seed}};
-    struct eng_scene_settings made = some_scene(&sequence);
-    uint32_t size = some_size(&sequence);
+    struct eng_scene_settings made = stir_draw_scene(&sequence.prng);
+    uint32_t size = stir_draw_size(&sequence.prng, 1);
     uint32_t steps = 4 + draw(&sequence, 12);
-    sequence.is_tiny = size == TINY_TRIANGLES;
+    sequence.is_tiny = size == STIR_TINY;
     sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
@@ -259,16 +239,8 @@ static void live(uint64_t seed)
  * stands still, or one would be told that is long gone. */
 static void standing__is_answered_as_by_a_fresh_scene(void **state)
 {
-    const char *seconds = getenv("PCCD_PROPERTY_SECONDS");
-    const char *number = getenv("PCCD_STANDING_SEQUENCES");
-    uint64_t count = number ? strtoull(number, NULL, 10) : SEQUENCES;
-    uint64_t end_ns = common_now_ns();
-    struct prng prng = {prng_seed()};
     (void)state;
-    end_ns += seconds ? (uint64_t)(strtod(seconds, NULL) * 1e9) : 0;
-    for (uint64_t i = 0; seconds ? common_now_ns() < end_ns : i < count; i++) {
-        live(i == 0 ? prng.state : prng_next(&prng));
-    }
+    sequences_live(live, SEQUENCES, "PCCD_STANDING_SEQUENCES");
     print_message(
         "# %llu sequences, %llu complete steps, %llu cut, %llu given up, %llu "
         "failures; %llu records, %llu initial, %llu kept; up to %llu triangles; by the "

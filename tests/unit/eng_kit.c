@@ -15,6 +15,13 @@
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
                           const uint32_t (*triangles)[3], uint32_t triangle_count)
 {
+    return kit_mesh_thick(x, vertex_count, triangles, triangle_count, NULL);
+}
+
+struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
+                                const uint32_t (*triangles)[3], uint32_t triangle_count,
+                                const double *radii)
+{
     struct eng_mesh *mesh = NULL;
     uint32_t bad = 0;
     assert_int_equal(eng_mesh_new(vertex_count, triangle_count, &mesh), PCCD_OK);
@@ -22,6 +29,9 @@ struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
                      PCCD_OK);
     assert_int_equal(eng_mesh_write_triangles(mesh, 0, triangle_count, triangles, &bad),
                      PCCD_OK);
+    if (radii) {
+        assert_int_equal(eng_mesh_write_radii(mesh, 0, vertex_count, radii), PCCD_OK);
+    }
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     return mesh;
 }

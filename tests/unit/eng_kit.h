@@ -53,6 +53,10 @@ static inline double kit_integer(struct kit_random *random, uint32_t bound)
 /* A committed mesh; fails the test if it cannot be made. The caller releases it. */
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
                           const uint32_t (*triangles)[3], uint32_t triangle_count);
+/* The same with radii of its vertices; NULL: none. */
+struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
+                                const uint32_t (*triangles)[3], uint32_t triangle_count,
+                                const double *radii);
 
 /* `side` x `side` squares of two triangles over 0 .. 1 in x and y, at height z. */
 struct eng_mesh *kit_sheet(uint32_t side, double z);

@@ -14,6 +14,8 @@
 
 #include <cmocka.h>
 
+#include "play_actor.h"
+
 static void *copy_of(const void *block, size_t count, size_t bytes)
 {
     void *copy = malloc(count * bytes + 1);
@@ -37,6 +39,7 @@ static void object_deinit(struct player_object *object)
     free(object->x0);
     free(object->x1);
     free(object->triangles);
+    free(object->radii);
 }
 
 void player_deinit(struct player *player)
@@ -59,8 +62,31 @@ static struct player_object *find(struct player *player, uint32_t id)
     return NULL;
 }
 
+/* Lengths that many features of a play are apart. */
+static double some_length(struct prng *prng)
+{
+    static const double lengths[8] = {
+        0, 0, 1, 8, PLAY_ONE / 64, PLAY_ONE / 32, 100.5, PLAY_ONE / 16};
+    return lengths[prng_below(prng, 8)] * PLAY_UNIT;
+}
+
+/* Of one mesh in three; half of its vertices have none. */
+static void draw_radii(struct player_object *object, struct prng *prng)
+{
+    if (prng_below(prng, 3) > 0) {
+        return;
+    }
+    for (uint32_t v = 0; v < object->vertex_count; v++) {
+        object->radii[v] = prng_below(prng, 2) ? some_length(prng) : 0;
+    }
+    assert_int_equal(
+        eng_mesh_write_radii(object->mesh, 0, object->vertex_count, object->radii),
+        PCCD_OK);
+}
+
 /* All but the place in the scene. */
-static void object_init(struct player_object *object, const struct play_act *act)
+static void object_init(struct player_object *object, const struct play_act *act,
+                        struct prng *radii_from)
 {
     uint32_t bad;
     memset(object, 0, sizeof *object);
@@ -81,14 +107,49 @@ static void object_init(struct player_object *object, const struct play_act *act
     assert_int_equal(eng_mesh_write_triangles(object->mesh, 0, object->triangle_count,
                                               object->triangles, &bad),
                      PCCD_OK);
+    object->radii = calloc(act->vertex_count, sizeof *object->radii);
+    assert_non_null(object->radii);
+    if (radii_from) {
+        draw_radii(object, radii_from);
+    }
     assert_int_equal(eng_mesh_commit(object->mesh), PCCD_OK);
+}
+
+/* The object has the radii of its mesh, or its own. */
+static void set_thickness(struct player *player, struct player_object *object)
+{
+    const double *given = eng_mesh_radii(object->mesh);
+    for (uint32_t v = 0; v < object->vertex_count; v++) {
+        object->radii[v] = object->thickness.has_radius ? object->thickness.radius
+                           : given                      ? given[v]
+                                                        : 0;
+    }
+    assert_int_equal(
+        eng_scene_set_thickness(player->scene, object->idx, &object->thickness), PCCD_OK);
+}
+
+void player_draw_thickness(struct player *player, struct prng *prng)
+{
+    if (player->object_count == 0) {
+        return;
+    }
+    struct player_object *object =
+        &player->objects[prng_below(prng, player->object_count)];
+    struct eng_object_thickness *thickness = &object->thickness;
+    *thickness = (struct eng_object_thickness){.has_radius = prng_below(prng, 2)};
+    thickness->radius = thickness->has_radius ? some_length(prng) : 0;
+    if (prng_below(prng, 3) == 0) {
+        thickness->rest_distance = some_length(prng);
+        thickness->rest_rings = (uint32_t)prng_below(prng, 3);
+    }
+    set_thickness(player, object);
 }
 
 static void add(struct player *player, const struct play_act *act)
 {
     assert_true(player->object_count < PLAYER_OBJECTS_MAX);
     struct player_object *object = &player->objects[player->object_count++];
-    object_init(object, act);
+    object_init(object, act, player->radii_from);
     assert_int_equal(eng_scene_add(player->scene, object->mesh, object->id, &object->idx),
                      PCCD_OK);
 }
@@ -106,11 +167,15 @@ static void replace(struct player *player, const struct play_act *act)
 {
     struct player_object *object = find(player, act->object_id);
     struct player_object other;
-    object_init(&other, act);
+    object_init(&other, act, player->radii_from);
     other.idx = object->idx;
+    other.thickness = object->thickness;
     assert_int_equal(eng_scene_replace(player->scene, other.idx, other.mesh), PCCD_OK);
     object_deinit(object);
     *object = other;
+    if (player->radii_from) {
+        set_thickness(player, object); /* the scene has it already */
+    }
 }
 
 static uint32_t list_places(const struct player *player,
@@ -261,7 +326,9 @@ void player_copy(const struct player *player, const struct eng_scene_settings *s
         to->x1 = copy_of(from->x1, from->vertex_count, bytes);
         to->triangles =
             copy_of(from->triangles, from->triangle_count, sizeof *from->triangles);
+        to->radii = copy_of(from->radii, from->vertex_count, sizeof *from->radii);
         assert_int_equal(eng_scene_add(copy->scene, to->mesh, to->id, &to->idx), PCCD_OK);
+        set_thickness(copy, to);
     }
     struct filters_place places[PLAYER_OBJECTS_MAX];
     uint32_t count = list_places(copy, places);

@@ -26,6 +26,8 @@ struct player_object {
     double (*x0)[3]; /* the motion of the step that is being staged or was last taken */
     double (*x1)[3];
     uint32_t (*triangles)[3];
+    double *radii; /* of vertices: as the mesh has them, or the object's own */
+    struct eng_object_thickness thickness;
 };
 
 struct player {
@@ -34,6 +36,7 @@ struct player {
     uint32_t object_count;
     struct filters filters;
     bool is_staging;
+    struct prng *radii_from; /* meshes that come have radii from it; NULL: none */
 };
 
 /* An empty scene; `settings` NULL: the defaults. */
@@ -45,6 +48,9 @@ void player_act(struct player *player, const struct play_act *act);
 
 /* Change groups, masks, ignored pairs and self-collision at random. */
 void player_draw_filters(struct player *player, struct prng *prng);
+
+/* Some object becomes thicker or thinner, or other pairs of it are left thin. */
+void player_draw_thickness(struct player *player, struct prng *prng);
 
 /* Open the staging if it is not yet: what does not move from here on stands still. */
 void player_open(struct player *player);

@@ -27,6 +27,28 @@ static uint32_t draw(struct stir *stir, uint32_t bound)
     return (uint32_t)prng_below(&stir->prng, bound);
 }
 
+/* ---- scenes ------------------------------------------------------------------------ */
+
+struct eng_scene_settings stir_draw_scene(struct prng *prng)
+{
+    static const double ratios[] = {0, 0.9, 0.9, 1};
+    static const uint32_t regions[] = {1, 16, 40, 1024};
+    struct eng_scene_settings made = ENG_SCENE_SETTINGS_DEFAULT;
+    made.quality = (enum pccd_quality)(1 + prng_below(prng, 2));
+    made.rebuild_ratio = ratios[prng_below(prng, 4)];
+    made.rebuild_triangles_max = regions[prng_below(prng, 4)];
+    return made;
+}
+
+uint32_t stir_draw_size(struct prng *prng, uint32_t large_percent)
+{
+    uint32_t kind = (uint32_t)prng_below(prng, 100);
+    if (kind < large_percent) {
+        return 3000;
+    }
+    return kind < 60 ? STIR_TINY : kind < 95 ? 80 : 400;
+}
+
 /* ---- objects that come ------------------------------------------------------------- */
 
 static bool is_used(const struct stir *stir, uint32_t id)

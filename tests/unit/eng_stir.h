@@ -16,6 +16,7 @@
 #include "prng.h"
 
 #define STIR_OBJECTS_MAX 6u
+#define STIR_TINY        12u /* triangles of an object: few enough for exact arithmetic */
 
 struct stir {
     struct player player;
@@ -24,6 +25,12 @@ struct stir {
     uint32_t triangle_count; /* of an object, at most about */
     uint32_t failures;       /* attempts that had to fail, and did */
 };
+
+/* How the trees of a scene are kept. */
+struct eng_scene_settings stir_draw_scene(struct prng *prng);
+/* Triangles of its objects: STIR_TINY in most scenes; in so many of 100 enough for trees
+ * of several levels in the method `wide`. */
+uint32_t stir_draw_size(struct prng *prng, uint32_t large_percent);
 
 /* A scene of a few objects; nothing is staged. */
 void stir_init(struct stir *stir, const struct eng_scene_settings *settings,
