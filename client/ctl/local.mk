@@ -34,6 +34,7 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_ping.c \
     client/ctl/commands/cmd_record.c \
     client/ctl/commands/cmd_render.c \
+    client/ctl/commands/render.h client/ctl/commands/render_draw.c \
     client/ctl/commands/cmd_replay.c \
     client/ctl/commands/cmd_stats.c \
     client/ctl/commands/cmd_status.c \
@@ -75,6 +76,7 @@ libctl_la_SOURCES = \
     client/ctl/picture/cloth_scene.c client/ctl/picture/cloth_scene.h \
     client/ctl/picture/crease.c client/ctl/picture/crease.h \
     client/ctl/picture/demo_picture.c client/ctl/picture/demo_picture.h \
+    client/ctl/picture/film.c client/ctl/picture/film.h \
     client/ctl/picture/picture.c client/ctl/picture/picture.h \
     client/ctl/picture/picture_canvas.h \
     client/ctl/picture/picture_file.c \

@@ -61,6 +61,51 @@ timeout 60 "$PCCDCTL" render --size 64x64 -o one.png a.obj >"$log" 2>&1 &&
 tap_result $? files__one_mesh_is_drawn_where_it_stands "$log"
 unset TMPDIR
 
+# If it failed, a browser would show the first picture alone, or none.
+cat >film.py <<'END'
+import struct, sys, zlib
+data, at, sequence, pictures = open(sys.argv[1], "rb").read(), 8, 0, []
+assert data[:8] == b"\x89PNG\r\n\x1a\n"
+while at < len(data):
+    count, kind = struct.unpack(">I4s", data[at:at + 8])
+    body = data[at + 8:at + 8 + count]
+    assert struct.unpack(">I", data[at + 8 + count:at + 12 + count])[0] == zlib.crc32(kind + body)
+    at += 12 + count
+    if kind == b"IHDR":
+        width, height, depth, colour = struct.unpack(">IIBB", body[:10])
+        assert (depth, colour) == (8, 2)
+    elif kind == b"acTL":
+        frames = struct.unpack(">II", body)[0]
+    elif kind in (b"fcTL", b"fdAT"):
+        assert struct.unpack(">I", body[:4])[0] == sequence
+        sequence += 1
+        if kind == b"fcTL":
+            assert struct.unpack(">IIIIHH", body[4:24]) == (width, height, 0, 0, 1, 10)
+            pictures.append(b"")
+        else:
+            pictures[-1] += body[4:]
+    elif kind == b"IDAT":
+        pictures[-1] += body
+assert kind == b"IEND" and frames == len(pictures) == 3, (kind, frames, len(pictures))
+pixels = [zlib.decompress(picture) for picture in pictures]
+assert {len(p) for p in pixels} == {height * (1 + 3 * width)}
+assert pixels[0] != pixels[1], "nothing moves"
+END
+timeout 60 "$PCCDCTL" render --size 64x64 --rate 10 -o film.apng a.obj b.obj a.obj b.obj >"$log" 2>&1 &&
+    grep -qx 'film.apng: 3 steps' "$log" && [ -s film.apng ]
+tap_result $? files__frames_become_a_film "$log"
+if command -v python3 >/dev/null; then
+    python3 film.py film.apng >"$log" 2>&1
+    tap_result $? files__film_is_an_animated_png "$log"
+else
+    tap_skip files__film_is_an_animated_png "no python3"
+fi
+! "$PCCDCTL" render --at 'contact 1' -o no.apng some.rec 2>"$log" && grep -q 'a film is of steps' "$log" &&
+    ! "$PCCDCTL" render --rate 3 -o no.png some.rec 2>"$log" && grep -q 'rate is of a film' "$log" &&
+    [ ! -e no.apng ] && [ ! -e no.png ]
+# If it failed, an option would be taken and do nothing.
+tap_result $? files__film_refuses_what_it_has_not "$log"
+
 # If it failed, the name of a file could clear the screen of who works with it, or answer a
 # question for them. A name that is not UTF-8 would make JSON that is none.
 evil=$'\e[2J\x9b\xff'

@@ -101,7 +101,7 @@ daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h seccomp.h
 client/record       xxhash.h zstd.h
 client/cpp          array cstdio pccd.hpp vector
-client/ctl          jansson.h png.h xxhash.h
+client/ctl          jansson.h png.h xxhash.h zlib.h
 bench               omp.h
 bench/model         omp.h
 bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h

@@ -1,35 +1,30 @@
 /* client/ctl/commands/cmd_render.c - pccdctl render.
  *
  * Room:     client/ctl.
- * Does:     draws one step of a recording, its contacts coloured by time.
+ * Does:     draws one step of a recording, its contacts coloured by time; or each of its
+ *           steps, as a film.
  * Does not: need a screen or a graphics card.
  * Threads:  one.
- * Source:   still.h, picture.h.
+ * Source:   render.h.
  */
 #include <inttypes.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "colour.h"
 #include "ctl.h"
+#include "json_text.h"
 #include "output.h"
-#include "picture.h"
-#include "play_options.h"
 #include "plural.h"
+#include "render.h"
 #include "shown.h"
-#include "still.h"
-#include "viewpoint.h"
 
-#define GROUPS      64u /* colours of times */
-#define ZOOM_MAX    10000.0
-#define SIDE_MIN    64u
-#define DEGREE      0.017453292519943295
-#define AZIMUTH     25.0
-#define ELEVATION   16.0
-#define PLACE_ROOM  1.6f /* around the features of a contact */
-#define PLACE_LEAST 0.01 /* of the scene, where they have no size */
+#define RATE     25u
+#define RATE_MAX 1000u
+#define ZOOM_MAX 10000.0
+#define SIDE_MIN 64u
 
 enum {
     OPTION_TIME = 256 + 64,
@@ -40,28 +35,16 @@ enum {
     OPTION_AT,
     OPTION_NEAR,
     OPTION_THICK,
+    OPTION_RATE,
     OPTION_OUTPUT = 'o'
-};
-
-struct render {
-    struct play_options options;
-    const char *path;
-    double t;                  /* NAN: not given */
-    uint64_t contact;          /* that is to be seen; 0: none in particular */
-    double azimuth, elevation; /* degrees; NAN: not given */
-    double zoom;
-    enum picture_up up;
-    uint32_t width, height;
-    bool is_at_contacts;
-    bool is_near; /* what is near, and not contacts */
-    bool is_thick;
 };
 
 static const struct argp_option option_list[] = {
     {"output", OPTION_OUTPUT, "FILE", 0,
-     "Where the picture goes: FILE.png, or FILE.svg with contacts and legend as shapes "
-     "and text",
+     "Where the picture goes: FILE.png; FILE.svg with contacts and legend as shapes and "
+     "text; FILE.apng, a film of all steps, which browsers show",
      0},
+    {"rate", OPTION_RATE, "N", 0, "Steps a second of a film (default: 25)", 0},
     {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
      0},
     {"view", OPTION_VIEW, "A,E", 0,
@@ -173,10 +156,15 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &render->options;
         return 0;
     case OPTION_OUTPUT:
-        if (!ends_with(text, ".png") && !ends_with(text, ".svg")) {
-            tool_misused(state, "-o: \"%s\" ends with neither .png nor .svg", text);
+        render->is_film = ends_with(text, ".apng");
+        if (!render->is_film && !ends_with(text, ".png") && !ends_with(text, ".svg")) {
+            tool_misused(state, "-o: \"%s\" ends with neither .png, .svg nor .apng",
+                         text);
         }
         render->path = text;
+        return 0;
+    case OPTION_RATE:
+        render->rate = (uint32_t)ctl_option_count(state, "rate", text, 1, RATE_MAX);
         return 0;
     case OPTION_TIME:
         render->t = ctl_option_real(state, "time", text, 0, 1);
@@ -204,7 +192,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_END:
         if (render->path == NULL) {
-            tool_misused(state, "-o FILE.png or -o FILE.svg says what to draw");
+            tool_misused(state, "-o FILE.png, .svg or .apng says what to draw");
+        }
+        if (render->rate > 0 && !render->is_film) {
+            tool_misused(state, "--rate is of a film: -o FILE.apng");
+        }
+        if (render->is_film && (render->is_near || render->contact > 0)) {
+            tool_misused(state, "a film is of steps: neither --near nor --at contact N");
         }
         if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
             tool_misused(state, "--near is of one moment, and has no contacts: neither "
@@ -229,183 +223,6 @@ const struct argp ctl_argp_render = {
         "daemon that repeats the step.",
     .children = children};
 
-/* ---- drawing ----------------------------------------------------------------------- */
-
-/* The direction to the eye: azimuth 0 looks along the axis after the one that is up. */
-static void find_eye(const struct render *render, float from[3])
-{
-    bool is_given = !isnan(render->azimuth);
-    double a = (is_given ? render->azimuth : AZIMUTH) * DEGREE;
-    double e = (is_given ? render->elevation : ELEVATION) * DEGREE;
-    uint32_t up = render->up == PICTURE_UP_Y ? 1 : render->up == PICTURE_UP_Z ? 2 : 0;
-    from[up] = (float)sin(e);
-    from[(up + 1) % 3] = (float)(cos(e) * cos(a));
-    from[(up + 2) % 3] = (float)(cos(e) * sin(a));
-}
-
-static void name_step(const struct render *render, const struct still *still, char *title,
-                      size_t room)
-{
-    if (render->is_near) {
-        snprintf(title, room, "question %" PRIu64 ", %" PRIu64 " %s", still->step,
-                 still->line_count, proto_plural(still->line_count, "record", "records"));
-    } else if (render->contact > 0) {
-        snprintf(title, room,
-                 "step %" PRIu64 " at t = %.6g, contact %" PRIu64 " of %" PRIu64,
-                 still->step, still->t, render->contact, still->contact_count);
-    } else {
-        snprintf(title, room, "step %" PRIu64 ", %" PRIu64 " %s", still->step,
-                 still->contact_count,
-                 proto_plural(still->contact_count, "contact", "contacts"));
-    }
-}
-
-/* The features of the chosen contact, and what is around them. */
-static struct picture_place place_of(const struct render *render,
-                                     const struct still *still)
-{
-    struct picture_place place = {.radius = 0};
-    if (render->contact > 0) {
-        const struct still_contact *contact = &still->contacts[still->chosen];
-        for (uint32_t k = 0; k < 3; k++) {
-            place.at[k] = contact->at[k] +
-                          (render->is_thick ? contact->share * contact->reach[k] : 0);
-        }
-        place.radius = contact->radius > 0 ? PLACE_ROOM * contact->radius
-                                           : (float)(PLACE_LEAST * still->extent);
-    }
-    return place;
-}
-
-/* Lines by their shares of the greatest distance. */
-static void mark_lines(const struct still *still, double greatest,
-                       struct picture_mark *marks)
-{
-    for (uint64_t i = 0; i < still->line_count; i++) {
-        double share = greatest > 0 ? still->lines[i].distance / greatest : 0;
-        memcpy(marks[i].at, still->lines[i].ends[0], sizeof marks[i].at);
-        memcpy(marks[i].to, still->lines[i].ends[1], sizeof marks[i].to);
-        marks[i].is_line = true;
-        marks[i].group = (uint32_t)(share * (GROUPS - 1));
-    }
-}
-
-/* A dot, over a line to the nearest point of its first feature if it is at a distance;
- * the dot is where they touch. Returns how many marks there are now. */
-static uint32_t mark_contact(const struct still_contact *contact, bool is_thick,
-                             struct picture_mark *marks, uint32_t count)
-{
-    uint32_t group = contact->toi > 0 ? (uint32_t)(contact->toi * GROUPS) : 0;
-    struct picture_mark mark = {.group = group < GROUPS ? group : GROUPS - 1};
-    const float *reach = contact->reach;
-    memcpy(mark.at, contact->at, sizeof mark.at);
-    if (reach[0] != 0 || reach[1] != 0 || reach[2] != 0) {
-        mark.is_line = true;
-        for (uint32_t k = 0; k < 3; k++) {
-            mark.to[k] = mark.at[k] + reach[k];
-        }
-        marks[count++] = mark;
-        mark.is_line = false;
-    }
-    for (uint32_t k = 0; k < 3 && is_thick; k++) {
-        mark.at[k] += contact->share * reach[k];
-    }
-    marks[count] = mark;
-    return count + 1;
-}
-
-/* Contacts by their times, the chosen one over the others. Returns how many marks. */
-static uint32_t mark_contacts(const struct render *render, const struct still *still,
-                              struct picture_mark *marks)
-{
-    uint32_t count = 0;
-    for (uint64_t i = 0; i < still->contact_count; i++) {
-        if (render->contact == 0 || i != still->chosen) {
-            count = mark_contact(&still->contacts[i], render->is_thick, marks, count);
-        }
-    }
-    if (render->contact > 0) {
-        count =
-            mark_contact(&still->contacts[still->chosen], render->is_thick, marks, count);
-        marks[count - 1].is_chosen = true;
-    }
-    return count;
-}
-
-static void make_meshes(const struct still *still, struct picture_mesh *meshes)
-{
-    for (uint32_t i = 0; i < still->object_count; i++) {
-        const struct still_object *object = &still->objects[i];
-        meshes[i] =
-            (struct picture_mesh){.x = (const float(*)[3])object->x,
-                                  .triangles = (const uint32_t(*)[3])object->triangles,
-                                  .edges = (const uint32_t(*)[2])object->edges,
-                                  .points = object->points,
-                                  .radii = object->radii,
-                                  .vertex_count = object->vertex_count,
-                                  .triangle_count = object->triangle_count,
-                                  .edge_count = object->edge_count,
-                                  .point_count = object->point_count};
-        colour_of_object(i, meshes[i].front, meshes[i].back);
-    }
-}
-
-static int draw(const struct render *render, const struct still *still, FILE *file,
-                struct ctl_error *error)
-{
-    struct picture_mesh *meshes = calloc(still->object_count + 1, sizeof *meshes);
-    struct picture_mark *marks =
-        calloc(2 * still->contact_count + still->line_count + 1, sizeof *marks);
-    double greatest = still_greatest(still);
-    struct picture_group groups[GROUPS];
-    struct picture_scale scale = {.title = "time of impact", .low = "0", .high = "1"};
-    char title[128];
-    if (meshes == NULL || marks == NULL) {
-        free(meshes);
-        free(marks);
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", render->path);
-    }
-    make_meshes(still, meshes);
-    uint32_t mark_count = still->lines != NULL ? (uint32_t)still->line_count
-                                               : mark_contacts(render, still, marks);
-    if (still->lines != NULL) {
-        mark_lines(still, greatest, marks);
-        snprintf(scale.title, sizeof scale.title, "distance");
-        snprintf(scale.high, sizeof scale.high, "%.4g", greatest);
-    }
-    for (uint32_t i = 0; i < GROUPS; i++) {
-        groups[i].label[0] = '\0';
-        colour_of_time(((double)i + 0.5) / GROUPS, groups[i].colour);
-    }
-    name_step(render, still, title, sizeof title);
-    struct picture_place place = place_of(render, still);
-    struct picture picture = {.meshes = meshes,
-                              .marks = marks,
-                              .groups = groups,
-                              .mesh_count = still->object_count,
-                              .mark_count = mark_count,
-                              .group_count = GROUPS,
-                              .up = render->up,
-                              .width = render->width,
-                              .height = render->height,
-                              .zoom = (float)render->zoom,
-                              .is_at_marks = render->is_at_contacts,
-                              .is_thick = render->is_thick,
-                              .gap = (float)(still->separation / 2),
-                              .place = render->contact > 0 ? &place : NULL,
-                              .title = title,
-                              .scale =
-                                  still->lines == NULL || greatest > 0 ? &scale : NULL};
-    find_eye(render, picture.from);
-    if (render->contact > 0 && isnan(render->azimuth)) {
-        viewpoint_choose(still, picture.from);
-    }
-    int status = picture_write(&picture, file, render->path, error);
-    free(meshes);
-    free(marks);
-    return status;
-}
-
 static bool has_thickness(const struct still *still)
 {
     bool has = still->separation > 0;
@@ -415,10 +232,145 @@ static bool has_thickness(const struct still *still)
     return has;
 }
 
+/* ---- a film ------------------------------------------------------------------------ */
+
+struct shooting {
+    const struct render *render;
+    double low[3], high[3]; /* of the box around all steps */
+    uint32_t frame_count;
+    struct film film;
+};
+
+/* Room for a step, first, so that all of them are seen from one place. */
+static int measure(void *context, const struct still *still, struct ctl_error *error)
+{
+    struct shooting *shooting = context;
+    if (shooting->frame_count++ == FILM_FRAMES_MAX) {
+        return ctl_error_set(error, PCCD_E_LIMIT, "%s: a film has at most %u steps",
+                             shooting->render->path, FILM_FRAMES_MAX);
+    }
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        const struct still_object *object = &still->objects[o];
+        for (uint64_t i = 0; i < 3 * (uint64_t)object->vertex_count; i++) {
+            double room = object->radii != NULL ? (double)object->radii[i / 3] : 0;
+            double x = (double)object->x[i / 3][i % 3] + still->origin[i % 3];
+            shooting->low[i % 3] = fmin(shooting->low[i % 3], x - room);
+            shooting->high[i % 3] = fmax(shooting->high[i % 3], x + room);
+        }
+    }
+    return PCCD_OK;
+}
+
+static int shoot(void *context, const struct still *still, struct ctl_error *error)
+{
+    struct shooting *shooting = context;
+    float bounds[2][3];
+    for (uint32_t k = 0; k < 3; k++) {
+        bounds[0][k] = (float)(shooting->low[k] - still->origin[k]);
+        bounds[1][k] = (float)(shooting->high[k] - still->origin[k]);
+    }
+    return render_draw(shooting->render, still, NULL, &shooting->film,
+                       (const float(*)[3])bounds, error);
+}
+
+static void report_film(const struct render *render, uint32_t frame_count)
+{
+    if (render->options.is_json) {
+        json_t *object = json_pack("{s:o, s:I}", "file", json_text(render->path), "steps",
+                                   (json_int_t)frame_count);
+        json_dumpf(object, stdout, JSON_TEXT_FLAGS);
+        putchar('\n');
+        json_decref(object);
+    } else {
+        printf("%s: %" PRIu32 " %s\n", tool_shown(render->path), frame_count,
+               proto_plural(frame_count, "step", "steps"));
+    }
+}
+
+/* All steps, twice: once for what is to be seen, without their contacts. */
+static int make_film(const struct render *render, struct whole_file *file,
+                     struct play_summary *summary, struct ctl_error *error)
+{
+    struct shooting shooting = {.render = render,
+                                .low = {INFINITY, INFINITY, INFINITY},
+                                .high = {-INFINITY, -INFINITY, -INFINITY}};
+    struct play_settings settings = render->options.play;
+    double t = isnan(render->t) ? 1 : render->t;
+    settings.only_last = false;
+    settings.needs_records = false;
+    int status = still_each(&settings, t, measure, &shooting, summary, error);
+    settings.needs_records = true;
+    if (status == PCCD_OK && !(shooting.low[0] <= shooting.high[0])) {
+        status =
+            ctl_error_set(error, PCCD_E_INVAL, "the steps are of scenes without objects");
+    }
+    if (status == PCCD_OK) {
+        status = output_open(file, render->path, false, error);
+    }
+    if (status == PCCD_OK) {
+        film_begin(&shooting.film, file->to, render->path, shooting.frame_count,
+                   render->rate > 0 ? render->rate : RATE);
+        status = still_each(&settings, t, shoot, &shooting, summary, error);
+    }
+    if (status == PCCD_OK && shooting.film.written != shooting.frame_count) {
+        status =
+            ctl_error_set(error, PCCD_E_STATE, "%s has changed meanwhile", settings.path);
+    }
+    if (status == PCCD_OK) {
+        status = film_end(&shooting.film, error);
+    }
+    if (status == PCCD_OK) {
+        status = output_finish(file, render->path, error);
+    }
+    if (status == PCCD_OK) {
+        play_options_warn(&settings, summary);
+        report_film(render, shooting.frame_count);
+    }
+    return status;
+}
+
+/* ---- the command ------------------------------------------------------------------- */
+
+static int make_picture(const struct render *render, struct whole_file *file,
+                        struct play_summary *summary, struct ctl_error *error)
+{
+    struct still_at at = {.t = render->t, .contact = render->contact};
+    struct still still = {.object_count = 0};
+    if (isnan(at.t) && at.contact == 0) {
+        at.t = 1;
+    }
+    int status = render->is_near
+                     ? still_take_near(&render->options.play, &still, summary, error)
+                     : still_take(&render->options.play, &at, &still, summary, error);
+    if (status == PCCD_OK && still.object_count == 0) {
+        status =
+            ctl_error_set(error, PCCD_E_INVAL,
+                          "step %" PRIu64 " is of a scene without objects", still.step);
+    }
+    if (status == PCCD_OK) {
+        status = output_open(file, render->path, false, error);
+    }
+    if (status == PCCD_OK) {
+        status = render_draw(render, &still, file->to, NULL, NULL, error);
+    }
+    if (status == PCCD_OK) {
+        status = output_finish(file, render->path, error);
+    }
+    if (status == PCCD_OK) {
+        play_options_warn(&render->options.play, summary);
+        if (render->is_thick && !has_thickness(&still)) {
+            ctl_complain("nothing in %s %" PRIu64 " has a thickness",
+                         render->is_near ? "question" : "step", still.step);
+        }
+        still_report(&still, render->path, render->options.is_json);
+    }
+    still_deinit(&still);
+    return status;
+}
+
 int ctl_cmd_render(int argc, char **argv)
 {
     struct render render = {.t = NAN, .azimuth = NAN};
-    struct still still = {.object_count = 0};
     struct play_summary summary;
     struct ctl_error error = {.text = ""};
     struct whole_file file = {.to = NULL};
@@ -430,42 +382,15 @@ int ctl_cmd_render(int argc, char **argv)
     if (argp_parse(&ctl_argp_render, argc, argv, 0, NULL, &render) != 0) {
         return CTL_USAGE;
     }
-    struct still_at at = {.t = render.t, .contact = render.contact};
-    if (isnan(at.t) && at.contact == 0) {
-        at.t = 1;
-    }
     int status = play_options_open(&render.options, &error);
     if (status == PCCD_OK) {
-        status = render.is_near
-                     ? still_take_near(&render.options.play, &still, &summary, &error)
-                     : still_take(&render.options.play, &at, &still, &summary, &error);
-    }
-    if (status == PCCD_OK && still.object_count == 0) {
-        status =
-            ctl_error_set(&error, PCCD_E_INVAL,
-                          "step %" PRIu64 " is of a scene without objects", still.step);
-    }
-    if (status == PCCD_OK) {
-        status = output_open(&file, render.path, false, &error);
-    }
-    if (status == PCCD_OK) {
-        status = draw(&render, &still, file.to, &error);
-    }
-    if (status == PCCD_OK) {
-        status = output_finish(&file, render.path, &error);
+        status = render.is_film ? make_film(&render, &file, &summary, &error)
+                                : make_picture(&render, &file, &summary, &error);
     }
     whole_file_discard(&file);
-    if (status == PCCD_OK) {
-        play_options_warn(&render.options.play, &summary);
-        if (render.is_thick && !has_thickness(&still)) {
-            ctl_complain("nothing in %s %" PRIu64 " has a thickness",
-                         render.is_near ? "question" : "step", still.step);
-        }
-        still_report(&still, render.path, render.options.is_json);
-    } else {
+    if (status != PCCD_OK) {
         ctl_error_tell(&error);
     }
-    still_deinit(&still);
     play_options_deinit(&render.options);
     return (int)ctl_exit_of(status, true);
 }

@@ -78,9 +78,11 @@ static void find_centre(const struct picture *picture, float centre[3])
         return;
     }
     bool at_marks = picture->is_at_marks && picture->mark_count > 0;
+    bool has_bounds = !at_marks && picture->bounds != NULL;
     for (uint32_t k = 0; k < 3; k++) {
-        float low = INFINITY, high = -INFINITY;
-        for (uint32_t m = 0; m < picture->mesh_count && !at_marks; m++) {
+        float low = has_bounds ? picture->bounds[0][k] : INFINITY;
+        float high = has_bounds ? picture->bounds[1][k] : -INFINITY;
+        for (uint32_t m = 0; m < picture->mesh_count && !at_marks && !has_bounds; m++) {
             const struct picture_mesh *mesh = &picture->meshes[m];
             for (uint32_t i = 0; i < mesh->vertex_count; i++) {
                 float room = room_of(picture, mesh, i);
@@ -143,6 +145,18 @@ static float share_of_marks(const struct picture *picture,
     return share;
 }
 
+/* So far away that a point, and the room around it, is seen. */
+static void step_back(struct picture_canvas *canvas, const float x[3], float room)
+{
+    float d[3], wide, high;
+    view_of(canvas, &wide, &high);
+    offset_of(canvas, x, d);
+    float aside = fabsf(dot(d, canvas->axes[0])) + room * hypotf(1, wide);
+    float above = fabsf(dot(d, canvas->axes[1])) + room * hypotf(1, high);
+    float needed = fmaxf(aside / wide, above / high) - dot(d, canvas->axes[2]);
+    canvas->distance = fmaxf(canvas->distance, needed);
+}
+
 /* Look at the centre from `from`, just far enough away to see every vertex; what is to be
  * seen larger is seen at a smaller angle, so that nothing comes behind the eye. */
 static void place_camera(const struct picture *picture, struct picture_canvas *canvas)
@@ -152,15 +166,17 @@ static void place_camera(const struct picture *picture, struct picture_canvas *c
     turn_camera(picture, canvas);
     view_of(canvas, &wide, &high);
     canvas->distance = 0.0f;
-    for (uint32_t m = 0; m < picture->mesh_count; m++) {
+    for (uint32_t i = 0; i < 8 && picture->bounds != NULL; i++) {
+        float corner[3];
+        for (uint32_t k = 0; k < 3; k++) {
+            corner[k] = picture->bounds[i >> k & 1][k];
+        }
+        step_back(canvas, corner, 0);
+    }
+    for (uint32_t m = 0; m < picture->mesh_count && picture->bounds == NULL; m++) {
         const struct picture_mesh *mesh = &picture->meshes[m];
         for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-            float d[3], room = room_of(picture, mesh, i);
-            offset_of(canvas, mesh->x[i], d);
-            float aside = fabsf(dot(d, canvas->axes[0])) + room * hypotf(1, wide);
-            float above = fabsf(dot(d, canvas->axes[1])) + room * hypotf(1, high);
-            float needed = fmaxf(aside / wide, above / high) - dot(d, canvas->axes[2]);
-            canvas->distance = fmaxf(canvas->distance, needed);
+            step_back(canvas, mesh->x[i], room_of(picture, mesh, i));
         }
     }
     canvas->focus = 0.5f * (float)canvas->height * PICTURE_OVERSAMPLING / HALF_VIEW *

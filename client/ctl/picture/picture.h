@@ -19,4 +19,8 @@
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);
 
+/* The PNG in memory instead, which is the caller's to free. E_NOMEM: it names `path`. */
+int picture_encode(const struct picture *picture, const char *path, void **png,
+                   size_t *bytes, struct ctl_error *error);
+
 #endif

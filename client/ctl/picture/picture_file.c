@@ -35,18 +35,35 @@ static int save_png(const struct picture_canvas *canvas, FILE *file, const char 
     return PCCD_OK;
 }
 
+/* The picture as a file in memory; NULL: no memory. */
+static void *encode(const struct picture_canvas *canvas, size_t *bytes)
+{
+    png_image image = image_of(canvas);
+    png_alloc_size_t room = PNG_IMAGE_PNG_SIZE_MAX(image);
+    void *png = malloc(room);
+    if (png != NULL && png_image_write_to_memory(&image, png, &room, 0,
+                                                 canvas->raster.rgb, 0, NULL) == 0) {
+        free(png);
+        png = NULL;
+    }
+    *bytes = room;
+    return png;
+}
+
+static int no_memory(const char *path, struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
+}
+
 /* The meshes as a PNG within it. */
 static int save_svg(const struct picture *picture, const struct picture_canvas *canvas,
                     FILE *file, const char *path, struct ctl_error *error)
 {
-    png_image image = image_of(canvas);
-    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
-    void *png = malloc(bytes);
+    size_t bytes;
+    void *png = encode(canvas, &bytes);
     int status = PCCD_OK;
-    if (png == NULL || png_image_write_to_memory(&image, png, &bytes, 0,
-                                                 canvas->raster.rgb, 0, NULL) == 0) {
-        status =
-            ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
+    if (png == NULL) {
+        status = no_memory(path, error);
     } else if (!picture_write_svg(picture, canvas, png, bytes, file)) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot write: %s", path,
                                strerror(errno));
@@ -61,23 +78,39 @@ static bool is_svg(const char *path)
     return length > 4 && strcmp(path + length - 4, ".svg") == 0;
 }
 
+/* Marks and legend over the meshes, as pixels. */
+static void finish(const struct picture *picture, struct picture_canvas *canvas)
+{
+    picture_draw_marks(picture, canvas);
+    picture_draw_legend(picture, canvas);
+    picture_halve(canvas);
+}
+
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error)
 {
     struct picture_canvas canvas = {.width = 0};
-    int status =
-        picture_draw(picture, &canvas)
-            ? PCCD_OK
-            : ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the picture", path);
+    int status = picture_draw(picture, &canvas) ? PCCD_OK : no_memory(path, error);
     if (status == PCCD_OK && is_svg(path)) {
         picture_halve(&canvas);
         status = save_svg(picture, &canvas, file, path, error);
     } else if (status == PCCD_OK) {
-        picture_draw_marks(picture, &canvas);
-        picture_draw_legend(picture, &canvas);
-        picture_halve(&canvas);
+        finish(picture, &canvas);
         status = save_png(&canvas, file, path, error);
     }
     raster_deinit(&canvas.raster);
     return status;
+}
+
+int picture_encode(const struct picture *picture, const char *path, void **png,
+                   size_t *bytes, struct ctl_error *error)
+{
+    struct picture_canvas canvas = {.width = 0};
+    *png = NULL;
+    if (picture_draw(picture, &canvas)) {
+        finish(picture, &canvas);
+        *png = encode(&canvas, bytes);
+    }
+    raster_deinit(&canvas.raster);
+    return *png != NULL ? PCCD_OK : no_memory(path, error);
 }

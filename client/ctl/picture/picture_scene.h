@@ -65,6 +65,9 @@ struct picture {
     uint32_t width, height; /* 0: PICTURE_WIDTH and PICTURE_HEIGHT */
     float zoom;             /* 0: everything is seen, just so; 2: twice as large */
     bool is_at_marks;       /* the marks are what is to be seen */
+    /* Low and high corner of the box that is to be seen, so that several pictures are
+     * from one place; NULL: that of the meshes. */
+    const float (*bounds)[3];
     bool is_thick;          /* triangles have their radii; rods and points always have */
     float gap;              /* with is_thick: added to every radius */
     const struct picture_place *place; /* this is, and not the marks; NULL: no place */

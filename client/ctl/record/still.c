@@ -28,6 +28,8 @@ struct taking {
     struct still *still;
     const struct still_at *at;
     bool is_taken;
+    still_fn show; /* NULL: the last one is kept, for the caller */
+    void *context;
 };
 
 static int no_memory(struct ctl_error *error)
@@ -325,7 +327,20 @@ static int take(void *context, const struct play_step *step, struct ctl_error *e
     }
     find_extent(still);
     taking->is_taken = true;
-    return PCCD_OK;
+    return taking->show != NULL ? taking->show(taking->context, still, error) : PCCD_OK;
+}
+
+static int play_steps(const struct play_settings *settings, struct taking *taking,
+                      struct play_summary *summary, struct ctl_error *error)
+{
+    int status = play(settings, take, taking, summary, error);
+    if (status == PCCD_OK && !taking->is_taken) {
+        status =
+            ctl_error_set(error, PCCD_E_INVAL,
+                          "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
+                          settings->path, summary->frames, summary->last_step);
+    }
+    return status;
 }
 
 int still_take(const struct play_settings *settings, const struct still_at *at,
@@ -333,16 +348,21 @@ int still_take(const struct play_settings *settings, const struct still_at *at,
 {
     struct taking taking = {.still = still, .at = at};
     memset(still, 0, sizeof *still);
-    int status = play(settings, take, &taking, summary, error);
-    if (status == PCCD_OK && !taking.is_taken) {
-        status =
-            ctl_error_set(error, PCCD_E_INVAL,
-                          "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
-                          settings->path, summary->frames, summary->last_step);
-    }
+    int status = play_steps(settings, &taking, summary, error);
     if (status != PCCD_OK) {
         still_deinit(still);
     }
+    return status;
+}
+
+int still_each(const struct play_settings *settings, double t, still_fn show,
+               void *context, struct play_summary *summary, struct ctl_error *error)
+{
+    const struct still_at at = {.t = t};
+    struct still still = {.object_count = 0};
+    struct taking taking = {.still = &still, .at = &at, .show = show, .context = context};
+    int status = play_steps(settings, &taking, summary, error);
+    still_deinit(&still);
     return status;
 }
 

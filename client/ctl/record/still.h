@@ -72,8 +72,14 @@ struct still_at {
 int still_take(const struct play_settings *settings, const struct still_at *at,
                struct still *still, struct play_summary *summary,
                struct ctl_error *error);
-/* The same of the last answered question about what is near, at the moment that it asked
- * for. Bounds of vertices are no lines. */
+/* Each answered step of `settings`, one after the other, to `show`, which returns PCCD_OK
+ * to go on. */
+typedef int (*still_fn)(void *context, const struct still *still,
+                        struct ctl_error *error);
+int still_each(const struct play_settings *settings, double t, still_fn show,
+               void *context, struct play_summary *summary, struct ctl_error *error);
+/* still_take of the last answered question about what is near, at the moment that it
+ * asked for. Bounds of vertices are no lines. */
 int still_take_near(const struct play_settings *settings, struct still *still,
                     struct play_summary *summary, struct ctl_error *error);
 /* The greatest distance of its lines; 0: none. */

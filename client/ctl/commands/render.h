@@ -1,0 +1,37 @@
+/* client/ctl/commands/render.h - what pccdctl render draws, and how.
+ *
+ * Room:     client/ctl. May include: film.h, picture.h, play_options.h, still.h.
+ * Does:     draw a step that was taken, into a file or as the next picture of a film.
+ * Does not: read recordings or options; cmd_render.c does.
+ * Threads:  one.
+ */
+#ifndef CTL_RENDER_H
+#define CTL_RENDER_H
+
+#include "film.h"
+#include "picture.h"
+#include "play_options.h"
+#include "still.h"
+
+struct render {
+    struct play_options options;
+    const char *path;
+    double t;                  /* NAN: not given */
+    uint64_t contact;          /* that is to be seen; 0: none in particular */
+    double azimuth, elevation; /* degrees; NAN: not given */
+    double zoom;
+    enum picture_up up;
+    uint32_t width, height;
+    bool is_at_contacts;
+    bool is_near; /* what is near, and not contacts */
+    bool is_thick;
+    bool is_film;
+    uint32_t rate; /* of a film: pictures a second; 0: not given */
+};
+
+/* To `film`, seen within the box `bounds`; or, where there is none, to `file`. Errors:
+ * those of picture_write and film_add. */
+int render_draw(const struct render *render, const struct still *still, FILE *file,
+                struct film *film, const float (*bounds)[3], struct ctl_error *error);
+
+#endif
