@@ -3,8 +3,8 @@
  *
  * Room:     client/examples. May include: pccd.h.
  * Does:     ask which features come within their distance on the way, move those apart
- *           along the normals, ask again; then go as far as is safe. After each frame it
- *           looks whether anything is nearer than that, or crosses.
+ *           along the normals, with friction, ask again; then go as far as is safe. After
+ *           each frame it looks whether anything is nearer than that, or crosses.
  * Threads:  one.
  *
  *     cloth_thick [FRAMES [FILE]]     FILE: a recording, for pccdctl render
@@ -13,10 +13,11 @@
 
 enum { SIDE = 24, CLOTH = SIDE * SIDE, VERTICES = 2 * CLOTH, ROUNDS = 8 };
 enum { SHEET = 2 * (SIDE - 1) * (SIDE - 1), TRIANGLES = 2 * SHEET };
-#define RADIUS 0.3
-#define FALL   5e-5               /* gravity, in units per frame squared */
-#define THICK  2e-3               /* half the cloth's thickness; an edge is 0.043 */
-#define APART  (2 * THICK * 1.05) /* where the response brings what meets */
+#define RADIUS   0.3
+#define FALL     5e-5               /* gravity, in units per frame squared */
+#define THICK    2e-3               /* half the cloth's thickness; an edge is 0.043 */
+#define APART    (2 * THICK * 1.05) /* where the response brings what meets */
+#define FRICTION 0.5                /* of the way past each other that is taken back */
 
 static double x[VERTICES][3], was[VERTICES][3], end[VERTICES][3], next[VERTICES][3];
 static uint32_t triangles[TRIANGLES][3];
@@ -30,22 +31,26 @@ static void push(const struct pccd_contact *c)
     const struct pccd_edge *a = &edges[c->kind == PCCD_EE ? c->feature_a : 0];
     const struct pccd_edge *b = &edges[c->kind == PCCD_EE ? c->feature_b : 0];
     double p = (double)c->param[0], q = (double)c->param[1], gap = 0, give = 0;
+    double past[3] = {0, 0, 0}, near = 0; /* how they move, and how much of it along n */
     uint32_t v[4] = {a->a, a->b, b->a, b->b};
     double w[4] = {1 - p, p, q - 1, -q}; /* of a, and less those of b */
-
     if (c->kind == PCCD_VF) {
         memcpy(v, (uint32_t[]){c->feature_a, face[0], face[1], face[2]}, sizeof v);
         memcpy(w, (double[]){1, p + q - 1, -p, -q}, sizeof w);
     }
     for (int i = 0; i < 4; i++) {
         for (int k = 0; k < 3; k++) {
-            gap += w[i] * end[v[i]][k] * (double)c->normal[k];
+            double n = (double)c->normal[k], way = end[v[i]][k] - x[v[i]][k];
+            gap += w[i] * end[v[i]][k] * n;
+            past[k] += w[i] * way;
+            near += w[i] * way * n;
         }
         give += v[i] < CLOTH ? w[i] * w[i] : 0;
     }
     for (int i = 0; i < 4 && gap < APART && give > 0; i++) {
         for (int k = 0; k < 3 && v[i] < CLOTH; k++) {
-            end[v[i]][k] += (APART - gap) / give * w[i] * (double)c->normal[k];
+            double n = (double)c->normal[k], slide = past[k] - near * n;
+            end[v[i]][k] += ((APART - gap) * n - FRICTION * slide) / give * w[i];
         }
     }
 }
@@ -55,7 +60,6 @@ static void check(struct pccd_client *client, uint32_t scene)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
     struct pccd_answer answer = PCCD_ANSWER_INIT;
-
     for (int k = 0; k < 2; k++) {
         settings.what = k == 0 ? PCCD_NEAR_PAIRS : PCCD_NEAR_CROSSINGS;
         ok(client, pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
@@ -66,8 +70,7 @@ static void check(struct pccd_client *client, uint32_t scene)
 
 int main(int argc, char **argv)
 {
-    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS,
-                                               .radius = THICK};
+    const struct pccd_object_settings r = {.what = PCCD_OBJECT_RADIUS, .radius = THICK};
     const unsigned long long frames = argc > 1 ? strtoull(argv[1], NULL, 10) : 200;
     struct pccd_motion motion = {
         .count = VERTICES, .format = PCCD_FORMAT_F64, .x0 = x, .x1 = end};
@@ -75,21 +78,18 @@ int main(int argc, char **argv)
     struct pccd_client *client = NULL;
     unsigned long long met = 0, short_of = 0;
     uint32_t scene, mesh;
-
     sheet_and_ball(SIDE, RADIUS, x, triangles);
     memcpy(was, x, sizeof x);
     memcpy(end, x, sizeof x);
     ok(client, pccd_connect(&(struct pccd_options){.private_daemon = true}, &client));
-    if (argc > 2) {
-        ok(client, pccd_record_start(client, argv[2], NULL));
-    }
+    ok(client, argc > 2 ? pccd_record_start(client, argv[2], NULL) : 0);
     ok(client, pccd_scene_create(client, NULL, &scene));
     ok(client, pccd_mesh_create(client, x, PCCD_FORMAT_F64, VERTICES, (void *)triangles,
                                 TRIANGLES, &mesh, &info));
     edges = malloc(info.edge_count * sizeof *edges);
     ok(client, pccd_mesh_edges(client, mesh, edges, info.edge_count));
     ok(client, pccd_scene_add(client, scene, mesh, &motion.object));
-    ok(client, pccd_object_set(client, scene, motion.object, &thick));
+    ok(client, pccd_object_set(client, scene, motion.object, &r));
     for (unsigned long long frame = 0; frame < frames; frame++) {
         struct pccd_answer answer = PCCD_ANSWER_INIT;
         double part = 0;

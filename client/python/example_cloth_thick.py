@@ -4,7 +4,8 @@ nothing, itself included.
 
 Room:     client/python. Imports pccd, numpy and the example beside it.
 Does:     as examples/cloth_thick.c: ask which features come within their distance on the
-          way, move those apart along the normals, ask again; then go as far as is safe.
+          way, move those apart along the normals, with friction, ask again; then go as
+          far as is safe.
           After each frame it looks whether anything is nearer than that, or crosses.
 
     example_cloth_thick.py [FRAMES [FILE]]      FILE: a recording, for pccdctl render
@@ -21,6 +22,7 @@ FALL = 1e-4  # gravity, in units per frame squared
 THICK = 4e-3  # half the cloth's thickness; an edge is 0.067
 APART = 2 * THICK * 1.05  # where the response brings what meets
 ROUNDS = 8
+FRICTION = 0.5  # of the way past each other that is taken back
 
 
 def features(contacts, triangles, edges):
@@ -36,16 +38,19 @@ def features(contacts, triangles, edges):
             np.where(face, np.c_[one, p + q - 1, -p, -q], np.c_[1 - p, p, q - 1, -q]))
 
 
-def push(end, contacts, triangles, edges, cloth):
+def push(x, end, contacts, triangles, edges, cloth):
     """Bring the features of each contact to a distance at the end of the frame. The ball,
     whose vertices come behind those of the cloth, does not give way."""
     vertices, weights = features(contacts, triangles, edges)
     normals = contacts["normal"].astype(float)
     gap = np.einsum("ci,cik,ck->c", weights, end[vertices], normals)
-    weights = np.where(vertices < cloth, weights, 0)
+    past = np.einsum("ci,cik->ck", weights, (end - x)[vertices])
+    past -= np.einsum("ck,ck->c", past, normals)[:, None] * normals
+    weights = np.where((vertices < cloth) & (gap < APART)[:, None], weights, 0)
     give = (weights**2).sum(1)
-    way = np.maximum(APART - gap, 0) / np.where(give > 0, give, np.inf)
-    move = (way[:, None] * weights)[:, :, None] * normals[:, None]
+    way = (APART - gap)[:, None] * normals - FRICTION * past
+    way /= np.where(give > 0, give, np.inf)[:, None]
+    move = weights[:, :, None] * way[:, None]
     count = np.bincount(vertices.reshape(-1), minlength=len(end))[:, None]
     total = np.zeros_like(end)
     np.add.at(total, vertices, move)
@@ -83,7 +88,7 @@ def main():
                     if answer.total == 0:
                         break
                     met += answer.total
-                    push(end, answer.contacts, triangles, edges, count)
+                    push(x, end, answer.contacts, triangles, edges, count)
             _, answer = client.step_safe(scene, moves, [reached])
             answer.release()
             x[:] = reached
