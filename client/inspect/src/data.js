@@ -161,10 +161,12 @@ function readEvents({ at, count }) {
   }));
 }
 
-/** The vertices of a feature with so many points. */
+/** The vertices of a feature with so many points; none: there is no such feature. */
 export function verticesOf({ mesh }, points, feature) {
   const from = points === 2 ? mesh.edges : mesh.triangles;
-  return points === 1 ? [feature] : Array.from(from.slice(points * feature, points * (feature + 1)));
+  const at = points * feature;
+  return points === 1 ? [feature] : at >= from.length ? []
+    : points === 2 ? [from[at], from[at + 1]] : [from[at], from[at + 1], from[at + 2]];
 }
 
 /** Half the thickness of a feature, in the page's unit: the greatest of its vertices. */
@@ -178,12 +180,14 @@ function weightsOf(kind, u, v) {
   return [kind === 1 ? [1 - u, u] : [1], [[1 - u - v, u, v], [1 - v, v], [1 - v, v], [1]][kind]];
 }
 
-/** Where weighed vertices of an object are, between x0 and x1. */
-function pointOf({ x0, x1 }, vertices, weights, t) {
-  return [0, 1, 2].map((k) => vertices.reduce((sum, vertex, i) => {
-    const from = x0[3 * vertex + k];
-    return sum + weights[i] * (from + t * (x1[3 * vertex + k] - from));
-  }, 0));
+/** Add to a place, `factor` times, where weighed vertices of an object are between x0 and x1. */
+function addPoint(places, place, factor, { x0, x1 }, vertices, weights, t) {
+  for (let i = 0; i < vertices.length; i++) {
+    for (let k = 0; k < 3; k++) {
+      const from = x0[3 * vertices[i] + k];
+      places[3 * place + k] += factor * weights[i] * (from + t * (x1[3 * vertices[i] + k] - from));
+    }
+  }
 }
 
 /** Where each contact is on its second feature at t = 0 and t = 1. `reach`: of one at a distance,
@@ -191,22 +195,24 @@ function pointOf({ x0, x1 }, vertices, weights, t) {
  * that is on the second's side. */
 function placeContacts(contacts, objects, separation) {
   const { count } = contacts;
-  const [at0, at1, reach] = [0, 1, 2].map(() => new Float32Array(3 * count));
+  const [at0, at1, reach] = [0, 1, 2].map(() => new Float64Array(3 * count));
   const share = new Float32Array(count);
   for (let i = 0; i < count; i++) {
     const kind = contacts.kind[i];
-    const sides = [objects[contacts.objectA[i]], objects[contacts.objectB[i]]];
-    const vertices = [contacts.featureA[i], contacts.featureB[i]].map((feature, side) =>
-      verticesOf(sides[side], KINDS[kind].points[side], feature));
-    const weights = weightsOf(kind, contacts.u[i], contacts.v[i]);
-    const at = (side, t) => pointOf(sides[side], vertices[side], weights[side], t);
-    const [first, second] = sides.map((object, side) => radiusOf(object, vertices[side]) + separation / 2);
-    at0.set(at(1, 0), 3 * i);
-    at1.set(at(1, 1), 3 * i);
-    if (first + second > 0) {
-      const [to, from] = [at(0, contacts.toi[i]), at(1, contacts.toi[i])];
-      reach.set(to.map((x, k) => x - from[k]), 3 * i);
-      share[i] = second / (first + second);
+    const { points } = KINDS[kind];
+    const a = objects[contacts.objectA[i]];
+    const b = objects[contacts.objectB[i]];
+    const ofA = verticesOf(a, points[0], contacts.featureA[i]);
+    const ofB = verticesOf(b, points[1], contacts.featureB[i]);
+    const [weightsA, weightsB] = weightsOf(kind, contacts.u[i], contacts.v[i]);
+    const own = radiusOf(b, ofB) + separation / 2;
+    const both = own + radiusOf(a, ofA) + separation / 2;
+    addPoint(at0, i, 1, b, ofB, weightsB, 0);
+    addPoint(at1, i, 1, b, ofB, weightsB, 1);
+    if (both > 0) {
+      addPoint(reach, i, 1, a, ofA, weightsA, contacts.toi[i]);
+      addPoint(reach, i, -1, b, ofB, weightsB, contacts.toi[i]);
+      share[i] = own / both;
     }
   }
   return { at0, at1, reach, share };

@@ -57,6 +57,9 @@ export function sidesMaterial(uniforms, colour) {
   return new ShaderMaterial({
     uniforms: { ...uniforms, colour: { value: new Color(...colour) } },
     side: DoubleSide,
+    polygonOffset: true, // along an edge they are in front of what rounds it
+    polygonOffsetFactor: -1,
+    polygonOffsetUnits: -4,
     vertexShader: `
 uniform float t;
 attribute vec2 corner; // which, and on which side
