@@ -114,6 +114,7 @@ bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
     hog->kind = kind;
     hog->triangles = triangles;
     hog->id = 0;
+    hog->deadline_ns = 0;
     test_raw_wait_ms = WAIT_MS;
     if (!test_raw_open(&hog->raw, socket) || test_raw_hello(&hog->raw) != 0 ||
         test_raw_attach(&hog->raw, 2, SEGMENT_ROOM + 36ull * triangles) != 0 ||
@@ -135,8 +136,9 @@ static uint32_t submit(struct hog *hog)
     uint8_t *payload = test_raw_payload(&hog->raw, 0);
     memcpy(payload, &segment, sizeof segment);
     put_vertices(hog, (float(*)[3])(void *)(payload + SEGMENT_ROOM), 0.125f);
-    const struct proto_FRAME_SUBMIT_request request = {
-        .scene = hog->scene, .seq = test_raw_publish(&hog->raw, 0), .segments = 1};
+    struct proto_FRAME_SUBMIT_request request = {.scene = hog->scene, .segments = 1};
+    request.seq = test_raw_publish(&hog->raw, 0);
+    request.deadline_ns = hog->deadline_ns;
     return test_raw_request(&hog->raw, PROTO_METHOD_FRAME_SUBMIT, &request);
 }
 

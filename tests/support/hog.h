@@ -28,8 +28,9 @@ struct hog {
     uint32_t triangles;
     uint32_t scene;
     uint32_t mesh;
-    uint32_t object; /* the steps' */
-    uint32_t id;     /* of the request that was sent; 0: none */
+    uint32_t object;      /* the steps' */
+    uint32_t id;          /* of the request that was sent; 0: none */
+    uint64_t deadline_ns; /* of a step; 0 at first: none */
 };
 
 const char *test_hog_name(enum hog_kind kind);

@@ -38,6 +38,7 @@ bool zoo_fans_triangles_out(struct zoo_cage *cage);
 bool zoo_commits_heaps(struct zoo_cage *cage);
 bool zoo_adds_heaps(struct zoo_cage *cage);
 bool zoo_asks_for_everything(struct zoo_cage *cage);
+bool zoo_thickens_everything(struct zoo_cage *cage);
 
 /* animals_share.c: scenes that are shared, and what is told of them */
 bool zoo_fights_over_a_scene(struct zoo_cage *cage);

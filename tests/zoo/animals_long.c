@@ -2,10 +2,14 @@
  *
  * Room:     tests/zoo. May include: animals.h, hog.h.
  * Does:     see animals.h; each request gets its whole answer, however long that takes,
- *           and others get theirs meanwhile.
+ *           or, where it has a deadline, what there is by then; and others get theirs
+ *           meanwhile.
  * Threads:  one, of the animal's process.
  */
+#include <math.h>
+
 #include "animals.h"
+#include "daemon.h"
 #include "hog.h"
 
 static struct hog hog;
@@ -71,6 +75,72 @@ bool zoo_asks_for_everything(struct zoo_cage *cage)
                          answer.incomplete != PCCD_INCOMPLETE_CANCELLED);
         EXPECT(cage, answer.total > 2 * (uint64_t)hog.triangles);
     }
+    test_hog_close(&hog);
+    return true;
+}
+
+/* What object.set says of a radius. */
+static int set_radius(double radius)
+{
+    const struct proto_OBJECT_SET_request set = {.scene = hog.scene,
+                                                 .object = hog.object,
+                                                 .what = PCCD_OBJECT_RADIUS,
+                                                 .radius = radius};
+
+    return test_raw_call(&hog.raw, PROTO_METHOD_OBJECT_SET, &set, NULL);
+}
+
+#define DEADLINE_MS 50u
+#define SLACK_MS    2000u /* three animals and others share two processors */
+
+/* An object all pairs of whose features meet at once, as soon as it stirs. What is no
+ * radius is refused by name. */
+static bool make_thick(struct zoo_cage *cage, uint32_t triangles)
+{
+    EXPECT(cage, test_hog_open(&hog, cage->socket, HOG_FAN, triangles));
+    EXPECT(cage, set_radius(-1) == PCCD_E_INVAL);
+    EXPECT(cage, set_radius(NAN) == PCCD_E_INVAL);
+    EXPECT(cage, set_radius(INFINITY) == PCCD_E_INVAL);
+    EXPECT(cage, set_radius(nextafter(EVERYWHERE, INFINITY)) == PCCD_E_LIMIT);
+    EXPECT(cage, set_radius(EVERYWHERE) == 0);
+    return true;
+}
+
+/* A step of it, with a deadline or without. */
+static bool step_thick(struct zoo_cage *cage, uint64_t deadline_ms,
+                       enum pccd_incomplete incomplete)
+{
+    struct proto_FRAME_SUBMIT_result answer = {.incomplete = PCCD_COMPLETE};
+    uint64_t begin_ms;
+
+    hog.deadline_ns = deadline_ms * 1000000;
+    EXPECT(cage, test_hog_begin(&hog));
+    begin_ms = test_now_ms();
+    EXPECT(cage, test_hog_end(&hog, &answer) == 0);
+    EXPECT(cage, deadline_ms == 0 || test_now_ms() - begin_ms <= deadline_ms + SLACK_MS);
+    EXPECT(cage, answer.incomplete == incomplete);
+    EXPECT(cage, answer.toi_first == (answer.total > 0 ? 0 : 2));
+    EXPECT(cage, answer.safe_step == 0);
+    atomic_store(&test_raw_upload(&hog.raw)->result_head.value, answer.release);
+    return true;
+}
+
+/* Steps objects whose radii are as large as they may be: of the large one, all pairs
+ * would take days; of the small one they are more than are kept. */
+bool zoo_thickens_everything(struct zoo_cage *cage)
+{
+    struct proto_SCENE_NEAR_request near = {.what = PCCD_NEAR_PAIRS, .end = 1};
+
+    EXPECT(cage, make_thick(cage, cage->patient ? 1000000 : 20000));
+    for (int i = 0; i < 3; i++) {
+        EXPECT(cage, step_thick(cage, DEADLINE_MS, PCCD_INCOMPLETE_DEADLINE));
+    }
+    near.scene = hog.scene;
+    EXPECT(cage,
+           test_raw_call(&hog.raw, PROTO_METHOD_SCENE_NEAR, &near, NULL) == PCCD_E_LIMIT);
+    test_hog_close(&hog);
+    EXPECT(cage, make_thick(cage, 500));
+    EXPECT(cage, step_thick(cage, 0, PCCD_INCOMPLETE_CONTACT_LIMIT));
     test_hog_close(&hog);
     return true;
 }

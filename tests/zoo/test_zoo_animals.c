@@ -58,6 +58,7 @@ static const struct zoo_animal animals[] = {
     {"commits heaps", zoo_commits_heaps, false, 0, 0, true},
     {"adds heaps", zoo_adds_heaps, false, 0, 0, true},
     {"asks for everything", zoo_asks_for_everything, false, 0, 0, true},
+    {"thickens everything", zoo_thickens_everything, false, 0, 0, true},
     {"fights over a scene", zoo_fights_over_a_scene, false, 0, 0, false},
     {"names scenes", zoo_names_scenes, false, 0, 0, false},
     {"ignores every pair", zoo_ignores_every_pair, false, 0, 0, false},
