@@ -217,16 +217,29 @@ def read(index):
     assert view['byteOffset'] + view['byteLength'] <= bin_bytes
     form = {5126: 'f', 5125: 'I'}[accessor['componentType']]
     return struct.unpack_from('<%d%s' % (words, form), binary, view['byteOffset'])
-mesh, points, lines = [m['primitives'][0] for m in doc['meshes']]
+mesh, _, lines = [m['primitives'][0] for m in doc['meshes']]
+marks = doc['meshes'][1]['primitives']
 x, motion = read(mesh['attributes']['POSITION']), read(mesh['targets'][0]['POSITION'])
 assert x[9:12] == (0.25, 0.25, 1.0) and motion[9:12] == (0, 0, -2), (x, motion)
 assert read(mesh['indices']) == (0, 1, 2, 3, 4, 5) and doc['meshes'][0]['weights'] == [0.5]
 bounds = doc['accessors'][mesh['attributes']['POSITION']]
 assert bounds['min'] == [0, 0, 0] and bounds['max'] == [1, 1, 4]
-assert points['mode'] == 0 and lines['mode'] == 1 and doc['extras']['contacts'] > 0
-assert len(read(points['attributes']['POSITION'])) == 3 * doc['extras']['contacts']
+count = doc['extras']['contacts']
+assert all(m['mode'] == 4 for m in marks) and lines['mode'] == 1 and count > 0
+corners = read(marks[0]['attributes']['POSITION'])
+assert len(corners) == 6 * 3 * count and sum(len(read(m['indices'])) for m in marks) == 24 * count
+# Octahedra about where the lines begin; each side of one is seen from outside.
+ends = read(lines['attributes']['POSITION'])
+for i in range(count):
+    for k in range(3):
+        assert abs(sum(corners[18 * i + k:18 * i + 18:3]) / 6 - ends[6 * i + k]) < 1e-6
+side = [corners[3 * v:3 * v + 3] for v in read(marks[0]['indices'])[:3]]
+middle = [sum(corners[k:18:3]) / 6 for k in range(3)]
+u, v = [[a - b for a, b in zip(side[n], side[0])] for n in (1, 2)]
+n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+assert sum(a * (b - c) for a, b, c in zip(n, side[0], middle)) > 0
 assert len(read(lines['attributes']['POSITION'])) == 6 * doc['extras']['contacts']
-assert max(abs(v) for v in read(points['attributes']['POSITION'])[:3]) <= 1
+assert max(abs(v) for v in corners) <= 1.1
 assert doc['animations'][0]['channels'][0]['target'] == {'node': 0, 'path': 'weights'}
 for accessor in range(len(doc['accessors'])):
     read(accessor)

@@ -16,17 +16,19 @@
 
 #include "colour.h"
 
-#define GLB_MAGIC   0x46546c67u /* "glTF" */
-#define GLB_JSON    0x4e4f534au
-#define GLB_BIN     0x004e4942u
-#define FLOAT       5126 /* component types, targets and modes of the specification */
-#define UNSIGNED    5125
-#define ARRAY       34962
-#define INDICES     34963
-#define POINTS      0
-#define LINES       1
-#define TRIANGLES   4
-#define NORMAL_SIZE 0.02 /* of the extent */
+#define GLB_MAGIC    0x46546c67u /* "glTF" */
+#define GLB_JSON     0x4e4f534au
+#define GLB_BIN      0x004e4942u
+#define FLOAT        5126 /* component types, targets and modes of the specification */
+#define UNSIGNED     5125
+#define ARRAY        34962
+#define INDICES      34963
+#define POINTS       0
+#define LINES        1
+#define TRIANGLES    4
+#define NORMAL_SIZE  0.02 /* of the extent */
+#define CONTACT_SIZE 0.004
+#define SHADES       16u /* colours of times */
 
 struct gltf {
     uint8_t *bytes;
@@ -229,10 +231,9 @@ static void add_object(struct gltf *gltf, const struct still_object *object, uin
     free(x);
 }
 
-/* A primitive of coloured points, or of lines between two of them each. */
+/* Coloured lines between two points each. */
 static void add_coloured(struct gltf *gltf, const float (*x)[3],
-                         const float (*colours)[3], size_t count, bool has_lines,
-                         const char *name)
+                         const float (*colours)[3], size_t count, const char *name)
 {
     static const float white[3] = {1, 1, 1};
     add_material(gltf, white, false);
@@ -240,7 +241,7 @@ static void add_coloured(struct gltf *gltf, const float (*x)[3],
     int tints = add_vectors(gltf, colours, count, false);
     add_node(gltf,
              json_pack("[{s:{s:i, s:i}, s:i, s:I}]", "attributes", "POSITION", positions,
-                       "COLOR_0", tints, "mode", has_lines ? LINES : POINTS, "material",
+                       "COLOR_0", tints, "mode", LINES, "material",
                        (json_int_t)json_array_size(gltf->materials) - 1),
              name, NULL);
 }
@@ -260,18 +261,80 @@ static void add_lines(struct gltf *gltf, const struct still *still)
     if (x == NULL || colours == NULL) {
         gltf->has_memory = false;
     } else {
-        add_coloured(gltf, (const float(*)[3])x, (const float(*)[3])colours, count, true,
+        add_coloured(gltf, (const float(*)[3])x, (const float(*)[3])colours, count,
                      "near");
     }
     free(x);
     free(colours);
 }
 
-/* Points, or lines of the normals' direction, in the colours of their times. The line of
- * a contact at a distance goes to the nearest point of its first feature. */
-static void add_marks(struct gltf *gltf, const struct still *still, bool has_lines)
+/* The octahedra of one colour, if there are any. */
+static void add_shade(struct gltf *gltf, json_t *primitives, const uint32_t *indices,
+                      size_t count, uint32_t shade, int positions)
 {
-    uint32_t each = has_lines ? 2 : 1;
+    float colour[3];
+    if (count == 0) {
+        return;
+    }
+    colour_of_time((double)shade / (SHADES - 1), colour);
+    add_material(gltf, colour, false);
+    int view = add_view(gltf, indices, count * sizeof *indices, INDICES);
+    append(primitives,
+           json_pack("{s:{s:i}, s:i, s:i, s:I}", "attributes", "POSITION", positions,
+                     "indices", add_accessor(gltf, view, UNSIGNED, "SCALAR", count),
+                     "mode", TRIANGLES, "material",
+                     (json_int_t)json_array_size(gltf->materials) - 1),
+           gltf);
+}
+
+/* Small octahedra: what draws glTF leaves out points, or draws them without their
+ * colours. Those of about the same time share a material. */
+static void add_contacts(struct gltf *gltf, const struct still *still)
+{
+    enum { CORNERS = 6, INDICES_EACH = 24 };
+    static const uint32_t sides[INDICES_EACH] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4,
+                                                 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    size_t count = still->contact_count;
+    float(*x)[3] = malloc((CORNERS * count + 1) * sizeof *x);
+    uint32_t *indices = malloc((INDICES_EACH * count + 1) * sizeof *indices);
+    json_t *primitives = json_array();
+    if (x == NULL || indices == NULL || primitives == NULL) {
+        gltf->has_memory = false;
+    } else {
+        for (size_t i = 0; i < CORNERS * count; i++) {
+            const struct still_contact *contact = &still->contacts[i / CORNERS];
+            for (size_t k = 0; k < 3; k++) {
+                float way = i % CORNERS / 2 != k ? 0 : i % 2 == 0 ? 1.0f : -1.0f;
+                x[i][k] = contact->at[k] + contact->share * contact->reach[k] +
+                          (float)(CONTACT_SIZE * still->extent) * way;
+            }
+        }
+        int positions = add_vectors(gltf, (const float(*)[3])x, CORNERS * count, true);
+        for (uint32_t shade = 0; shade < SHADES; shade++) {
+            size_t used = 0;
+            for (size_t i = 0; i < count; i++) {
+                double t = fmin(fmax(still->contacts[i].toi, 0), 1);
+                for (size_t k = 0;
+                     (uint32_t)(t * (SHADES - 1) + 0.5) == shade && k < INDICES_EACH;
+                     k++) {
+                    indices[used++] = (uint32_t)(CORNERS * i) + sides[k];
+                }
+            }
+            add_shade(gltf, primitives, indices, used, shade, positions);
+        }
+        add_node(gltf, primitives, "contacts", NULL);
+        primitives = NULL;
+    }
+    json_decref(primitives);
+    free(indices);
+    free(x);
+}
+
+/* Lines of the normals' direction, in the colours of their times. That of a contact at a
+ * distance goes to the nearest point of its first feature. */
+static void add_normals(struct gltf *gltf, const struct still *still)
+{
+    const uint32_t each = 2;
     size_t count = still->contact_count * each;
     float(*x)[3] = malloc((count + 1) * sizeof *x);
     float(*colours)[3] = malloc((count + 1) * sizeof *colours);
@@ -290,7 +353,7 @@ static void add_marks(struct gltf *gltf, const struct still *still, bool has_lin
         gltf->has_memory = false;
     } else {
         add_coloured(gltf, (const float(*)[3])x, (const float(*)[3])colours, count,
-                     has_lines, has_lines ? "contact normals" : "contacts");
+                     "contact normals");
     }
     free(x);
     free(colours);
@@ -373,8 +436,8 @@ int gltf_write(const struct still *still, FILE *to, const char *path,
         add_object(&gltf, &still->objects[i], i, still->t);
     }
     if (still->contact_count > 0) {
-        add_marks(&gltf, still, false);
-        add_marks(&gltf, still, true);
+        add_contacts(&gltf, still);
+        add_normals(&gltf, still);
     }
     if (still->line_count > 0) {
         add_lines(&gltf, still);
