@@ -16,6 +16,7 @@ libctl_la_SOURCES = \
     client/ctl/statistics.c client/ctl/statistics.h \
     client/ctl/terminal.c client/ctl/terminal.h \
     client/ctl/check/ask_options.c client/ctl/check/ask_options.h \
+    client/ctl/check/check_options.c client/ctl/check/check_options.h \
     client/ctl/check/check_run.c client/ctl/check/check_run.h \
     client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
     client/ctl/check/player.c client/ctl/check/player.h \

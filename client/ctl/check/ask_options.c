@@ -131,9 +131,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct ask_options *options = state->input;
     switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
     case OPTION_JSON:
         options->is_json = true;
         return 0;
@@ -150,9 +147,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp ask_options_argp = {
-    .options = option_list, .parser = parse, .children = children};
+const struct argp ask_options_argp = {.options = option_list, .parser = parse};
 
 int ask_options_read(struct ask_options *options, const struct argp *argp, int argc,
                      char **argv, void *input)

@@ -2,8 +2,8 @@
  *
  * Room:     client/ctl. May include: ctl.h, error.h, link.h, pccd.h.
  * Does:     provide the files, --json, --threads, --method, --tuning, --repeat,
- *           --deadline, --result-bytes, the options of thickness and the daemon's; say
- *           where the report goes, and end the command.
+ *           --deadline, --result-bytes and the options of thickness; say where the report
+ *           goes, and end the command.
  * Does not: know what is asked.
  * Threads:  one.
  */
@@ -32,7 +32,7 @@ struct ask_options {
 };
 
 /* An argp child without a heading; its input is a struct ask_options. It takes the
- * arguments. */
+ * arguments. The options of `link` are ctl_link_argp's. */
 extern const struct argp ask_options_argp;
 
 /* Read a command line, into `input` of which `options` are a part. Returns an exit

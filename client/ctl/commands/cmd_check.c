@@ -12,63 +12,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ask_options.h"
+#include "check_options.h"
 #include "check_run.h"
 #include "ctl.h"
-#include "names.h"
 #include "progress.h"
 #include "shown.h"
 #include "trace_file.h"
 
-#define TOLERANCE_MIN  1e-12
-#define SEPARATION_MAX 1e18
+enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };
 
-enum {
-    OPTION_MODE = 256 + 64,
-    OPTION_CONTACTS,
-    OPTION_QUALITY,
-    OPTION_REBUILD_RATIO,
-    OPTION_TOLERANCE,
-    OPTION_SEPARATION,
-    OPTION_APPROACH,
-    OPTION_TRACE,
-    OPTION_MIN_US,
-    OPTION_EVENTS
-};
-
-struct check_options {
-    struct ask_options ask; /* its CSV: of contacts */
-    struct pccd_step_settings settings;
-    struct pccd_scene_settings scene_settings;
+struct command {
+    struct check_options check;
     struct trace_options trace;
 };
 
 static const struct argp_option option_list[] = {
-    {"mode", OPTION_MODE, "all|first|any|pairs", 0,
-     "all (every contact, the default), first (the earliest), any (yes or no), pairs "
-     "(the pairs that no coordinate axis separates)",
-     0},
-    {"contacts", OPTION_CONTACTS, "FILE", 0,
-     "Write the contacts as CSV; - is the standard output, and the report then goes to "
-     "the "
-     "standard error",
-     0},
-    {"quality", OPTION_QUALITY, "median|sah", 0,
-     "Method paper: build hierarchies by median (the default) or sah", 0},
-    {"rebuild-ratio", OPTION_REBUILD_RATIO, "R", 0,
-     "Method paper: rebuild a subtree when its box has less than R times the volume of "
-     "its two halves, 0 (never) to 1 (default: 0.9)",
-     0},
-    {"tolerance", OPTION_TOLERANCE, "T", 0,
-     "Largest toi_hi - toi of a proved contact (default: 1e-6)", 0},
-    {"separation", OPTION_SEPARATION, "S", 0,
-     "Two features meet when they are S farther apart than the sum of their radii "
-     "(default: 0)",
-     0},
-    {"approach", OPTION_APPROACH, "A", 0,
-     "What begins at its distance or nearer meets when it comes to A times the distance "
-     "that it begins with, A above 0 and below 1 (default: at t = 0)",
-     0},
     {"trace", OPTION_TRACE, "FILE", 0,
      "Write a trace of what the daemon's threads do, for Perfetto; see pccdctl trace", 0},
     {"min-us", OPTION_MIN_US, "U", 0,
@@ -80,20 +38,12 @@ static const struct argp_option option_list[] = {
     {0},
 };
 
-static void check_usage(const struct argp_state *state,
-                        const struct check_options *options)
+static void check_usage(const struct argp_state *state, const struct trace_options *trace)
 {
-    if (options->ask.path_count < 2) {
-        tool_misused(state, "two files at least: the mesh before and after the step");
-    }
-    if (options->ask.csv != NULL && options->settings.mode == PCCD_MODE_ANY) {
-        tool_misused(state, "--contacts: mode any gives no contacts");
-    }
-    if (options->trace.path != NULL && strcmp(options->trace.path, "-") == 0) {
+    if (trace->path != NULL && strcmp(trace->path, "-") == 0) {
         tool_misused(state, "--trace: the standard output is the report's");
     }
-    if (options->trace.path == NULL &&
-        (options->trace.min_us > 0 || options->trace.events > 0)) {
+    if (trace->path == NULL && (trace->min_us > 0 || trace->events > 0)) {
         tool_misused(state, "--min-us and --events are of the recording, which --trace "
                             "asks for");
     }
@@ -102,17 +52,16 @@ static void check_usage(const struct argp_state *state,
 /* The options of the recording. */
 static error_t parse_trace(int key, char *text, const struct argp_state *state)
 {
-    struct check_options *options = state->input;
+    struct trace_options *trace = &((struct command *)state->input)->trace;
     switch (key) {
     case OPTION_TRACE:
-        options->trace.path = text;
+        trace->path = text;
         break;
     case OPTION_MIN_US:
-        options->trace.min_us =
-            ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
+        trace->min_us = ctl_option_count(state, "min-us", text, 0, TRACE_MIN_US_MAX);
         break;
     case OPTION_EVENTS:
-        options->trace.events =
+        trace->events =
             (uint32_t)ctl_option_count(state, "events", text, 1, TRACE_EVENTS_MAX);
         break;
     default:
@@ -123,52 +72,21 @@ static error_t parse_trace(int key, char *text, const struct argp_state *state)
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
-    struct check_options *options = state->input;
-    struct pccd_step_settings *settings = &options->settings;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->ask;
-        break;
-    case OPTION_MODE:
-        settings->mode = (enum pccd_mode)ctl_option_name(
-            state, "mode", text, common_mode_names, PCCD_MODE_COUNT);
-        break;
-    case OPTION_QUALITY:
-        options->scene_settings.quality = (enum pccd_quality)ctl_option_name(
-            state, "quality", text, common_quality_names, PCCD_QUALITY_COUNT);
-        break;
-    case OPTION_REBUILD_RATIO: {
-        double ratio = ctl_option_real(state, "rebuild-ratio", text, 0.0, 1.0);
-        options->scene_settings.rebuild_ratio = ratio == 0.0 ? -1.0 : ratio;
-        break;
+    struct command *command = state->input;
+    if (key == ARGP_KEY_INIT) {
+        state->child_inputs[0] = &command->check;
+        state->child_inputs[1] = &command->check.ask.link;
+        return 0;
     }
-    case OPTION_CONTACTS:
-        options->ask.csv = text;
-        break;
-    case OPTION_TOLERANCE:
-        settings->tolerance =
-            ctl_option_real(state, "tolerance", text, TOLERANCE_MIN, 1.0);
-        break;
-    case OPTION_SEPARATION:
-        settings->separation =
-            ctl_option_real(state, "separation", text, 0.0, SEPARATION_MAX);
-        break;
-    case OPTION_APPROACH:
-        settings->approach = ctl_option_real(state, "approach", text, 0.0, 1.0);
-        if (settings->approach == 0.0 || settings->approach == 1.0) {
-            tool_misused(state, "--approach: above 0 and below 1");
-        }
-        break;
-    case ARGP_KEY_END:
-        check_usage(state, options);
-        break;
-    default:
-        return parse_trace(key, text, state);
+    if (key == ARGP_KEY_END) {
+        check_usage(state, &command->trace);
+        return 0;
     }
-    return 0;
+    return parse_trace(key, text, state);
 }
 
-static const struct argp_child children[] = {{&ask_options_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&check_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
 const struct argp ctl_argp_check = {
     .options = option_list,
     .parser = parse,
@@ -187,6 +105,7 @@ const struct argp ctl_argp_check = {
 /* Everything that lives while the frames are walked through. */
 struct check {
     const struct check_options *options;
+    const struct trace_options *tracing;
     struct check_run run;
     struct contacts_csv csv;
     struct ctl_mesh frames[2]; /* before and after the step, by turns */
@@ -251,7 +170,7 @@ static int walk(struct check *check, struct ctl_error *error)
 static int walk_recorded(struct check *check, struct ctl_error *error)
 {
     struct pccd_client *client = check->run.client;
-    const struct trace_options *options = &check->options->trace;
+    const struct trace_options *options = check->tracing;
     if (options->path == NULL) {
         return walk(check, error);
     }
@@ -282,12 +201,8 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (ctl_link_open(&options->ask.link, &run->client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
-    run->settings = options->settings;
+    run->settings = check_step_settings(options);
     run->ask = &options->ask;
-    run->settings.threads = options->ask.threads;
-    run->settings.method = options->ask.method;
-    run->settings.tuning = options->ask.tuning;
-    run->settings.deadline_ns = options->ask.deadline_ns;
     run->mesh.settings = options->scene_settings;
     status = check_run_begin(run, &check->frames[0], options->ask.csv != NULL, error);
     if (status == PCCD_OK && options->ask.csv != NULL) {
@@ -322,18 +237,21 @@ static int report_all(struct check *check, struct ctl_error *error)
     if (!check->options->ask.is_json && step_count == 1) {
         report_print_step(check->report, &check->run.mesh, &check->steps[0]);
     }
-    if (check->options->trace.path != NULL) {
+    if (check->tracing->path != NULL) {
         trace_file_report(&check->trace,
                           check->options->ask.is_json ? stderr : check->report, false);
     }
     return PCCD_OK;
 }
 
-static int run_check(const struct check_options *options)
+static int run_check(const struct command *command)
 {
+    const struct check_options *options = &command->check;
     struct ctl_error error = {.text = ""};
     struct ctl_error close_error = {.text = ""};
-    struct check check = {.options = options, .report = ask_report_to(&options->ask)};
+    struct check check = {.options = options,
+                          .tracing = &command->trace,
+                          .report = ask_report_to(&options->ask)};
     uint32_t default_repeats = options->ask.path_count == 2 ? 1 : 0;
     int status, closed;
     check.run.repeats = options->ask.has_repeats ? options->ask.repeats : default_repeats;
@@ -358,11 +276,12 @@ static int run_check(const struct check_options *options)
 
 int ctl_cmd_check(int argc, char **argv)
 {
-    struct check_options options = {.settings = PCCD_STEP_SETTINGS_INIT};
-    int status = ask_options_read(&options.ask, &ctl_argp_check, argc, argv, &options);
+    struct command command = {.check.settings = PCCD_STEP_SETTINGS_INIT};
+    struct ask_options *ask = &command.check.ask;
+    int status = ask_options_read(ask, &ctl_argp_check, argc, argv, &command);
     if (status == CTL_DONE) {
-        status = run_check(&options);
+        status = run_check(&command);
     }
-    ask_options_deinit(&options.ask);
+    ask_options_deinit(ask);
     return status;
 }

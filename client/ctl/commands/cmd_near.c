@@ -79,6 +79,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->ask;
+        state->child_inputs[1] = &options->ask.link;
         break;
     case OPTION_DISTANCE:
         settings->distance = ctl_option_real(state, "distance", text, 0.0, DISTANCE_MAX);
@@ -104,7 +105,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
     return 0;
 }
 
-static const struct argp_child children[] = {{&ask_options_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&ask_options_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
 const struct argp ctl_argp_near = {
     .options = option_list,
     .parser = parse,

@@ -1,0 +1,69 @@
+/* balance.c - work of the ranks.
+ *
+ * Room:     client/mpi.
+ * Threads:  one.
+ * Source:   balance.h.
+ */
+#include "balance.h"
+
+#include <stdlib.h>
+
+/* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
+ * as long as a cut takes; after the first step, whose cut knew nothing of work, at
+ * once. */
+#define IMBALANCE_MAX 1.05
+
+/* A candidate takes some times as long as a pair of boxes. */
+#define CANDIDATE_WORK 8u
+
+void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
+{
+    uint64_t candidates = 0;
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        candidates += counters->candidates[kind];
+    }
+    world->share.work = counters->box_tests + CANDIDATE_WORK * candidates;
+}
+
+int balance_tell(struct pccd_mpi *world)
+{
+    struct ranks_link *link = &world->link;
+    uint64_t *all = ranks_array((uint64_t)link->size, sizeof *all);
+    int status = ranks_agree_on(link, all == NULL ? ranks_no_memory(world) : PCCD_OK);
+    if (status == PCCD_OK) {
+        status = ranks_tell_all(link, world->share.work, all);
+    }
+    double sum = 0, most = 0;
+    for (int r = 0; r < link->size && status == PCCD_OK; r++) {
+        sum += (double)all[r];
+        most = (double)all[r] > most ? (double)all[r] : most;
+    }
+    world->share.imbalance = sum > 0 ? most * link->size / sum : 1;
+    free(all);
+    return status;
+}
+
+void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
+{
+    if (cut_ns > 0) {
+        world->cut_ns = cut_ns;
+        world->lost_ns = 0;
+        return;
+    }
+    world->lost_ns += (1 - 1 / world->share.imbalance) * (double)step_ns;
+}
+
+bool balance_wants_cut(const struct pccd_mpi *world)
+{
+    return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
+           (world->share.cuts < 2 || world->lost_ns > (double)world->cut_ns);
+}
+
+uint64_t balance_weight(const struct pccd_mpi *world)
+{
+    uint64_t leaves = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        leaves += world->objects[o]->own_count;
+    }
+    return leaves > 0 ? (world->share.work << 8) / leaves + 1 : 1;
+}

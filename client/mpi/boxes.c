@@ -1,0 +1,125 @@
+/* boxes.c - boxes around leaves.
+ *
+ * Room:     client/mpi.
+ * Threads:  one.
+ * Source:   boxes.h.
+ */
+#include "boxes.h"
+
+#include <stdlib.h>
+
+#include "local.h"
+#include "places.h"
+
+#define BLOCKS_MAX       4096u /* of a rank, and one more for each object */
+#define BLOCK_LEAVES_MIN 16u
+
+void ranks_boxes_deinit(struct ranks_boxes *boxes)
+{
+    free(boxes->boxes);
+    free(boxes->first);
+    free(boxes->blocks);
+}
+
+/* Not less than the radius of any of the object's features. Radii of vertices are not
+ * here, so the largest of the mesh counts. */
+static double radius_of(const struct ranks_object *object)
+{
+    return object->settings.radius > 0 ? object->settings.radius
+                                       : object->mesh->radius_max;
+}
+
+/* What is smaller, by `growth`, than a float: the difference is rounded by less than the
+ * step to the next double. */
+static float grow_low(float low, double growth)
+{
+    return growth > 0 ? ranks_float_below(nextafter((double)low - growth, -INFINITY))
+                      : low;
+}
+static float grow_high(float high, double growth)
+{
+    return growth > 0 ? ranks_float_above(nextafter((double)high + growth, INFINITY))
+                      : high;
+}
+
+static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
+                  double skin, double growth, float box[6])
+{
+    for (int k = 0; k < 3; k++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int c = 0; c < 3; c++) {
+            double a = x0[corners[c]][k], b = x1[corners[c]][k];
+            low = fmin(low, fmin(a, b));
+            high = fmax(high, fmax(a, b));
+        }
+        box[k] = grow_low(ranks_cover_low(low, skin), growth);
+        box[k + 3] = grow_high(ranks_cover_high(high, skin), growth);
+    }
+}
+
+static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
+                        double skin, double growth, const double (*x0)[3],
+                        const double (*x1)[3], float (*boxes)[6])
+{
+    uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
+    int status = corners == NULL
+                     ? ranks_no_memory(world)
+                     : ranks_local_corners(world, &object->local, object->own,
+                                           object->own_count, corners);
+    for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
+        bound(x0, x1, corners[i], skin, growth, boxes[i]);
+    }
+    free(corners);
+    return status;
+}
+
+static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
+                        struct ranks_boxes *boxes)
+{
+    uint64_t size = leaf_count / BLOCKS_MAX + 1;
+    size = size < BLOCK_LEAVES_MIN ? BLOCK_LEAVES_MIN : size;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        uint32_t count = world->objects[o]->own_count;
+        for (uint32_t begin = 0; begin < count; begin += (uint32_t)size) {
+            struct ranks_block *block = &boxes->blocks[boxes->block_count++];
+            block->object = o;
+            block->begin = begin;
+            block->count = count - begin < size ? count - begin : (uint32_t)size;
+            ranks_box_begin(block->box);
+            for (uint32_t i = 0; i < block->count; i++) {
+                ranks_box_add(block->box, boxes->boxes[boxes->first[o] + begin + i]);
+            }
+        }
+    }
+}
+
+int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *skins,
+                     const double (*const *x0)[3], const double (*const *x1)[3],
+                     struct ranks_boxes *boxes)
+{
+    uint32_t objects = world->object_count;
+    uint64_t count = 0;
+    boxes->first = ranks_array(objects, sizeof *boxes->first);
+    for (uint32_t o = 0; o < objects && boxes->first != NULL; o++) {
+        boxes->first[o] = count;
+        count += world->objects[o]->own_count;
+    }
+    boxes->boxes = ranks_array(count, sizeof *boxes->boxes);
+    boxes->blocks = ranks_array(BLOCKS_MAX + objects + count / BLOCK_LEAVES_MIN,
+                                sizeof *boxes->blocks);
+    if (boxes->first == NULL || boxes->boxes == NULL || boxes->blocks == NULL) {
+        return ranks_no_memory(world);
+    }
+    for (uint32_t o = 0; o < objects; o++) {
+        const struct ranks_object *object = world->objects[o];
+        double growth = separation / 2 + radius_of(object);
+        growth = growth > 0 ? nextafter(growth, INFINITY) : 0;
+        int status = bound_leaves(world, object, skins[o], growth, x0[o], x1[o],
+                                  boxes->boxes + boxes->first[o]);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    make_blocks(world, count, boxes);
+    return PCCD_OK;
+}

@@ -1,0 +1,80 @@
+/* boxes.h - boxes around leaves over a step, and around blocks of them.
+ *
+ * Room:     client/mpi. May include: world.h.
+ * Does:     bound what a leaf can meet: both ends of the step, half of the distance at
+ *           which it meets, and a skin; rounded outward to floats.
+ * Threads:  one.
+ */
+#ifndef RANKS_BOXES_H
+#define RANKS_BOXES_H
+
+#include <float.h>
+#include <math.h>
+
+#include "world.h"
+
+/* Leaves of one object that lie one behind the other on the curve. */
+struct ranks_block {
+    float box[6]; /* low, high */
+    uint32_t object;
+    uint32_t begin, count; /* of the object's own leaves */
+};
+
+struct ranks_boxes {
+    float (*boxes)[6]; /* of own leaves; those of object o begin at first[o] */
+    uint64_t *first;
+    struct ranks_block *blocks;
+    uint32_t block_count;
+};
+
+/* In this rank alone: x0[o], x1[o] of the local vertices of object o. */
+int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *skins,
+                     const double (*const *x0)[3], const double (*const *x1)[3],
+                     struct ranks_boxes *boxes);
+void ranks_boxes_deinit(struct ranks_boxes *boxes);
+
+/* The next float at or below, or above, a double; infinite beyond all floats. */
+static inline float ranks_float_below(double x)
+{
+    float f = (float)x;
+    return (double)f > x ? nextafterf(f, -INFINITY) : f;
+}
+static inline float ranks_float_above(double x)
+{
+    float f = (float)x;
+    return (double)f < x ? nextafterf(f, INFINITY) : f;
+}
+/* How low or high a vertex may come that is at x, or farther in, in a step now, and moves
+ * by a skin later. */
+static inline float ranks_cover_low(double x, double skin)
+{
+    return ranks_float_below(x - skin);
+}
+static inline float ranks_cover_high(double x, double skin)
+{
+    return ranks_float_above(x + skin);
+}
+
+static inline void ranks_box_begin(float box[6])
+{
+    for (int k = 0; k < 3; k++) {
+        box[k] = INFINITY;
+        box[k + 3] = -INFINITY;
+    }
+}
+
+static inline void ranks_box_add(float box[6], const float other[6])
+{
+    for (int k = 0; k < 3; k++) {
+        box[k] = other[k] < box[k] ? other[k] : box[k];
+        box[k + 3] = other[k + 3] > box[k + 3] ? other[k + 3] : box[k + 3];
+    }
+}
+
+static inline bool ranks_boxes_meet(const float a[6], const float b[6])
+{
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] &&
+           a[2] <= b[5] && b[2] <= a[5];
+}
+
+#endif

@@ -1,0 +1,17 @@
+/* cut.h - which rank computes for which leaves.
+ *
+ * Room:     client/mpi. May include: world.h.
+ * Does:     order the leaves of all objects along a curve and cut it into pieces of equal
+ *           weight, one for each rank.
+ * Threads:  one.
+ */
+#ifndef RANKS_CUT_H
+#define RANKS_CUT_H
+
+#include "world.h"
+
+/* Collective: deal out the leaves by where their given vertices are (object->x). Each
+ * leaf of this rank weighs `weight`, at least 1. Afterwards there are no ghosts. */
+int ranks_cut(struct pccd_mpi *world, uint64_t weight);
+
+#endif

@@ -1,0 +1,268 @@
+/* gather.c - the records of all ranks on one of them; what a rank can tell of its share.
+ *
+ * Room:     client/mpi.
+ * Does:     merge what the ranks have, each of them sorted: the root asks a rank for its
+ *           next records when it has used up those that it had.
+ * Threads:  one.
+ * Source:   pccd_mpi.h.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "records.h"
+
+#define CHUNK_RECORDS 4096u
+#define TAG_ASK       18
+#define TAG_RECORDS   19
+
+/* Of one rank, at the root. */
+struct stream {
+    char *records; /* [CHUNK_RECORDS] */
+    uint64_t count, at;
+    uint64_t left; /* that the rank has not sent yet */
+};
+
+struct merge {
+    struct pccd_mpi *world;
+    size_t record_bytes;
+    struct stream *streams;
+    char *out; /* [CHUNK_RECORDS] */
+    uint64_t out_count;
+    pccd_mpi_records_fn each;
+    void *context;
+    int verdict; /* of `each` */
+};
+
+/* kind, object_a, feature_a, object_b, feature_b: where they stand in a record. */
+static void key_of(const char *record, bool is_pair, uint32_t key[5])
+{
+    uint32_t words[6];
+    memcpy(words, record, is_pair ? 5 * sizeof *words : 6 * sizeof *words);
+    key[0] = words[0];
+    memcpy(key + 1, words + (is_pair ? 1 : 2), 4 * sizeof *key);
+}
+
+static bool is_before(const char *a, const char *b, bool is_pair)
+{
+    uint32_t one[5], other[5];
+    key_of(a, is_pair, one);
+    key_of(b, is_pair, other);
+    for (int k = 0; k < 5; k++) {
+        if (one[k] != other[k]) {
+            return one[k] < other[k];
+        }
+    }
+    return false;
+}
+
+/* Without a bound on the time: the root takes as long as `each` does. */
+static int await(struct ranks_link *link, MPI_Request *request)
+{
+    int status = ranks_wait(link, request, 1);
+    while (status == PCCD_E_TIMEOUT) {
+        link->broken = PCCD_OK;
+        status = ranks_wait(link, request, 1);
+    }
+    return status;
+}
+
+static int begin(struct ranks_link *link, bool sends, void *bytes, size_t count, int rank,
+                 int tag, MPI_Request *request)
+{
+    int code = sends ? MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request)
+                     : MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm,
+                                 request);
+    return ranks_mpi(link, code, "gathering records");
+}
+
+/* ---- the others ---------------------------------------------------------------------- */
+
+static int serve(struct pccd_mpi *world, int root)
+{
+    struct ranks_link *link = &world->link;
+    size_t record_bytes = ranks_record_bytes(world->mode);
+    uint64_t sent = 0;
+    MPI_Request request;
+    int status = PCCD_OK;
+    while (sent < world->record_count && status == PCCD_OK) {
+        char goes_on = 0;
+        status = begin(link, false, &goes_on, 1, root, TAG_ASK, &request);
+        status = status == PCCD_OK ? await(link, &request) : status;
+        if (status != PCCD_OK || !goes_on) {
+            break;
+        }
+        uint64_t count = world->record_count - sent;
+        count = count < CHUNK_RECORDS ? count : CHUNK_RECORDS;
+        status = begin(link, true, (char *)world->records + sent * record_bytes,
+                       count * record_bytes, root, TAG_RECORDS, &request);
+        status = status == PCCD_OK ? await(link, &request) : status;
+        sent += count;
+    }
+    return status;
+}
+
+/* ---- the root ------------------------------------------------------------------------ */
+
+/* The next records of rank r; with goes_on false it need not send any more. */
+static int ask(struct merge *merge, int r, bool goes_on)
+{
+    struct ranks_link *link = &merge->world->link;
+    struct stream *stream = &merge->streams[r];
+    uint64_t count = stream->left < CHUNK_RECORDS ? stream->left : CHUNK_RECORDS;
+    char word = goes_on;
+    stream->at = stream->count = 0;
+    if (count == 0) {
+        return PCCD_OK;
+    }
+    if (r == link->rank) {
+        uint64_t at = merge->world->record_count - stream->left;
+        memcpy(stream->records,
+               (const char *)merge->world->records + at * merge->record_bytes,
+               count * merge->record_bytes);
+    } else {
+        MPI_Request request;
+        int status = begin(link, true, &word, 1, r, TAG_ASK, &request);
+        status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
+        if (status == PCCD_OK && goes_on) {
+            status = begin(link, false, stream->records, count * merge->record_bytes, r,
+                           TAG_RECORDS, &request);
+            status = status == PCCD_OK ? ranks_wait(link, &request, 1) : status;
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    stream->count = count;
+    stream->left = goes_on ? stream->left - count : 0;
+    return PCCD_OK;
+}
+
+static void flush(struct merge *merge)
+{
+    if (merge->out_count > 0 && merge->verdict == 0) {
+        merge->verdict = merge->each(merge->context, merge->out, merge->out_count);
+    }
+    merge->out_count = 0;
+}
+
+/* The stream with the lowest record; -1: there is none. */
+static int lowest(const struct merge *merge)
+{
+    bool is_pair = merge->world->mode == PCCD_MODE_PAIRS;
+    const char *best = NULL;
+    int found = -1;
+    for (int r = 0; r < merge->world->link.size; r++) {
+        const struct stream *stream = &merge->streams[r];
+        const char *record = stream->records + stream->at * merge->record_bytes;
+        if (stream->at < stream->count &&
+            (best == NULL || is_before(record, best, is_pair))) {
+            best = record;
+            found = r;
+        }
+    }
+    return found;
+}
+
+static int merge_all(struct merge *merge)
+{
+    int size = merge->world->link.size, status = PCCD_OK;
+    for (int r = 0; r < size && status == PCCD_OK; r++) {
+        status = ask(merge, r, true);
+    }
+    for (int r = lowest(merge); r >= 0 && status == PCCD_OK && merge->verdict == 0;
+         r = lowest(merge)) {
+        struct stream *stream = &merge->streams[r];
+        memcpy(merge->out + merge->out_count++ * merge->record_bytes,
+               stream->records + stream->at++ * merge->record_bytes, merge->record_bytes);
+        if (merge->out_count == CHUNK_RECORDS) {
+            flush(merge);
+        }
+        if (stream->at == stream->count) {
+            status = ask(merge, r, true);
+        }
+    }
+    flush(merge);
+    for (int r = 0; r < size && status == PCCD_OK && merge->verdict != 0; r++) {
+        status = ask(merge, r, false);
+    }
+    return status;
+}
+
+static int make_streams(struct merge *merge, const uint64_t *counts)
+{
+    int size = merge->world->link.size;
+    merge->out = ranks_array(CHUNK_RECORDS, merge->record_bytes);
+    merge->streams = calloc((size_t)size, sizeof *merge->streams);
+    if (merge->out == NULL || merge->streams == NULL) {
+        return ranks_no_memory(merge->world);
+    }
+    for (int r = 0; r < size; r++) {
+        merge->streams[r].left = counts[r];
+        merge->streams[r].records = ranks_array(CHUNK_RECORDS, merge->record_bytes);
+        if (merge->streams[r].records == NULL) {
+            return ranks_no_memory(merge->world);
+        }
+    }
+    return PCCD_OK;
+}
+
+int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
+                    void *context)
+{
+    struct ranks_link *link = &world->link;
+    struct merge merge = {.world = world,
+                          .record_bytes = ranks_record_bytes(world->mode),
+                          .each = each,
+                          .context = context};
+    uint64_t *counts = ranks_array((uint64_t)link->size, sizeof *counts);
+    int status = counts == NULL ? ranks_no_memory(world) : PCCD_OK;
+    if (root < 0 || root >= link->size) {
+        status = ranks_fail(link, PCCD_E_INVAL, "there is no rank %d", root);
+    }
+    status = ranks_agree(link, RANKS_GATHER, (uint64_t)root, status);
+    if (status == PCCD_OK) {
+        status = ranks_tell_all(link, world->record_count, counts);
+    }
+    if (status == PCCD_OK) {
+        status =
+            ranks_agree_on(link, link->rank == root ? make_streams(&merge, counts) : PCCD_OK);
+    }
+    if (status == PCCD_OK) {
+        status = link->rank == root ? merge_all(&merge) : serve(world, root);
+    }
+    if (status == PCCD_OK && merge.verdict != 0) {
+        status = ranks_fail(link, PCCD_E_CANCELLED,
+                            "rank %d took no more records", root);
+    }
+    status = link->broken != PCCD_OK ? status : ranks_agree_on(link, status);
+    for (int r = 0; merge.streams != NULL && r < link->size; r++) {
+        free(merge.streams[r].records);
+    }
+    free(merge.streams);
+    free(merge.out);
+    free(counts);
+    return status;
+}
+
+/* ---- shares -------------------------------------------------------------------------- */
+
+int pccd_mpi_get_share(struct pccd_mpi *world, struct pccd_mpi_share *share)
+{
+    struct pccd_mpi_share now = world->share;
+    int status = ranks_agree(&world->link, RANKS_GET_SHARE, 0, PCCD_OK);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    now.own = now.ghosts = now.own_vertices = now.ghost_vertices = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        const struct ranks_object *object = world->objects[o];
+        now.own += object->own_count;
+        now.ghosts += object->ghost_count;
+        now.own_vertices += object->own_vertex_count;
+        now.ghost_vertices += object->local.vertex_count - object->own_vertex_count;
+    }
+    size_t bytes = share->struct_bytes;
+    now.struct_bytes = bytes;
+    memcpy(share, &now, bytes == 0 || bytes > sizeof now ? sizeof now : bytes);
+    return PCCD_OK;
+}

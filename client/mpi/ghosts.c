@@ -1,0 +1,389 @@
+/* ghosts.c - leaves that ranks have to know of each other.
+ *
+ * Room:     client/mpi.
+ * Threads:  one.
+ * Source:   ghosts.h.
+ */
+#include "ghosts.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "boxes.h"
+#include "local.h"
+#include "places.h"
+#include "rank_sort.h"
+
+/* Boxes are larger by so many times what the fastest vertex of the object moves. */
+#define SKIN_STEPS 3.0
+
+/* A ghost under way. */
+struct visitor {
+    uint32_t object;
+    struct ranks_leaf leaf;
+};
+
+/* What choosing ghosts needs for its time. */
+struct choice {
+    double separation;
+    double *skins;             /* [object] */
+    double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
+    struct ranks_boxes mine;   /* of own leaves, and their blocks */
+    struct ranks_block *all;   /* blocks of all ranks */
+    uint64_t *first;           /* [size + 1] of these */
+    struct visitor *out;
+    uint64_t *out_first;
+    struct visitor *in;
+    uint64_t *in_first;
+};
+
+static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        if (choice->x0 != NULL) {
+            free(choice->x0[o]);
+        }
+        if (choice->x1 != NULL) {
+            free(choice->x1[o]);
+        }
+    }
+    free((void *)choice->x0);
+    free((void *)choice->x1);
+    free(choice->skins);
+    ranks_boxes_deinit(&choice->mine);
+    free(choice->all);
+    free(choice->first);
+    free(choice->out);
+    free(choice->out_first);
+    free(choice->in);
+    free(choice->in_first);
+}
+
+/* ---- how far things go --------------------------------------------------------------- */
+
+static double fastest(const struct ranks_object *object)
+{
+    double most = 0;
+    const double *from = (const double *)object->from;
+    const double *to = (const double *)object->to;
+    for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
+        most = fmax(most, fabs(to[i] - from[i]));
+    }
+    return most;
+}
+
+static int find_skins(struct pccd_mpi *world, double *skins)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        skins[o] = -fastest(world->objects[o]);
+    }
+    int status = ranks_min_doubles(&world->link, skins, (int)world->object_count);
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        skins[o] *= -SKIN_STEPS;
+    }
+    return status;
+}
+
+/* Of each given vertex of the object: the box within which it may be. */
+static int cover(struct pccd_mpi *world, struct ranks_object *object, double skin)
+{
+    uint32_t count = object->mesh->vertex_count;
+    if (object->cover == NULL) {
+        object->cover = ranks_array(count, sizeof *object->cover);
+    }
+    if (object->cover == NULL) {
+        return ranks_no_memory(world);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            double a = object->from[i][k], b = object->to[i][k];
+            object->cover[i][k] = ranks_cover_low(a < b ? a : b, skin);
+            object->cover[i][k + 3] = ranks_cover_high(a > b ? a : b, skin);
+        }
+    }
+    return PCCD_OK;
+}
+
+bool ranks_ghosts_miss(const struct ranks_object *object)
+{
+    if (object->cover == NULL) {
+        return true;
+    }
+    for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
+        for (int k = 0; k < 3; k++) {
+            double a = object->from[i][k], b = object->to[i][k];
+            double low = a < b ? a : b, high = a > b ? a : b;
+            if (low < (double)object->cover[i][k] ||
+                high > (double)object->cover[i][k + 3]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Positions of all local vertices at both ends. */
+static int fetch(struct pccd_mpi *world, struct choice *choice)
+{
+    uint32_t objects = world->object_count;
+    const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
+    choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
+    choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
+    choice->skins = ranks_array(objects, sizeof *choice->skins);
+    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL ||
+                         choice->skins == NULL
+                     ? ranks_no_memory(world)
+                     : PCCD_OK;
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        uint32_t count = world->objects[o]->local.vertex_count;
+        choice->x0[o] = ranks_array(count, sizeof **choice->x0);
+        choice->x1[o] = ranks_array(count, sizeof **choice->x1);
+        status = choice->x0[o] == NULL || choice->x1[o] == NULL ? ranks_no_memory(world)
+                                                                : PCCD_OK;
+    }
+    status = ranks_agree_on(&world->link, status);
+    for (int end = 0; end < 2 && status == PCCD_OK; end++) {
+        for (uint32_t o = 0; o < objects; o++) {
+            given[o] = end == 0 ? world->objects[o]->from : world->objects[o]->to;
+        }
+        status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
+    }
+    free((void *)given);
+    return status == PCCD_OK ? find_skins(world, choice->skins) : status;
+}
+
+/* ---- who needs what ------------------------------------------------------------------ */
+
+/* Which of the own leaves go to rank r: counts, or with out != NULL writes them. */
+static uint64_t choose_for(const struct pccd_mpi *world, const struct choice *choice,
+                           const struct ranks_block **near, int r, struct visitor *out)
+{
+    uint64_t count = 0;
+    const struct ranks_boxes *mine = &choice->mine;
+    for (uint32_t b = 0; b < mine->block_count; b++) {
+        const struct ranks_block *block = &mine->blocks[b];
+        uint32_t near_count = 0;
+        for (uint64_t i = choice->first[r]; i < choice->first[r + 1]; i++) {
+            const struct ranks_block *theirs = &choice->all[i];
+            if (ranks_boxes_meet(block->box, theirs->box) &&
+                ranks_may_meet(world, block->object, theirs->object)) {
+                near[near_count++] = theirs;
+            }
+        }
+        const struct ranks_object *object = world->objects[block->object];
+        for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
+            uint32_t leaf = block->begin + i;
+            const float *box = mine->boxes[mine->first[block->object] + leaf];
+            uint32_t n = 0;
+            while (n < near_count && !ranks_boxes_meet(box, near[n]->box)) {
+                n++;
+            }
+            if (n < near_count) {
+                if (out != NULL) {
+                    out[count] = (struct visitor){block->object, object->own[leaf]};
+                }
+                count++;
+            }
+        }
+    }
+    return count;
+}
+
+/* Of the blocks of each rank those that meet none of this rank's stay out. */
+static int choose(struct pccd_mpi *world, struct choice *choice)
+{
+    struct ranks_link *link = &world->link;
+    uint64_t cells = (uint64_t)link->size + 1;
+    const struct ranks_block **near =
+        ranks_array(choice->first[link->size], sizeof *near);
+    choice->out_first = ranks_array(cells, sizeof(uint64_t));
+    choice->in_first = ranks_array(cells, sizeof(uint64_t));
+    if (near == NULL || choice->out_first == NULL || choice->in_first == NULL) {
+        free(near);
+        return ranks_no_memory(world);
+    }
+    for (int pass = 0; pass < 2; pass++) {
+        uint64_t count = 0;
+        for (int r = 0; r < link->size; r++) {
+            choice->out_first[r] = count;
+            count += r == link->rank
+                         ? 0
+                         : choose_for(world, choice, near, r,
+                                      choice->out ? choice->out + count : NULL);
+        }
+        choice->out_first[link->size] = count;
+        if (pass == 0) {
+            choice->out = ranks_array(count, sizeof *choice->out);
+            if (choice->out == NULL) {
+                free(near);
+                return ranks_no_memory(world);
+            }
+        }
+    }
+    free(near);
+    return PCCD_OK;
+}
+
+/* Blocks far from all of this rank need not be looked at again and again. */
+static void forget_far(const struct pccd_mpi *world, struct choice *choice)
+{
+    float whole[6];
+    ranks_box_begin(whole);
+    for (uint32_t b = 0; b < choice->mine.block_count; b++) {
+        ranks_box_add(whole, choice->mine.blocks[b].box);
+    }
+    uint64_t kept = 0;
+    for (int r = 0; r < world->link.size; r++) {
+        uint64_t begin = choice->first[r];
+        choice->first[r] = kept;
+        for (uint64_t i = begin; i < choice->first[r + 1]; i++) {
+            if (ranks_boxes_meet(whole, choice->all[i].box)) {
+                choice->all[kept++] = choice->all[i];
+            }
+        }
+    }
+    choice->first[world->link.size] = kept;
+}
+
+/* ---- those that came ----------------------------------------------------------------- */
+
+/* A number that other ghosts do not have. */
+static uint64_t hash_of(const struct ranks_leaf *ghosts, uint32_t count)
+{
+    uint64_t hash = count + 1;
+    for (uint32_t i = 0; i < count; i++) {
+        hash = ranks_hash(hash, &ghosts[i].number, sizeof ghosts[i].number);
+    }
+    return hash;
+}
+
+/* Ghosts by object, and in the order of their numbers. Objects that have the same as
+ * before stay as they are. */
+static int settle(struct pccd_mpi *world, const struct choice *choice)
+{
+    uint64_t count = choice->in_first[world->link.size];
+    struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
+    if (keys == NULL) {
+        return ranks_no_memory(world);
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        const struct visitor *visitor = &choice->in[i];
+        keys[i] = (struct ranks_key){
+            (uint64_t)visitor->object << 32 | visitor->leaf.number, i};
+    }
+    const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
+    uint64_t at = 0;
+    int status = PCCD_OK;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        struct ranks_object *object = world->objects[o];
+        uint64_t begin = at;
+        while (at < count && sorted[at].key >> 32 == o) {
+            at++;
+        }
+        struct ranks_leaf *ghosts = ranks_array(at - begin, sizeof *ghosts);
+        if (ghosts == NULL) {
+            status = ranks_no_memory(world);
+            break;
+        }
+        for (uint64_t i = begin; i < at; i++) {
+            ghosts[i - begin] = choice->in[sorted[i].value].leaf;
+            ghosts[i - begin].owns = 0;
+        }
+        uint64_t hash = hash_of(ghosts, (uint32_t)(at - begin));
+        object->is_built = object->is_built && hash == object->ghosts_hash;
+        object->ghosts_hash = hash;
+        free(object->ghosts);
+        object->ghosts = ghosts;
+        object->ghost_count = (uint32_t)(at - begin);
+    }
+    free(keys);
+    return status;
+}
+
+/* Let libpccd have the objects that have changed in any rank. */
+static int build(struct pccd_mpi *world)
+{
+    struct ranks_link *link = &world->link;
+    uint32_t objects = world->object_count;
+    uint8_t *changed = ranks_array(objects, 1);
+    int status = changed == NULL ? ranks_no_memory(world) : PCCD_OK;
+    bool any = false;
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        struct ranks_object *object = world->objects[o];
+        changed[o] = !object->is_built;
+        status = changed[o] ? ranks_local_make(world, object) : PCCD_OK;
+    }
+    status = ranks_agree_on(link, status);
+    if (status == PCCD_OK) {
+        status = ranks_max_bytes(link, changed, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        any = any || changed[o];
+    }
+    if (any && status == PCCD_OK) {
+        status = ranks_plan_make(world);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        if (changed[o]) {
+            status = ranks_local_put(world, world->objects[o]);
+        }
+    }
+    free(changed);
+    return status;
+}
+
+static int choose_all(struct pccd_mpi *world, struct choice *choice)
+{
+    struct ranks_link *link = &world->link;
+    int status = fetch(world, choice);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        status = cover(world, world->objects[o], choice->skins[o]);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_boxes_make(world, choice->separation, choice->skins,
+                                  (const double(*const *)[3])choice->x0,
+                                  (const double(*const *)[3])choice->x1, &choice->mine);
+    }
+    choice->first = ranks_array((uint64_t)link->size + 1, sizeof(uint64_t));
+    if (status == PCCD_OK && choice->first == NULL) {
+        status = ranks_no_memory(world);
+    }
+    status = ranks_agree_on(link, status);
+    if (status == PCCD_OK) {
+        status = ranks_spread(link, sizeof(struct ranks_block), choice->mine.blocks,
+                              choice->mine.block_count, (void **)&choice->all,
+                              choice->first);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    forget_far(world, choice);
+    status = ranks_agree_on(link, choose(world, choice));
+    if (status == PCCD_OK) {
+        status = ranks_deal(link, sizeof *choice->out, choice->out, choice->out_first,
+                            (void **)&choice->in, choice->in_first);
+    }
+    return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
+}
+
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation)
+{
+    struct choice choice = {.separation = separation};
+    world->is_covered = false;
+    int status = choose_all(world, &choice);
+    choice_deinit(world, &choice);
+    if (status == PCCD_OK) {
+        status = build(world);
+    }
+    if (status == PCCD_OK) {
+        world->is_covered = true;
+        world->reach = separation;
+        world->share.searches++;
+    }
+    return status;
+}

@@ -1,0 +1,28 @@
+/* ghosts.h - which leaves of others a rank has to know.
+ *
+ * Room:     client/mpi. May include: world.h.
+ * Does:     send each leaf to the ranks of which some leaves come near it in a step; let
+ *           libpccd have them.
+ * Threads:  one.
+ *
+ * A pair is found by the rank that owns its first feature, so that rank needs a leaf with
+ * the second one. If the two features come together, so do the boxes of all leaves that
+ * have them. So it suffices that each leaf goes to each rank of which a block, some
+ * leaves one behind the other on the curve, meets it. All boxes hold both ends of the
+ * step and what the leaf reaches beyond itself, and then some more: they are right for
+ * later steps, too, until a vertex leaves the box that was made for it.
+ */
+#ifndef RANKS_GHOSTS_H
+#define RANKS_GHOSTS_H
+
+#include "world.h"
+
+/* Collective: choose ghosts for a step from object->from to object->to and a
+ * separation; afterwards world->is_covered, object->cover and the plan are right. */
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation);
+
+/* In this rank alone: would the given vertices of an object, both ends, leave their
+ * boxes? */
+bool ranks_ghosts_miss(const struct ranks_object *object);
+
+#endif

@@ -1,0 +1,50 @@
+# client/mpi/local.mk - libpccd-mpi and pccd-mpi, where configure was told of an MPI.
+#
+# As with libpccd, all of the library is a convenience library, which our own program has within.
+
+ranks_sources = \
+    client/mpi/balance.c client/mpi/balance.h \
+    client/mpi/boxes.c client/mpi/boxes.h \
+    client/mpi/curve.c client/mpi/curve.h \
+    client/mpi/cut.c client/mpi/cut.h \
+    client/mpi/gather.c \
+    client/mpi/ghosts.c client/mpi/ghosts.h \
+    client/mpi/local.c client/mpi/local.h \
+    client/mpi/parts.c client/mpi/parts.h \
+    client/mpi/places.c client/mpi/places.h \
+    client/mpi/rank_link.c client/mpi/rank_link.h \
+    client/mpi/rank_sort.c client/mpi/rank_sort.h \
+    client/mpi/records.c client/mpi/records.h \
+    client/mpi/sides.c \
+    client/mpi/step.c \
+    client/mpi/world.c client/mpi/world.h
+mpi_program_sources = \
+    client/mpi/program/check.c \
+    client/mpi/program/commands.h \
+    client/mpi/program/main.c \
+    client/mpi/program/together.c client/mpi/program/together.h
+ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib
+
+EXTRA_DIST += client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h $(ranks_sources) \
+    $(mpi_program_sources)
+
+if HAVE_MPI
+noinst_LTLIBRARIES += libranks.la
+lib_LTLIBRARIES += libpccd-mpi.la
+bin_PROGRAMS += pccd-mpi
+include_HEADERS += client/mpi/pccd_mpi.h
+pkgconfig_DATA += client/mpi/pccd-mpi.pc
+
+libranks_la_SOURCES = $(ranks_sources)
+libranks_la_CPPFLAGS = $(AM_CPPFLAGS) $(ranks_cppflags) $(MPI_CPPFLAGS) $(XXHASH_CFLAGS)
+libpccd_mpi_la_SOURCES =
+libpccd_mpi_la_LIBADD = libranks.la libpccd.la $(MPI_LIBS) $(LIBM)
+libpccd_mpi_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \
+    -Wl,--version-script=$(top_srcdir)/client/mpi/libpccd-mpi.map
+EXTRA_libpccd_mpi_la_DEPENDENCIES = client/mpi/libpccd-mpi.map
+
+pccd_mpi_SOURCES = $(mpi_program_sources)
+pccd_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
+    $(JANSSON_CFLAGS)
+pccd_mpi_LDADD = libranks.la libctl.la libclient.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
+endif

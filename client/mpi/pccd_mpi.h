@@ -1,0 +1,159 @@
+/* pccd_mpi.h - one scene over the ranks of an MPI program: every collision, with the same
+ * bytes for any number of ranks.
+ *
+ * A mesh is given in parts: each rank brings some of its triangles and the positions of
+ * the vertices that it owns, with the numbers that they have in the whole mesh. Each rank
+ * gets some of the contacts. All of them together are the records that one process would
+ * get for the whole scene, bit for bit, and so is the hash.
+ *
+ * Room:     client/mpi; installed. May include: mpi.h, pccd.h. Compiles as C++.
+ * Does:     cut the scene into parts of its own along a curve through space, send
+ *           positions to where they are needed, compute in each rank by libpccd with the
+ *           url direct:, keep each contact once, and add up.
+ * Does not: start ranks or carry bytes: MPI does.
+ * Threads:  one thread of a rank at a time, the one that may call MPI: with more than one
+ *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED.
+ *
+ * Every function with a world but pccd_mpi_error_text is collective: all ranks call it,
+ * in the same order. What says "the same on every rank" is compared first. All ranks get
+ * the same status; after an error nothing has changed, and pccd_mpi_error_text names the
+ * rank and what was wrong. Two errors end a world, so that every later call but
+ * pccd_mpi_close fails with E_STATE: E_TIMEOUT, a rank did not come; and E_SYSTEM, MPI
+ * itself failed. When a rank dies, MPI ends the others as well, as a rule.
+ *
+ *     struct pccd_mpi *world;
+ *     pccd_mpi_open(MPI_COMM_WORLD, NULL, &world);
+ *     pccd_mpi_mesh_put(world, &part, &mesh, NULL);      (this rank's part)
+ *     pccd_mpi_add(world, mesh, &object);
+ *     for (each step) {
+ *         struct pccd_motion motion = {.object = object, .count = part.vertex_count,
+ *                                      .format = PCCD_FORMAT_F64, .x1 = x1};
+ *         pccd_mpi_step(world, &motion, 1, NULL, &answer);
+ *         use(answer.contacts, answer.count);            (this rank's share)
+ *     }
+ *     pccd_mpi_close(world);
+ */
+#ifndef PCCD_MPI_H
+#define PCCD_MPI_H
+
+#include <mpi.h>
+#include "pccd.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC visibility push(default) /* the library is built with hidden visibility */
+#endif
+
+struct pccd_mpi;
+
+struct pccd_mpi_options {
+    size_t struct_bytes;   /* sizeof(struct pccd_mpi_options); 0 reads as that */
+    int timeout_ms;        /* how long to wait for another rank; 0 = 60000 */
+    uint32_t threads;      /* of a rank's steps; 0: its processors, divided by the ranks
+                              of the machine that may run on the same ones */
+    uint64_t result_bytes; /* of the memory for a page of records; 0 = 64 MiB */
+};
+
+/* Open a world for the ranks of `comm`, of which the library makes a communicator of its
+ * own. `options` NULL: the defaults; timeout_ms is the same on every rank. MPI must be
+ * initialised. Errors, with *world = NULL: those of pccd_connect for direct:, E_STATE
+ * (MPI is not initialised), E_INVAL, E_NOMEM. */
+int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
+                  struct pccd_mpi **world);
+/* Free it; NULL is allowed. */
+void pccd_mpi_close(struct pccd_mpi *world);
+
+/* A sentence about the last call that failed, the same on every rank; "" when none has.
+ * With NULL: about the last pccd_mpi_open of this thread. */
+const char *pccd_mpi_error_text(const struct pccd_mpi *world);
+
+/* What a rank has of a mesh. All numbers are those of the whole mesh, from 0. A rank may
+ * have nothing; one may have all. */
+struct pccd_mpi_part {
+    size_t struct_bytes; /* sizeof(struct pccd_mpi_part); 0 reads as that */
+    /* Of the whole mesh; the same on every rank. */
+    uint32_t vertex_total, triangle_total;
+    /* Vertices that this rank owns. Each vertex of the mesh has exactly one owner, who
+     * gives its positions in all steps. */
+    uint32_t vertex_count;
+    const uint32_t *vertices; /* [vertex_count]; NULL: those after the ranks before */
+    enum pccd_format format;  /* of x */
+    const void *x;            /* [vertex_count][3] registered positions */
+    const double *radii;      /* [vertex_count], as in struct pccd_mesh_data. NULL: 0 */
+    /* Triangles, edges and points of this rank, with any vertices. Each triangle is in
+     * one part. An edge or point may be in several. */
+    uint32_t triangle_count, edge_count, point_count;
+    const uint32_t *triangles;        /* [triangle_count][3] */
+    const uint32_t *triangle_numbers; /* NULL: those after the ranks before */
+    const uint32_t *edges;            /* [edge_count][2] */
+    const uint32_t *points;           /* [point_count] */
+};
+
+/* pccd_mesh_put for a mesh in parts: *mesh 0 makes one, another handle replaces it.
+ * `info`, which may be NULL, tells of the whole mesh. Errors: those of pccd_mesh_put;
+ * E_INVAL: a vertex has two owners or none, a triangle is in two parts or none. */
+int pccd_mpi_mesh_put(struct pccd_mpi *world, const struct pccd_mpi_part *part,
+                      uint32_t *mesh, struct pccd_mesh_info *info);
+int pccd_mpi_mesh_destroy(struct pccd_mpi *world, uint32_t mesh);
+
+/* pccd_scene_add, pccd_scene_remove, pccd_object_set and pccd_pair_ignore, with the same
+ * arguments on every rank. A world has one scene. Its objects have the handles that they
+ * would have in a scene of one process. */
+int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object);
+int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object);
+int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
+                        const struct pccd_object_settings *settings);
+int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t object_b,
+                         bool ignored);
+
+/* pccd_step for the whole scene. motions[]: of this rank's vertices, none on some ranks
+ * perhaps; `first` and `count` are places in the order of its part. Vertices that no
+ * motion has stand still. `settings`, which may be NULL, is the same on every rank;
+ * `threads` 0 means what the options say; `hold` must be off.
+ *
+ * answer: contacts, pairs and count are this rank's records, in canonical order, valid
+ * until the next call with the world, and not to be released. All other numbers are of
+ * the whole answer, the same on every rank: total, counts, possible, initial, inside,
+ * toi_first, safe_step, verdict, hash. Times are those of the slowest rank; counters and
+ * threads are sums. A record is kept by the rank that has its first feature.
+ *
+ * With a deadline each rank ends its own part; an incomplete answer has what was found.
+ * Errors: those of pccd_step. */
+int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
+                  uint32_t motion_count, const struct pccd_step_settings *settings,
+                  struct pccd_answer *answer);
+
+/* All records of the last answer in canonical order, to `each` on rank `root`, some
+ * thousands at a time: of struct pccd_pair in mode pairs, else of struct pccd_contact.
+ * `each` is called on `root` alone, and returns 0 to go on. */
+typedef int (*pccd_mpi_records_fn)(void *context, const void *records, uint64_t count);
+int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
+                    void *context);
+
+/* What the last step was spread over the ranks like. */
+struct pccd_mpi_share {
+    size_t struct_bytes;    /* sizeof(struct pccd_mpi_share); 0 reads as that */
+    uint64_t own;           /* triangles, free edges and points of this rank */
+    uint64_t ghosts;        /* those of others that it has to know */
+    uint64_t own_vertices;  /* vertices of its own triangles, edges and points */
+    uint64_t ghost_vertices;
+    uint64_t sent_bytes;    /* by this rank, in the last step */
+    uint64_t work;          /* counted, of this rank, in the last step */
+    double imbalance;       /* largest work of a rank over the mean; 1 if there was none */
+    uint64_t cuts;          /* how often the scene was cut anew so far */
+    uint64_t searches;      /* how often ghosts were chosen so far */
+};
+int pccd_mpi_get_share(struct pccd_mpi *world, struct pccd_mpi_share *share);
+
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

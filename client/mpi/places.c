@@ -1,0 +1,369 @@
+/* places.c - where vertices were given, and how their positions travel.
+ *
+ * Room:     client/mpi.
+ * Threads:  one.
+ * Source:   places.h.
+ */
+#include "places.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "parts.h"
+#include "rank_sort.h"
+
+int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                 const uint32_t *vertices, uint32_t count, struct ranks_place *places)
+{
+    struct ranks_link *link = &world->link;
+    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    uint32_t *asked = NULL;
+    struct ranks_place *found = NULL;
+    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    if (status == PCCD_OK) {
+        uint64_t *first_in = first + link->size + 1;
+        memset(first, 0, ((size_t)link->size + 1) * sizeof *first);
+        for (uint32_t i = 0; i < count; i++) {
+            first[ranks_directory(mesh, vertices[i]) + 1]++;
+        }
+        for (int r = 0; r < link->size; r++) {
+            first[r + 1] += first[r];
+        }
+        status = ranks_deal(link, sizeof *vertices, vertices, first, (void **)&asked,
+                            first_in);
+        if (status == PCCD_OK) {
+            uint64_t asked_count = first_in[link->size];
+            uint32_t base = (uint32_t)link->rank * mesh->span;
+            found = ranks_array(asked_count, sizeof *found);
+            status = found == NULL ? ranks_no_memory(world) : PCCD_OK;
+            for (uint64_t i = 0; status == PCCD_OK && i < asked_count; i++) {
+                found[i] = mesh->places[asked[i] - base];
+            }
+            status = ranks_agree_on(link, status);
+        }
+        if (status == PCCD_OK) {
+            status = ranks_swap(link, sizeof *found, found, first_in, places, first);
+        }
+    }
+    free(first);
+    free(asked);
+    free(found);
+    return status;
+}
+
+/* ---- once ---------------------------------------------------------------------------- */
+
+/* Positions of `width` numbers from those who were given them: asked[i] of this rank's
+ * list is answered at place[i]. */
+static int fetch(struct pccd_mpi *world, const double *given, uint32_t width,
+                 const uint64_t *first_wanted,
+                 const uint32_t *asked, const uint64_t *first_asked,
+                 const uint32_t *place, double *to)
+{
+    struct ranks_link *link = &world->link;
+    uint64_t out_count = first_asked[link->size], in_count = first_wanted[link->size];
+    double *out = ranks_array(out_count * width, sizeof *out);
+    double *in = ranks_array(in_count * width, sizeof *in);
+    int status =
+        ranks_agree_on(link, out == NULL || in == NULL ? ranks_no_memory(world) : PCCD_OK);
+    if (status == PCCD_OK) {
+        for (uint64_t i = 0; i < out_count; i++) {
+            memcpy(out + i * width, given + (size_t)asked[i] * width,
+                   width * sizeof *out);
+        }
+        status = ranks_swap(link, width * sizeof *out, out, first_asked, in, first_wanted);
+    }
+    for (uint64_t i = 0; status == PCCD_OK && i < in_count; i++) {
+        memcpy(to + (size_t)place[i] * width, in + i * width, width * sizeof *in);
+    }
+    free(out);
+    free(in);
+    return status;
+}
+
+/* In order of the rank that has them: first[size + 1], index[count], place[count]. */
+static void order_by_rank(const struct ranks_place *places, uint32_t count, int size,
+                          uint64_t *first, uint32_t *index, uint32_t *place)
+{
+    memset(first, 0, ((size_t)size + 1) * sizeof *first);
+    for (uint32_t i = 0; i < count; i++) {
+        first[places[i].rank]++;
+    }
+    uint64_t end = 0;
+    for (int r = 0; r <= size; r++) {
+        end += first[r];
+        first[r] = end;
+    }
+    for (uint32_t i = count; i-- > 0;) {
+        uint64_t at = --first[places[i].rank];
+        index[at] = places[i].index;
+        place[at] = i;
+    }
+}
+
+int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh,
+                           const uint32_t *vertices, uint32_t count, double (**x)[3],
+                           double **radii)
+{
+    struct ranks_link *link = &world->link;
+    bool with_radii = radii != NULL && mesh->has_radii;
+    struct ranks_place *places = ranks_array(count, sizeof *places);
+    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    uint32_t *index = ranks_array(2 * (uint64_t)count, sizeof *index), *asked = NULL;
+    double *values = ranks_array(3 * (uint64_t)count, sizeof *values);
+    double *some_radii = with_radii ? ranks_array(count, sizeof *some_radii) : NULL;
+    int status = places == NULL || first == NULL || index == NULL || values == NULL ||
+                         (with_radii && some_radii == NULL)
+                     ? ranks_no_memory(world)
+                     : PCCD_OK;
+    status = ranks_agree_on(link, status);
+    if (status == PCCD_OK) {
+        status = ranks_places(world, mesh, vertices, count, places);
+    }
+    if (status == PCCD_OK) {
+        uint64_t *first_asked = first + link->size + 1;
+        uint32_t *place = index + count;
+        order_by_rank(places, count, link->size, first, index, place);
+        status = ranks_deal(link, sizeof *index, index, first, (void **)&asked,
+                            first_asked);
+        if (status == PCCD_OK) {
+            status = fetch(world, (const double *)mesh->x, 3, first, asked,
+                           first_asked, place, values);
+        }
+        if (status == PCCD_OK && with_radii) {
+            status = fetch(world, mesh->radii, 1, first, asked, first_asked, place,
+                           some_radii);
+        }
+    }
+    free(places);
+    free(first);
+    free(index);
+    free(asked);
+    if (status != PCCD_OK) {
+        free(values);
+        free(some_radii);
+        return status;
+    }
+    *x = (double(*)[3])(void *)values;
+    if (radii != NULL) {
+        *radii = some_radii;
+    }
+    return PCCD_OK;
+}
+
+/* ---- the plan ------------------------------------------------------------------------ */
+
+/* A given vertex of an object. */
+struct request {
+    uint32_t object;
+    uint32_t index;
+};
+
+/* What the local vertices of object o need, in order of (rank, object) over all objects:
+ * counting first, then placing. */
+static void count_needs(struct ranks_plan *plan, const struct ranks_place *places,
+                        uint32_t count, uint32_t o)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        plan->in_first[(uint64_t)places[i].rank * plan->object_count + o]++;
+    }
+}
+
+static void place_needs(struct ranks_plan *plan, const struct ranks_place *places,
+                        uint32_t count, uint32_t o, struct request *requests)
+{
+    for (uint32_t i = count; i-- > 0;) {
+        uint64_t at = --plan->in_first[(uint64_t)places[i].rank * plan->object_count + o];
+        requests[at] = (struct request){o, places[i].index};
+        plan->in[at] = i;
+    }
+}
+
+static int find_places(struct pccd_mpi *world, struct ranks_place **places)
+{
+    uint64_t at = 0;
+    uint64_t total = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        total += world->objects[o]->local.vertex_count;
+    }
+    *places = ranks_array(total, sizeof **places);
+    int status =
+        ranks_agree_on(&world->link, *places == NULL ? ranks_no_memory(world) : PCCD_OK);
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
+        status = ranks_places(world, object->mesh, object->local.vertices,
+                              object->local.vertex_count, *places + at);
+        at += object->local.vertex_count;
+    }
+    return status;
+}
+
+static void sum_up(uint64_t *first, uint64_t cells)
+{
+    uint64_t end = 0;
+    for (uint64_t i = 0; i <= cells; i++) {
+        end += first[i];
+        first[i] = end;
+    }
+}
+
+/* The other side of the plan: what each rank asks of this one. */
+static int hear_requests(struct pccd_mpi *world, const struct request *requests,
+                         struct ranks_plan *plan)
+{
+    struct ranks_link *link = &world->link;
+    uint32_t objects = plan->object_count;
+    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    struct request *asked = NULL;
+    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    if (status == PCCD_OK) {
+        uint64_t *first_in = first + link->size + 1;
+        for (int r = 0; r <= link->size; r++) {
+            first[r] = plan->in_first[(uint64_t)r * objects];
+        }
+        status = ranks_deal(link, sizeof *requests, requests, first, (void **)&asked,
+                            first_in);
+        if (status == PCCD_OK) {
+            uint64_t count = first_in[link->size];
+            plan->out = ranks_array(count, sizeof *plan->out);
+            status = ranks_agree_on(link, plan->out == NULL ? ranks_no_memory(world)
+                                                            : PCCD_OK);
+        }
+        for (int r = 0; r < link->size && status == PCCD_OK; r++) {
+            for (uint64_t i = first_in[r]; i < first_in[r + 1]; i++) {
+                plan->out[i] = asked[i].index; /* in order of their objects */
+                plan->out_first[(uint64_t)r * objects + asked[i].object]++;
+            }
+        }
+    }
+    if (status == PCCD_OK) { /* counts to begins */
+        uint64_t before = 0;
+        for (uint64_t i = 0; i <= (uint64_t)link->size * objects; i++) {
+            uint64_t here = plan->out_first[i];
+            plan->out_first[i] = before;
+            before += here;
+        }
+    }
+    free(first);
+    free(asked);
+    return status;
+}
+
+int ranks_plan_make(struct pccd_mpi *world)
+{
+    struct ranks_link *link = &world->link;
+    struct ranks_plan plan = {.object_count = world->object_count};
+    uint64_t cells = (uint64_t)link->size * plan.object_count;
+    struct ranks_place *places = NULL;
+    struct request *requests = NULL;
+    int status = find_places(world, &places);
+    if (status == PCCD_OK) {
+        uint64_t total = 0;
+        for (uint32_t o = 0; o < plan.object_count; o++) {
+            total += world->objects[o]->local.vertex_count;
+        }
+        plan.in_first = calloc(cells + 1, sizeof *plan.in_first);
+        plan.out_first = calloc(cells + 1, sizeof *plan.out_first);
+        plan.in = ranks_array(total, sizeof *plan.in);
+        requests = ranks_array(total, sizeof *requests);
+        status = ranks_agree_on(link, plan.in_first == NULL || plan.out_first == NULL ||
+                                              plan.in == NULL || requests == NULL
+                                          ? ranks_no_memory(world)
+                                          : PCCD_OK);
+    }
+    if (status == PCCD_OK) {
+        uint64_t at = 0;
+        for (uint32_t o = 0; o < plan.object_count; o++) {
+            uint32_t count = world->objects[o]->local.vertex_count;
+            count_needs(&plan, places + at, count, o);
+            at += count;
+        }
+        sum_up(plan.in_first, cells);
+        for (uint32_t o = plan.object_count; o-- > 0;) {
+            uint32_t count = world->objects[o]->local.vertex_count;
+            at -= count;
+            place_needs(&plan, places + at, count, o, requests);
+        }
+        status = hear_requests(world, requests, &plan);
+    }
+    free(places);
+    free(requests);
+    if (status != PCCD_OK) {
+        ranks_plan_deinit(&plan);
+        return status;
+    }
+    ranks_plan_deinit(&world->plan);
+    world->plan = plan;
+    return PCCD_OK;
+}
+
+/* ---- a step -------------------------------------------------------------------------- */
+
+/* How many vertices go to, or come from, each rank: first[size + 1]. */
+static void count_sent(const uint64_t *cells, const double (*const *given)[3], int size,
+                       uint32_t objects, uint64_t *first)
+{
+    first[0] = 0;
+    for (int r = 0; r < size; r++) {
+        first[r + 1] = first[r];
+        for (uint32_t o = 0; o < objects; o++) {
+            const uint64_t *cell = cells + (uint64_t)r * objects + o;
+            first[r + 1] += given[o] != NULL ? cell[1] - cell[0] : 0;
+        }
+    }
+}
+
+int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
+                    double (*const *local)[3])
+{
+    struct ranks_link *link = &world->link;
+    const struct ranks_plan *plan = &world->plan;
+    uint32_t objects = plan->object_count;
+    uint64_t cells = (uint64_t)link->size * objects;
+    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    double(*out)[3] = NULL, (*in)[3] = NULL;
+    int status = PCCD_OK;
+    bool any = false;
+    for (uint32_t o = 0; o < objects; o++) {
+        any = any || given[o] != NULL;
+    }
+    if (!any) {
+        free(first);
+        return PCCD_OK;
+    }
+    if (first != NULL) {
+        count_sent(plan->out_first, given, link->size, objects, first);
+        count_sent(plan->in_first, given, link->size, objects, first + link->size + 1);
+        out = ranks_array(first[link->size], sizeof *out);
+        in = ranks_array(first[2 * link->size + 1], sizeof *in);
+    }
+    if (first == NULL || out == NULL || in == NULL) {
+        status = ranks_no_memory(world);
+    }
+    status = ranks_agree_on(link, status);
+    if (status == PCCD_OK) {
+        uint64_t at = 0;
+        for (uint64_t cell = 0; cell < cells; cell++) {
+            const double(*x)[3] = given[cell % objects];
+            for (uint64_t i = plan->out_first[cell]; x && i < plan->out_first[cell + 1];
+                 i++) {
+                memcpy(out[at++], x[plan->out[i]], sizeof *out);
+            }
+        }
+        status = ranks_swap(link, sizeof *out, out, first, in, first + link->size + 1);
+    }
+    if (status == PCCD_OK) {
+        uint64_t at = 0;
+        for (uint64_t cell = 0; cell < cells; cell++) {
+            uint32_t o = (uint32_t)(cell % objects);
+            for (uint64_t i = plan->in_first[cell];
+                 given[o] && i < plan->in_first[cell + 1]; i++) {
+                memcpy(local[o][plan->in[i]], in[at++], sizeof *in);
+            }
+        }
+    }
+    free(first);
+    free(out);
+    free(in);
+    return status;
+}

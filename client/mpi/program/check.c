@@ -1,0 +1,418 @@
+/* check.c - pccd-mpi check.
+ *
+ * Room:     client/mpi/program.
+ * Does:     reads frames of a mesh, of which each rank keeps a slice; has each step
+ *           answered by all ranks; the root reports as pccdctl check does.
+ * Threads:  one.
+ * Source:   client/ctl/commands/cmd_check.c.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check_options.h"
+#include "check_run.h"
+#include "clock.h"
+#include "commands.h"
+#include "coordinates.h"
+#include "ctl.h"
+#include "pccd_mpi.h"
+#include "shown.h"
+#include "together.h"
+
+enum { OPTION_TIMEOUT = 256 + 16, OPTION_SHARES };
+
+struct mpi_options {
+    struct check_options check;
+    struct pccd_mpi_options world;
+    bool tells_shares;
+};
+
+static const struct argp_option option_list[] = {
+    {"timeout", OPTION_TIMEOUT, "MS", 0,
+     "Give up waiting for another rank after MS milliseconds (default: 60000)", 0},
+    {"shares", OPTION_SHARES, NULL, 0,
+     "Tell on the standard error what each rank had in the last step", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct mpi_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->check;
+        return 0;
+    case OPTION_TIMEOUT:
+        options->world.timeout_ms =
+            (int)ctl_option_count(state, "timeout", text, 1, 3600000);
+        return 0;
+    case OPTION_SHARES:
+        options->tells_shares = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {
+    {&check_options_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
+static const struct argp check_argp = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
+    .doc = "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, "
+           "then to MESH_T2 and so on, by all ranks of an MPI program. Files, options, "
+           "output and exit status are those of pccdctl check; every rank has to be able "
+           "to read the files. --quality and --rebuild-ratio change nothing here.",
+    .children = children};
+
+/* Of `count` things, the first of rank r. */
+static uint32_t slice(uint32_t count, int r)
+{
+    return (uint32_t)((uint64_t)count * (uint32_t)r / (uint32_t)together_size());
+}
+
+/* Everything that lives while the frames are walked through. */
+struct check {
+    const struct mpi_options *options;
+    struct pccd_mpi *world;
+    struct check_run run; /* its client stays NULL */
+    struct contacts_csv csv;
+    uint32_t object;
+    uint32_t first, count;   /* vertices of this rank */
+    struct ctl_mesh before, after;
+    struct report_step *steps; /* [path_count - 1] */
+    uint32_t number;           /* of the step, from 1 */
+    FILE *report;
+};
+
+static int fail(const struct check *check, int status, struct ctl_error *error)
+{
+    return ctl_error_set(error, status, "%s", pccd_mpi_error_text(check->world));
+}
+
+/* ---- frames -------------------------------------------------------------------------- */
+
+/* Read a frame; it has one format with the one before. */
+static int read_after(struct check *check, uint32_t index, struct ctl_error *error)
+{
+    char **paths = check->options->check.ask.paths;
+    int status = ctl_mesh_read(paths[index], &check->after, error);
+    if (status == PCCD_OK) {
+        status = ctl_mesh_match(&check->before, paths[index - 1], &check->after,
+                                paths[index], error);
+    }
+    if (status == PCCD_OK && check->before.format != check->after.format) {
+        status = ctl_mesh_promote(&check->before, error);
+        if (status == PCCD_OK) {
+            status = ctl_mesh_promote(&check->after, error);
+        }
+    }
+    return together_agree(status, error);
+}
+
+static void keep_frame(struct check *check)
+{
+    ctl_mesh_deinit(&check->before);
+    check->before = check->after;
+    check->after = (struct ctl_mesh){0};
+}
+
+static const char *positions(const struct ctl_mesh *mesh, uint32_t first)
+{
+    return (const char *)mesh->x + (size_t)first * common_vertex_bytes(mesh->format);
+}
+
+/* The number of an edge's vertices is asked of libpccd, on the root. */
+static int find_edges(struct check *check, struct ctl_error *error)
+{
+    const struct pccd_options options = {.struct_bytes = sizeof options,
+                                         .url = "direct:",
+                                         .no_keep = true};
+    struct pccd_client *client = NULL;
+    uint32_t mesh = 0;
+    struct pccd_mesh_info info;
+    int status = pccd_connect(&options, &client);
+    if (status == PCCD_OK) {
+        status = check_run_put_mesh(client, &check->before, &mesh, &info);
+    }
+    if (status == PCCD_OK) {
+        check->run.edges = malloc(((size_t)info.edge_count + 1) * sizeof(struct pccd_edge));
+        status = check->run.edges == NULL
+                     ? PCCD_E_NOMEM
+                     : pccd_mesh_edges(client, mesh, check->run.edges, info.edge_count);
+    }
+    if (status != PCCD_OK) {
+        (void)ctl_error_set(error, status, "edges: %s", pccd_status_text(status));
+    }
+    pccd_close(client);
+    return status;
+}
+
+static int open_csv(struct check *check, struct ctl_error *error)
+{
+    int status = find_edges(check, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    size_t bytes = ((size_t)check->before.triangle_count + 1) * 3 * sizeof(uint32_t);
+    uint32_t(*triangles)[3] = malloc(bytes);
+    if (triangles == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
+    }
+    memcpy(triangles, check->before.triangles, bytes - 3 * sizeof(uint32_t));
+    check->csv.triangles = (const uint32_t(*)[3])triangles;
+    check->csv.edges = check->run.edges;
+    check->csv.has_step = check->options->check.ask.path_count > 2;
+    check->csv.path = check->options->check.ask.csv;
+    return contacts_csv_open(&check->csv, error);
+}
+
+/* ---- steps --------------------------------------------------------------------------- */
+
+/* Each rank gives its slice of everything. */
+static int put_mesh(struct check *check, uint32_t *mesh, struct ctl_error *error)
+{
+    const struct ctl_mesh *all = &check->before;
+    int rank = together_rank();
+    uint32_t triangle = slice(all->triangle_count, rank);
+    uint32_t edge = slice(all->edge_count, rank), point = slice(all->point_count, rank);
+    check->first = slice(all->vertex_count, rank);
+    check->count = slice(all->vertex_count, rank + 1) - check->first;
+    const struct pccd_mpi_part part = {
+        .struct_bytes = sizeof part,
+        .vertex_total = all->vertex_count,
+        .triangle_total = all->triangle_count,
+        .vertex_count = check->count,
+        .format = all->format,
+        .x = positions(all, check->first),
+        .triangle_count = slice(all->triangle_count, rank + 1) - triangle,
+        .edge_count = slice(all->edge_count, rank + 1) - edge,
+        .point_count = slice(all->point_count, rank + 1) - point,
+        .triangles = all->triangles ? all->triangles[triangle] : NULL,
+        .edges = all->edges ? all->edges[edge] : NULL,
+        .points = all->points ? all->points + point : NULL};
+    int status = pccd_mpi_mesh_put(check->world, &part, mesh, &check->run.mesh.info);
+    return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
+}
+
+static int begin(struct check *check, struct ctl_error *error)
+{
+    const struct pccd_object_settings *object = &check->options->check.ask.object;
+    uint32_t mesh = 0;
+    uint64_t begin_ns = common_now_ns();
+    int status = check_run_times(&check->run, error);
+    if (status == PCCD_OK) {
+        status = put_mesh(check, &mesh, error);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = pccd_mpi_add(check->world, mesh, &check->object);
+    if (status == PCCD_OK && object->what != 0) {
+        status = pccd_mpi_object_set(check->world, check->object, object);
+    }
+    check->run.mesh.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
+    return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
+}
+
+/* What check_run_repeat asks for: the answer without its records, which stay here until
+ * the next step. */
+static int move_once(void *context, bool is_again, struct pccd_answer *answer)
+{
+    const struct check *check = context;
+    const struct pccd_motion motion = {
+        .object = check->object,
+        .count = check->count,
+        .format = check->after.format,
+        .x0 = is_again ? positions(&check->before, check->first) : NULL,
+        .x1 = positions(&check->after, check->first)};
+    int status =
+        pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
+    answer->contacts = NULL;
+    answer->pairs = NULL;
+    answer->count = 0;
+    return status;
+}
+
+/* Records that were gathered, to the CSV. */
+static int write_records(void *context, const void *records, uint64_t count)
+{
+    const struct check *check = context;
+    struct pccd_answer page = {.count = count};
+    if (check->run.settings.mode == PCCD_MODE_PAIRS) {
+        page.pairs = records;
+    } else {
+        page.contacts = records;
+    }
+    contacts_csv_page(&check->csv, check->number, &page);
+    return 0;
+}
+
+static int make_step(struct check *check, struct ctl_error *error)
+{
+    const struct check_ask ask = {
+        .once = move_once, .failed = "the step failed", .context = check};
+    struct report_step *step = &check->steps[check->number - 1];
+    int status = check_run_repeat(&check->run, &ask, check->number, step, error);
+    if (status != PCCD_OK) {
+        return pccd_mpi_error_text(check->world)[0] != '\0' ? fail(check, status, error)
+                                                            : status;
+    }
+    if (check->options->check.ask.csv != NULL) {
+        status = pccd_mpi_gather(check->world, 0, write_records, check);
+    }
+    return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
+}
+
+static int walk(struct check *check, struct ctl_error *error)
+{
+    const struct ask_options *ask = &check->options->check.ask;
+    int status = PCCD_OK;
+    for (uint32_t i = 1; i < ask->path_count && status == PCCD_OK; i++) {
+        struct report_step *step = &check->steps[i - 1];
+        step->from = ask->paths[i - 1];
+        step->to = ask->paths[i];
+        check->number = i;
+        if (i > 1) {
+            keep_frame(check);
+            status = read_after(check, i, error);
+        }
+        if (status == PCCD_OK) {
+            status = make_step(check, error);
+        }
+        if (status == PCCD_OK && ask->path_count > 2 && !ask->is_json &&
+            together_is_root()) {
+            report_print_line(check->report, i, step);
+        }
+    }
+    if (status != PCCD_OK && check->number > 1) {
+        struct ctl_error why = *error;
+        (void)ctl_error_set(error, status, "%.900s; step %" PRIu32 " was the last one",
+                            why.text, check->number - 1);
+    }
+    return status;
+}
+
+/* ---- the command --------------------------------------------------------------------- */
+
+static int check_all(struct check *check, struct ctl_error *error)
+{
+    const struct ask_options *ask = &check->options->check.ask;
+    int status = together_agree(ctl_mesh_read(ask->paths[0], &check->before, error), error);
+    if (status == PCCD_OK) {
+        status = read_after(check, 1, error);
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    struct pccd_mpi_options world = check->options->world;
+    world.result_bytes = ask->link.result_bytes;
+    status = pccd_mpi_open(MPI_COMM_WORLD, &world, &check->world);
+    if (status != PCCD_OK) {
+        return ctl_error_set(error, status, "%s", pccd_mpi_error_text(NULL));
+    }
+    check->run.settings = check_step_settings(&check->options->check);
+    check->run.mesh.settings = check->options->check.scene_settings;
+    status = begin(check, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (ask->csv != NULL) {
+        status = together_agree(together_is_root() ? open_csv(check, error) : PCCD_OK,
+                                error);
+    }
+    if (status == PCCD_OK && !ask->is_json && together_is_root()) {
+        report_print_mesh(check->report, &check->run.mesh);
+    }
+    return status == PCCD_OK ? walk(check, error) : status;
+}
+
+static int report_all(struct check *check, struct ctl_error *error)
+{
+    const struct ask_options *ask = &check->options->check.ask;
+    uint32_t step_count = ask->path_count - 1;
+    if (ask->is_json &&
+        !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
+        return ctl_error_set(error, PCCD_E_SYSTEM,
+                             "the JSON report could not be written");
+    }
+    if (!ask->is_json && step_count == 1) {
+        report_print_step(check->report, &check->run.mesh, &check->steps[0]);
+    }
+    return PCCD_OK;
+}
+
+/* A line of each rank, in turn. */
+static void tell_shares(const struct check *check)
+{
+    struct pccd_mpi_share share = {.struct_bytes = sizeof share};
+    int status = pccd_mpi_get_share(check->world, &share);
+    for (int r = 0; r < together_size(); r++) {
+        MPI_Barrier(MPI_COMM_WORLD);
+        if (r == together_rank() && status == PCCD_OK) {
+            fprintf(stderr,
+                    "rank %d: own %" PRIu64 ", ghosts %" PRIu64 ", own vertices %" PRIu64
+                    ", ghost vertices %" PRIu64 ", sent %" PRIu64 " bytes, work %" PRIu64
+                    ", imbalance %.3f, cuts %" PRIu64 ", searches %" PRIu64 "\n",
+                    r, share.own, share.ghosts, share.own_vertices, share.ghost_vertices,
+                    share.sent_bytes, share.work, share.imbalance, share.cuts,
+                    share.searches);
+            fflush(stderr);
+        }
+    }
+}
+
+static int run_check(const struct mpi_options *options)
+{
+    const struct ask_options *ask = &options->check.ask;
+    struct ctl_error error = {.text = ""};
+    struct check check = {.options = options, .report = ask_report_to(ask)};
+    uint32_t default_repeats = ask->path_count == 2 ? 1 : 0;
+    check.run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
+    check.steps = calloc(ask->path_count - 1, sizeof *check.steps);
+    int status = check.steps == NULL ? ctl_error_set(&error, PCCD_E_NOMEM, "out of memory")
+                                     : PCCD_OK;
+    status = together_agree(status, &error);
+    if (status == PCCD_OK) {
+        status = check_all(&check, &error);
+    }
+    if (status == PCCD_OK && options->tells_shares) {
+        tell_shares(&check);
+    }
+    if (status == PCCD_OK && together_is_root()) {
+        status = report_all(&check, &error);
+    }
+    int closed = contacts_csv_close(&check.csv, status == PCCD_OK, &error);
+    status = status == PCCD_OK ? closed : status;
+    together_complain(&error);
+    check_run_deinit(&check.run);
+    pccd_mpi_close(check.world);
+    ctl_mesh_deinit(&check.before);
+    ctl_mesh_deinit(&check.after);
+    free((void *)(uintptr_t)check.csv.triangles);
+    free(check.steps);
+    return (int)ctl_exit_of(status, true);
+}
+
+int program_check(int argc, char **argv)
+{
+    struct mpi_options options = {.check.settings = PCCD_STEP_SETTINGS_INIT,
+                                  .world.struct_bytes = sizeof options.world};
+    struct ask_options *ask = &options.check.ask;
+    unsigned flags = together_is_root() ? 0 : ARGP_NO_ERRS | ARGP_NO_HELP;
+    ask->paths = malloc((size_t)argc * sizeof *ask->paths);
+    if (ask->paths == NULL) {
+        return CTL_FAILED;
+    }
+    int status = argp_parse(&check_argp, argc, argv, flags, NULL, &options) == 0
+                     ? CTL_DONE
+                     : CTL_USAGE;
+    if (status == CTL_DONE) {
+        status = run_check(&options);
+    }
+    ask_options_deinit(ask);
+    return status;
+}

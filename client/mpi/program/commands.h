@@ -1,0 +1,19 @@
+/* commands.h - the commands of pccd-mpi.
+ *
+ * Room:     client/mpi/program. May include: the C library.
+ * Does:     name them. Each is run by all ranks with the same arguments and returns one
+ *           of enum ctl_exit, the same on all.
+ * Threads:  one.
+ */
+#ifndef PROGRAM_COMMANDS_H
+#define PROGRAM_COMMANDS_H
+
+/* X(name, "what it does"), in the order of the help text. */
+#define PROGRAM_COMMANDS(X)                                                              \
+    X(check, "find the contacts between two or more frames of a mesh")
+
+#define PROGRAM_PROTOTYPE(name, text) int program_##name(int argc, char **argv);
+PROGRAM_COMMANDS(PROGRAM_PROTOTYPE)
+#undef PROGRAM_PROTOTYPE
+
+#endif

@@ -1,0 +1,28 @@
+/* together.h - what the ranks of pccd-mpi do together that is not the library's.
+ *
+ * Room:     client/mpi/program. May include: error.h, mpi.h.
+ * Does:     let all ranks know of an error of one of them, and tell it once.
+ * Threads:  one.
+ */
+#ifndef PROGRAM_TOGETHER_H
+#define PROGRAM_TOGETHER_H
+
+#include <stdbool.h>
+
+#include "error.h"
+
+int together_rank(void);
+int together_size(void);
+static inline bool together_is_root(void)
+{
+    return together_rank() == 0;
+}
+
+/* Collective: the status of the lowest rank that has one, and its text, which begins with
+ * "rank N: " then. */
+int together_agree(int status, struct ctl_error *error);
+
+/* One line on the standard error of the root, after "pccd-mpi: ". */
+void together_complain(const struct ctl_error *error);
+
+#endif

@@ -1,0 +1,89 @@
+/* rank_link.h - what ranks say to each other, with a bound on the time.
+ *
+ * Room:     client/mpi. May include: mpi.h, pccd_types.h.
+ * Does:     exchange arrays of any size between all ranks; reduce; let all ranks agree on
+ *           whether a call goes on.
+ * Does not: know what is sent.
+ * Threads:  one.
+ *
+ * Nothing here blocks in MPI: whoever waits looks at the clock and lets others run, so
+ * that ranks may outnumber processors. After the timeout, or an error of MPI, the link is
+ * broken for good: messages may still be under way into memory that nobody frees then.
+ */
+#ifndef RANKS_LINK_H
+#define RANKS_LINK_H
+
+#include <mpi.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pccd_types.h"
+
+#define RANKS_TEXT_BYTES 512
+
+struct ranks_link {
+    MPI_Comm comm;
+    int rank, size;
+    int timeout_ms;
+    int broken; /* 0, or the status of every later call */
+    uint64_t sent_bytes;
+    uint64_t calls; /* collective ones so far */
+    char text[RANKS_TEXT_BYTES];
+};
+
+/* A sentence about what went wrong in this rank. Returns `status`. */
+int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* What is done in the whole of a call; names of calls, for the message of one that is out
+ * of order. */
+enum ranks_call {
+    RANKS_MESH_PUT,
+    RANKS_MESH_DESTROY,
+    RANKS_ADD,
+    RANKS_REMOVE,
+    RANKS_OBJECT_SET,
+    RANKS_PAIR_IGNORE,
+    RANKS_STEP,
+    RANKS_GATHER,
+    RANKS_GET_SHARE,
+    RANKS_INSIDE /* a point within a call */
+};
+
+/* Every rank says how it stands; `arguments` is a hash of what must be the same. Returns
+ * on every rank the status of the lowest rank that has one, with its text; E_STATE if
+ * ranks called different things, E_INVAL if their arguments differ. */
+int ranks_agree(struct ranks_link *link, enum ranks_call call, uint64_t arguments,
+                int status);
+/* The same in the middle of a call. */
+int ranks_agree_on(struct ranks_link *link, int status);
+
+/* One number of each rank, from all to all. */
+int ranks_tell_all(struct ranks_link *link, uint64_t mine, uint64_t *all);
+/* Sums, or the largest, of count numbers, in place. */
+int ranks_sum(struct ranks_link *link, uint64_t *numbers, int count);
+int ranks_max_bytes(struct ranks_link *link, uint8_t *bytes, int count);
+int ranks_min_doubles(struct ranks_link *link, double *numbers, int count);
+
+/* Send out[first_out[r]] to out[first_out[r + 1] - 1] to rank r, items of item_bytes, and
+ * get what the others have for this rank, one rank after the other. The sizes are known
+ * on both sides; own items are copied. */
+int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
+               const uint64_t *first_out, void *in, const uint64_t *first_in);
+/* The same where the receiver does not know: *in is allocated, first_in[size + 1]
+ * written. */
+int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
+               const uint64_t *first_out, void **in, uint64_t *first_in);
+/* Of each rank `count` items, to all; likewise. */
+int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
+                 uint64_t count, void **all, uint64_t *first);
+
+/* For those who talk to one rank. */
+int ranks_wait(struct ranks_link *link, MPI_Request *requests, int count);
+int ranks_mpi(struct ranks_link *link, int code, const char *what);
+
+/* malloc for count items; never of 0 bytes. NULL: no memory. */
+void *ranks_array(uint64_t count, size_t item_bytes);
+
+#endif

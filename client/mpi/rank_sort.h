@@ -1,0 +1,22 @@
+/* rank_sort.h - sorts numbers with something attached, in linear time.
+ *
+ * Room:     client/mpi. May include: the C library.
+ * Does:     sort by a key of 64 bits; what is equal stays in its order.
+ * Threads:  [any].
+ */
+#ifndef RANKS_SORT_H
+#define RANKS_SORT_H
+
+#include <stdint.h>
+
+struct ranks_key {
+    uint64_t key;
+    uint64_t value;
+};
+
+/* Sorts count keys; `other` has room for as many. Returns where they are: `keys` or
+ * `other`. */
+struct ranks_key *ranks_sort(struct ranks_key *keys, struct ranks_key *other,
+                             uint64_t count);
+
+#endif

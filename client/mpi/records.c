@@ -1,0 +1,185 @@
+/* records.c - this rank's part of an answer.
+ *
+ * Room:     client/mpi.
+ * Threads:  one.
+ * Source:   records.h; proto/PROTOCOL.md, "The hash of an answer".
+ */
+#include "records.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "kinds.h"
+
+/* In this file: a record of a length that the compiler knows takes few instructions. */
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+/* A hash of 128 bits, added up in words of 32 so that sums over ranks do not overflow. */
+static void add_hash(uint64_t sum[4], XXH128_hash_t hash)
+{
+    sum[0] += hash.low64 & UINT32_MAX;
+    sum[1] += hash.low64 >> 32;
+    sum[2] += hash.high64 & UINT32_MAX;
+    sum[3] += hash.high64 >> 32;
+}
+
+static void carry(uint64_t sum[4])
+{
+    for (int i = 0; i < 4; i++) {
+        if (i < 3) {
+            sum[i + 1] += sum[i] >> 32;
+        }
+        sum[i] &= UINT32_MAX;
+    }
+}
+
+void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2])
+{
+    uint64_t sum[4];
+    memcpy(sum, sums->hash, sizeof sum);
+    carry(sum);
+    add_hash(sum, XXH3_128bits(&sums->total, sizeof sums->total));
+    carry(sum);
+    hash[0] = sum[3] << 32 | sum[2];
+    hash[1] = sum[1] << 32 | sum[0];
+}
+
+void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2])
+{
+    XXH128_hash_t of_it = XXH3_128bits(&verdict, sizeof verdict);
+    hash[0] = of_it.high64;
+    hash[1] = of_it.low64;
+}
+
+static bool has_bit(const uint64_t *bits, uint32_t i)
+{
+    return bits[i / 64] >> i % 64 & 1u;
+}
+
+/* The number in the whole of a local feature of `points` vertices. */
+static uint32_t number_of(const struct ranks_local *local, uint32_t points, uint32_t feature)
+{
+    return points == 1   ? local->vertices[feature]
+           : points == 2 ? local->edges[feature]
+                         : local->triangles[feature];
+}
+
+/* Records of one page have few objects, one after the other. */
+static const struct ranks_object *object_of(const struct pccd_mpi *world, uint32_t handle,
+                                            const struct ranks_object *last)
+{
+    return last != NULL && last->handle == handle ? last
+                                                  : ranks_find_object(world, handle);
+}
+
+/* Give a record its numbers; does it belong to this rank? */
+struct reader {
+    const struct ranks_object *a, *b;
+};
+static bool translate(const struct pccd_mpi *world, struct reader *reader, uint32_t kind,
+                      uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
+                      uint32_t *feature_b)
+{
+    const uint32_t *points = common_kinds[kind].points;
+    reader->a = object_of(world, object_a, reader->a);
+    reader->b = object_of(world, object_b, reader->b);
+    const struct ranks_local *local = &reader->a->local;
+    /* The first feature of every kind is a vertex or an edge. */
+    if (!has_bit(points[0] == 1 ? local->owns_vertex : local->owns_edge, *feature_a)) {
+        return false;
+    }
+    *feature_a = number_of(local, points[0], *feature_a);
+    *feature_b = number_of(&reader->b->local, points[1], *feature_b);
+    return true;
+}
+
+static int make_room(struct pccd_mpi *world, uint64_t more, size_t record_bytes)
+{
+    uint64_t wanted = world->record_count + more;
+    if (wanted <= world->record_capacity / record_bytes) {
+        return PCCD_OK;
+    }
+    uint64_t bytes = (wanted + wanted / 2) * record_bytes;
+    void *records = realloc(world->records, bytes);
+    if (records == NULL) {
+        return ranks_no_memory(world);
+    }
+    world->records = records;
+    world->record_capacity = bytes;
+    return PCCD_OK;
+}
+
+int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    struct reader reader = {NULL, NULL};
+    int status = make_room(world, page->count, ranks_record_bytes(world->mode));
+    if (status != PCCD_OK) {
+        return status;
+    }
+    for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
+        struct pccd_contact *to =
+            (struct pccd_contact *)world->records + world->record_count;
+        *to = page->contacts[i];
+        world->record_count += translate(world, &reader, to->kind, to->object_a,
+                                         &to->feature_a, to->object_b, &to->feature_b);
+    }
+    for (uint64_t i = 0; page->pairs != NULL && i < page->count; i++) {
+        struct pccd_pair *to = (struct pccd_pair *)world->records + world->record_count;
+        *to = page->pairs[i];
+        world->record_count += translate(world, &reader, to->kind, to->object_a,
+                                         &to->feature_a, to->object_b, &to->feature_b);
+    }
+    return PCCD_OK;
+}
+
+double ranks_records_limit(const struct pccd_mpi *world)
+{
+    const struct pccd_contact *contacts = world->records;
+    double limit = 2;
+    for (uint64_t i = 0; i < world->record_count; i++) {
+        limit = contacts[i].toi_hi < limit ? contacts[i].toi_hi : limit;
+    }
+    return limit;
+}
+
+void ranks_records_drop_later(struct pccd_mpi *world, double limit)
+{
+    struct pccd_contact *contacts = world->records;
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < world->record_count; i++) {
+        if (contacts[i].toi <= limit) {
+            contacts[kept++] = contacts[i];
+        }
+    }
+    world->record_count = kept;
+}
+
+static void count_contact(const struct pccd_contact *contact, struct ranks_sums *sums)
+{
+    bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
+    sums->counts[contact->kind]++;
+    sums->possible += (contact->flags & PCCD_PROVED) == 0;
+    sums->initial += is_initial;
+    sums->inside += (contact->flags & PCCD_INSIDE) != 0 && !is_initial;
+    sums->toi_first = contact->toi < sums->toi_first ? contact->toi : sums->toi_first;
+    add_hash(sums->hash, XXH3_128bits(contact, sizeof *contact));
+}
+
+void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums)
+{
+    *sums = (struct ranks_sums){.total = world->record_count, .toi_first = 2};
+    for (uint64_t i = 0; i < world->record_count; i++) {
+        if (world->mode == PCCD_MODE_PAIRS) {
+            const struct pccd_pair *pair = (const struct pccd_pair *)world->records + i;
+            sums->counts[pair->kind]++;
+            add_hash(sums->hash, XXH3_128bits(pair, sizeof *pair));
+        } else {
+            count_contact((const struct pccd_contact *)world->records + i, sums);
+        }
+        if (i % (1u << 30) == (1u << 30) - 1) {
+            carry(sums->hash);
+        }
+    }
+    carry(sums->hash);
+}

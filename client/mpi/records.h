@@ -1,0 +1,40 @@
+/* records.h - turns what libpccd found in this rank into this rank's part of the answer.
+ *
+ * Room:     client/mpi. May include: world.h.
+ * Does:     give records the numbers of the whole, keep those whose first feature belongs
+ *           to this rank, count and hash them.
+ * Threads:  one.
+ */
+#ifndef RANKS_RECORDS_H
+#define RANKS_RECORDS_H
+
+#include "world.h"
+
+/* What is counted of kept records. */
+struct ranks_sums {
+    uint64_t counts[PCCD_KINDS_MAX];
+    uint64_t possible, initial, inside, total;
+    uint64_t hash[4]; /* the sum of their hashes, 32 bits each, the lowest first */
+    double toi_first; /* 2: there is none */
+};
+
+/* One page of local records; keeps the right ones behind those of the pages before.
+ * PCCD_E_NOMEM. */
+int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page);
+
+/* Of mode first: the least toi_hi here; what begins later than `limit` goes. */
+double ranks_records_limit(const struct pccd_mpi *world);
+void ranks_records_drop_later(struct pccd_mpi *world, double limit);
+
+void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums);
+/* The hash of an answer from the sum over all ranks; of mode any, of its verdict. */
+void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2]);
+void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2]);
+
+static inline size_t ranks_record_bytes(enum pccd_mode mode)
+{
+    return mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                                   : sizeof(struct pccd_contact);
+}
+
+#endif

@@ -1,0 +1,161 @@
+/* world.h - what a rank keeps of a world: its meshes, its objects, and who needs what.
+ *
+ * Room:     client/mpi. May include: rank_link.h, pccd_mpi.h.
+ * Does:     define the structs that the files of this folder share; find and make them.
+ * Threads:  one.
+ *
+ * Three parts of a mesh lie on different ranks as a rule:
+ * - the vertices that the caller gave to this rank, with their positions: *given*;
+ * - the numbers of a run of vertices, with who was given each: the *directory*;
+ * - the leaves (triangles, free edges, free points) whose contacts this rank computes:
+ *   *own*, which the library has dealt out; beside them, of other ranks, *ghosts*.
+ * Leaves have numbers: a triangle its own, then come free edges, then free points. Each
+ * feature belongs to the lowest leaf that has it, and so to a rank, wherever it moves.
+ *
+ * In each rank libpccd has, of each object, a mesh of the own leaves and the ghosts, all
+ * sorted by the numbers of the whole. So what is lower there is lower in the whole, and
+ * orientation, order and numbers of a record are those of one process.
+ */
+#ifndef RANKS_WORLD_H
+#define RANKS_WORLD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "pccd_mpi.h"
+#include "rank_link.h"
+
+#define RANKS_NONE UINT32_MAX
+
+/* Bit k of `owns`: corner k belongs to this leaf; bit 3 + k: the side from corner k. */
+#define RANKS_OWNS_CORNER(k) (1u << (k))
+#define RANKS_OWNS_SIDE(k)   (8u << (k))
+
+struct ranks_leaf {
+    uint32_t number;
+    uint32_t v[3];    /* of a free edge the last two are the same, of a point all */
+    uint32_t side[3]; /* number of the edge from corner k; RANKS_NONE: there is none */
+    uint32_t owns;
+};
+
+/* Where a vertex was given. */
+struct ranks_place {
+    int32_t rank; /* -1: nowhere */
+    uint32_t index;
+};
+
+struct ranks_mesh {
+    uint32_t handle;
+    bool is_gone; /* destroyed; kept while objects are made of it */
+    uint32_t objects;
+    struct pccd_mesh_info info; /* of the whole */
+    uint32_t vertex_total, triangle_total;
+    uint32_t edge_leaves; /* numbers below triangle_total + edge_leaves: no points */
+    bool has_radii;       /* any rank gave some */
+    double radius_max;    /* of all ranks */
+    /* given */
+    uint32_t vertex_count;
+    double (*x)[3];
+    double *radii; /* NULL unless has_radii */
+    /* the directory of vertices span * rank to span * (rank + 1) - 1 */
+    uint32_t span;
+    struct ranks_place *places;
+    /* As they were given. The first object takes them, the last one gives its own back. */
+    struct ranks_leaf *leaves;
+    uint32_t leaf_count;
+};
+
+/* An object's mesh in this rank's libpccd: numbers of the whole, ascending. */
+struct ranks_local {
+    uint32_t vertex_count, edge_count, triangle_count, leaf_count;
+    uint32_t *vertices;
+    uint32_t *edges;
+    uint32_t *triangles;
+    uint64_t *owns_vertex, *owns_edge; /* a bit for each: it belongs to this rank */
+};
+
+struct ranks_object {
+    uint32_t handle;
+    struct ranks_mesh *mesh;
+    uint32_t local_mesh; /* handle in libpccd */
+    struct pccd_object_settings settings;
+    /* Given vertices: at the end of the last step; memory for the ends of the next one,
+     * `start` only if it was needed; the ends of the step that is being made. */
+    double (*x)[3];
+    double (*next)[3];
+    double (*start)[3];
+    const double (*from)[3];
+    const double (*to)[3];
+    /* Given vertices: low, high; ghosts are right while both ends of a step are in there.
+     * NULL: no ghosts were chosen yet. */
+    float (*cover)[6];
+    struct ranks_leaf *own; /* along the curve */
+    uint32_t own_count;
+    uint32_t own_vertex_count;
+    struct ranks_leaf *ghosts;
+    uint32_t ghost_count;
+    struct ranks_local local;
+    uint64_t ghosts_hash; /* of their numbers, to see whether others come */
+    bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */
+    bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
+};
+
+/* Who gets what: given vertices that go to each rank, and local ones that come. Sorted by
+ * (rank, object): those of rank r and object o are first[r * object_count + o] up. */
+struct ranks_plan {
+    uint32_t object_count;
+    uint64_t *out_first, *in_first; /* [size * object_count + 1] */
+    uint32_t *out;                  /* given vertex of that object */
+    uint32_t *in;                   /* local vertex of that object */
+};
+
+struct ranks_pair {
+    uint32_t a, b; /* objects that ignore each other */
+};
+
+struct pccd_mpi {
+    struct ranks_link link;
+    struct pccd_client *client;
+    uint32_t scene;
+    uint32_t threads;
+    struct ranks_mesh **meshes;
+    uint32_t mesh_count, mesh_number; /* the latter: made so far */
+    struct ranks_object **objects;
+    uint32_t object_count;
+    struct ranks_pair *ignored;
+    uint32_t ignored_count;
+    struct ranks_plan plan;
+    bool is_cut;     /* each object's `own` is what the curve says */
+    bool is_covered; /* ghosts were chosen for these objects, settings and reach */
+    double reach;    /* separation for which they were */
+    /* the last answer */
+    enum pccd_mode mode;
+    void *records;
+    uint64_t record_count, record_capacity;
+    struct pccd_mpi_share share;
+    /* How long the last cut took, and what was lost since because some ranks waited. */
+    uint64_t cut_ns;
+    double lost_ns;
+};
+
+/* Of a handle; NULL: there is none. */
+struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
+struct ranks_object *ranks_find_object(const struct pccd_mpi *world, uint32_t handle);
+
+/* Why the last call of libpccd failed. Returns `status`. */
+int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);
+/* "out of memory". Returns PCCD_E_NOMEM. */
+int ranks_no_memory(struct pccd_mpi *world);
+
+/* A hash of arguments that have to be the same: goes on from `hash`. */
+uint64_t ranks_hash(uint64_t hash, const void *bytes, size_t count);
+
+void ranks_mesh_free(struct ranks_mesh *mesh);
+void ranks_local_deinit(struct ranks_local *local);
+void ranks_plan_deinit(struct ranks_plan *plan);
+void ranks_object_free(struct ranks_object *object);
+
+/* May features of the two objects meet, in a step of the scene? */
+bool ranks_may_meet(const struct pccd_mpi *world, uint32_t a, uint32_t b);
+
+#endif
