@@ -43,22 +43,22 @@ static float grow_high(float high, double growth)
 }
 
 static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
-                  double skin, double growth, float box[6])
+                  double way, double growth, float box[6])
 {
+    ranks_box_begin(box);
+    for (int c = 0; c < 3; c++) {
+        float corner[6];
+        ranks_cover(x0[corners[c]], x1[corners[c]], way, corner);
+        ranks_box_add(box, corner);
+    }
     for (int k = 0; k < 3; k++) {
-        double low = INFINITY, high = -INFINITY;
-        for (int c = 0; c < 3; c++) {
-            double a = x0[corners[c]][k], b = x1[corners[c]][k];
-            low = fmin(low, fmin(a, b));
-            high = fmax(high, fmax(a, b));
-        }
-        box[k] = grow_low(ranks_cover_low(low, skin), growth);
-        box[k + 3] = grow_high(ranks_cover_high(high, skin), growth);
+        box[k] = grow_low(box[k], growth);
+        box[k + 3] = grow_high(box[k + 3], growth);
     }
 }
 
 static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
-                        double skin, double growth, const double (*x0)[3],
+                        double way, double growth, const double (*x0)[3],
                         const double (*x1)[3], float (*boxes)[6])
 {
     uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
@@ -67,7 +67,7 @@ static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *objec
                      : ranks_local_corners(world, &object->local, object->own,
                                            object->own_count, corners);
     for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
-        bound(x0, x1, corners[i], skin, growth, boxes[i]);
+        bound(x0, x1, corners[i], way, growth, boxes[i]);
     }
     free(corners);
     return status;
@@ -93,7 +93,7 @@ static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
     }
 }
 
-int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *skins,
+int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *ways,
                      const double (*const *x0)[3], const double (*const *x1)[3],
                      struct ranks_boxes *boxes)
 {
@@ -114,7 +114,7 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *sk
         const struct ranks_object *object = world->objects[o];
         double growth = separation / 2 + radius_of(object);
         growth = growth > 0 ? nextafter(growth, INFINITY) : 0;
-        int status = bound_leaves(world, object, skins[o], growth, x0[o], x1[o],
+        int status = bound_leaves(world, object, ways[o], growth, x0[o], x1[o],
                                   boxes->boxes + boxes->first[o]);
         if (status != PCCD_OK) {
             return status;

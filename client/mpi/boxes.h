@@ -1,8 +1,8 @@
 /* boxes.h - boxes around leaves over a step, and around blocks of them.
  *
  * Room:     client/mpi. May include: world.h.
- * Does:     bound what a leaf can meet: both ends of the step, half of the distance at
- *           which it meets, and a skin; rounded outward to floats.
+ * Does:     bound what a leaf can meet: both ends of the step, some more for later ones,
+ *           and half of the distance at which it meets; rounded outward to floats.
  * Threads:  one.
  */
 #ifndef RANKS_BOXES_H
@@ -28,7 +28,7 @@ struct ranks_boxes {
 };
 
 /* In this rank alone: x0[o], x1[o] of the local vertices of object o. */
-int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *skins,
+int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *ways,
                      const double (*const *x0)[3], const double (*const *x1)[3],
                      struct ranks_boxes *boxes);
 void ranks_boxes_deinit(struct ranks_boxes *boxes);
@@ -44,15 +44,18 @@ static inline float ranks_float_above(double x)
     float f = (float)x;
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
-/* How low or high a vertex may come that is at x, or farther in, in a step now, and moves
- * by a skin later. */
-static inline float ranks_cover_low(double x, double skin)
+/* The box in which a vertex is in a step from x0 to x1, will be in the next one if it goes
+ * on like this, and some more: `way` is what vertices of its object move, on average. */
+#define RANKS_MORE 0.5
+static inline void ranks_cover(const double x0[3], const double x1[3], double way,
+                               float box[6])
 {
-    return ranks_float_below(x - skin);
-}
-static inline float ranks_cover_high(double x, double skin)
-{
-    return ranks_float_above(x + skin);
+    for (int k = 0; k < 3; k++) {
+        double x2 = x1[k] + (x1[k] - x0[k]);
+        double low = fmin(fmin(x0[k], x1[k]), x2), high = fmax(fmax(x0[k], x1[k]), x2);
+        box[k] = ranks_float_below(low - RANKS_MORE * way);
+        box[k + 3] = ranks_float_above(high + RANKS_MORE * way);
+    }
 }
 
 static inline void ranks_box_begin(float box[6])

@@ -16,8 +16,7 @@
 #include "places.h"
 #include "rank_sort.h"
 
-/* Boxes are larger by so many times what the fastest vertex of the object moves. */
-#define SKIN_STEPS 3.0
+#define WAY_UNITS (1 << 20)
 
 /* A ghost under way. */
 struct visitor {
@@ -28,7 +27,7 @@ struct visitor {
 /* What choosing ghosts needs for its time. */
 struct choice {
     double separation;
-    double *skins;             /* [object] */
+    double *ways;                /* [object] what a vertex moves, mean */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
     struct ranks_boxes mine;   /* of own leaves, and their blocks */
     struct ranks_block *all;   /* blocks of all ranks */
@@ -51,7 +50,7 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     }
     free((void *)choice->x0);
     free((void *)choice->x1);
-    free(choice->skins);
+    free(choice->ways);
     ranks_boxes_deinit(&choice->mine);
     free(choice->all);
     free(choice->first);
@@ -63,31 +62,51 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
 
 /* ---- how far things go --------------------------------------------------------------- */
 
-static double fastest(const struct ranks_object *object)
+/* How far a vertex moves along the axis along which it moves most. */
+static double way_of(const struct ranks_object *object, uint32_t i)
 {
-    double most = 0;
-    const double *from = (const double *)object->from;
-    const double *to = (const double *)object->to;
-    for (uint64_t i = 0; i < 3 * (uint64_t)object->mesh->vertex_count; i++) {
-        most = fmax(most, fabs(to[i] - from[i]));
-    }
-    return most;
+    const double *from = object->from[i], *to = object->to[i];
+    return fmax(fabs(to[0] - from[0]), fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
 }
 
-static int find_skins(struct pccd_mpi *world, double *skins)
+/* The mean way of each object's vertices: in units of the longest, so that sums over ranks
+ * are whole numbers and the same everywhere. */
+static int find_ways(struct pccd_mpi *world, double *ways)
 {
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        skins[o] = -fastest(world->objects[o]);
+    uint32_t objects = world->object_count;
+    uint64_t *sums = ranks_array(objects, sizeof *sums);
+    int status = ranks_agree_on(&world->link,
+                                sums == NULL ? ranks_no_memory(world) : PCCD_OK);
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
+        ways[o] = 0;
+        for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
+            ways[o] = fmin(ways[o], -way_of(object, i));
+        }
     }
-    int status = ranks_min_doubles(&world->link, skins, (int)world->object_count);
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        skins[o] *= -SKIN_STEPS;
+    if (status == PCCD_OK) {
+        status = ranks_min_doubles(&world->link, ways, (int)objects);
     }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
+        sums[o] = 0;
+        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[o] < 0; i++) {
+            sums[o] += (uint64_t)(way_of(object, i) / -ways[o] * WAY_UNITS);
+        }
+    }
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, sums, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        double mean = (double)sums[o] / WAY_UNITS / world->objects[o]->mesh->vertex_total;
+        ways[o] = -ways[o] * mean;
+    }
+    free(sums);
     return status;
 }
 
 /* Of each given vertex of the object: the box within which it may be. */
-static int cover(struct pccd_mpi *world, struct ranks_object *object, double skin)
+static int cover(struct pccd_mpi *world, struct ranks_object *object, double way)
 {
     uint32_t count = object->mesh->vertex_count;
     if (object->cover == NULL) {
@@ -97,11 +116,7 @@ static int cover(struct pccd_mpi *world, struct ranks_object *object, double ski
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
-            double a = object->from[i][k], b = object->to[i][k];
-            object->cover[i][k] = ranks_cover_low(a < b ? a : b, skin);
-            object->cover[i][k + 3] = ranks_cover_high(a > b ? a : b, skin);
-        }
+        ranks_cover(object->from[i], object->to[i], way, object->cover[i]);
     }
     return PCCD_OK;
 }
@@ -131,9 +146,9 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
     choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
     choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
-    choice->skins = ranks_array(objects, sizeof *choice->skins);
+    choice->ways = ranks_array(objects, sizeof *choice->ways);
     int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL ||
-                         choice->skins == NULL
+                         choice->ways == NULL
                      ? ranks_no_memory(world)
                      : PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
@@ -151,7 +166,7 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
         status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
     }
     free((void *)given);
-    return status == PCCD_OK ? find_skins(world, choice->skins) : status;
+    return status == PCCD_OK ? find_ways(world, choice->ways) : status;
 }
 
 /* ---- who needs what ------------------------------------------------------------------ */
@@ -342,10 +357,10 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
         return status;
     }
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        status = cover(world, world->objects[o], choice->skins[o]);
+        status = cover(world, world->objects[o], choice->ways[o]);
     }
     if (status == PCCD_OK) {
-        status = ranks_boxes_make(world, choice->separation, choice->skins,
+        status = ranks_boxes_make(world, choice->separation, choice->ways,
                                   (const double(*const *)[3])choice->x0,
                                   (const double(*const *)[3])choice->x1, &choice->mine);
     }

@@ -9,8 +9,9 @@
  * the second one. If the two features come together, so do the boxes of all leaves that
  * have them. So it suffices that each leaf goes to each rank of which a block, some
  * leaves one behind the other on the curve, meets it. All boxes hold both ends of the
- * step and what the leaf reaches beyond itself, and then some more: they are right for
- * later steps, too, until a vertex leaves the box that was made for it.
+ * step and what the leaf reaches beyond itself, and then some more: where the vertices
+ * will be if they go on like this for another step. So they are right for later steps,
+ * too, until a vertex leaves the box that was made for it.
  */
 #ifndef RANKS_GHOSTS_H
 #define RANKS_GHOSTS_H
