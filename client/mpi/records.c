@@ -66,7 +66,7 @@ static uint32_t number_of(const struct ranks_local *local, uint32_t points, uint
 }
 
 /* Records of one page have few objects, one after the other. */
-static const struct ranks_object *object_of(const struct pccd_mpi *world, uint32_t handle,
+static const struct ranks_object *object_of(struct pccd_mpi *world, uint32_t handle,
                                             const struct ranks_object *last)
 {
     return last != NULL && last->handle == handle ? last
@@ -77,7 +77,7 @@ static const struct ranks_object *object_of(const struct pccd_mpi *world, uint32
 struct reader {
     const struct ranks_object *a, *b;
 };
-static bool translate(const struct pccd_mpi *world, struct reader *reader, uint32_t kind,
+static bool translate(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
                       uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
                       uint32_t *feature_b)
 {

@@ -114,10 +114,38 @@ static int check_motion(struct pccd_mpi *world, const struct pccd_motion *motion
     return PCCD_OK;
 }
 
+/* Note the vertices of a motion; false: one of them is in another motion, too. */
+static bool note_written(struct ranks_object *object, const struct pccd_motion *motion)
+{
+    bool is_free = true;
+    for (uint32_t i = motion->first; i < motion->first + motion->count; i++) {
+        uint64_t bit = 1ull << i % 64;
+        is_free = is_free && (object->written[i / 64] & bit) == 0;
+        object->written[i / 64] |= bit;
+    }
+    return is_free;
+}
+
 static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
                        struct ranks_object *object)
 {
     size_t bytes = object->mesh->vertex_count * sizeof *object->x;
+    size_t words = object->mesh->vertex_count / 64 + 1;
+    if (object->written == NULL) {
+        object->written = ranks_array(words, sizeof *object->written);
+    }
+    if (object->written == NULL) {
+        return ranks_no_memory(world);
+    }
+    if (object->to == (const double(*)[3])object->x) {
+        memset(object->written, 0, words * sizeof *object->written);
+    }
+    if (!note_written(object, motion)) {
+        return ranks_fail(&world->link, PCCD_E_SEGMENT,
+                          "rank %d: a vertex of object %" PRIu32
+                          " is written twice in this step",
+                          world->link.rank, motion->object);
+    }
     if (object->to == (const double(*)[3])object->x) {
         memcpy(object->next, object->x, bytes);
         object->to = (const double(*)[3])object->next;

@@ -57,11 +57,15 @@ struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle
     return NULL;
 }
 
-struct ranks_object *ranks_find_object(const struct pccd_mpi *world, uint32_t handle)
+/* Whoever asks about many goes through them in their order as a rule. */
+struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle)
 {
-    for (uint32_t i = 0; i < world->object_count; i++) {
-        if (world->objects[i]->handle == handle) {
-            return world->objects[i];
+    uint32_t count = world->object_count;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t at = (uint32_t)(((uint64_t)world->last_found + i) % count);
+        if (world->objects[at]->handle == handle) {
+            world->last_found = at;
+            return world->objects[at];
         }
     }
     return NULL;
@@ -126,6 +130,7 @@ void ranks_object_free(struct ranks_object *object)
         free(object->x);
         free(object->next);
         free(object->start);
+        free(object->written);
         free(object->cover);
         free(object->own);
         free(object->ghosts);

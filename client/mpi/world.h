@@ -86,6 +86,7 @@ struct ranks_object {
     double (*start)[3];
     const double (*from)[3];
     const double (*to)[3];
+    uint64_t *written; /* a bit for each given vertex that the step moves; NULL: none yet */
     /* Given vertices: low, high; ghosts are right while both ends of a step are in there.
      * NULL: no ghosts were chosen yet. */
     float (*cover)[6];
@@ -122,6 +123,7 @@ struct pccd_mpi {
     uint32_t mesh_count, mesh_number; /* the latter: made so far */
     struct ranks_object **objects;
     uint32_t object_count;
+    uint32_t last_found; /* where to look first for an object */
     struct ranks_pair *ignored;
     uint32_t ignored_count;
     struct ranks_plan plan;
@@ -140,7 +142,7 @@ struct pccd_mpi {
 
 /* Of a handle; NULL: there is none. */
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
-struct ranks_object *ranks_find_object(const struct pccd_mpi *world, uint32_t handle);
+struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
 
 /* Why the last call of libpccd failed. Returns `status`. */
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);

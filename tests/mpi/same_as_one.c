@@ -1,0 +1,621 @@
+/* same_as_one.c - a program for mpirun: what the ranks answer together is what one process
+ * answers.
+ *
+ * Room:     client/mpi, from outside.
+ * Does:     perform random plays, whose meshes are dealt out to the ranks at random, by
+ *           pccd_mpi.h; the first rank performs them by pccd.h alone, too, and compares
+ *           every number and every byte.
+ * Usage:    mpirun -n RANKS same_as_one PLAYS TRIANGLES [SEED]. The exit status is 1 after
+ *           a difference; the first rank prints the seed of the play.
+ * Threads:  one.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pccd_mpi.h"
+#include "play.h"
+#include "prng.h"
+
+#define OBJECTS_MAX 1024u
+#define MOTIONS_MAX 2048u
+#define STEPS       8u
+
+/* An object of the play, on this rank. */
+struct actor {
+    bool is_there;
+    uint32_t mesh, object;         /* of the world */
+    uint32_t one_mesh, one_object; /* of the one process */
+    uint32_t vertex_count;
+    uint32_t *owned; /* numbers of this rank's vertices, ascending */
+    uint32_t owned_count;
+};
+
+static struct {
+    int rank, size;
+    uint64_t seed;
+    struct pccd_mpi *world;
+    struct pccd_client *one; /* on the first rank */
+    uint32_t scene;
+    struct actor actors[OBJECTS_MAX];
+    struct pccd_motion motions[MOTIONS_MAX], one_motions[MOTIONS_MAX];
+    uint32_t motion_count, one_motion_count;
+    void *memory[4 * MOTIONS_MAX]; /* of motions */
+    uint32_t memory_count;
+    struct prng prng; /* the same on every rank */
+    bool has_failed;
+    uint64_t steps, records;
+} test;
+
+static void stop(const char *what)
+{
+    fprintf(stderr, "rank %d, seed %" PRIu64 ": %s: %s\n", test.rank, test.seed, what,
+            pccd_mpi_error_text(test.world));
+    MPI_Abort(MPI_COMM_WORLD, 1);
+}
+
+static void must(int status, const char *what)
+{
+    if (status != PCCD_OK) {
+        stop(what);
+    }
+}
+
+static void one_must(int status, const char *what)
+{
+    if (status != PCCD_OK) {
+        fprintf(stderr, "one process, seed %" PRIu64 ": %s: %s\n", test.seed, what,
+                pccd_error_text(test.one));
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+}
+
+static void *need(size_t bytes)
+{
+    void *memory = calloc(bytes + 1, 1);
+    if (memory == NULL) {
+        stop("out of memory");
+    }
+    return memory;
+}
+
+static bool chance(double part)
+{
+    return prng_between(&test.prng, 0, 1) < part;
+}
+
+/* ---- dealing out --------------------------------------------------------------------- */
+
+/* The rank that gets a thing: in one of four manners. */
+struct dealing {
+    uint64_t salt;
+    uint32_t manner;
+};
+
+static struct dealing choose_dealing(void)
+{
+    struct dealing dealing = {prng_next(&test.prng), 0};
+    dealing.manner = (uint32_t)prng_below(&test.prng, 4);
+    return dealing;
+}
+
+static int rank_of(const struct dealing *dealing, uint32_t number, uint32_t total)
+{
+    struct prng own = {dealing->salt + number * 0x9e3779b97f4a7c15u};
+    int only = (int)(dealing->salt % (uint64_t)test.size);
+    int any = (int)prng_below(&own, (uint64_t)test.size);
+    switch (dealing->manner) {
+    case 0: /* at random */
+        return any;
+    case 1: /* in slices */
+        return (int)((uint64_t)number * (uint64_t)test.size / total);
+    case 2: /* one rank has all */
+        return only;
+    default: /* one rank has nothing */
+        return test.size > 1 && any == only ? (only + 1) % test.size : any;
+    }
+}
+
+/* A mesh of a play with what may be named in it besides. */
+struct whole {
+    const struct play_act *act;
+    uint32_t edge_count, point_count;
+    uint32_t (*edges)[2];
+    uint32_t *points;
+    double *radii;
+};
+
+static void name_more(const struct play_act *act, struct whole *whole)
+{
+    uint32_t vertices = act->vertex_count;
+    *whole = (struct whole){.act = act};
+    if (chance(0.4)) {
+        whole->edge_count = 1 + (uint32_t)prng_below(&test.prng, 8);
+        whole->point_count = 1 + (uint32_t)prng_below(&test.prng, 8);
+    }
+    whole->edges = need(whole->edge_count * sizeof *whole->edges);
+    whole->points = need(whole->point_count * sizeof *whole->points);
+    for (uint32_t i = 0; i < whole->edge_count; i++) {
+        whole->edges[i][0] = (uint32_t)prng_below(&test.prng, vertices);
+        whole->edges[i][1] = (uint32_t)prng_below(&test.prng, vertices);
+    }
+    for (uint32_t i = 0; i < whole->point_count; i++) {
+        whole->points[i] = (uint32_t)prng_below(&test.prng, vertices);
+    }
+    if (chance(0.2)) {
+        whole->radii = need(vertices * sizeof *whole->radii);
+        for (uint32_t i = 0; i < vertices; i++) {
+            whole->radii[i] = prng_between(&test.prng, 0, 0.02);
+        }
+    }
+}
+
+/* This rank's part of it. Numbers are given, or left out where the dealing is in
+ * slices. */
+static void take_part(const struct whole *whole, struct actor *actor,
+                      struct pccd_mpi_part *part)
+{
+    const struct play_act *act = whole->act;
+    struct dealing vertices = choose_dealing(), triangles = choose_dealing();
+    struct dealing named = choose_dealing();
+    uint32_t *numbers = need(act->triangle_count * sizeof *numbers), count = 0;
+    uint32_t(*corners)[3] = need(act->triangle_count * sizeof *corners);
+    actor->owned = realloc(actor->owned, (act->vertex_count + 1) * sizeof(uint32_t));
+    actor->owned_count = 0;
+    actor->vertex_count = act->vertex_count;
+    double(*x)[3] = need(act->vertex_count * sizeof *x);
+    double *radii = whole->radii ? need(act->vertex_count * sizeof *radii) : NULL;
+    for (uint32_t v = 0; v < act->vertex_count; v++) {
+        if (rank_of(&vertices, v, act->vertex_count) == test.rank) {
+            memcpy(x[actor->owned_count], act->x0[v], sizeof *x);
+            if (radii != NULL) {
+                radii[actor->owned_count] = whole->radii[v];
+            }
+            actor->owned[actor->owned_count++] = v;
+        }
+    }
+    for (uint32_t t = 0; t < act->triangle_count; t++) {
+        if (rank_of(&triangles, t, act->triangle_count) == test.rank) {
+            memcpy(corners[count], act->triangles[t], sizeof *corners);
+            numbers[count++] = t;
+        }
+    }
+    uint32_t(*edges)[2] = need(whole->edge_count * sizeof *edges), edge_count = 0;
+    for (uint32_t i = 0; i < whole->edge_count; i++) {
+        if (rank_of(&named, i, whole->edge_count) == test.rank) {
+            memcpy(edges[edge_count++], whole->edges[i], sizeof *edges);
+        }
+    }
+    uint32_t *points = need(whole->point_count * sizeof *points), point_count = 0;
+    for (uint32_t i = 0; i < whole->point_count; i++) {
+        if (rank_of(&named, i, whole->point_count) == test.rank) {
+            points[point_count++] = whole->points[i];
+        }
+    }
+    *part = (struct pccd_mpi_part){
+        .struct_bytes = sizeof *part,
+        .vertex_total = act->vertex_count,
+        .triangle_total = act->triangle_count,
+        .vertex_count = actor->owned_count,
+        .vertices = vertices.manner == 1 ? NULL : actor->owned,
+        .format = PCCD_FORMAT_F64,
+        .x = x,
+        .radii = radii,
+        .triangle_count = count,
+        .edge_count = edge_count,
+        .point_count = point_count,
+        .triangles = (const uint32_t *)corners,
+        .triangle_numbers = triangles.manner == 1 ? NULL : numbers,
+        .edges = (const uint32_t *)edges,
+        .points = points};
+}
+
+static void free_part(const struct pccd_mpi_part *part, const struct whole *whole)
+{
+    free((void *)(uintptr_t)part->x);
+    free((void *)(uintptr_t)part->radii);
+    free((void *)(uintptr_t)part->triangles);
+    free((void *)(uintptr_t)part->edges);
+    free((void *)(uintptr_t)part->points);
+    free(whole->edges);
+    free(whole->points);
+    free(whole->radii);
+}
+
+/* ---- acts ---------------------------------------------------------------------------- */
+
+static void fail(const char *what)
+{
+    printf("# seed %" PRIu64 ", step %" PRIu64 ", %d ranks: %s\n", test.seed, test.steps,
+           test.size, what);
+    test.has_failed = true;
+}
+
+static void compare_infos(const struct pccd_mesh_info *a, const struct pccd_mesh_info *b)
+{
+    if (a->vertex_count != b->vertex_count || a->triangle_count != b->triangle_count ||
+        a->edge_count != b->edge_count || a->duplicate_count != b->duplicate_count ||
+        a->degenerate_count != b->degenerate_count ||
+        a->isolated_count != b->isolated_count ||
+        a->free_edge_count != b->free_edge_count ||
+        a->free_point_count != b->free_point_count || a->generation != b->generation) {
+        fail("the counts of a mesh differ");
+    }
+}
+
+static void put(struct actor *actor, const struct play_act *act, bool is_new)
+{
+    struct whole whole;
+    struct pccd_mpi_part part;
+    struct pccd_mesh_info info, one_info;
+    name_more(act, &whole);
+    take_part(&whole, actor, &part);
+    must(pccd_mpi_mesh_put(test.world, &part, &actor->mesh, &info), "mesh_put");
+    if (is_new) {
+        must(pccd_mpi_add(test.world, actor->mesh, &actor->object), "add");
+    }
+    if (test.rank == 0) {
+        const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                            .x = act->x0,
+                                            .format = PCCD_FORMAT_F64,
+                                            .vertex_count = act->vertex_count,
+                                            .triangle_count = act->triangle_count,
+                                            .triangles = (const uint32_t *)act->triangles,
+                                            .radii = whole.radii,
+                                            .edges = (const uint32_t *)whole.edges,
+                                            .points = whole.points,
+                                            .edge_count = whole.edge_count,
+                                            .point_count = whole.point_count};
+        one_must(pccd_mesh_put(test.one, &data, &actor->one_mesh, &one_info), "mesh");
+        if (is_new) {
+            one_must(pccd_scene_add(test.one, test.scene, actor->one_mesh,
+                                    &actor->one_object),
+                     "add");
+        }
+        compare_infos(&info, &one_info);
+        if (actor->object != actor->one_object) {
+            fail("an object has another handle");
+        }
+    }
+    if (part.triangle_numbers != NULL) {
+        free((void *)(uintptr_t)part.triangle_numbers);
+    }
+    free_part(&part, &whole);
+}
+
+/* What it may meet, and how thick it is: sometimes something else than at first. */
+static void change(struct actor *actor)
+{
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings};
+    if (chance(0.2)) {
+        settings.what |= PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK;
+        settings.group = 1 + prng_below(&test.prng, 3);
+        settings.mask = 1 + prng_below(&test.prng, 3);
+    }
+    if (chance(0.2)) {
+        settings.what |= PCCD_OBJECT_SELF;
+        settings.self_collision = chance(0.5);
+    }
+    if (chance(0.3)) {
+        settings.what |= PCCD_OBJECT_RADIUS;
+        settings.radius = chance(0.5) ? prng_between(&test.prng, 0, 0.03) : 0;
+    }
+    if (chance(0.3)) {
+        settings.what |= PCCD_OBJECT_REST_DISTANCE;
+        settings.rest_distance = prng_between(&test.prng, 0, 0.1);
+    }
+    if (chance(0.3)) {
+        settings.what |= PCCD_OBJECT_REST_RINGS;
+        settings.rest_rings = (uint32_t)prng_below(&test.prng, 4);
+    }
+    if (settings.what == 0) {
+        return;
+    }
+    must(pccd_mpi_object_set(test.world, actor->object, &settings), "object_set");
+    if (test.rank == 0) {
+        one_must(pccd_object_set(test.one, test.scene, actor->object, &settings), "set");
+    }
+}
+
+static struct actor *random_actor(void)
+{
+    uint32_t at = (uint32_t)prng_below(&test.prng, OBJECTS_MAX);
+    for (uint32_t i = 0; i < OBJECTS_MAX; i++) {
+        struct actor *actor = &test.actors[(at + i) % OBJECTS_MAX];
+        if (actor->is_there) {
+            return actor;
+        }
+    }
+    return NULL;
+}
+
+static void ignore_some(void)
+{
+    struct actor *a = random_actor(), *b = random_actor();
+    if (a == NULL || b == NULL || a == b || !chance(0.3)) {
+        return;
+    }
+    bool ignored = chance(0.6);
+    must(pccd_mpi_pair_ignore(test.world, a->object, b->object, ignored), "ignore");
+    if (test.rank == 0) {
+        one_must(pccd_pair_ignore(test.one, test.scene, a->object, b->object, ignored),
+                 "ignore");
+    }
+}
+
+/* An object that goes or breaks does not make the motions that it was given. */
+static void forget_motions(uint32_t object)
+{
+    uint32_t kept = 0, one_kept = 0;
+    for (uint32_t i = 0; i < test.motion_count; i++) {
+        if (test.motions[i].object != object) {
+            test.motions[kept++] = test.motions[i];
+        }
+    }
+    for (uint32_t i = 0; i < test.one_motion_count; i++) {
+        if (test.one_motions[i].object != object) {
+            test.one_motions[one_kept++] = test.one_motions[i];
+        }
+    }
+    test.motion_count = kept;
+    test.one_motion_count = one_kept;
+}
+
+static void remove_actor(struct actor *actor)
+{
+    forget_motions(actor->object);
+    must(pccd_mpi_remove(test.world, actor->object), "remove");
+    must(pccd_mpi_mesh_destroy(test.world, actor->mesh), "mesh_destroy");
+    if (test.rank == 0) {
+        one_must(pccd_scene_remove(test.one, test.scene, actor->object), "remove");
+        one_must(pccd_mesh_destroy(test.one, actor->one_mesh), "destroy");
+    }
+    actor->is_there = false;
+}
+
+static void *keep(void *memory)
+{
+    test.memory[test.memory_count++] = memory;
+    return memory;
+}
+
+/* This rank's part of a motion: a run of its list. */
+static void move(const struct actor *actor, const struct play_act *act)
+{
+    struct pccd_motion motion = {.object = actor->object, .format = PCCD_FORMAT_F64};
+    uint32_t end = act->first + act->vertex_count;
+    bool is_rigid = act->what == PLAY_RIGID;
+    double(*x0)[3] = keep(need(act->vertex_count * sizeof *x0));
+    double(*x1)[3] = keep(need(act->vertex_count * sizeof *x1));
+    for (uint32_t i = 0; i < actor->owned_count; i++) {
+        uint32_t v = actor->owned[i];
+        if (v < act->first) {
+            motion.first++;
+        } else if (v < end) {
+            if (!is_rigid) {
+                memcpy(x1[motion.count], act->x1[v - act->first], sizeof *x1);
+            }
+            if (act->what == PLAY_X0X1) {
+                memcpy(x0[motion.count], act->x0[v - act->first], sizeof *x0);
+            }
+            motion.count++;
+        }
+    }
+    motion.x0 = act->what == PLAY_X0X1 ? x0 : NULL;
+    motion.x1 = is_rigid ? NULL : x1;
+    motion.m0 = is_rigid ? act->m[0] : NULL;
+    motion.m1 = is_rigid ? act->m[1] : NULL;
+    if (motion.count > 0) {
+        test.motions[test.motion_count++] = motion;
+    }
+    test.one_motions[test.one_motion_count++] =
+        (struct pccd_motion){.object = actor->object,
+                             .first = act->first,
+                             .count = act->vertex_count,
+                             .format = PCCD_FORMAT_F64,
+                             .x0 = act->what == PLAY_X0X1 ? act->x0 : NULL,
+                             .x1 = is_rigid ? NULL : act->x1,
+                             .m0 = motion.m0,
+                             .m1 = motion.m1};
+}
+
+/* ---- steps --------------------------------------------------------------------------- */
+
+/* Records of the ranks, compared with those of one process as they come. */
+struct comparison {
+    const char *records;
+    size_t record_bytes;
+    uint64_t count, at;
+    bool differs;
+};
+
+static int compare_records(void *context, const void *records, uint64_t count)
+{
+    struct comparison *comparison = context;
+    if (comparison->at + count > comparison->count ||
+        memcmp(comparison->records + comparison->at * comparison->record_bytes, records,
+               count * comparison->record_bytes) != 0) {
+        comparison->differs = true;
+        for (uint64_t i = 0; i < count && comparison->at + i < comparison->count; i++) {
+            const uint32_t *a = (const void *)(comparison->records +
+                                               (comparison->at + i) *
+                                                   comparison->record_bytes);
+            const uint32_t *b =
+                (const void *)((const char *)records + i * comparison->record_bytes);
+            if (memcmp(a, b, comparison->record_bytes) != 0) {
+                printf("# record %" PRIu64 ": %u %u %u %u %u %u, ranks %u %u %u %u %u %u\n",
+                       comparison->at + i, a[0], a[1], a[2], a[3], a[4], a[5], b[0], b[1],
+                       b[2], b[3], b[4], b[5]);
+                break;
+            }
+        }
+    }
+    comparison->at += count;
+    return 0;
+}
+
+static bool same_double(double a, double b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+static void compare_answers(const struct pccd_answer *a, const struct pccd_answer *b)
+{
+    char text[512];
+    if (a->total == b->total && memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
+        a->possible == b->possible && a->initial == b->initial &&
+        a->inside == b->inside && a->crowded == b->crowded &&
+        same_double(a->toi_first, b->toi_first) &&
+        same_double(a->safe_step, b->safe_step) && a->verdict == b->verdict &&
+        a->incomplete == b->incomplete && memcmp(a->hash, b->hash, sizeof a->hash) == 0) {
+        return;
+    }
+    snprintf(text, sizeof text,
+             "mode %d: total %" PRIu64 " and %" PRIu64 ", initial %" PRIu64 " and %" PRIu64
+             ", inside %" PRIu64 " and %" PRIu64 ", crowded %d and %d, toi %.17g and %.17g"
+             ", safe %.17g and %.17g, verdict %d and %d, incomplete %d and %d"
+             ", hash %016" PRIx64 " and %016" PRIx64,
+             (int)a->mode, a->total, b->total, a->initial, b->initial, a->inside,
+             b->inside, a->crowded, b->crowded, a->toi_first, b->toi_first, a->safe_step,
+             b->safe_step, (int)a->verdict, (int)b->verdict, (int)a->incomplete,
+             (int)b->incomplete, a->hash[1], b->hash[1]);
+    fail(text);
+}
+
+static struct pccd_step_settings choose_settings(void)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    settings.mode = chance(0.5) ? PCCD_MODE_ALL
+                                : (enum pccd_mode)prng_below(&test.prng, PCCD_MODE_COUNT);
+    settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
+    settings.threads = 1;
+    settings.separation = chance(0.3) ? prng_between(&test.prng, 0, 0.02) : 0;
+    settings.approach = chance(0.3) ? 0.5 : 0;
+    return settings;
+}
+
+static void step(void)
+{
+    struct pccd_step_settings settings = choose_settings();
+    struct pccd_answer answer = PCCD_ANSWER_INIT, one = PCCD_ANSWER_INIT;
+    struct comparison comparison = {.record_bytes = settings.mode == PCCD_MODE_PAIRS
+                                                        ? sizeof(struct pccd_pair)
+                                                        : sizeof(struct pccd_contact)};
+    int status = pccd_mpi_step(test.world, test.motions, test.motion_count, &settings,
+                               &answer);
+    test.steps++;
+    test.records += answer.total;
+    if (test.rank == 0) {
+        int one_status = pccd_step(test.one, test.scene, test.one_motions,
+                                   test.one_motion_count, &settings, &one);
+        if (status != one_status) {
+            printf("# ranks: %s; one process: %s\n", pccd_mpi_error_text(test.world),
+                   pccd_error_text(test.one));
+            fail("a step has another status");
+        }
+        compare_answers(&one, &answer);
+        comparison.records = one.contacts != NULL ? (const char *)one.contacts
+                                                  : (const char *)one.pairs;
+        comparison.count = one.count;
+    }
+    must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
+    if (test.rank == 0) {
+        if (comparison.differs || comparison.at != comparison.count) {
+            fail("the records differ");
+        }
+        pccd_answer_release(test.one, &one);
+    }
+    while (test.memory_count > 0) {
+        free(test.memory[--test.memory_count]);
+    }
+    test.motion_count = test.one_motion_count = 0;
+}
+
+static void perform(const struct play_act *act)
+{
+    struct actor *actor = &test.actors[act->object_id % OBJECTS_MAX];
+    switch (act->what) {
+    case PLAY_ADD:
+        actor->mesh = actor->one_mesh = 0;
+        put(actor, act, true);
+        actor->is_there = true;
+        change(actor);
+        break;
+    case PLAY_REMOVE:
+        remove_actor(actor);
+        break;
+    case PLAY_REPLACE:
+        forget_motions(actor->object);
+        put(actor, act, false);
+        break;
+    case PLAY_X1:
+    case PLAY_X0X1:
+    case PLAY_RIGID:
+        move(actor, act);
+        break;
+    case PLAY_STEP:
+        ignore_some();
+        step();
+        actor = random_actor();
+        if (actor != NULL && chance(0.3)) {
+            change(actor);
+        }
+        break;
+    }
+}
+
+static void perform_play(uint32_t triangles)
+{
+    struct play play;
+    test.prng.state = test.seed;
+    must(pccd_mpi_open(MPI_COMM_WORLD, NULL, &test.world), "open");
+    if (test.rank == 0) {
+        const struct pccd_options options = {.struct_bytes = sizeof options,
+                                             .url = "direct:"};
+        one_must(pccd_connect(&options, &test.one), "connect");
+        one_must(pccd_scene_create(test.one, NULL, &test.scene), "scene");
+    }
+    if (chance(0.5)) {
+        play_wild(&play, STEPS, triangles, test.seed);
+    } else {
+        play_make(&play, (enum play_kind)prng_below(&test.prng, PLAY_KINDS), triangles,
+                  test.seed);
+    }
+    for (uint32_t i = 0; i < play.act_count; i++) {
+        perform(&play.acts[i]);
+    }
+    play_deinit(&play);
+    for (uint32_t i = 0; i < OBJECTS_MAX; i++) {
+        free(test.actors[i].owned);
+        test.actors[i] = (struct actor){.is_there = false};
+    }
+    pccd_mpi_close(test.world);
+    pccd_close(test.one);
+    test.world = NULL;
+    test.one = NULL;
+}
+
+int main(int argc, char **argv)
+{
+    int given = 0, failed = 0;
+    uint64_t plays = argc > 1 ? strtoull(argv[1], NULL, 0) : 1;
+    uint32_t triangles = argc > 2 ? (uint32_t)strtoul(argv[2], NULL, 0) : 60;
+    uint64_t seed = argc > 3 ? strtoull(argv[3], NULL, 0) : prng_seed();
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &given);
+    MPI_Comm_rank(MPI_COMM_WORLD, &test.rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &test.size);
+    for (uint64_t i = 0; i < plays && !failed; i++) {
+        test.seed = seed + i;
+        perform_play(triangles);
+        failed = test.has_failed;
+        MPI_Bcast(&failed, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    }
+    if (test.rank == 0) {
+        printf("# %d ranks: %" PRIu64 " steps, %" PRIu64 " records, seed %" PRIu64 "\n",
+               test.size, test.steps, test.records, seed);
+    }
+    MPI_Finalize();
+    return failed;
+}
