@@ -41,6 +41,10 @@ static int fetch_own(struct pccd_mpi *world, double (**x)[3])
         free(object->ghosts);
         object->ghosts = NULL;
         object->ghost_count = 0;
+        free(object->neighbours);
+        object->neighbours = NULL;
+        object->neighbour_count = 0;
+        object->neighbour_rings = 0;
         object->is_built = false;
         given[o] = (const double(*)[3])object->x;
         status = ranks_local_make(world, object);

@@ -13,6 +13,7 @@
 
 #include "boxes.h"
 #include "local.h"
+#include "neighbours.h"
 #include "places.h"
 #include "rank_sort.h"
 
@@ -274,8 +275,46 @@ static uint64_t hash_of(const struct ranks_leaf *ghosts, uint32_t count)
     return hash;
 }
 
-/* Ghosts by object, and in the order of their numbers. Objects that have the same as
- * before stay as they are. */
+/* Those of one object that came, and its neighbours, each once and by their numbers. */
+static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
+                         const struct visitor *in, const struct ranks_key *came,
+                         uint64_t came_count)
+{
+    uint64_t count = came_count + object->neighbour_count;
+    struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
+    struct ranks_leaf *ghosts = ranks_array(count, sizeof *ghosts);
+    uint32_t each = 0;
+    if (keys == NULL || ghosts == NULL) {
+        free(keys);
+        free(ghosts);
+        return ranks_no_memory(world);
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        keys[i] = (struct ranks_key){
+            i < came_count ? in[came[i].value].leaf.number
+                           : object->neighbours[i - came_count].number,
+            i};
+    }
+    const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
+    for (uint64_t i = 0; i < count; i++) {
+        uint64_t at = sorted[i].value;
+        if (i == 0 || sorted[i].key != sorted[i - 1].key) {
+            ghosts[each] = at < came_count ? in[came[at].value].leaf
+                                           : object->neighbours[at - came_count];
+            ghosts[each++].owns = 0;
+        }
+    }
+    uint64_t hash = hash_of(ghosts, each);
+    object->is_built = object->is_built && hash == object->ghosts_hash;
+    object->ghosts_hash = hash;
+    free(object->ghosts);
+    free(keys);
+    object->ghosts = ghosts;
+    object->ghost_count = each;
+    return PCCD_OK;
+}
+
+/* Ghosts by object. Objects that have the same as before stay as they are. */
 static int settle(struct pccd_mpi *world, const struct choice *choice)
 {
     uint64_t count = choice->in_first[world->link.size];
@@ -284,34 +323,18 @@ static int settle(struct pccd_mpi *world, const struct choice *choice)
         return ranks_no_memory(world);
     }
     for (uint64_t i = 0; i < count; i++) {
-        const struct visitor *visitor = &choice->in[i];
-        keys[i] = (struct ranks_key){
-            (uint64_t)visitor->object << 32 | visitor->leaf.number, i};
+        keys[i] = (struct ranks_key){choice->in[i].object, i};
     }
     const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
     uint64_t at = 0;
     int status = PCCD_OK;
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        struct ranks_object *object = world->objects[o];
         uint64_t begin = at;
-        while (at < count && sorted[at].key >> 32 == o) {
+        while (at < count && sorted[at].key == o) {
             at++;
         }
-        struct ranks_leaf *ghosts = ranks_array(at - begin, sizeof *ghosts);
-        if (ghosts == NULL) {
-            status = ranks_no_memory(world);
-            break;
-        }
-        for (uint64_t i = begin; i < at; i++) {
-            ghosts[i - begin] = choice->in[sorted[i].value].leaf;
-            ghosts[i - begin].owns = 0;
-        }
-        uint64_t hash = hash_of(ghosts, (uint32_t)(at - begin));
-        object->is_built = object->is_built && hash == object->ghosts_hash;
-        object->ghosts_hash = hash;
-        free(object->ghosts);
-        object->ghosts = ghosts;
-        object->ghost_count = (uint32_t)(at - begin);
+        status = settle_object(world, world->objects[o], choice->in, sorted + begin,
+                               at - begin);
     }
     free(keys);
     return status;
@@ -382,6 +405,9 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     if (status == PCCD_OK) {
         status = ranks_deal(link, sizeof *choice->out, choice->out, choice->out_first,
                             (void **)&choice->in, choice->in_first);
+    }
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        status = ranks_neighbours_find(world, world->objects[o]);
     }
     return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
 }

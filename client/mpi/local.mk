@@ -10,6 +10,7 @@ ranks_sources = \
     client/mpi/gather.c \
     client/mpi/ghosts.c client/mpi/ghosts.h \
     client/mpi/local.c client/mpi/local.h \
+    client/mpi/neighbours.c client/mpi/neighbours.h \
     client/mpi/parts.c client/mpi/parts.h \
     client/mpi/places.c client/mpi/places.h \
     client/mpi/rank_link.c client/mpi/rank_link.h \

@@ -134,6 +134,7 @@ void ranks_object_free(struct ranks_object *object)
         free(object->cover);
         free(object->own);
         free(object->ghosts);
+        free(object->neighbours);
         free(object);
     }
 }

@@ -95,6 +95,9 @@ struct ranks_object {
     uint32_t own_vertex_count;
     struct ranks_leaf *ghosts;
     uint32_t ghost_count;
+    struct ranks_leaf *neighbours; /* ghosts for rest_rings (neighbours.h); not each once */
+    uint64_t neighbour_count;
+    uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
     uint64_t ghosts_hash; /* of their numbers, to see whether others come */
     bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */

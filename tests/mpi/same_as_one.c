@@ -214,6 +214,7 @@ static void take_part(const struct whole *whole, struct actor *actor,
 
 static void free_part(const struct pccd_mpi_part *part, const struct whole *whole)
 {
+    free((void *)(uintptr_t)part->triangle_numbers);
     free((void *)(uintptr_t)part->x);
     free((void *)(uintptr_t)part->radii);
     free((void *)(uintptr_t)part->triangles);
@@ -245,13 +246,12 @@ static void compare_infos(const struct pccd_mesh_info *a, const struct pccd_mesh
     }
 }
 
-static void put(struct actor *actor, const struct play_act *act, bool is_new)
+static void put(struct actor *actor, const struct whole *whole, bool is_new)
 {
-    struct whole whole;
+    const struct play_act *act = whole->act;
     struct pccd_mpi_part part;
     struct pccd_mesh_info info, one_info;
-    name_more(act, &whole);
-    take_part(&whole, actor, &part);
+    take_part(whole, actor, &part);
     must(pccd_mpi_mesh_put(test.world, &part, &actor->mesh, &info), "mesh_put");
     if (is_new) {
         must(pccd_mpi_add(test.world, actor->mesh, &actor->object), "add");
@@ -263,11 +263,11 @@ static void put(struct actor *actor, const struct play_act *act, bool is_new)
                                             .vertex_count = act->vertex_count,
                                             .triangle_count = act->triangle_count,
                                             .triangles = (const uint32_t *)act->triangles,
-                                            .radii = whole.radii,
-                                            .edges = (const uint32_t *)whole.edges,
-                                            .points = whole.points,
-                                            .edge_count = whole.edge_count,
-                                            .point_count = whole.point_count};
+                                            .radii = whole->radii,
+                                            .edges = (const uint32_t *)whole->edges,
+                                            .points = whole->points,
+                                            .edge_count = whole->edge_count,
+                                            .point_count = whole->point_count};
         one_must(pccd_mesh_put(test.one, &data, &actor->one_mesh, &one_info), "mesh");
         if (is_new) {
             one_must(pccd_scene_add(test.one, test.scene, actor->one_mesh,
@@ -279,10 +279,14 @@ static void put(struct actor *actor, const struct play_act *act, bool is_new)
             fail("an object has another handle");
         }
     }
-    if (part.triangle_numbers != NULL) {
-        free((void *)(uintptr_t)part.triangle_numbers);
-    }
-    free_part(&part, &whole);
+    free_part(&part, whole);
+}
+
+static void put_act(struct actor *actor, const struct play_act *act, bool is_new)
+{
+    struct whole whole;
+    name_more(act, &whole);
+    put(actor, &whole, is_new);
 }
 
 /* What it may meet, and how thick it is: sometimes something else than at first. */
@@ -539,7 +543,7 @@ static void perform(const struct play_act *act)
     switch (act->what) {
     case PLAY_ADD:
         actor->mesh = actor->one_mesh = 0;
-        put(actor, act, true);
+        put_act(actor, act, true);
         actor->is_there = true;
         change(actor);
         break;
@@ -548,7 +552,7 @@ static void perform(const struct play_act *act)
         break;
     case PLAY_REPLACE:
         forget_motions(actor->object);
-        put(actor, act, false);
+        put_act(actor, act, false);
         break;
     case PLAY_X1:
     case PLAY_X0X1:
@@ -566,17 +570,9 @@ static void perform(const struct play_act *act)
     }
 }
 
-static void perform_play(uint32_t triangles)
+static void perform_any(uint32_t triangles)
 {
     struct play play;
-    test.prng.state = test.seed;
-    must(pccd_mpi_open(MPI_COMM_WORLD, NULL, &test.world), "open");
-    if (test.rank == 0) {
-        const struct pccd_options options = {.struct_bytes = sizeof options,
-                                             .url = "direct:"};
-        one_must(pccd_connect(&options, &test.one), "connect");
-        one_must(pccd_scene_create(test.one, NULL, &test.scene), "scene");
-    }
     if (chance(0.5)) {
         play_wild(&play, STEPS, triangles, test.seed);
     } else {
@@ -587,6 +583,67 @@ static void perform_play(uint32_t triangles)
         perform(&play.acts[i]);
     }
     play_deinit(&play);
+}
+
+/* Rods bent like hairpins: the two long edges lie beside each other, and the three edges
+ * that join them lie far from the first one. So three rings make them thin, but only for
+ * a rank that knows an edge which is near nothing of its own. */
+static void perform_hairpins(uint32_t pins)
+{
+    static const double shape[6][2] = {{0, 0}, {10, 0}, {12, 2}, {12, 4}, {10, 0.01},
+                                       {0, 0.01}};
+    struct play_act act = {.what = PLAY_X1, .vertex_count = 6 * pins};
+    struct whole whole = {.act = &act, .edge_count = 5 * pins};
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                            .what = PCCD_OBJECT_RADIUS |
+                                                    PCCD_OBJECT_REST_RINGS,
+                                            .radius = 0.1};
+    act.x0 = need(act.vertex_count * sizeof *act.x0);
+    act.x1 = need(act.vertex_count * sizeof *act.x1);
+    whole.edges = need(whole.edge_count * sizeof *whole.edges);
+    for (uint32_t i = 0; i < act.vertex_count; i++) {
+        act.x0[i][0] = shape[i % 6][0];
+        act.x0[i][1] = shape[i % 6][1];
+        act.x0[i][2] = i / 6;
+        for (int k = 0; k < 3; k++) {
+            act.x1[i][k] = act.x0[i][k] + prng_between(&test.prng, 0, 0.001);
+        }
+    }
+    for (uint32_t i = 0; i < whole.edge_count; i++) {
+        whole.edges[i][0] = 6 * (i / 5) + i % 5;
+        whole.edges[i][1] = whole.edges[i][0] + 1;
+    }
+    struct actor *actor = &test.actors[0];
+    put(actor, &whole, true);
+    actor->is_there = true;
+    for (settings.rest_rings = 0; settings.rest_rings <= 4; settings.rest_rings++) {
+        must(pccd_mpi_object_set(test.world, actor->object, &settings), "object_set");
+        if (test.rank == 0) {
+            one_must(pccd_object_set(test.one, test.scene, actor->object, &settings),
+                     "set");
+        }
+        move(actor, &act);
+        step();
+    }
+    free(act.x0);
+    free(act.x1);
+}
+
+static void perform_play(uint32_t triangles)
+{
+    test.prng.state = test.seed;
+    must(pccd_mpi_open(MPI_COMM_WORLD, NULL, &test.world), "open");
+    if (test.rank == 0) {
+        const struct pccd_options options = {.struct_bytes = sizeof options,
+                                             .url = "direct:"};
+        one_must(pccd_connect(&options, &test.one), "connect");
+        one_must(pccd_scene_create(test.one, NULL, &test.scene), "scene");
+    }
+    if (chance(0.1)) {
+        perform_hairpins(triangles / 5 + 1);
+    } else {
+        perform_any(triangles);
+    }
     for (uint32_t i = 0; i < OBJECTS_MAX; i++) {
         free(test.actors[i].owned);
         test.actors[i] = (struct actor){.is_there = false};
