@@ -1,12 +1,33 @@
 # tests/mpi/local.mk - one scene over the ranks of an MPI program. Without --with-mpi the
 # scripts skip their cases by name.
 
-mpi_test_sources = tests/mpi/same_as_one.c
-EXTRA_DIST += $(mpi_test_sources)
+mpi_test_sources = tests/mpi/misuse.c tests/mpi/same_as_one.c
+EXTRA_DIST += $(mpi_test_sources) tests/mpi/ranks.sh
+TESTS += tests/mpi/mpi_check.sh
+dist_check_SCRIPTS += tests/mpi/mpi_check.sh
 if HAVE_MPI
-check_PROGRAMS += tests/mpi/same_as_one
+check_PROGRAMS += tests/mpi/misuse tests/mpi/same_as_one
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
-tests_mpi_same_as_one_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
+mpi_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/tests/support $(MPI_CPPFLAGS)
+tests_mpi_same_as_one_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_same_as_one_LDADD = libpccd-mpi.la libpccd.la libtestscenes.la $(MPI_LIBS) $(LIBM)
+tests_mpi_misuse_SOURCES = tests/mpi/misuse.c
+tests_mpi_misuse_CPPFLAGS = $(mpi_test_cppflags)
+tests_mpi_misuse_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS)
 endif
+
+# All of it, by both MPIs, each in a build of its own.
+.PHONY: mpi-check
+mpi-check:
+	for mpi in openmpi mpich; do \
+	    $(MKDIR_P) mpi-check/$$mpi && cd mpi-check/$$mpi && \
+	    { test -e Makefile || \
+	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi --with-inspect=no; } && \
+	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 TESTS=tests/mpi/mpi_check.sh || exit 1; \
+	    cd ../..; \
+	done
+clean-local: clean-mpi
+.PHONY: clean-mpi
+clean-mpi:
+	rm -rf mpi-check

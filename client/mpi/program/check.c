@@ -402,14 +402,11 @@ int program_check(int argc, char **argv)
     struct mpi_options options = {.check.settings = PCCD_STEP_SETTINGS_INIT,
                                   .world.struct_bytes = sizeof options.world};
     struct ask_options *ask = &options.check.ask;
-    unsigned flags = together_is_root() ? 0 : ARGP_NO_ERRS | ARGP_NO_HELP;
     ask->paths = malloc((size_t)argc * sizeof *ask->paths);
     if (ask->paths == NULL) {
         return CTL_FAILED;
     }
-    int status = argp_parse(&check_argp, argc, argv, flags, NULL, &options) == 0
-                     ? CTL_DONE
-                     : CTL_USAGE;
+    int status = together_parse(&check_argp, argc, argv, &options);
     if (status == CTL_DONE) {
         status = run_check(&options);
     }

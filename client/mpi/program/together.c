@@ -6,10 +6,13 @@
  */
 #include "together.h"
 
+#include <fcntl.h>
 #include <mpi.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "ctl.h"
 #include "pccd_types.h"
 #include "shown.h"
 
@@ -44,6 +47,39 @@ int together_agree(int status, struct ctl_error *error)
         (void)ctl_error_set(error, verdict, "rank %d: %.990s", all.rank, why.text);
     }
     return verdict;
+}
+
+/* Where the standard outputs of others than the root go while argp reads. */
+static void hush(int kept[2])
+{
+    int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    for (int i = 0; i < 2; i++) {
+        kept[i] = dup(1 + i);
+        dup2(nowhere, 1 + i);
+    }
+    close(nowhere);
+}
+
+static void speak(const int kept[2])
+{
+    fflush(NULL);
+    for (int i = 0; i < 2; i++) {
+        dup2(kept[i], 1 + i);
+        close(kept[i]);
+    }
+}
+
+int together_parse(const struct argp *argp, int argc, char **argv, void *input)
+{
+    int kept[2] = {-1, -1};
+    if (!together_is_root()) {
+        hush(kept);
+    }
+    error_t error = argp_parse(argp, argc, argv, 0, NULL, input);
+    if (!together_is_root()) {
+        speak(kept);
+    }
+    return error == 0 ? CTL_DONE : CTL_FAILED;
 }
 
 void together_complain(const struct ctl_error *error)

@@ -7,6 +7,7 @@
 #ifndef PROGRAM_TOGETHER_H
 #define PROGRAM_TOGETHER_H
 
+#include <argp.h>
 #include <stdbool.h>
 
 #include "error.h"
@@ -21,6 +22,10 @@ static inline bool together_is_root(void)
 /* Collective: the status of the lowest rank that has one, and its text, which begins with
  * "rank N: " then. */
 int together_agree(int status, struct ctl_error *error);
+
+/* Read a command line, as all ranks do; what is to be said about it the root says. Returns
+ * an exit status; wrong usage and --help end the program on every rank. */
+int together_parse(const struct argp *argp, int argc, char **argv, void *input);
 
 /* One line on the standard error of the root, after "pccd-mpi: ". */
 void together_complain(const struct ctl_error *error);

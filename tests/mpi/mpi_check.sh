@@ -1,0 +1,169 @@
+#!/bin/bash
+# mpi_check.sh - one scene over 1, 2, 3, 4 and 8 ranks: the same bytes as by one process.
+#
+# Room:     client/mpi, from outside.
+# Does:     random plays with meshes in parts; mistakes of single ranks; pccd-mpi check beside
+#           pccdctl check on files made here and on recorded scenes.
+# Needs:    a build with --with-mpi; else its cases are skipped by name. By itself it takes
+#           less than two minutes; with PCCD_MPI_ALL=1, as make mpi-check sets it, it tries all
+#           that there is.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/mpi/ranks.sh
+. "$top_srcdir/tests/mpi/ranks.sh"
+
+all=${PCCD_MPI_ALL:-0}
+counts='1 2 3 4 8'
+mistakes='order totals mode settings two-owners no-owner two-triangles no-triangle index
+    not-finite no-object absent'
+scenes='cloth-funnel cloth-ball n-body-simulation'
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-mpi-XXXXXX") || exit 99
+trap 'rm -rf "$work"' EXIT
+log=$work/log
+
+if [ "${PCCD_MPI:-no}" = no ]; then
+    for count in $counts; do
+        tap_skip "mpi__plays_of_${count}_ranks_are_those_of_one_process" "no --with-mpi"
+    done
+    for mistake in $mistakes dies; do
+        tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
+    done
+    for name in files missing_file usage $scenes; do
+        tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
+    done
+    tap_end
+    exit
+fi
+
+# ---- the library -----------------------------------------------------------------------
+
+# If one failed, an answer would depend on the number of ranks, or on who was given what.
+plays=12
+[ "$all" = 0 ] || plays=150
+for count in $counts; do
+    ranks "$count" "$top_builddir/tests/mpi/same_as_one" $plays 60 "$((1000 * count))" >"$log" 2>&1
+    tap_result $? "mpi__plays_of_${count}_ranks_are_those_of_one_process" "$log"
+done
+
+# If one failed, a mistake of one rank would hang the others, or end a world that could go on.
+for mistake in $mistakes; do
+    ranks 3 "$top_builddir/tests/mpi/misuse" "$mistake" >"$log" 2>&1
+    tap_result $? "mpi__mistake_${mistake}_is_told_to_all_ranks" "$log"
+done
+
+# If it failed, a job would go on without one of its ranks, or seem to have ended well.
+RANKS_SECONDS=30 ranks 3 "$top_builddir/tests/mpi/misuse" dies >"$log" 2>&1
+status=$?
+[ $status -ne 0 ] && [ $status -ne 124 ]
+tap_result $? mpi__mistake_dies_is_told_to_all_ranks "$log"
+
+# ---- the program -----------------------------------------------------------------------
+
+# A stack of sheets and needles that pass all of them, and a rod beside them.
+frame() { # DROP
+    awk -v drop="$1" 'BEGIN {
+        n = 40
+        print "ply\nformat ascii 1.0\nelement vertex " 6 * n + 3
+        print "property double x\nproperty double y\nproperty double z"
+        print "element face " 2 * n "\nproperty list uchar int vertex_indices"
+        print "element edge 2\nproperty int vertex1\nproperty int vertex2\nend_header"
+        for (i = 0; i < n; i++) {
+            z = -i / 64
+            print 0, 0, z; print 4, 0, z; print 0, 4, z
+        }
+        for (i = 0; i < n; i++) {
+            x = 0.25 + i / 64; y = 0.25 + i % 7 / 8
+            print x, y, 1 - drop; print x, y, 5 - drop; print x + 1 / 128, y, 5 - drop
+        }
+        print -1, 0.5, 1 - drop; print 1, 0.6, 1 - drop; print 3, 0.5, 1 - drop
+        for (i = 0; i < 2 * n; i++)
+            print 3, 3 * i, 3 * i + 1, 3 * i + 2
+        print 6 * n, 6 * n + 1; print 6 * n + 1, 6 * n + 2
+    }'
+}
+for i in 0 1 2 3; do
+    frame "$i" >"$work/f$i.ply"
+done
+
+# What a report has that is not time or work: one "key: value" a line.
+told() { # FILE
+    sed -n '/"counters": {/,/}/d; /"ms": {/,/}/d; /"threads"/d; /"tuning"/d; p' "$1"
+}
+# same_report NAME RANKS ARGUMENT...
+same_report() {
+    local name=$1 count=$2
+    shift 2
+    "$PCCDCTL" check --url direct: --json --repeat 1 --contacts "$work/one.csv" "$@" \
+        >"$work/one.json" 2>"$log" &&
+        ranks "$count" "$top_builddir/pccd-mpi" check --json --repeat 1 \
+            --contacts "$work/ranks.csv" "$@" >"$work/ranks.json" 2>>"$log" &&
+        cmp "$work/one.csv" "$work/ranks.csv" >>"$log" 2>&1 &&
+        [ "$(wc -l <"$work/one.csv")" -gt 1 ] &&
+        diff <(told "$work/one.json") <(told "$work/ranks.json") >>"$log" 2>&1 &&
+        # The keys are the same, also of what may differ.
+        diff <(grep -o '^ *"[a-z_]*":' "$work/one.json") \
+            <(grep -o '^ *"[a-z_]*":' "$work/ranks.json") >>"$log" 2>&1
+    local status=$?
+    [ $status -eq 0 ] || echo "$name, $count ranks: $*" >>"$log"
+    return $status
+}
+
+# If it failed, a user of pccd-mpi check would read something else than one of pccdctl check.
+status=0
+for count in $counts; do
+    same_report files "$count" "$work"/f[01].ply || { status=1; break; }
+done
+if [ $status -eq 0 ]; then
+    same_report sequence 3 "$work"/f?.ply &&
+        same_report pairs 3 --mode pairs "$work"/f[01].ply &&
+        same_report first 2 --mode first "$work"/f[01].ply &&
+        same_report thick 3 --thickness 0.05 --rings 1 --separation 0.01 --approach 0.5 \
+            "$work"/f[01].ply
+    status=$?
+fi
+tap_result $status mpi__check_of_files_says_what_pccdctl_says "$log"
+
+# If it failed, a file that one rank cannot read would hang the others, or be read without it.
+# Each rank has a folder of its own here, and the last one lacks a file.
+cat >"$work/rank.sh" <<'END'
+#!/bin/bash
+rank=${OMPI_COMM_WORLD_RANK:-${PMI_RANK:?}}
+mkdir -p "$1/of$rank" && cp "$1"/f[012].ply "$1/of$rank" || exit 1
+[ "$rank" -ne 2 ] || rm "$1/of$rank/f2.ply"
+cd "$1/of$rank" || exit 1
+shift
+exec "$@"
+END
+RANKS_SECONDS=60 ranks 3 bash "$work/rank.sh" "$work" "$top_builddir/pccd-mpi" check f0.ply f1.ply \
+    f2.ply >"$work/out" 2>"$log"
+status=$?
+[ $status -ne 0 ] && [ $status -ne 124 ] &&
+    grep -q '^pccd-mpi: rank 2: .*f2.ply.*step 1 was the last one' "$log"
+tap_result $? mpi__check_of_missing_file_says_what_pccdctl_says "$log"
+
+# If it failed, a script could not tell wrong usage, or help would be printed by each rank.
+ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" >"$work/out" 2>"$log"
+[ $? -eq 2 ] && grep -q 'two files at least' "$log" && [ ! -s "$work/out" ] &&
+    ranks 2 "$top_builddir/pccd-mpi" check --help >"$work/out" 2>"$log" &&
+    [ "$(grep -c '^Usage:' "$work/out")" -eq 1 ]
+tap_result $? mpi__check_of_usage_says_what_pccdctl_says "$log"
+
+# If one failed, a real scene would have another answer over ranks.
+for scene in $scenes; do
+    name=mpi__check_of_${scene}_says_what_pccdctl_says
+    frames=("$PCCD_DATA/$scene"/frames/*.ply)
+    if [ ! -e "${frames[0]}" ]; then
+        tap_skip "$name" "no frames in \$PCCD_DATA"
+        continue
+    fi
+    status=0
+    for count in $([ "$all" = 0 ] && echo 3 || echo "$counts"); do
+        same_report "$scene" "$count" "${frames[@]}" || { status=1; break; }
+    done
+    tap_result $status "$name" "$log"
+done
+
+tap_end
