@@ -1,6 +1,7 @@
 /* balance.c - work of the ranks.
  *
  * Room:     client/mpi.
+ * Does:     compare the work of the ranks.
  * Threads:  one.
  * Source:   balance.h.
  */

@@ -1,6 +1,7 @@
 /* boxes.c - boxes around leaves.
  *
  * Room:     client/mpi.
+ * Does:     cut the own leaves of each object into runs of equal length.
  * Threads:  one.
  * Source:   boxes.h.
  */
@@ -62,10 +63,9 @@ static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *objec
                         const double (*x1)[3], float (*boxes)[6])
 {
     uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
-    int status = corners == NULL
-                     ? ranks_no_memory(world)
-                     : ranks_local_corners(world, &object->local, object->own,
-                                           object->own_count, corners);
+    int status = corners == NULL ? ranks_no_memory(world)
+                                 : ranks_local_corners(world, &object->local, object->own,
+                                                       object->own_count, corners);
     for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
         bound(x0, x1, corners[i], way, growth, boxes[i]);
     }

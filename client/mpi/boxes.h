@@ -44,8 +44,9 @@ static inline float ranks_float_above(double x)
     float f = (float)x;
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
-/* The box in which a vertex is in a step from x0 to x1, will be in the next one if it goes
- * on like this, and some more: `way` is what vertices of its object move, on average. */
+/* The box in which a vertex is in a step from x0 to x1, will be in the next one if it
+ * goes on like this, and some more: `way` is what vertices of its object move, on
+ * average. */
 #define RANKS_MORE 0.5
 static inline void ranks_cover(const double x0[3], const double x1[3], double way,
                                float box[6])
@@ -76,8 +77,8 @@ static inline void ranks_box_add(float box[6], const float other[6])
 
 static inline bool ranks_boxes_meet(const float a[6], const float b[6])
 {
-    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] &&
-           a[2] <= b[5] && b[2] <= a[5];
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] &&
+           b[2] <= a[5];
 }
 
 #endif

@@ -1,6 +1,7 @@
 /* curve.c - Hilbert's curve in three dimensions.
  *
  * Room:     client/mpi.
+ * Does:     compute the place from the bits of three whole numbers.
  * Threads:  [any].
  * Source:   curve.h.
  */

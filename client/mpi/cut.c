@@ -28,7 +28,7 @@ struct traveller {
     struct ranks_leaf leaf;
 };
 
-/* ---- where leaves are ---------------------------------------------------------------- */
+/* ---- where leaves are ------------------------------------------------------------- */
 
 /* Positions of the own leaves' vertices: a plan for them alone, then x[object]. */
 static int fetch_own(struct pccd_mpi *world, double (**x)[3])
@@ -125,10 +125,11 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
     return status;
 }
 
-/* ---- where to cut -------------------------------------------------------------------- */
+/* ---- where to cut ----------------------------------------------------------------- */
 
 /* How many leaves lie below a place. */
-static uint64_t count_below(const struct traveller *leaves, uint64_t count, uint64_t place)
+static uint64_t count_below(const struct traveller *leaves, uint64_t count,
+                            uint64_t place)
 {
     uint64_t from = 0, end = count;
     while (from < end) {
@@ -185,7 +186,7 @@ static int find_cuts(struct pccd_mpi *world, const struct traveller *leaves,
     return status;
 }
 
-/* ---- moving -------------------------------------------------------------------------- */
+/* ---- moving ----------------------------------------------------------------------- */
 
 /* The leaves that came, to their objects, along the curve. */
 static int settle(struct pccd_mpi *world, const struct traveller *leaves, uint64_t count)
@@ -238,7 +239,8 @@ static int move(struct pccd_mpi *world, const struct traveller *leaves, uint64_t
             first[r] = count_below(leaves, count, cuts[r]);
         }
         first[link->size] = count;
-        status = ranks_deal(link, sizeof *leaves, leaves, first, (void **)&came, first_in);
+        status =
+            ranks_deal(link, sizeof *leaves, leaves, first, (void **)&came, first_in);
         if (status == PCCD_OK) {
             status = ranks_agree_on(link, settle(world, came, first_in[link->size]));
         }

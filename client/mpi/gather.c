@@ -69,13 +69,13 @@ static int await(struct ranks_link *link, MPI_Request *request)
 static int begin(struct ranks_link *link, bool sends, void *bytes, size_t count, int rank,
                  int tag, MPI_Request *request)
 {
-    int code = sends ? MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request)
-                     : MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm,
-                                 request);
+    int code =
+        sends ? MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request)
+              : MPI_Irecv(bytes, (int)count, MPI_BYTE, rank, tag, link->comm, request);
     return ranks_mpi(link, code, "gathering records");
 }
 
-/* ---- the others ---------------------------------------------------------------------- */
+/* ---- the others ------------------------------------------------------------------- */
 
 static int serve(struct pccd_mpi *world, int root)
 {
@@ -101,7 +101,7 @@ static int serve(struct pccd_mpi *world, int root)
     return status;
 }
 
-/* ---- the root ------------------------------------------------------------------------ */
+/* ---- the root --------------------------------------------------------------------- */
 
 /* The next records of rank r; with goes_on false it need not send any more. */
 static int ask(struct merge *merge, int r, bool goes_on)
@@ -224,15 +224,14 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
         status = ranks_tell_all(link, world->record_count, counts);
     }
     if (status == PCCD_OK) {
-        status =
-            ranks_agree_on(link, link->rank == root ? make_streams(&merge, counts) : PCCD_OK);
+        status = ranks_agree_on(link, link->rank == root ? make_streams(&merge, counts)
+                                                         : PCCD_OK);
     }
     if (status == PCCD_OK) {
         status = link->rank == root ? merge_all(&merge) : serve(world, root);
     }
     if (status == PCCD_OK && merge.verdict != 0) {
-        status = ranks_fail(link, PCCD_E_CANCELLED,
-                            "rank %d took no more records", root);
+        status = ranks_fail(link, PCCD_E_CANCELLED, "rank %d took no more records", root);
     }
     status = link->broken != PCCD_OK ? status : ranks_agree_on(link, status);
     for (int r = 0; merge.streams != NULL && r < link->size; r++) {
@@ -244,7 +243,7 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
     return status;
 }
 
-/* ---- shares -------------------------------------------------------------------------- */
+/* ---- shares ----------------------------------------------------------------------- */
 
 int pccd_mpi_get_share(struct pccd_mpi *world, struct pccd_mpi_share *share)
 {

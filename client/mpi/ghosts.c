@@ -1,6 +1,7 @@
 /* ghosts.c - leaves that ranks have to know of each other.
  *
  * Room:     client/mpi.
+ * Does:     compare own leaves with the blocks of others, send, and let libpccd know.
  * Threads:  one.
  * Source:   ghosts.h.
  */
@@ -30,9 +31,9 @@ struct choice {
     double separation;
     double *ways;                /* [object] what a vertex moves, mean */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
-    struct ranks_boxes mine;   /* of own leaves, and their blocks */
-    struct ranks_block *all;   /* blocks of all ranks */
-    uint64_t *first;           /* [size + 1] of these */
+    struct ranks_boxes mine;     /* of own leaves, and their blocks */
+    struct ranks_block *all;     /* blocks of all ranks */
+    uint64_t *first;             /* [size + 1] of these */
     struct visitor *out;
     uint64_t *out_first;
     struct visitor *in;
@@ -61,23 +62,24 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     free(choice->in_first);
 }
 
-/* ---- how far things go --------------------------------------------------------------- */
+/* ---- how far things go ------------------------------------------------------------ */
 
 /* How far a vertex moves along the axis along which it moves most. */
 static double way_of(const struct ranks_object *object, uint32_t i)
 {
     const double *from = object->from[i], *to = object->to[i];
-    return fmax(fabs(to[0] - from[0]), fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
+    return fmax(fabs(to[0] - from[0]),
+                fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
 }
 
-/* The mean way of each object's vertices: in units of the longest, so that sums over ranks
- * are whole numbers and the same everywhere. */
+/* The mean way of each object's vertices: in units of the longest, so that sums over
+ * ranks are whole numbers and the same everywhere. */
 static int find_ways(struct pccd_mpi *world, double *ways)
 {
     uint32_t objects = world->object_count;
     uint64_t *sums = ranks_array(objects, sizeof *sums);
-    int status = ranks_agree_on(&world->link,
-                                sums == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status =
+        ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         const struct ranks_object *object = world->objects[o];
         ways[o] = 0;
@@ -148,10 +150,10 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
     choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
     choice->ways = ranks_array(objects, sizeof *choice->ways);
-    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL ||
-                         choice->ways == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
+    int status =
+        given == NULL || choice->x0 == NULL || choice->x1 == NULL || choice->ways == NULL
+            ? ranks_no_memory(world)
+            : PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         uint32_t count = world->objects[o]->local.vertex_count;
         choice->x0[o] = ranks_array(count, sizeof **choice->x0);
@@ -170,7 +172,7 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     return status == PCCD_OK ? find_ways(world, choice->ways) : status;
 }
 
-/* ---- who needs what ------------------------------------------------------------------ */
+/* ---- who needs what --------------------------------------------------------------- */
 
 /* Which of the own leaves go to rank r: counts, or with out != NULL writes them. */
 static uint64_t choose_for(const struct pccd_mpi *world, const struct choice *choice,
@@ -263,7 +265,7 @@ static void forget_far(const struct pccd_mpi *world, struct choice *choice)
     choice->first[world->link.size] = kept;
 }
 
-/* ---- those that came ----------------------------------------------------------------- */
+/* ---- those that came -------------------------------------------------------------- */
 
 /* A number that other ghosts do not have. */
 static uint64_t hash_of(const struct ranks_leaf *ghosts, uint32_t count)
@@ -290,10 +292,10 @@ static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
         return ranks_no_memory(world);
     }
     for (uint64_t i = 0; i < count; i++) {
-        keys[i] = (struct ranks_key){
-            i < came_count ? in[came[i].value].leaf.number
-                           : object->neighbours[i - came_count].number,
-            i};
+        keys[i] =
+            (struct ranks_key){i < came_count ? in[came[i].value].leaf.number
+                                              : object->neighbours[i - came_count].number,
+                               i};
     }
     const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
     for (uint64_t i = 0; i < count; i++) {
@@ -393,9 +395,9 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     }
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = ranks_spread(link, sizeof(struct ranks_block), choice->mine.blocks,
-                              choice->mine.block_count, (void **)&choice->all,
-                              choice->first);
+        status =
+            ranks_spread(link, sizeof(struct ranks_block), choice->mine.blocks,
+                         choice->mine.block_count, (void **)&choice->all, choice->first);
     }
     if (status != PCCD_OK) {
         return status;

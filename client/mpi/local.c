@@ -1,6 +1,7 @@
 /* local.c - an object's mesh in this rank.
  *
  * Room:     client/mpi.
+ * Does:     sort what leaves name; a number of the whole is found by its place then.
  * Threads:  one.
  * Source:   local.h.
  */
@@ -27,8 +28,9 @@ static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint3
 /* What the leaves name, each once and ascending: to *numbers. `owned` is the bit of
  * `owns` for k = 0 that says that a thing belongs to the leaf; keys: scratch for six a
  * leaf. */
-static uint32_t list(const struct ranks_object *object, uint32_t leaf_count, bool of_sides,
-                     struct ranks_key *keys, uint32_t *numbers, uint64_t *bits)
+static uint32_t list(const struct ranks_object *object, uint32_t leaf_count,
+                     bool of_sides, struct ranks_key *keys, uint32_t *numbers,
+                     uint64_t *bits)
 {
     uint64_t count = 0;
     uint32_t each = 0;
@@ -38,8 +40,8 @@ static uint32_t list(const struct ranks_object *object, uint32_t leaf_count, boo
             uint32_t number = of_sides ? leaf->side[k] : leaf->v[k];
             uint32_t owned = of_sides ? RANKS_OWNS_SIDE(k) : RANKS_OWNS_CORNER(k);
             if (number != RANKS_NONE) {
-                keys[count++] = (struct ranks_key){
-                    number, i < object->own_count && (leaf->owns & owned) != 0};
+                keys[count++] = (struct ranks_key){number, i < object->own_count &&
+                                                               (leaf->owns & owned) != 0};
             }
         }
     }
@@ -101,8 +103,8 @@ int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object)
     struct ranks_local local = {.vertex_count = 0};
     struct ranks_key *keys =
         leaf_count < INT32_MAX ? ranks_array(6 * leaf_count, sizeof *keys) : NULL;
-    int status = keys != NULL ? fill(object, (uint32_t)leaf_count, keys, &local)
-                              : PCCD_E_NOMEM;
+    int status =
+        keys != NULL ? fill(object, (uint32_t)leaf_count, keys, &local) : PCCD_E_NOMEM;
     free(keys);
     if (status != PCCD_OK) {
         ranks_local_deinit(&local);
@@ -137,7 +139,7 @@ int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
     return PCCD_OK;
 }
 
-/* ---- for libpccd --------------------------------------------------------------------- */
+/* ---- for libpccd ------------------------------------------------------------------ */
 
 int ranks_local_put_nothing(struct pccd_mpi *world, uint32_t *mesh)
 {
@@ -187,8 +189,8 @@ static int name(struct pccd_mpi *world, const struct ranks_object *object,
 
 /* corners[]: triangles, then free edges, then points: pack the latter two to arrays of
  * their own, in place behind the triangles. */
-static int put(struct pccd_mpi *world, struct ranks_object *object,
-               const double (*x)[3], const double *radii, uint32_t (*corners)[3])
+static int put(struct pccd_mpi *world, struct ranks_object *object, const double (*x)[3],
+               const double *radii, uint32_t (*corners)[3])
 {
     const struct ranks_local *local = &object->local;
     uint32_t count = local->leaf_count, edge_count = 0, point_count = 0;

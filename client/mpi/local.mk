@@ -3,6 +3,7 @@
 # As with libpccd, all of the library is a convenience library, which our own program has within.
 
 ranks_sources = \
+    client/mpi/answer.c client/mpi/answer.h \
     client/mpi/balance.c client/mpi/balance.h \
     client/mpi/boxes.c client/mpi/boxes.h \
     client/mpi/curve.c client/mpi/curve.h \
@@ -10,7 +11,10 @@ ranks_sources = \
     client/mpi/gather.c \
     client/mpi/ghosts.c client/mpi/ghosts.h \
     client/mpi/local.c client/mpi/local.h \
+    client/mpi/meshes.c \
+    client/mpi/motions.c client/mpi/motions.h \
     client/mpi/neighbours.c client/mpi/neighbours.h \
+    client/mpi/objects.c \
     client/mpi/parts.c client/mpi/parts.h \
     client/mpi/places.c client/mpi/places.h \
     client/mpi/rank_link.c client/mpi/rank_link.h \

@@ -78,9 +78,9 @@ static int tell_directory(struct walk *walk, const uint32_t *vertices, uint32_t 
 static int compare_at(const void *a, const void *b)
 {
     const struct at *one = a, *other = b;
-    return one->vertex != other->vertex ? (one->vertex < other->vertex ? -1 : 1)
-                                        : (one->rank > other->rank) -
-                                              (one->rank < other->rank);
+    return one->vertex != other->vertex
+               ? (one->vertex < other->vertex ? -1 : 1)
+               : (one->rank > other->rank) - (one->rank < other->rank);
 }
 
 /* Begin with the vertices of the own leaves. */

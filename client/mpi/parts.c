@@ -16,7 +16,7 @@
 #define COUNT_MAX      INT32_MAX
 #define COORDINATE_MAX 1e18
 
-/* ---- this rank alone --------------------------------------------------------------- */
+/* ---- this rank alone -------------------------------------------------------------- */
 
 static int check_numbers(struct pccd_mpi *world, const uint32_t *numbers, uint64_t count,
                          uint32_t width, uint32_t total, const char *what)
@@ -52,7 +52,8 @@ static int check_positions(struct pccd_mpi *world, const struct pccd_mpi_part *p
         double radius = part->radii[i];
         if (!(radius >= 0 && radius < INFINITY) || radius > COORDINATE_MAX) {
             return ranks_fail(&world->link,
-                              radius > 0 && radius < INFINITY ? PCCD_E_LIMIT : PCCD_E_INVAL,
+                              radius > 0 && radius < INFINITY ? PCCD_E_LIMIT
+                                                              : PCCD_E_INVAL,
                               "rank %d: vertex %" PRIu32 " of its part: a radius is "
                               "negative, not finite or beyond 1e18",
                               world->link.rank, i);
@@ -74,8 +75,8 @@ int ranks_part_check(struct pccd_mpi *world, const struct pccd_mpi_part *part)
                           link->rank);
     }
     if (part->vertex_total > COUNT_MAX || part->triangle_total > COUNT_MAX) {
-        return ranks_fail(link, PCCD_E_LIMIT, "a mesh has at most %d vertices and triangles",
-                          COUNT_MAX);
+        return ranks_fail(link, PCCD_E_LIMIT,
+                          "a mesh has at most %d vertices and triangles", COUNT_MAX);
     }
     uint32_t total = part->vertex_total;
     int status =
@@ -98,7 +99,7 @@ int ranks_part_check(struct pccd_mpi *world, const struct pccd_mpi_part *part)
     return status == PCCD_OK ? check_positions(world, part) : status;
 }
 
-/* ---- numbers that each rank has some of -------------------------------------------- */
+/* ---- numbers that each rank has some of ------------------------------------------- */
 
 /* How many of a thing the ranks before have, and all of them. */
 static int count_before(struct pccd_mpi *world, uint32_t count, uint64_t *before,
@@ -180,16 +181,16 @@ static int claim(struct pccd_mpi *world, const uint32_t *numbers, uint32_t count
                 struct ranks_place *place = &places[in[i].number - base];
                 if (place->rank >= 0 && bad == PCCD_OK) {
                     bad = ranks_fail(link, PCCD_E_INVAL,
-                                     "two owners of %s %" PRIu32 ": ranks %d and %d", what,
-                                     in[i].number, place->rank, r);
+                                     "two owners of %s %" PRIu32 ": ranks %d and %d",
+                                     what, in[i].number, place->rank, r);
                 }
                 *place = (struct ranks_place){r, in[i].index};
             }
         }
         for (uint64_t i = base; i < (uint64_t)base + span && i < total; i++) {
             if (bad == PCCD_OK && places[i - base].rank < 0) {
-                bad = ranks_fail(link, PCCD_E_INVAL, "%s %" PRIu64 " is in no rank's part",
-                                 what, i);
+                bad = ranks_fail(link, PCCD_E_INVAL,
+                                 "%s %" PRIu64 " is in no rank's part", what, i);
             }
         }
         status = status == PCCD_OK ? ranks_agree_on(link, bad) : status;
@@ -200,7 +201,7 @@ static int claim(struct pccd_mpi *world, const uint32_t *numbers, uint32_t count
     return status;
 }
 
-/* ---- the parts --------------------------------------------------------------------- */
+/* ---- the parts -------------------------------------------------------------------- */
 
 static uint32_t span_of(uint32_t total, int size)
 {
@@ -237,7 +238,8 @@ static int copy_named(struct pccd_mpi *world, const struct pccd_mpi_part *part,
 {
     uint64_t count =
         (uint64_t)part->triangle_count + part->edge_count + part->point_count;
-    struct ranks_leaf *leaf = count <= COUNT_MAX ? ranks_array(count, sizeof *leaf) : NULL;
+    struct ranks_leaf *leaf =
+        count <= COUNT_MAX ? ranks_array(count, sizeof *leaf) : NULL;
     named->leaves = leaf;
     if (leaf == NULL) {
         return ranks_no_memory(world);
@@ -372,8 +374,8 @@ int ranks_mesh_make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
 {
     struct ranks_mesh *made = calloc(1, sizeof *made);
     struct ranks_named named = {.leaves = NULL};
-    int status = ranks_agree_on(&world->link, made == NULL ? ranks_no_memory(world)
-                                                           : PCCD_OK);
+    int status =
+        ranks_agree_on(&world->link, made == NULL ? ranks_no_memory(world) : PCCD_OK);
     if (status == PCCD_OK) {
         status = make(world, part, made, &named);
     }

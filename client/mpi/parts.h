@@ -11,7 +11,7 @@
 
 #include "world.h"
 
-/* Collective. The part was looked at by ranks_part_check. *mesh is new, without handle. */
+/* Collective, after ranks_part_check. *mesh is new, without handle. */
 int ranks_mesh_make(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                     struct ranks_mesh **mesh);
 

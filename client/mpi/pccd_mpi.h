@@ -36,8 +36,8 @@
 #ifndef PCCD_MPI_H
 #define PCCD_MPI_H
 
-#include <mpi.h>
 #include "pccd.h"
+#include <mpi.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -135,16 +135,16 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
 
 /* What the last step was spread over the ranks like. */
 struct pccd_mpi_share {
-    size_t struct_bytes;    /* sizeof(struct pccd_mpi_share); 0 reads as that */
-    uint64_t own;           /* triangles, free edges and points of this rank */
-    uint64_t ghosts;        /* those of others that it has to know */
-    uint64_t own_vertices;  /* vertices of its own triangles, edges and points */
+    size_t struct_bytes;   /* sizeof(struct pccd_mpi_share); 0 reads as that */
+    uint64_t own;          /* triangles, free edges and points of this rank */
+    uint64_t ghosts;       /* those of others that it has to know */
+    uint64_t own_vertices; /* vertices of its own triangles, edges and points */
     uint64_t ghost_vertices;
-    uint64_t sent_bytes;    /* by this rank, in the last step */
-    uint64_t work;          /* counted, of this rank, in the last step */
-    double imbalance;       /* largest work of a rank over the mean; 1 if there was none */
-    uint64_t cuts;          /* how often the scene was cut anew so far */
-    uint64_t searches;      /* how often ghosts were chosen so far */
+    uint64_t sent_bytes; /* by this rank, in the last step */
+    uint64_t work;       /* counted, of this rank, in the last step */
+    double imbalance;    /* largest work of a rank over the mean; 1 if there was none */
+    uint64_t cuts;       /* how often the scene was cut anew so far */
+    uint64_t searches;   /* how often ghosts were chosen so far */
 };
 int pccd_mpi_get_share(struct pccd_mpi *world, struct pccd_mpi_share *share);
 

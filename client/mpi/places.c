@@ -1,6 +1,7 @@
 /* places.c - where vertices were given, and how their positions travel.
  *
  * Room:     client/mpi.
+ * Does:     ask the directories, and remember what they said as a plan.
  * Threads:  one.
  * Source:   places.h.
  */
@@ -51,27 +52,27 @@ int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
     return status;
 }
 
-/* ---- once ---------------------------------------------------------------------------- */
+/* ---- once ------------------------------------------------------------------------- */
 
 /* Positions of `width` numbers from those who were given them: asked[i] of this rank's
  * list is answered at place[i]. */
 static int fetch(struct pccd_mpi *world, const double *given, uint32_t width,
-                 const uint64_t *first_wanted,
-                 const uint32_t *asked, const uint64_t *first_asked,
-                 const uint32_t *place, double *to)
+                 const uint64_t *first_wanted, const uint32_t *asked,
+                 const uint64_t *first_asked, const uint32_t *place, double *to)
 {
     struct ranks_link *link = &world->link;
     uint64_t out_count = first_asked[link->size], in_count = first_wanted[link->size];
     double *out = ranks_array(out_count * width, sizeof *out);
     double *in = ranks_array(in_count * width, sizeof *in);
-    int status =
-        ranks_agree_on(link, out == NULL || in == NULL ? ranks_no_memory(world) : PCCD_OK);
+    int status = ranks_agree_on(link, out == NULL || in == NULL ? ranks_no_memory(world)
+                                                                : PCCD_OK);
     if (status == PCCD_OK) {
         for (uint64_t i = 0; i < out_count; i++) {
             memcpy(out + i * width, given + (size_t)asked[i] * width,
                    width * sizeof *out);
         }
-        status = ranks_swap(link, width * sizeof *out, out, first_asked, in, first_wanted);
+        status =
+            ranks_swap(link, width * sizeof *out, out, first_asked, in, first_wanted);
     }
     for (uint64_t i = 0; status == PCCD_OK && i < in_count; i++) {
         memcpy(to + (size_t)place[i] * width, in + i * width, width * sizeof *in);
@@ -124,11 +125,11 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
         uint64_t *first_asked = first + link->size + 1;
         uint32_t *place = index + count;
         order_by_rank(places, count, link->size, first, index, place);
-        status = ranks_deal(link, sizeof *index, index, first, (void **)&asked,
-                            first_asked);
+        status =
+            ranks_deal(link, sizeof *index, index, first, (void **)&asked, first_asked);
         if (status == PCCD_OK) {
-            status = fetch(world, (const double *)mesh->x, 3, first, asked,
-                           first_asked, place, values);
+            status = fetch(world, (const double *)mesh->x, 3, first, asked, first_asked,
+                           place, values);
         }
         if (status == PCCD_OK && with_radii) {
             status = fetch(world, mesh->radii, 1, first, asked, first_asked, place,
@@ -151,7 +152,7 @@ int ranks_fetch_registered(struct pccd_mpi *world, const struct ranks_mesh *mesh
     return PCCD_OK;
 }
 
-/* ---- the plan ------------------------------------------------------------------------ */
+/* ---- the plan --------------------------------------------------------------------- */
 
 /* A given vertex of an object. */
 struct request {
@@ -226,8 +227,8 @@ static int hear_requests(struct pccd_mpi *world, const struct request *requests,
         if (status == PCCD_OK) {
             uint64_t count = first_in[link->size];
             plan->out = ranks_array(count, sizeof *plan->out);
-            status = ranks_agree_on(link, plan->out == NULL ? ranks_no_memory(world)
-                                                            : PCCD_OK);
+            status = ranks_agree_on(link,
+                                    plan->out == NULL ? ranks_no_memory(world) : PCCD_OK);
         }
         for (int r = 0; r < link->size && status == PCCD_OK; r++) {
             for (uint64_t i = first_in[r]; i < first_in[r + 1]; i++) {
@@ -297,7 +298,7 @@ int ranks_plan_make(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-/* ---- a step -------------------------------------------------------------------------- */
+/* ---- a step ----------------------------------------------------------------------- */
 
 /* How many vertices go to, or come from, each rank: first[size + 1]. */
 static void count_sent(const uint64_t *cells, const double (*const *given)[3], int size,

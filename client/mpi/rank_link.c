@@ -53,7 +53,7 @@ int ranks_mpi(struct ranks_link *link, int code, const char *what)
                       text);
 }
 
-/* ---- waiting ----------------------------------------------------------------------- */
+/* ---- waiting ---------------------------------------------------------------------- */
 
 static void pause_after(uint64_t waited_ns)
 {
@@ -93,7 +93,7 @@ static int await_one(struct ranks_link *link, int code, const char *what,
     return status == PCCD_OK ? ranks_wait(link, request, 1) : status;
 }
 
-/* ---- numbers of all ranks ---------------------------------------------------------- */
+/* ---- numbers of all ranks --------------------------------------------------------- */
 
 /* Memory that MPI writes to: after a timeout it may do so at any time, so the memory is
  * left to it then. */
@@ -144,10 +144,9 @@ static int reduce(struct ranks_link *link, void *numbers, int count, size_t item
         return link->broken;
     }
     memcpy(array, numbers, bytes);
-    int status = await_one(link,
-                           MPI_Iallreduce(MPI_IN_PLACE, array, count, type, op,
-                                          link->comm, &request),
-                           "MPI_Iallreduce", &request);
+    int status = await_one(
+        link, MPI_Iallreduce(MPI_IN_PLACE, array, count, type, op, link->comm, &request),
+        "MPI_Iallreduce", &request);
     return take_array(status, numbers, array, bytes);
 }
 
@@ -166,7 +165,7 @@ int ranks_min_doubles(struct ranks_link *link, double *numbers, int count)
     return reduce(link, numbers, count, sizeof *numbers, MPI_DOUBLE, MPI_MIN);
 }
 
-/* ---- agreement --------------------------------------------------------------------- */
+/* ---- agreement -------------------------------------------------------------------- */
 
 /* What a rank says at the beginning of a call. */
 struct head {
@@ -199,10 +198,10 @@ static const char *name_of(uint64_t call)
 static int hear_of(struct ranks_link *link, int rank, int status)
 {
     MPI_Request request;
-    int heard = await_one(link,
-                          MPI_Ibcast(link->text, RANKS_TEXT_BYTES, MPI_CHAR, rank,
-                                     link->comm, &request),
-                          "MPI_Ibcast", &request);
+    int heard = await_one(
+        link,
+        MPI_Ibcast(link->text, RANKS_TEXT_BYTES, MPI_CHAR, rank, link->comm, &request),
+        "MPI_Ibcast", &request);
     return heard == PCCD_OK ? status : heard;
 }
 
@@ -245,11 +244,11 @@ int ranks_agree(struct ranks_link *link, enum ranks_call call, uint64_t argument
         return link->broken;
     }
     heads[link->size] = (struct head){link->calls++, call, arguments, status};
-    int heard = await_one(link,
-                          MPI_Iallgather(&heads[link->size], HEAD_WORDS, MPI_UINT64_T,
-                                         heads,
-                                         HEAD_WORDS, MPI_UINT64_T, link->comm, &request),
-                          "MPI_Iallgather", &request);
+    int heard =
+        await_one(link,
+                  MPI_Iallgather(&heads[link->size], HEAD_WORDS, MPI_UINT64_T, heads,
+                                 HEAD_WORDS, MPI_UINT64_T, link->comm, &request),
+                  "MPI_Iallgather", &request);
     if (heard != PCCD_OK) {
         return heard; /* MPI may still write to heads */
     }
@@ -264,7 +263,7 @@ int ranks_agree_on(struct ranks_link *link, int status)
                                    : ranks_agree(link, RANKS_INSIDE, 0, status);
 }
 
-/* ---- arrays ------------------------------------------------------------------------ */
+/* ---- arrays ----------------------------------------------------------------------- */
 
 static uint64_t chunks_of(uint64_t bytes)
 {
@@ -330,9 +329,8 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
     for (int turn = 1; turn < link->size; turn++) {
         int r = (link->rank + turn) % link->size;
         uint64_t bytes = (first_out[r + 1] - first_out[r]) * item_bytes;
-        begun += begin(link, true,
-                       (char *)(uintptr_t)out + first_out[r] * item_bytes, bytes, r,
-                       requests + begun, &status);
+        begun += begin(link, true, (char *)(uintptr_t)out + first_out[r] * item_bytes,
+                       bytes, r, requests + begun, &status);
         link->sent_bytes += bytes;
     }
     if (first_out[link->rank + 1] > first_out[link->rank]) {
@@ -376,10 +374,10 @@ int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,
     }
     free(counts);
     *in = ranks_array(first_in[size], item_bytes);
-    status = ranks_agree_on(link, *in != NULL ? PCCD_OK
-                                              : ranks_fail(link, PCCD_E_NOMEM,
-                                                           "rank %d: out of memory",
-                                                           link->rank));
+    status = ranks_agree_on(
+        link, *in != NULL
+                  ? PCCD_OK
+                  : ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank));
     if (status == PCCD_OK) {
         status = ranks_swap(link, item_bytes, out, first_out, *in, first_in);
     }
@@ -410,10 +408,10 @@ int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
     }
     free(counts);
     *all = ranks_array(first[size], item_bytes);
-    status = ranks_agree_on(link, *all != NULL ? PCCD_OK
-                                               : ranks_fail(link, PCCD_E_NOMEM,
-                                                            "rank %d: out of memory",
-                                                            link->rank));
+    status = ranks_agree_on(
+        link, *all != NULL
+                  ? PCCD_OK
+                  : ranks_fail(link, PCCD_E_NOMEM, "rank %d: out of memory", link->rank));
     for (int r = 0; r < size && status == PCCD_OK; r++) {
         char *at = (char *)*all + first[r] * item_bytes;
         uint64_t bytes = (first[r + 1] - first[r]) * item_bytes;
@@ -424,10 +422,9 @@ int ranks_spread(struct ranks_link *link, size_t item_bytes, const void *mine,
         for (uint64_t done = 0; done < bytes && status == PCCD_OK; done += CHUNK_BYTES) {
             MPI_Request request;
             int length = (int)(bytes - done < CHUNK_BYTES ? bytes - done : CHUNK_BYTES);
-            status = await_one(link,
-                               MPI_Ibcast(at + done, length, MPI_BYTE, r, link->comm,
-                                          &request),
-                               "MPI_Ibcast", &request);
+            status = await_one(
+                link, MPI_Ibcast(at + done, length, MPI_BYTE, r, link->comm, &request),
+                "MPI_Ibcast", &request);
         }
     }
     if (status != PCCD_OK && link->broken == PCCD_OK) {

@@ -1,6 +1,7 @@
 /* records.c - this rank's part of an answer.
  *
  * Room:     client/mpi.
+ * Does:     translate numbers by the arrays of local.h.
  * Threads:  one.
  * Source:   records.h; proto/PROTOCOL.md, "The hash of an answer".
  */
@@ -58,7 +59,8 @@ static bool has_bit(const uint64_t *bits, uint32_t i)
 }
 
 /* The number in the whole of a local feature of `points` vertices. */
-static uint32_t number_of(const struct ranks_local *local, uint32_t points, uint32_t feature)
+static uint32_t number_of(const struct ranks_local *local, uint32_t points,
+                          uint32_t feature)
 {
     return points == 1   ? local->vertices[feature]
            : points == 2 ? local->edges[feature]

@@ -2,8 +2,8 @@
  *
  * Room:     client/mpi.
  * Does:     send what leaves say of their sides and corners to the rank whose directory
- *           has the higher vertex; number the edges there as one process does, by (higher,
- *           lower) vertex; send the numbers back, and the lowest leaf of each.
+ *           has the higher vertex; number the edges there as one process does, by
+ *           (higher, lower) vertex; send the numbers back, and the lowest leaf of each.
  * Threads:  one.
  * Source:   parts.h; daemon/engine/scene/feature.c does the same for one process.
  */
@@ -136,9 +136,8 @@ static int number_on(struct pccd_mpi *world, struct question *question, uint64_t
 {
     struct ranks_link *link = &world->link;
     uint64_t *counts = ranks_array((uint64_t)link->size, sizeof *counts);
-    int status = ranks_agree_on(link, counts == NULL || each == UINT64_MAX
-                                          ? ranks_no_memory(world)
-                                          : PCCD_OK);
+    int status = ranks_agree_on(
+        link, counts == NULL || each == UINT64_MAX ? ranks_no_memory(world) : PCCD_OK);
     if (status == PCCD_OK) {
         status = ranks_tell_all(link, each, counts);
     }
@@ -167,10 +166,10 @@ static int ask(struct pccd_mpi *world, const struct ranks_mesh *mesh,
     question->memory = ranks_array(2 * most, sizeof *question->memory);
     question->first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof(uint64_t));
     question->said = ranks_array(most, sizeof *question->said);
-    int status = question->memory == NULL || question->first == NULL ||
-                         question->said == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
+    int status =
+        question->memory == NULL || question->first == NULL || question->said == NULL
+            ? ranks_no_memory(world)
+            : PCCD_OK;
     status = ranks_agree_on(link, status);
     if (status != PCCD_OK) {
         return status;
@@ -192,10 +191,9 @@ static int ask(struct pccd_mpi *world, const struct ranks_mesh *mesh,
         numbered = number_all(question->in, in_count, question->heard);
     }
     status = number_on(world, question, numbered);
-    return status == PCCD_OK
-               ? ranks_swap(link, sizeof(struct heard), question->heard, first_in,
-                            question->answers, first)
-               : status;
+    return status == PCCD_OK ? ranks_swap(link, sizeof(struct heard), question->heard,
+                                          first_in, question->answers, first)
+                             : status;
 }
 
 /* The answer to each thing that the leaves said, to what they said it of. */
@@ -208,8 +206,8 @@ static void take_sides(struct ranks_leaf *leaves, const struct question *questio
         const struct heard *heard = &question->answers[each];
         struct ranks_leaf *leaf = &leaves[key->value / 4];
         uint32_t k = key->value % 4;
-        bool is_first = i == 0 || key->key != key[-1].key ||
-                        key->value / 4 != key[-1].value / 4;
+        bool is_first =
+            i == 0 || key->key != key[-1].key || key->value / 4 != key[-1].value / 4;
         leaf->side[k] = heard->number;
         if (is_first && heard->leaf == leaf->number) {
             leaf->owns |= RANKS_OWNS_SIDE(k);
@@ -224,15 +222,15 @@ static void take_corners(struct ranks_leaf *leaves, const struct question *quest
         const struct ranks_key *key = &question->keys[i];
         each += i > 0 && key->key != key[-1].key;
         struct ranks_leaf *leaf = &leaves[key->value / 4];
-        bool is_first = i == 0 || key->key != key[-1].key ||
-                        key->value / 4 != key[-1].value / 4;
+        bool is_first =
+            i == 0 || key->key != key[-1].key || key->value / 4 != key[-1].value / 4;
         if (is_first && question->answers[each].leaf == leaf->number) {
             leaf->owns |= RANKS_OWNS_CORNER(key->value % 4);
         }
     }
 }
 
-/* ---- what is counted --------------------------------------------------------------- */
+/* ---- what is counted -------------------------------------------------------------- */
 
 static int compare_corners(const void *a, const void *b)
 {
@@ -340,8 +338,8 @@ static int count_degenerate(struct pccd_mpi *world, const struct ranks_mesh *mes
     for (uint32_t t = 0; status == PCCD_OK && t < count; t++) {
         const uint32_t *v = leaves[t].v;
         const double *corner[3] = {x[at[t][0]], x[at[t][1]], x[at[t][2]]};
-        *degenerate += v[0] == v[1] || v[1] == v[2] || v[2] == v[0] ||
-                       has_zero_area(corner);
+        *degenerate +=
+            v[0] == v[1] || v[1] == v[2] || v[2] == v[0] || has_zero_area(corner);
     }
     free(vertices);
     free(at);
@@ -404,15 +402,15 @@ static int find(struct pccd_mpi *world, struct ranks_mesh *mesh,
     sums[2] = named->edge_count;
     sums[3] = named->point_count;
     status = ranks_sum(&world->link, sums, 4);
-    mesh->info = (struct pccd_mesh_info){
-        .vertex_count = mesh->vertex_total,
-        .triangle_count = mesh->triangle_total,
-        .edge_count = (uint32_t)edge_total,
-        .duplicate_count = (uint32_t)sums[0],
-        .degenerate_count = (uint32_t)sums[1],
-        .isolated_count = mesh->vertex_total - (uint32_t)corners->total,
-        .free_edge_count = (uint32_t)sums[2],
-        .free_point_count = (uint32_t)sums[3]};
+    mesh->info = (struct pccd_mesh_info){.vertex_count = mesh->vertex_total,
+                                         .triangle_count = mesh->triangle_total,
+                                         .edge_count = (uint32_t)edge_total,
+                                         .duplicate_count = (uint32_t)sums[0],
+                                         .degenerate_count = (uint32_t)sums[1],
+                                         .isolated_count = mesh->vertex_total -
+                                                           (uint32_t)corners->total,
+                                         .free_edge_count = (uint32_t)sums[2],
+                                         .free_point_count = (uint32_t)sums[3]};
     return status;
 }
 

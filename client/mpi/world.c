@@ -1,28 +1,23 @@
-/* world.c - opening and closing a world; its meshes and objects.
+/* world.c - opening and closing a world.
  *
  * Room:     client/mpi.
- * Does:     the collective calls but steps.
+ * Does:     connect to libpccd; free everything; what all files need.
  * Threads:  one.
  * Source:   pccd_mpi.h, world.h.
  */
 #include "world.h"
 
-#include <inttypes.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "local.h"
-#include "parts.h"
-
 #define TIMEOUT_MS_DEFAULT 60000
 #define TIMEOUT_MS_MAX     3600000
-#define RINGS_MAX          8u
 
 static _Thread_local char open_text[RANKS_TEXT_BYTES];
 
-/* ---- small things that all files need ------------------------------------------------ */
+/* ---- small things that all files need --------------------------------------------- */
 
 int ranks_no_memory(struct pccd_mpi *world)
 {
@@ -71,7 +66,7 @@ struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle)
     return NULL;
 }
 
-static bool are_ignored(const struct pccd_mpi *world, uint32_t a, uint32_t b)
+bool ranks_are_ignored(const struct pccd_mpi *world, uint32_t a, uint32_t b)
 {
     for (uint32_t i = 0; i < world->ignored_count; i++) {
         const struct ranks_pair *pair = &world->ignored[i];
@@ -90,7 +85,12 @@ bool ranks_may_meet(const struct pccd_mpi *world, uint32_t a, uint32_t b)
     }
     return (one->settings.group & other->settings.mask) != 0 &&
            (other->settings.group & one->settings.mask) != 0 &&
-           !are_ignored(world, one->handle, other->handle);
+           !ranks_are_ignored(world, one->handle, other->handle);
+}
+
+void **ranks_room_for_one(void **array, uint32_t count)
+{
+    return realloc((void *)array, ((size_t)count + 1) * sizeof *array);
 }
 
 void ranks_mesh_free(struct ranks_mesh *mesh)
@@ -139,7 +139,7 @@ void ranks_object_free(struct ranks_object *object)
     }
 }
 
-/* ---- opening ------------------------------------------------------------------------- */
+/* ---- opening ---------------------------------------------------------------------- */
 
 /* The processors that this rank may run on, and how many ranks of the machine may run on
  * exactly these. */
@@ -240,7 +240,8 @@ int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
         return PCCD_E_NOMEM;
     }
     opened->link.comm = MPI_COMM_NULL;
-    opened->link.timeout_ms = asked.timeout_ms > 0 ? asked.timeout_ms : TIMEOUT_MS_DEFAULT;
+    opened->link.timeout_ms =
+        asked.timeout_ms > 0 ? asked.timeout_ms : TIMEOUT_MS_DEFAULT;
     if (opened->link.timeout_ms > TIMEOUT_MS_MAX) {
         opened->link.timeout_ms = TIMEOUT_MS_MAX;
     }
@@ -283,366 +284,4 @@ void pccd_mpi_close(struct pccd_mpi *world)
 const char *pccd_mpi_error_text(const struct pccd_mpi *world)
 {
     return world != NULL ? world->link.text : open_text;
-}
-
-/* ---- meshes -------------------------------------------------------------------------- */
-
-/* Room for one more in an array of pointers. */
-static void **room_for_one(void **array, uint32_t count)
-{
-    return realloc((void *)array, ((size_t)count + 1) * sizeof *array);
-}
-
-/* The objects of `before` are made of `mesh` from now on, at its registered positions. */
-static int change_objects(struct pccd_mpi *world, struct ranks_mesh *before,
-                          struct ranks_mesh *mesh)
-{
-    size_t bytes = ((size_t)mesh->vertex_count + 1) * sizeof *mesh->x;
-    for (uint32_t i = 0; i < world->object_count; i++) {
-        struct ranks_object *object = world->objects[i];
-        if (object->mesh != before) {
-            continue;
-        }
-        double(*x)[3] = malloc(bytes), (*next)[3] = malloc(bytes);
-        if (x == NULL || next == NULL) {
-            free(x);
-            free(next);
-            world->link.broken = PCCD_E_NOMEM; /* some have changed already */
-            return ranks_no_memory(world);
-        }
-        memcpy(x, mesh->x, bytes - sizeof *mesh->x);
-        struct ranks_object fresh = {.handle = object->handle,
-                                     .mesh = mesh,
-                                     .local_mesh = object->local_mesh,
-                                     .settings = object->settings,
-                                     .x = x,
-                                     .next = next};
-        struct ranks_object *old = malloc(sizeof *old);
-        if (old != NULL) {
-            *old = *object;
-        }
-        *object = fresh;
-        ranks_object_free(old);
-        mesh->objects++;
-    }
-    return PCCD_OK;
-}
-
-static int put_mesh(struct pccd_mpi *world, const struct pccd_mpi_part *part,
-                    uint32_t *handle, struct pccd_mesh_info *info)
-{
-    struct ranks_mesh *mesh = NULL, *before = NULL;
-    void **meshes = room_for_one((void **)world->meshes, world->mesh_count);
-    int status = meshes == NULL ? ranks_no_memory(world) : PCCD_OK;
-    if (meshes != NULL) {
-        world->meshes = (struct ranks_mesh **)meshes;
-    }
-    status = ranks_agree_on(&world->link, status);
-    if (status == PCCD_OK) {
-        status = ranks_mesh_make(world, part, &mesh);
-    }
-    if (status != PCCD_OK) {
-        return status;
-    }
-    if (*handle == 0) {
-        mesh->handle = ++world->mesh_number;
-        mesh->info.generation = 1;
-        world->meshes[world->mesh_count++] = mesh;
-    } else {
-        for (uint32_t i = 0; i < world->mesh_count; i++) {
-            if (world->meshes[i] == ranks_find_mesh(world, *handle)) {
-                before = world->meshes[i];
-                mesh->handle = before->handle;
-                mesh->info.generation = before->info.generation + 1;
-                world->meshes[i] = mesh;
-                break;
-            }
-        }
-        status = ranks_agree_on(&world->link, change_objects(world, before, mesh));
-        ranks_mesh_free(before);
-        world->is_cut = world->is_covered = false;
-    }
-    *handle = mesh->handle;
-    if (info != NULL) {
-        *info = mesh->info;
-    }
-    return status;
-}
-
-/* A part as this library knows it. */
-static struct pccd_mpi_part read_part(const struct pccd_mpi_part *part)
-{
-    struct pccd_mpi_part known = {.struct_bytes = sizeof known};
-    size_t bytes = part->struct_bytes;
-    memcpy(&known, part, bytes == 0 || bytes > sizeof known ? sizeof known : bytes);
-    return known;
-}
-
-int pccd_mpi_mesh_put(struct pccd_mpi *world, const struct pccd_mpi_part *part,
-                      uint32_t *mesh, struct pccd_mesh_info *info)
-{
-    struct pccd_mpi_part known = read_part(part);
-    const uint32_t same[3] = {known.vertex_total, known.triangle_total, *mesh};
-    int status = ranks_part_check(world, &known);
-    if (status == PCCD_OK && *mesh != 0 && ranks_find_mesh(world, *mesh) == NULL) {
-        status = ranks_fail(&world->link, PCCD_E_HANDLE, "there is no mesh %" PRIu32,
-                            *mesh);
-    }
-    status = ranks_agree(&world->link, RANKS_MESH_PUT, ranks_hash(0, same, sizeof same),
-                         status);
-    return status == PCCD_OK ? put_mesh(world, &known, mesh, info) : status;
-}
-
-static void forget_mesh(struct pccd_mpi *world, struct ranks_mesh *mesh)
-{
-    for (uint32_t i = 0; i < world->mesh_count; i++) {
-        if (world->meshes[i] == mesh) {
-            world->meshes[i] = world->meshes[--world->mesh_count];
-            ranks_mesh_free(mesh);
-            return;
-        }
-    }
-}
-
-int pccd_mpi_mesh_destroy(struct pccd_mpi *world, uint32_t mesh)
-{
-    struct ranks_mesh *found = ranks_find_mesh(world, mesh);
-    int status = found != NULL ? PCCD_OK
-                               : ranks_fail(&world->link, PCCD_E_HANDLE,
-                                            "there is no mesh %" PRIu32, mesh);
-    status = ranks_agree(&world->link, RANKS_MESH_DESTROY, mesh, status);
-    if (status == PCCD_OK) {
-        found->is_gone = true;
-        if (found->objects == 0) {
-            forget_mesh(world, found);
-        }
-    }
-    return status;
-}
-
-/* ---- objects ------------------------------------------------------------------------- */
-
-/* The settings that objects begin with. */
-static struct pccd_object_settings settings_at_first(void)
-{
-    return (struct pccd_object_settings){.struct_bytes =
-                                             sizeof(struct pccd_object_settings),
-                                         .self_collision = true,
-                                         .group = 1,
-                                         .mask = UINT64_MAX};
-}
-
-static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
-                       struct ranks_object **object)
-{
-    struct ranks_object *made = calloc(1, sizeof *made);
-    void **objects = room_for_one((void **)world->objects, world->object_count);
-    if (objects != NULL) {
-        world->objects = (struct ranks_object **)objects;
-    }
-    size_t bytes = ((size_t)mesh->vertex_count + 1) * sizeof *mesh->x;
-    if (made == NULL || objects == NULL || (made->x = malloc(bytes)) == NULL ||
-        (made->next = malloc(bytes)) == NULL) {
-        ranks_object_free(made);
-        return ranks_no_memory(world);
-    }
-    memcpy(made->x, mesh->x, bytes - sizeof *mesh->x);
-    made->mesh = mesh;
-    made->settings = settings_at_first();
-    int status = ranks_local_put_nothing(world, &made->local_mesh);
-    if (status == PCCD_OK) {
-        status = pccd_scene_add(world->client, world->scene, made->local_mesh,
-                                &made->handle);
-        if (status != PCCD_OK) {
-            status = ranks_fail_local(world, status, "no object");
-        }
-    }
-    if (status == PCCD_OK) {
-        status = ranks_local_show(world, made);
-    }
-    if (status != PCCD_OK) {
-        ranks_object_free(made);
-        return status;
-    }
-    *object = made;
-    return PCCD_OK;
-}
-
-int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object)
-{
-    struct ranks_mesh *found = ranks_find_mesh(world, mesh);
-    struct ranks_object *made = NULL;
-    int status = found != NULL ? PCCD_OK
-                               : ranks_fail(&world->link, PCCD_E_HANDLE,
-                                            "there is no mesh %" PRIu32, mesh);
-    status = ranks_agree(&world->link, RANKS_ADD, mesh, status);
-    if (status == PCCD_OK) {
-        status = ranks_agree_on(&world->link, make_object(world, found, &made));
-        if (status != PCCD_OK && made != NULL) { /* another rank could not */
-            (void)pccd_scene_remove(world->client, world->scene, made->handle);
-            ranks_object_free(made);
-        }
-    }
-    if (status == PCCD_OK) {
-        world->objects[world->object_count++] = made;
-        found->objects++;
-        world->is_cut = world->is_covered = false;
-        *object = made->handle;
-    }
-    return status;
-}
-
-static void forget_pairs(struct pccd_mpi *world, uint32_t object)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < world->ignored_count; i++) {
-        if (world->ignored[i].a != object && world->ignored[i].b != object) {
-            world->ignored[kept++] = world->ignored[i];
-        }
-    }
-    world->ignored_count = kept;
-}
-
-static void forget_object(struct pccd_mpi *world, struct ranks_object *object)
-{
-    struct ranks_mesh *mesh = object->mesh;
-    uint32_t i = 0;
-    while (world->objects[i] != object) {
-        i++;
-    }
-    memmove(world->objects + i, world->objects + i + 1,
-            (--world->object_count - i) * sizeof(struct ranks_object *));
-    forget_pairs(world, object->handle);
-    if (--mesh->objects == 0 && mesh->leaves == NULL) {
-        mesh->leaves = object->own; /* for the next object of it */
-        mesh->leaf_count = object->own_count;
-        object->own = NULL;
-    }
-    if (mesh->objects == 0 && mesh->is_gone) {
-        forget_mesh(world, mesh);
-    }
-    ranks_object_free(object);
-    world->is_cut = world->is_covered = false;
-}
-
-int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object)
-{
-    struct ranks_object *found = ranks_find_object(world, object);
-    int status = found != NULL ? PCCD_OK
-                               : ranks_fail(&world->link, PCCD_E_HANDLE,
-                                            "there is no object %" PRIu32, object);
-    status = ranks_agree(&world->link, RANKS_REMOVE, object, status);
-    if (status == PCCD_OK) {
-        status = pccd_scene_remove(world->client, world->scene, object);
-        if (status == PCCD_OK) {
-            status = pccd_mesh_destroy(world->client, found->local_mesh);
-        }
-        status = ranks_agree_on(&world->link,
-                                status == PCCD_OK
-                                    ? PCCD_OK
-                                    : ranks_fail_local(world, status, "not removed"));
-        forget_object(world, found);
-    }
-    return status;
-}
-
-/* Of a radius or a distance. */
-static int check_length(struct pccd_mpi *world, double length)
-{
-    if (!(length >= 0) || length > 1e308) {
-        return ranks_fail(&world->link, PCCD_E_INVAL,
-                          "a radius or distance is negative or not finite");
-    }
-    return length <= 1e18 ? PCCD_OK
-                          : ranks_fail(&world->link, PCCD_E_LIMIT,
-                                       "a radius or distance is beyond 1e18");
-}
-
-int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
-                        const struct pccd_object_settings *settings)
-{
-    struct ranks_object *found = ranks_find_object(world, object);
-    struct pccd_object_settings asked = {.struct_bytes = sizeof asked};
-    size_t bytes = settings->struct_bytes;
-    memcpy(&asked, settings, bytes == 0 || bytes > sizeof asked ? sizeof asked : bytes);
-    struct pccd_object_settings now = settings_at_first();
-    if (found != NULL) {
-        now = found->settings;
-    }
-    now.self_collision =
-        asked.what & PCCD_OBJECT_SELF ? asked.self_collision : now.self_collision;
-    now.group = asked.what & PCCD_OBJECT_GROUP ? asked.group : now.group;
-    now.mask = asked.what & PCCD_OBJECT_MASK ? asked.mask : now.mask;
-    now.radius = asked.what & PCCD_OBJECT_RADIUS ? asked.radius : now.radius;
-    now.rest_distance = asked.what & PCCD_OBJECT_REST_DISTANCE ? asked.rest_distance
-                                                               : now.rest_distance;
-    now.rest_rings =
-        asked.what & PCCD_OBJECT_REST_RINGS ? asked.rest_rings : now.rest_rings;
-    int status = found != NULL ? check_length(world, now.radius)
-                               : ranks_fail(&world->link, PCCD_E_HANDLE,
-                                            "there is no object %" PRIu32, object);
-    status = status == PCCD_OK ? check_length(world, now.rest_distance) : status;
-    if (status == PCCD_OK && now.rest_rings > RINGS_MAX) {
-        status = ranks_fail(&world->link, PCCD_E_LIMIT, "rest_rings are at most %u",
-                            RINGS_MAX);
-    }
-    uint64_t hash = ranks_hash(object, &asked.what, sizeof asked.what);
-    hash = ranks_hash(hash, &now.self_collision, sizeof now.self_collision);
-    hash = ranks_hash(hash, &now.group, sizeof now.group);
-    hash = ranks_hash(hash, &now.mask, sizeof now.mask);
-    hash = ranks_hash(hash, &now.radius, sizeof now.radius);
-    hash = ranks_hash(hash, &now.rest_distance, sizeof now.rest_distance);
-    hash = ranks_hash(hash, &now.rest_rings, sizeof now.rest_rings);
-    status = ranks_agree(&world->link, RANKS_OBJECT_SET, hash, status);
-    if (status == PCCD_OK) {
-        struct pccd_object_settings before = found->settings;
-        found->settings = now;
-        status = ranks_agree_on(&world->link, ranks_local_show(world, found));
-        if (status != PCCD_OK) {
-            found->settings = before;
-            (void)ranks_local_show(world, found);
-        }
-        world->is_covered = false;
-    }
-    return status;
-}
-
-int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t object_b,
-                         bool ignored)
-{
-    const uint32_t same[3] = {object_a, object_b, ignored};
-    uint32_t missing = ranks_find_object(world, object_a) == NULL   ? object_a
-                       : ranks_find_object(world, object_b) == NULL ? object_b
-                                                                    : 0;
-    int status = missing == 0 ? PCCD_OK
-                              : ranks_fail(&world->link, PCCD_E_HANDLE,
-                                           "there is no object %" PRIu32, missing);
-    struct ranks_pair *pairs =
-        realloc(world->ignored, ((size_t)world->ignored_count + 1) * sizeof *pairs);
-    if (pairs != NULL) {
-        world->ignored = pairs;
-    } else {
-        status = ranks_no_memory(world);
-    }
-    status = ranks_agree(&world->link, RANKS_PAIR_IGNORE,
-                         ranks_hash(0, same, sizeof same), status);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    status = pccd_pair_ignore(world->client, world->scene, object_a, object_b, ignored);
-    status = ranks_agree_on(
-        &world->link,
-        status == PCCD_OK ? PCCD_OK : ranks_fail_local(world, status, "not ignored"));
-    if (status == PCCD_OK && ignored && !are_ignored(world, object_a, object_b)) {
-        world->ignored[world->ignored_count++] = (struct ranks_pair){object_a, object_b};
-    }
-    for (uint32_t i = 0; status == PCCD_OK && !ignored && i < world->ignored_count; i++) {
-        const struct ranks_pair *pair = &world->ignored[i];
-        if ((pair->a == object_a && pair->b == object_b) ||
-            (pair->a == object_b && pair->b == object_a)) {
-            world->ignored[i--] = world->ignored[--world->ignored_count];
-        }
-    }
-    world->is_covered = false;
-    return status;
 }

@@ -60,7 +60,8 @@ struct ranks_mesh {
     /* the directory of vertices span * rank to span * (rank + 1) - 1 */
     uint32_t span;
     struct ranks_place *places;
-    /* As they were given. The first object takes them, the last one gives its own back. */
+    /* As they were given. The first object takes them, the last one gives its own
+     * back. */
     struct ranks_leaf *leaves;
     uint32_t leaf_count;
 };
@@ -86,7 +87,8 @@ struct ranks_object {
     double (*start)[3];
     const double (*from)[3];
     const double (*to)[3];
-    uint64_t *written; /* a bit for each given vertex that the step moves; NULL: none yet */
+    uint64_t
+        *written; /* a bit for each given vertex that the step moves; NULL: none yet */
     /* Given vertices: low, high; ghosts are right while both ends of a step are in there.
      * NULL: no ghosts were chosen yet. */
     float (*cover)[6];
@@ -95,13 +97,14 @@ struct ranks_object {
     uint32_t own_vertex_count;
     struct ranks_leaf *ghosts;
     uint32_t ghost_count;
-    struct ranks_leaf *neighbours; /* ghosts for rest_rings (neighbours.h); not each once */
+    struct ranks_leaf
+        *neighbours; /* ghosts for rest_rings (neighbours.h); not each once */
     uint64_t neighbour_count;
     uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
     uint64_t ghosts_hash; /* of their numbers, to see whether others come */
-    bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */
-    bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
+    bool is_built;        /* libpccd has the mesh of `own` and `ghosts` */
+    bool is_elsewhere;    /* libpccd has it elsewhere than at x, on every rank */
 };
 
 /* Who gets what: given vertices that go to each rank, and local ones that come. Sorted by
@@ -147,6 +150,9 @@ struct pccd_mpi {
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
 struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
 
+/* Room for one more in an array of pointers; NULL: no memory, and it stays as it was. */
+void **ranks_room_for_one(void **array, uint32_t count);
+
 /* Why the last call of libpccd failed. Returns `status`. */
 int ranks_fail_local(struct pccd_mpi *world, int status, const char *what);
 /* "out of memory". Returns PCCD_E_NOMEM. */
@@ -156,11 +162,16 @@ int ranks_no_memory(struct pccd_mpi *world);
 uint64_t ranks_hash(uint64_t hash, const void *bytes, size_t count);
 
 void ranks_mesh_free(struct ranks_mesh *mesh);
+/* No object is made of it. */
+void ranks_forget_mesh(struct pccd_mpi *world, struct ranks_mesh *mesh);
 void ranks_local_deinit(struct ranks_local *local);
 void ranks_plan_deinit(struct ranks_plan *plan);
 void ranks_object_free(struct ranks_object *object);
 
-/* May features of the two objects meet, in a step of the scene? */
+bool ranks_are_ignored(const struct pccd_mpi *world, uint32_t handle_a,
+                       uint32_t handle_b);
+/* May features of the two objects meet, in a step of the scene? a, b: places in
+ * world->objects. */
 bool ranks_may_meet(const struct pccd_mpi *world, uint32_t a, uint32_t b);
 
 #endif

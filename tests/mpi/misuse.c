@@ -104,7 +104,7 @@ static uint64_t good_step(void)
     return answer.hash[1];
 }
 
-/* ---- mistakes ------------------------------------------------------------------------ */
+/* ---- mistakes --------------------------------------------------------------------- */
 
 static int put_part(const struct pccd_mpi_part *part)
 {
@@ -230,9 +230,9 @@ static int make_mistake(const struct mistake *mistake)
         memmove(place + 1, place + 2, strlen(place + 2) + 1);
     }
     if (status != mistake->status || strstr(text, expected) == NULL) {
-        fprintf(stderr, "rank %d: status %s, not %s; text \"%s\", not \"%s\"\n", test.rank,
-                pccd_status_name(status), pccd_status_name(mistake->status), text,
-                expected);
+        fprintf(stderr, "rank %d: status %s, not %s; text \"%s\", not \"%s\"\n",
+                test.rank, pccd_status_name(status), pccd_status_name(mistake->status),
+                text, expected);
         return 1;
     }
     (void)make_part();

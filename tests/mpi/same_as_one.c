@@ -1,13 +1,15 @@
-/* same_as_one.c - a program for mpirun: what the ranks answer together is what one process
- * answers.
+/* same_as_one.c - a program for mpirun: what the ranks answer together is what one
+ * process answers.
  *
  * Room:     client/mpi, from outside.
  * Does:     perform random plays, whose meshes are dealt out to the ranks at random, by
  *           pccd_mpi.h; the first rank performs them by pccd.h alone, too, and compares
  *           every number and every byte.
- * Usage:    mpirun -n RANKS same_as_one PLAYS TRIANGLES [SEED]. The exit status is 1 after
- *           a difference; the first rank prints the seed of the play.
+ * Usage:    mpirun -n RANKS same_as_one PLAYS TRIANGLES [SEED]. The exit status is 1
+ *           after a difference; the first rank prints the seed of the play.
  * Threads:  one.
+ *
+ * More than 600 lines: whatever a client can do is done twice and compared, in one place.
  */
 #include <inttypes.h>
 #include <math.h>
@@ -86,7 +88,7 @@ static bool chance(double part)
     return prng_between(&test.prng, 0, 1) < part;
 }
 
-/* ---- dealing out --------------------------------------------------------------------- */
+/* ---- dealing out ------------------------------------------------------------------ */
 
 /* The rank that gets a thing: in one of four manners. */
 struct dealing {
@@ -194,22 +196,22 @@ static void take_part(const struct whole *whole, struct actor *actor,
             points[point_count++] = whole->points[i];
         }
     }
-    *part = (struct pccd_mpi_part){
-        .struct_bytes = sizeof *part,
-        .vertex_total = act->vertex_count,
-        .triangle_total = act->triangle_count,
-        .vertex_count = actor->owned_count,
-        .vertices = vertices.manner == 1 ? NULL : actor->owned,
-        .format = PCCD_FORMAT_F64,
-        .x = x,
-        .radii = radii,
-        .triangle_count = count,
-        .edge_count = edge_count,
-        .point_count = point_count,
-        .triangles = (const uint32_t *)corners,
-        .triangle_numbers = triangles.manner == 1 ? NULL : numbers,
-        .edges = (const uint32_t *)edges,
-        .points = points};
+    *part =
+        (struct pccd_mpi_part){.struct_bytes = sizeof *part,
+                               .vertex_total = act->vertex_count,
+                               .triangle_total = act->triangle_count,
+                               .vertex_count = actor->owned_count,
+                               .vertices = vertices.manner == 1 ? NULL : actor->owned,
+                               .format = PCCD_FORMAT_F64,
+                               .x = x,
+                               .radii = radii,
+                               .triangle_count = count,
+                               .edge_count = edge_count,
+                               .point_count = point_count,
+                               .triangles = (const uint32_t *)corners,
+                               .triangle_numbers = triangles.manner == 1 ? NULL : numbers,
+                               .edges = (const uint32_t *)edges,
+                               .points = points};
 }
 
 static void free_part(const struct pccd_mpi_part *part, const struct whole *whole)
@@ -225,7 +227,7 @@ static void free_part(const struct pccd_mpi_part *part, const struct whole *whol
     free(whole->radii);
 }
 
-/* ---- acts ---------------------------------------------------------------------------- */
+/* ---- acts ------------------------------------------------------------------------- */
 
 static void fail(const char *what)
 {
@@ -270,9 +272,9 @@ static void put(struct actor *actor, const struct whole *whole, bool is_new)
                                             .point_count = whole->point_count};
         one_must(pccd_mesh_put(test.one, &data, &actor->one_mesh, &one_info), "mesh");
         if (is_new) {
-            one_must(pccd_scene_add(test.one, test.scene, actor->one_mesh,
-                                    &actor->one_object),
-                     "add");
+            one_must(
+                pccd_scene_add(test.one, test.scene, actor->one_mesh, &actor->one_object),
+                "add");
         }
         compare_infos(&info, &one_info);
         if (actor->object != actor->one_object) {
@@ -425,7 +427,7 @@ static void move(const struct actor *actor, const struct play_act *act)
                              .m1 = motion.m1};
 }
 
-/* ---- steps --------------------------------------------------------------------------- */
+/* ---- steps ------------------------------------------------------------------------ */
 
 /* Records of the ranks, compared with those of one process as they come. */
 struct comparison {
@@ -443,13 +445,14 @@ static int compare_records(void *context, const void *records, uint64_t count)
                count * comparison->record_bytes) != 0) {
         comparison->differs = true;
         for (uint64_t i = 0; i < count && comparison->at + i < comparison->count; i++) {
-            const uint32_t *a = (const void *)(comparison->records +
-                                               (comparison->at + i) *
-                                                   comparison->record_bytes);
+            const uint32_t *a =
+                (const void *)(comparison->records +
+                               (comparison->at + i) * comparison->record_bytes);
             const uint32_t *b =
                 (const void *)((const char *)records + i * comparison->record_bytes);
             if (memcmp(a, b, comparison->record_bytes) != 0) {
-                printf("# record %" PRIu64 ": %u %u %u %u %u %u, ranks %u %u %u %u %u %u\n",
+                printf("# record %" PRIu64
+                       ": %u %u %u %u %u %u, ranks %u %u %u %u %u %u\n",
                        comparison->at + i, a[0], a[1], a[2], a[3], a[4], a[5], b[0], b[1],
                        b[2], b[3], b[4], b[5]);
                 break;
@@ -477,8 +480,9 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
         return;
     }
     snprintf(text, sizeof text,
-             "mode %d: total %" PRIu64 " and %" PRIu64 ", initial %" PRIu64 " and %" PRIu64
-             ", inside %" PRIu64 " and %" PRIu64 ", crowded %d and %d, toi %.17g and %.17g"
+             "mode %d: total %" PRIu64 " and %" PRIu64 ", initial %" PRIu64
+             " and %" PRIu64 ", inside %" PRIu64 " and %" PRIu64
+             ", crowded %d and %d, toi %.17g and %.17g"
              ", safe %.17g and %.17g, verdict %d and %d, incomplete %d and %d"
              ", hash %016" PRIx64 " and %016" PRIx64,
              (int)a->mode, a->total, b->total, a->initial, b->initial, a->inside,
@@ -507,8 +511,8 @@ static void step(void)
     struct comparison comparison = {.record_bytes = settings.mode == PCCD_MODE_PAIRS
                                                         ? sizeof(struct pccd_pair)
                                                         : sizeof(struct pccd_contact)};
-    int status = pccd_mpi_step(test.world, test.motions, test.motion_count, &settings,
-                               &answer);
+    int status =
+        pccd_mpi_step(test.world, test.motions, test.motion_count, &settings, &answer);
     test.steps++;
     test.records += answer.total;
     if (test.rank == 0) {
@@ -520,8 +524,8 @@ static void step(void)
             fail("a step has another status");
         }
         compare_answers(&one, &answer);
-        comparison.records = one.contacts != NULL ? (const char *)one.contacts
-                                                  : (const char *)one.pairs;
+        comparison.records =
+            one.contacts != NULL ? (const char *)one.contacts : (const char *)one.pairs;
         comparison.count = one.count;
     }
     must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
@@ -590,8 +594,8 @@ static void perform_any(uint32_t triangles)
  * a rank that knows an edge which is near nothing of its own. */
 static void perform_hairpins(uint32_t pins)
 {
-    static const double shape[6][2] = {{0, 0}, {10, 0}, {12, 2}, {12, 4}, {10, 0.01},
-                                       {0, 0.01}};
+    static const double shape[6][2] = {{0, 0},  {10, 0},    {12, 2},
+                                       {12, 4}, {10, 0.01}, {0, 0.01}};
     struct play_act act = {.what = PLAY_X1, .vertex_count = 6 * pins};
     struct whole whole = {.act = &act, .edge_count = 5 * pins};
     struct pccd_object_settings settings = {.struct_bytes = sizeof settings,

@@ -17,7 +17,8 @@ trap 'rm -rf "$work"' EXIT
 cd "$top_srcdir" || exit 99
 
 # Folder, then the folders whose headers it may include. "client/lib+" is the public header
-# alone, with the types that it includes; "daemon/engine+" is engine.h alone. Every room may
+# alone, with the types that it includes; "daemon/engine+" is engine.h alone, "client/mpi+"
+# pccd_mpi.h. Every room may
 # include those of proto/common/; the examples are the users', who have only what is
 # installed.
 rooms='
@@ -36,6 +37,8 @@ client/tool         proto/text
 client/ctl          client/lib+ client/record client/registry client/oracle client/tool proto/text
 client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
+client/mpi          client/lib+
+client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
 client/examples     client/lib+
 bench/scenes        tests/support
 bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
@@ -54,6 +57,7 @@ tests/unit          proto daemon/engine daemon/service daemon/server client/reco
 tests/fuzz          proto daemon/engine daemon/service daemon/server client/record client/registry client/ctl tests/support client/oracle tests/fault
 tests/fault         proto client/lib+ tests/support client/oracle
 tests/zoo           proto client/lib+ tests/support
+tests/mpi           client/lib+ client/mpi+ tests/support
 tests/determinism   daemon/engine tests/support client/oracle tests/unit
 tests/property      proto daemon/engine client/lib+ tests/support client/oracle tests/unit
 tests/truth         proto daemon/engine client/lib+ tests/support client/oracle tests/unit tests/fuzz
@@ -102,6 +106,8 @@ daemon/server       uv.h seccomp.h
 client/record       xxhash.h zstd.h
 client/cpp          array cstdio pccd.hpp vector
 client/ctl          jansson.h png.h xxhash.h zlib.h
+client/mpi          mpi.h xxhash.h
+client/mpi/program  mpi.h
 bench               omp.h
 bench/model         omp.h
 bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h
@@ -218,6 +224,9 @@ awk -v rooms="$rooms" '
             } else if (folder[i] == "daemon/engine+") {
                 if (name == "engine.h")
                     next
+            } else if (folder[i] == "client/mpi+") {
+                if (name == "pccd_mpi.h")
+                    next
             } else if (has[folder[i] "/" name] || public(name) && folder[i] == "client/lib")
                 next
         }
@@ -281,7 +290,7 @@ pairs_of() {
 
 # If this failed, neither of two files could be read, tested or changed without the other.
 for tree in proto/common proto daemon/engine daemon/service daemon/direct daemon/server client/record \
-    client/registry client/lib client/tool client/ctl client/load bench; do
+    client/registry client/lib client/tool client/ctl client/load client/mpi client/mpi/program bench; do
     pairs_of "$tree" | tsort 2>&1 >/dev/null | sed "s|^tsort: -|$tree|"
 done >"$work/log"
 [ ! -s "$work/log" ]
@@ -376,6 +385,13 @@ printf '%s' "$rooms" | while read -r room sees; do
         sees="$room $sees"
     fi
     flags=$(flags_of "$sees")
+    case $room in
+    client/mpi* | tests/mpi)
+        # Where no MPI was named, its header is not known.
+        [ -n "${MPI_CPPFLAGS-}" ] || continue
+        flags="$flags $MPI_CPPFLAGS -iquote client/mpi"
+        ;;
+    esac
     for header in $(grep "^$room/$inside\.h\$" "$work/paths"); do
         # shellcheck disable=SC2086 # flags are words
         ${CC-cc} -std=c11 -D_GNU_SOURCE -fopenmp -fsyntax-only -x c $flags "$header" \

@@ -81,7 +81,7 @@ struct check {
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
     uint32_t object;
-    uint32_t first, count;   /* vertices of this rank */
+    uint32_t first, count; /* vertices of this rank */
     struct ctl_mesh before, after;
     struct report_step *steps; /* [path_count - 1] */
     uint32_t number;           /* of the step, from 1 */
@@ -93,7 +93,7 @@ static int fail(const struct check *check, int status, struct ctl_error *error)
     return ctl_error_set(error, status, "%s", pccd_mpi_error_text(check->world));
 }
 
-/* ---- frames -------------------------------------------------------------------------- */
+/* ---- frames ----------------------------------------------------------------------- */
 
 /* Read a frame; it has one format with the one before. */
 static int read_after(struct check *check, uint32_t index, struct ctl_error *error)
@@ -128,9 +128,8 @@ static const char *positions(const struct ctl_mesh *mesh, uint32_t first)
 /* The number of an edge's vertices is asked of libpccd, on the root. */
 static int find_edges(struct check *check, struct ctl_error *error)
 {
-    const struct pccd_options options = {.struct_bytes = sizeof options,
-                                         .url = "direct:",
-                                         .no_keep = true};
+    const struct pccd_options options = {
+        .struct_bytes = sizeof options, .url = "direct:", .no_keep = true};
     struct pccd_client *client = NULL;
     uint32_t mesh = 0;
     struct pccd_mesh_info info;
@@ -139,7 +138,8 @@ static int find_edges(struct check *check, struct ctl_error *error)
         status = check_run_put_mesh(client, &check->before, &mesh, &info);
     }
     if (status == PCCD_OK) {
-        check->run.edges = malloc(((size_t)info.edge_count + 1) * sizeof(struct pccd_edge));
+        check->run.edges =
+            malloc(((size_t)info.edge_count + 1) * sizeof(struct pccd_edge));
         status = check->run.edges == NULL
                      ? PCCD_E_NOMEM
                      : pccd_mesh_edges(client, mesh, check->run.edges, info.edge_count);
@@ -170,7 +170,7 @@ static int open_csv(struct check *check, struct ctl_error *error)
     return contacts_csv_open(&check->csv, error);
 }
 
-/* ---- steps --------------------------------------------------------------------------- */
+/* ---- steps ------------------------------------------------------------------------ */
 
 /* Each rank gives its slice of everything. */
 static int put_mesh(struct check *check, uint32_t *mesh, struct ctl_error *error)
@@ -229,8 +229,7 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
         .format = check->after.format,
         .x0 = is_again ? positions(&check->before, check->first) : NULL,
         .x1 = positions(&check->after, check->first)};
-    int status =
-        pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
+    int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
     answer->contacts = NULL;
     answer->pairs = NULL;
     answer->count = 0;
@@ -296,12 +295,13 @@ static int walk(struct check *check, struct ctl_error *error)
     return status;
 }
 
-/* ---- the command --------------------------------------------------------------------- */
+/* ---- the command ------------------------------------------------------------------ */
 
 static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    int status = together_agree(ctl_mesh_read(ask->paths[0], &check->before, error), error);
+    int status =
+        together_agree(ctl_mesh_read(ask->paths[0], &check->before, error), error);
     if (status == PCCD_OK) {
         status = read_after(check, 1, error);
     }
@@ -321,8 +321,8 @@ static int check_all(struct check *check, struct ctl_error *error)
         return status;
     }
     if (ask->csv != NULL) {
-        status = together_agree(together_is_root() ? open_csv(check, error) : PCCD_OK,
-                                error);
+        status =
+            together_agree(together_is_root() ? open_csv(check, error) : PCCD_OK, error);
     }
     if (status == PCCD_OK && !ask->is_json && together_is_root()) {
         report_print_mesh(check->report, &check->run.mesh);
@@ -373,8 +373,9 @@ static int run_check(const struct mpi_options *options)
     uint32_t default_repeats = ask->path_count == 2 ? 1 : 0;
     check.run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
     check.steps = calloc(ask->path_count - 1, sizeof *check.steps);
-    int status = check.steps == NULL ? ctl_error_set(&error, PCCD_E_NOMEM, "out of memory")
-                                     : PCCD_OK;
+    int status = check.steps == NULL
+                     ? ctl_error_set(&error, PCCD_E_NOMEM, "out of memory")
+                     : PCCD_OK;
     status = together_agree(status, &error);
     if (status == PCCD_OK) {
         status = check_all(&check, &error);

@@ -38,9 +38,10 @@ static const struct command commands[] = {
 
 static void print_help(FILE *to)
 {
-    fputs("Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
-          "Continuous collision detection of one scene by the ranks of an MPI program.\n\n",
-          to);
+    fputs(
+        "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
+        "Continuous collision detection of one scene by the ranks of an MPI program.\n\n",
+        to);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         fprintf(to, "  %-10s %s\n", commands[i].name, commands[i].text);
     }

@@ -1,6 +1,7 @@
 /* together.c - what ranks do together.
  *
  * Room:     client/mpi/program.
+ * Does:     reduce statuses, and let the root speak.
  * Threads:  one.
  * Source:   together.h.
  */

@@ -23,8 +23,8 @@ static inline bool together_is_root(void)
  * "rank N: " then. */
 int together_agree(int status, struct ctl_error *error);
 
-/* Read a command line, as all ranks do; what is to be said about it the root says. Returns
- * an exit status; wrong usage and --help end the program on every rank. */
+/* Read a command line, as all ranks do; the root alone speaks. Returns an exit status;
+ * wrong usage and --help end the program on every rank. */
 int together_parse(const struct argp *argp, int argc, char **argv, void *input);
 
 /* One line on the standard error of the root, after "pccd-mpi: ". */
