@@ -12,9 +12,20 @@ MAN_SOURCES = \
     client/man/pccdd.8.scd
 EXTRA_DIST += $(MAN_SOURCES)
 
+# Of what is built with an MPI alone.
+MPI_MAN_SOURCES = \
+    client/man/libpccd-mpi.3.scd \
+    client/man/pccd-mpi.1.scd
+EXTRA_DIST += $(MPI_MAN_SOURCES)
+
 if HAVE_MAN_PAGES
 dist_man_MANS += $(MAN_SOURCES:.scd=)
-MAINTAINERCLEANFILES = $(dist_man_MANS)
+if HAVE_MPI
+dist_man_MANS += $(MPI_MAN_SOURCES:.scd=)
+else
+EXTRA_DIST += $(MPI_MAN_SOURCES:.scd=)
+endif
+MAINTAINERCLEANFILES = $(MAN_SOURCES:.scd=) $(MPI_MAN_SOURCES:.scd=)
 endif
 
 SUFFIXES = .scd

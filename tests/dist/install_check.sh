@@ -36,6 +36,12 @@ lib=$(dirname "$(find "$root" -name libpccd.so.0)")
         cmake/pccd/pccdConfig.cmake cmake/pccd/pccdConfigVersion.cmake; do
         [ -e "$lib/$name" ] || echo "no $name beside the library"
     done
+    if [ "${PCCD_MPI:-no}" != no ]; then
+        [ -x "$bin/pccd-mpi" ] || echo "no program pccd-mpi"
+        for name in libpccd-mpi.so libpccd-mpi.so.0 pkgconfig/pccd-mpi.pc; do
+            [ -e "$lib/$name" ] || echo "no $name beside the library"
+        done
+    fi
     # Without scdoc there are no pages at all.
     find "$root" -name '*.[18]' | sed 's|.*/||; s|\.[18]$||' | sort >"$work/pages"
     find "$bin" -type f | sed 's|.*/||' | sort >"$work/programs"

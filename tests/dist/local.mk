@@ -20,7 +20,10 @@ EXTRA_DIST += \
     debian/libpccd0.install debian/libpccd0.symbols \
     debian/libpccd-direct0.install debian/libpccd-direct0.symbols \
     debian/libpccd-dev.examples debian/libpccd-dev.install \
+    debian/libpccd-mpi0.install debian/libpccd-mpi0.symbols \
+    debian/libpccd-mpi-dev.install \
     debian/pccd.install \
+    debian/pccd-mpi.install \
     debian/python3-pccd.examples debian/python3-pccd.install \
     debian/source/format \
     debian/tests/control debian/tests/library debian/tests/python debian/tests/service

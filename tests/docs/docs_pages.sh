@@ -45,6 +45,29 @@ tap_result $? pages__pccdd_has_every_option "$log"
 # If it failed, an option of pccd-load would be described nowhere.
 tap_result $? pages__pccd_load_has_every_option "$log"
 
+if [ "${PCCD_MPI:-no}" = no ]; then
+    tap_skip pages__pccd_mpi_has_every_option "no --with-mpi"
+else
+    # One rank needs no mpirun.
+    "$top_builddir/pccd-mpi" check --help 2>/dev/null | options | missing pccd-mpi.1.scd >"$log"
+    [ ! -s "$log" ]
+    # If it failed, an option of pccd-mpi would be described nowhere.
+    tap_result $? pages__pccd_mpi_has_every_option "$log"
+fi
+
+grep -oE '\*pccd_[a-z0-9_]+\*\(\)' "$man/libpccd-mpi.3.scd" | tr -d '*()' | sort -u |
+    while read -r name; do
+        grep -q "^int $name(\|^void $name(\|^const char \*$name(" \
+            "$top_srcdir/client/mpi/pccd_mpi.h" || echo "no such function: $name"
+    done >"$log"
+grep -oE '^(int|void|const char \*) ?pccd_mpi_[a-z_]+\(' "$top_srcdir/client/mpi/pccd_mpi.h" |
+    grep -oE 'pccd_mpi_[a-z_]+' | while read -r name; do
+        grep -qF "*$name*()" "$man/libpccd-mpi.3.scd" || echo "libpccd-mpi.3 lacks $name"
+    done >>"$log"
+[ ! -s "$log" ]
+# If it failed, the page would lead to functions that are not there, or hide one that is.
+tap_result $? pages__libpccd_mpi_names_all_functions "$log"
+
 grep -oE '\*pccd_[a-z0-9_]+\*\(\)' "$man/libpccd.3.scd" | tr -d '*()' | sort -u |
     while read -r name; do
         grep -q "^ *$name;\$" "$top_srcdir/client/lib/libpccd.map" || echo "no such function: $name"
