@@ -9,7 +9,7 @@
 #           that there is.
 
 set -u
-: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA:?}"
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}" "${PCCD_DATA?}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/mpi/ranks.sh
