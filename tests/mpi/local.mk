@@ -24,7 +24,7 @@ mpi-check:
 	    $(MKDIR_P) mpi-check/$$mpi && cd mpi-check/$$mpi && \
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
-            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
+	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
 	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 TESTS=tests/mpi/mpi_check.sh || exit 1; \
 	    cd ../..; \
 	done
