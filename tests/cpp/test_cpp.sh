@@ -71,12 +71,12 @@ else
 fi
 
 # A project of somebody's, that asks CMake for us.
-project() { # VERSION EXTRA
+project() { # VERSION EXTRA [LANGUAGES]
     mkdir -p "$work/project"
     cp "$top_srcdir/client/cpp/falling.cc" "$work/project"
     cat >"$work/project/CMakeLists.txt" <<END
 cmake_minimum_required(VERSION 3.13)
-project(game CXX)
+project(game ${3-CXX})
 find_package(pccd $1 REQUIRED)
 add_executable(game falling.cc)
 target_compile_features(game PRIVATE cxx_std_17)
@@ -84,7 +84,8 @@ target_link_libraries(game PRIVATE pccd::pccd)
 $2
 END
     rm -rf "$work/made"
-    cmake -S "$work/project" -B "$work/made" -Dpccd_DIR="$top_builddir" >"$log" 2>&1
+    cmake -S "$work/project" -B "$work/made" -Dpccd_DIR="$top_builddir" \
+        ${MPI_C_COMPILER:+-DMPI_C_COMPILER="$MPI_C_COMPILER"} >"$log" 2>&1
 }
 version=$(sed -n 's/^#define PCCD_VERSION_M[AI][JN]OR //p' "$top_srcdir/client/lib/pccd.h" | paste -sd.)
 if command -v cmake >/dev/null && command -v g++ >/dev/null; then
@@ -95,6 +96,21 @@ if command -v cmake >/dev/null && command -v g++ >/dev/null; then
         [ -e "$(cat "$work/made/direct")" ]
     # If it failed, a project that is built by CMake would have to find our files itself.
     tap_result $? cmake__finds_the_build_folder "$log"
+    if [ -e "$top_builddir/.libs/libpccd-mpi.so.0" ]; then
+        # It has to find the MPI that ours was built for.
+        mpicc=$(sed -n 's/^MPICC = //p' "$top_builddir/Makefile")
+        export MPI_C_COMPILER=$mpicc
+        project "$version COMPONENTS mpi" "enable_language(C)
+file(WRITE \"\${CMAKE_BINARY_DIR}/ranks.c\" \"#include <pccd_mpi.h>
+int main(void) { return pccd_mpi_error_text(0)[0]; }\")
+add_executable(ranks \"\${CMAKE_BINARY_DIR}/ranks.c\")
+target_link_libraries(ranks PRIVATE pccd::mpi)" "C CXX" &&
+            cmake --build "$work/made" >>"$log" 2>&1 && "$work/made/ranks" >>"$log" 2>&1
+        # If it failed, a simulator of many machines would have to find our files itself.
+        tap_result $? cmake__finds_the_library_for_mpi "$log"
+    else
+        tap_skip cmake__finds_the_library_for_mpi "it was built without MPI"
+    fi
     ! project 99.0 '' && grep -q 'pccd' "$log"
     # If it failed, a project that needs a newer release would be built against this one.
     tap_result $? cmake__refuses_a_version_that_is_newer "$log"
@@ -102,7 +118,7 @@ if command -v cmake >/dev/null && command -v g++ >/dev/null; then
     # If it failed, it would be told of a part that is not there.
     tap_result $? cmake__names_a_component_that_is_missing "$log"
 else
-    for name in finds_the_build_folder refuses_a_version_that_is_newer \
+    for name in finds_the_build_folder finds_the_library_for_mpi refuses_a_version_that_is_newer \
         names_a_component_that_is_missing; do
         tap_skip cmake__$name "no cmake, or no g++"
     done
