@@ -195,6 +195,9 @@ static void take_step(struct sequence *sequence)
 
 /* As far as features, with radii of any play, may be asked for. */
 #define FAR 0x1p59
+/* Triangles of which not everything is asked for: tens of millions of pairs would take
+ * minutes, and gigabytes. */
+#define MANY 1500u
 
 static double some_distance(struct sequence *sequence)
 {
@@ -219,6 +222,15 @@ static double some_distance(struct sequence *sequence)
     }
 }
 
+static uint64_t triangles_of(const struct player *player)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        count += player->objects[i].triangle_count;
+    }
+    return count;
+}
+
 static void draw_question(struct sequence *sequence)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
@@ -227,6 +239,9 @@ static void draw_question(struct sequence *sequence)
     struct eng_near_settings *question = &sequence->question;
     *question = near_kit_settings(whats[draw(sequence, 4)]);
     question->distance = some_distance(sequence);
+    if (triangles_of(player) > MANY) {
+        question->distance = fmin(question->distance, PLAY_UNIT * PLAY_ONE / 16);
+    }
     question->end = sequence->is_spoilt || draw(sequence, 3) > 0;
     if (draw(sequence, 3) == 0) { /* else as the last step was taken */
         way_draw(&sequence->prng, THREADS_MAX, &question->step);
@@ -308,10 +323,7 @@ static void thicken(struct sequence *sequence)
 
 static void note_size(const struct player *player)
 {
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < player->object_count; i++) {
-        count += player->objects[i].triangle_count;
-    }
+    uint64_t count = triangles_of(player);
     sums.large = count > sums.large ? count : sums.large;
 }
 
