@@ -46,10 +46,14 @@ def rows(path):
     flat, before, out = zlib.decompress(packed), bytes(3 * wide), []
     for y in range(high):
         how, line = flat[y * (3 * wide + 1)], bytearray(flat[y * (3 * wide + 1) + 1:][:3 * wide])
-        for i in range(3 * wide):
+        for i in range(3 * wide if how else 0):
             left, up, corner = (line[i - 3], before[i], before[i - 3]) if i >= 3 else (0, before[i], 0)
-            near = min((abs(left + up - corner - c), k) for k, c in enumerate((left, up, corner)))
-            line[i] = (line[i] + (0, left, up, (left + up) // 2, (left, up, corner)[near[1]])[how]) & 255
+            if how == 4:
+                a, b, c = abs(up - corner), abs(left - corner), abs(left + up - 2 * corner)
+                guess = left if a <= b and a <= c else up if b <= c else corner
+            else:
+                guess = (0, left, up, (left + up) // 2)[how]
+            line[i] = (line[i] + guess) & 255
         out.append([tuple(line[3 * x:3 * x + 3]) for x in range(wide)])
         before = bytes(line)
     return out
@@ -62,10 +66,10 @@ def runs(line): # [first, end) of what is drawn
     return list(zip(edges[::2], edges[1::2]))
 END
 export PYTHONPATH=$dir PYTHONDONTWRITEBYTECODE=1
-# record NAME RADIUS: from NAME0.obj to NAME1.obj.
+# record NAME RADIUS [FRAMES [OPTION...]]: from FRAMES0.obj to FRAMES1.obj, NAME if not given.
 record() {
     ctl record --force --contacts -o "$1.rec" -- "$PCCDCTL" check --private --repeat 0 --thickness "$2" \
-        "${3:-$1}0.obj" "${3:-$1}1.obj"
+        "${@:4}" "${3:-$1}0.obj" "${3:-$1}1.obj"
 }
 
 # Two points come straight towards each other, to the distance 2.
@@ -127,6 +131,15 @@ report render__draws_surfaces_thick_where_it_is_asked_for
 record none 0 face && timeout 60 "$PCCDCTL" render --thick -o none.png none.rec 2>said >>"$log" &&
     grep -q 'nothing in step 1 has a thickness' said && cat said >>"$log"
 report render__says_where_nothing_is_thick
+
+# If it failed, a thickness far above the length of the edges, which is the usual mistake, would keep
+# a processor busy for hours.
+awk 'BEGIN { for (i = 0; i < 800; i++) { printf "v %d 0 0\np %d\n", i, i + 1 } }' >row0.obj
+cp row0.obj row1.obj
+record row 1e5 row --rest-exclusion 1e9 && ! ctl render --size 2000x2000 -o row.png row.rec &&
+    [ ! -e row.png ] && grep -q 'row.png: too many features that are so thick' "$log" &&
+    ctl render --size 64x64 -o row.png row.rec
+report render__refuses_what_would_take_hours
 
 # If it failed, a contact at a distance would be drawn where nothing is: each is a line between the
 # two nearest points at its time. The radius is 1/4: a point falls on a face, an edge and a point.

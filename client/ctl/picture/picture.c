@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "crease.h"
+#include "pccd_types.h"
 #include "picture_canvas.h"
 #include "thick.h"
 
@@ -25,6 +26,9 @@
 #define LINE_WIDTH  0.35f /* picture pixels */
 #define ROD_LEAST   1.1f  /* radius of a rod, picture pixels */
 #define POINT_LEAST 2.0f  /* of a point */
+/* Pixels that balls and capsules take together, a minute: as many as if each of 10^5
+ * triangles took the fourth part of a hundredth of the picture. */
+#define PIXELS_MAX 10000000000u
 
 static const float sky_top[3] = {0.97f, 0.98f, 0.99f};
 static const float sky_bottom[3] = {0.78f, 0.82f, 0.87f};
@@ -217,24 +221,62 @@ static struct raster_surface surface_of(const struct picture_canvas *canvas,
     return surface;
 }
 
-/* Rods and points, never so thin that nobody sees them. */
+/* Edges of rods, then points. */
+static uint64_t free_count(const struct picture_mesh *mesh)
+{
+    return (uint64_t)mesh->edge_count + mesh->point_count;
+}
+
+/* The ends of the i-th of these, and its radius: never so thin that nobody sees it. */
+static double find_free(const struct picture *picture,
+                        const struct picture_canvas *canvas,
+                        const struct picture_mesh *mesh, uint64_t i, const float *ends[2])
+{
+    bool is_edge = i < mesh->edge_count;
+    const uint32_t *v = is_edge ? mesh->edges[i] : &mesh->points[i - mesh->edge_count];
+    struct raster_corner corners[2];
+    for (uint32_t side = 0; side < 2; side++) {
+        ends[side] = mesh->x[v[is_edge ? side : 0]];
+        picture_project(canvas, ends[side], &corners[side]);
+    }
+    float least = (is_edge ? ROD_LEAST : POINT_LEAST) * PICTURE_OVERSAMPLING /
+                  canvas->focus / fmaxf(corners[0].nearness, corners[1].nearness);
+    return (double)fmaxf(radius_of(picture, mesh, v, is_edge ? 2 : 1), least);
+}
+
 static void draw_free(const struct picture *picture, struct picture_canvas *canvas,
                       const struct picture_mesh *mesh)
 {
     const struct raster_surface surface = surface_of(canvas, mesh);
-    for (uint64_t i = 0; i < (uint64_t)mesh->edge_count + mesh->point_count; i++) {
-        bool is_edge = i < mesh->edge_count;
-        const uint32_t *v =
-            is_edge ? mesh->edges[i] : &mesh->points[i - mesh->edge_count];
-        const float *ends[2] = {mesh->x[v[0]], mesh->x[v[is_edge ? 1 : 0]]};
-        struct raster_corner corners[2];
-        picture_project(canvas, ends[0], &corners[0]);
-        picture_project(canvas, ends[1], &corners[1]);
-        float least = (is_edge ? ROD_LEAST : POINT_LEAST) * PICTURE_OVERSAMPLING /
-                      canvas->focus / fmaxf(corners[0].nearness, corners[1].nearness);
-        float radius = radius_of(picture, mesh, v, is_edge ? 2 : 1);
-        thick_segment(canvas, ends[0], ends[1], (double)fmaxf(radius, least), &surface);
+    for (uint64_t i = 0; i < free_count(mesh); i++) {
+        const float *ends[2];
+        double radius = find_free(picture, canvas, mesh, i, ends);
+        thick_segment(canvas, ends[0], ends[1], radius, &surface);
     }
+}
+
+/* Those of all balls and capsules. */
+static uint64_t count_pixels(const struct picture *picture,
+                             const struct picture_canvas *canvas)
+{
+    uint64_t pixels = 0;
+    for (uint32_t m = 0; m < picture->mesh_count; m++) {
+        const struct picture_mesh *mesh = &picture->meshes[m];
+        for (uint64_t i = 0; i < free_count(mesh); i++) {
+            const float *ends[2];
+            double radius = find_free(picture, canvas, mesh, i, ends);
+            pixels += thick_pixels(canvas, ends[0], ends[1], radius);
+        }
+        for (uint64_t i = 0; picture->is_thick && i < 3 * (uint64_t)mesh->triangle_count;
+             i++) {
+            const uint32_t *v = mesh->triangles[i / 3];
+            double radius = (double)radius_of(picture, mesh, v, 3);
+            pixels += radius > 0 ? thick_pixels(canvas, mesh->x[v[i % 3]],
+                                                mesh->x[v[(i + 1) % 3]], radius)
+                                 : 0;
+        }
+    }
+    return pixels;
 }
 
 static bool draw_triangles(const struct picture *picture, struct picture_canvas *canvas,
@@ -273,22 +315,26 @@ static bool draw_triangles(const struct picture *picture, struct picture_canvas 
     return true;
 }
 
-bool picture_draw(const struct picture *picture, struct picture_canvas *canvas)
+int picture_draw(const struct picture *picture, struct picture_canvas *canvas)
 {
-    bool has_memory;
     canvas->width = picture->width > 0 ? picture->width : PICTURE_WIDTH;
     canvas->height = picture->height > 0 ? picture->height : PICTURE_HEIGHT;
-    has_memory = raster_init(&canvas->raster, canvas->width * PICTURE_OVERSAMPLING,
-                             canvas->height * PICTURE_OVERSAMPLING);
-    if (has_memory) {
-        raster_clear(&canvas->raster, sky_top, sky_bottom);
-        place_camera(picture, canvas);
+    if (!raster_init(&canvas->raster, canvas->width * PICTURE_OVERSAMPLING,
+                     canvas->height * PICTURE_OVERSAMPLING)) {
+        return PCCD_E_NOMEM;
     }
-    for (uint32_t m = 0; m < picture->mesh_count && has_memory; m++) {
-        has_memory = draw_triangles(picture, canvas, &picture->meshes[m]);
+    raster_clear(&canvas->raster, sky_top, sky_bottom);
+    place_camera(picture, canvas);
+    if (count_pixels(picture, canvas) > PIXELS_MAX) {
+        return PCCD_E_LIMIT;
+    }
+    for (uint32_t m = 0; m < picture->mesh_count; m++) {
+        if (!draw_triangles(picture, canvas, &picture->meshes[m])) {
+            return PCCD_E_NOMEM;
+        }
         draw_free(picture, canvas, &picture->meshes[m]);
     }
-    return has_memory;
+    return PCCD_OK;
 }
 
 void picture_place_mark(const struct picture *picture,

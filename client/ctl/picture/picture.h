@@ -15,7 +15,8 @@
 #include "picture_scene.h"
 
 /* Render to `file`, whose name is `path`: a PNG, or, where `path` ends with .svg, that
- * with marks and legend as shapes and text. Errors: E_SYSTEM, E_NOMEM. */
+ * with marks and legend as shapes and text. Errors: E_SYSTEM, E_NOMEM;
+ * E_LIMIT: what is thick would take more than a minute. */
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error);
 

@@ -28,8 +28,9 @@ struct picture_canvas {
     float focus;      /* canvas pixels per unit at distance 1 */
 };
 
-/* The meshes, without marks and legend. False without memory. */
-bool picture_draw(const struct picture *picture, struct picture_canvas *canvas);
+/* The meshes, without marks and legend. PCCD_OK, PCCD_E_NOMEM; PCCD_E_LIMIT: so much is
+ * so thick that it would take long. */
+int picture_draw(const struct picture *picture, struct picture_canvas *canvas);
 /* Where a point is on the canvas. */
 void picture_project(const struct picture_canvas *canvas, const float x[3],
                      struct raster_corner *corner);

@@ -86,11 +86,25 @@ static void finish(const struct picture *picture, struct picture_canvas *canvas)
     picture_halve(canvas);
 }
 
+/* The meshes; status and words. */
+static int draw(const struct picture *picture, struct picture_canvas *canvas,
+                const char *path, struct ctl_error *error)
+{
+    int status = picture_draw(picture, canvas);
+    return status == PCCD_E_LIMIT
+               ? ctl_error_set(error, status,
+                               "%s: too many features that are so thick: they fill the "
+                               "picture many times over (--size makes it smaller)",
+                               path)
+           : status != PCCD_OK ? no_memory(path, error)
+                               : PCCD_OK;
+}
+
 int picture_write(const struct picture *picture, FILE *file, const char *path,
                   struct ctl_error *error)
 {
     struct picture_canvas canvas = {.width = 0};
-    int status = picture_draw(picture, &canvas) ? PCCD_OK : no_memory(path, error);
+    int status = draw(picture, &canvas, path, error);
     if (status == PCCD_OK && is_svg(path)) {
         picture_halve(&canvas);
         status = save_svg(picture, &canvas, file, path, error);
@@ -106,11 +120,13 @@ int picture_encode(const struct picture *picture, const char *path, void **png,
                    size_t *bytes, struct ctl_error *error)
 {
     struct picture_canvas canvas = {.width = 0};
+    int status = draw(picture, &canvas, path, error);
     *png = NULL;
-    if (picture_draw(picture, &canvas)) {
+    if (status == PCCD_OK) {
         finish(picture, &canvas);
         *png = encode(&canvas, bytes);
+        status = *png != NULL ? PCCD_OK : no_memory(path, error);
     }
     raster_deinit(&canvas.raster);
-    return *png != NULL ? PCCD_OK : no_memory(path, error);
+    return status;
 }

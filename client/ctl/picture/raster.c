@@ -306,6 +306,9 @@ void raster_line(struct raster *raster, const struct raster_corner ends[2], floa
     float rim[3] = {colour[0] * RIM_SHADE, colour[1] * RIM_SHADE, colour[2] * RIM_SHADE};
     float dx = ends[1].x - ends[0].x, dy = ends[1].y - ends[0].y;
     uint32_t x0, x1, y0, y1;
+    if (!isfinite(ends[0].x + ends[0].y + ends[1].x + ends[1].y)) {
+        return;
+    }
     clip(fminf(ends[0].y, ends[1].y) - radius, fmaxf(ends[0].y, ends[1].y) + radius,
          raster->height, &y0, &y1);
     for (uint32_t y = y0; y <= y1; y++) {

@@ -117,26 +117,45 @@ static struct capsule capsule_of(const struct picture_canvas *canvas, const floa
     return capsule;
 }
 
+/* Columns [0], [1] and rows [2], [3] in which it may be seen; false: in none. */
+static bool find_pixels(const struct picture_canvas *canvas,
+                        const struct capsule *capsule, uint32_t part[4])
+{
+    const double middle[2] = {0.5 * canvas->raster.width, 0.5 * canvas->raster.height};
+    double wide[2] = {INFINITY, -INFINITY}, high[2] = {INFINITY, -INFINITY};
+    double focus = (double)canvas->focus, radius = capsule->radius;
+    widen(capsule->from[0], capsule->from[2], radius, wide);
+    widen(capsule->to[0], capsule->to[2], radius, wide);
+    widen(capsule->from[1], capsule->from[2], radius, high);
+    widen(capsule->to[1], capsule->to[2], radius, high);
+    return pixels_of(middle[0] + focus * wide[0], middle[0] + focus * wide[1],
+                     canvas->raster.width, &part[0], &part[1]) &&
+           pixels_of(middle[1] - focus * high[1], middle[1] - focus * high[0],
+                     canvas->raster.height, &part[2], &part[3]);
+}
+
+uint64_t thick_pixels(const struct picture_canvas *canvas, const float from[3],
+                      const float to[3], double radius)
+{
+    const struct capsule capsule = capsule_of(canvas, from, to, radius);
+    uint32_t part[4];
+    return find_pixels(canvas, &capsule, part)
+               ? (part[1] - part[0] + 1) * (uint64_t)(part[3] - part[2] + 1)
+               : 0;
+}
+
 void thick_segment(struct picture_canvas *canvas, const float from[3], const float to[3],
                    double radius, const struct raster_surface *surface)
 {
     const struct capsule capsule = capsule_of(canvas, from, to, radius);
     const double middle[2] = {0.5 * canvas->raster.width, 0.5 * canvas->raster.height};
-    double wide[2] = {INFINITY, -INFINITY}, high[2] = {INFINITY, -INFINITY};
     double focus = (double)canvas->focus;
-    uint32_t x0, x1, y0, y1;
-    widen(capsule.from[0], capsule.from[2], radius, wide);
-    widen(capsule.to[0], capsule.to[2], radius, wide);
-    widen(capsule.from[1], capsule.from[2], radius, high);
-    widen(capsule.to[1], capsule.to[2], radius, high);
-    if (!pixels_of(middle[0] + focus * wide[0], middle[0] + focus * wide[1],
-                   canvas->raster.width, &x0, &x1) ||
-        !pixels_of(middle[1] - focus * high[1], middle[1] - focus * high[0],
-                   canvas->raster.height, &y0, &y1)) {
+    uint32_t part[4];
+    if (!find_pixels(canvas, &capsule, part)) {
         return;
     }
-    for (uint32_t y = y0; y <= y1; y++) {
-        for (uint32_t x = x0; x <= x1; x++) {
+    for (uint32_t y = part[2]; y <= part[3]; y++) {
+        for (uint32_t x = part[0]; x <= part[1]; x++) {
             const double ray[3] = {(x + 0.5 - middle[0]) / focus,
                                    (middle[1] - y - 0.5) / focus, 1};
             double on[3], depth = meet(&capsule, ray, on);

@@ -13,6 +13,9 @@
 #include "picture_canvas.h"
 #include "raster.h"
 
+/* How many pixels thick_segment will look at. */
+uint64_t thick_pixels(const struct picture_canvas *canvas, const float from[3],
+                      const float to[3], double radius);
 /* What is within `radius` of the segment between two points, which may be one. Nothing of
  * it is behind the eye. */
 void thick_segment(struct picture_canvas *canvas, const float from[3], const float to[3],
