@@ -13,6 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -20,6 +21,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "format.h"
+#include "raw.h"
 #include "recording.h"
 #include "run_ctl.h"
 
@@ -441,6 +443,69 @@ static void thick__is_recorded_repeated_and_verified(void **state)
     assert_in_range(test_ctl_number(said, "non_contacts"), 2 * PAIRS, 5000);
 }
 
+#define KNOT 1500u /* vertices, each of which an edge joins with each other one */
+
+/* The triangles i, j, j + 1 have the edges of a knot; other vertices have none, so that
+ * lists of neighbours are short on average. The mesh in a scene. */
+static void make_knot(struct test_raw *raw, struct proto_OBJECT_SET_request *set)
+{
+    const uint32_t vertices = KNOT * KNOT / 128;
+    uint32_t(*triangles)[3] = calloc(KNOT * KNOT / 2, sizeof *triangles);
+    float(*x)[3] = calloc(vertices, sizeof *x);
+    struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+    struct proto_SCENE_CREATE_result created;
+    struct proto_SCENE_ADD_request add = {0};
+    struct proto_SCENE_ADD_result added;
+    uint32_t count = 0;
+
+    assert_true(triangles != NULL && x != NULL);
+    for (uint32_t i = 0; i < KNOT; i++) {
+        x[i][0] = (float)i;
+        x[i][1] = (float)(i * i % 1009);
+        for (uint32_t j = i + 1; j + 1 < KNOT; j += 2, count++) {
+            memcpy(triangles[count], (uint32_t[3]){i, j, j + 1}, sizeof triangles[0]);
+        }
+    }
+    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_CREATE, &create, &created), 0);
+    assert_int_equal(test_raw_mesh(raw, (const float(*)[3])x, vertices,
+                                   (const uint32_t(*)[3])triangles, count, &add.mesh),
+                     0);
+    set->scene = add.scene = created.scene;
+    assert_int_equal(test_raw_call(raw, PROTO_METHOD_SCENE_ADD, &add, &added), 0);
+    set->object = added.object;
+    free(triangles);
+    free(x);
+}
+
+/* If it failed, to ask which vertices few edges join would keep a thread of the daemon
+ * for long, whoever does not want to know it any more. */
+static void thick__rings_are_not_looked_for_to_the_end_if_cancelled(void **state)
+{
+    static struct test_raw raw;
+    struct proto_OBJECT_SET_request set = {.what = PCCD_OBJECT_REST_RINGS |
+                                                   PCCD_OBJECT_RADIUS,
+                                           .radius = 1,
+                                           .rest_rings = 2};
+    struct proto_OBJECT_SET_result is = {.radius = -1};
+    struct proto_CANCEL_request cancel;
+
+    (void)state;
+    assert_true(test_raw_open(&raw, test_shared.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    assert_int_equal(test_raw_attach(&raw, 2, 8 << 20), 0);
+    make_knot(&raw, &set);
+    cancel.id = test_raw_request(&raw, PROTO_METHOD_OBJECT_SET, &set);
+    assert_true(cancel.id != 0);
+    test_sleep_ms(50); /* it has begun */
+    assert_true(test_raw_request(&raw, PROTO_METHOD_CANCEL, &cancel) != 0);
+    assert_int_equal(test_raw_answer(&raw, cancel.id, PROTO_METHOD_OBJECT_SET, NULL),
+                     PCCD_E_CANCELLED);
+    set.what = 0; /* nothing has changed */
+    assert_int_equal(test_raw_call(&raw, PROTO_METHOD_OBJECT_SET, &set, &is), 0);
+    assert_true(is.radius == 0 && is.rest_rings == 0);
+    test_raw_close(&raw);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -451,6 +516,7 @@ int main(void)
         cmocka_unit_test(thick__refuses_what_cannot_be),
         cmocka_unit_test(thick__comes_back_with_another_daemon),
         cmocka_unit_test(thick__is_recorded_repeated_and_verified),
+        cmocka_unit_test(thick__rings_are_not_looked_for_to_the_end_if_cancelled),
     };
 
     return cmocka_run_group_tests_name("thick", tests, test_recording_start,

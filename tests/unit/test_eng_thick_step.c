@@ -177,12 +177,46 @@ static void step__refuses_what_is_no_length(void **state)
     eng_scene_free(scene);
 }
 
+/* If this failed, nobody could stop a search that takes long; or one that was stopped
+ * would have changed something, or would be taken for done. */
+static void rings__are_not_kept_when_they_were_cancelled(void **state)
+{
+    struct eng_mesh *mesh = kit_sheet(4, 0);
+    struct eng_mesh *other = kit_sheet(5, 0);
+    const struct eng_object_thickness thickness = {.rest_rings = 3};
+    atomic_bool cancel = true;
+    struct eng_scene *scene;
+    uint32_t idx;
+    (void)state;
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    assert_int_equal(eng_scene_add(scene, mesh, 1, &idx), PCCD_OK);
+    assert_int_equal(eng_scene_prepare_rings(scene, 9, NULL, 3, NULL), PCCD_E_INVAL);
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 9, NULL), PCCD_E_LIMIT);
+    uint64_t bytes = eng_mesh_bytes(mesh);
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 0, &cancel), PCCD_OK);
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 3, &cancel),
+                     PCCD_E_CANCELLED);
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, other, 3, &cancel),
+                     PCCD_E_CANCELLED);
+    assert_int_equal(eng_mesh_bytes(mesh), bytes);
+    assert_int_equal(eng_scene_set_thickness(scene, idx, &thickness), PCCD_OK);
+    assert_true(eng_mesh_bytes(mesh) > bytes);
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, NULL, 3, &cancel), PCCD_OK);
+    cancel = false;
+    assert_int_equal(eng_scene_prepare_rings(scene, idx, other, 3, &cancel), PCCD_OK);
+    assert_int_equal(eng_scene_replace(scene, idx, other), PCCD_OK);
+    eng_scene_free(scene);
+    eng_mesh_release(mesh);
+    eng_mesh_release(other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(step__finds_what_is_within_r_across_a_gap),
         cmocka_unit_test(step__tests_thick_bodies_that_poses_move),
         cmocka_unit_test(step__leaves_thin_what_is_nearer_at_rest),
+        cmocka_unit_test(rings__are_not_kept_when_they_were_cancelled),
         cmocka_unit_test(step__refuses_what_is_no_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

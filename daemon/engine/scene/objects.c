@@ -237,7 +237,7 @@ int eng_scene_try_replace(struct eng_scene *scene, uint32_t object_idx,
     }
     int status = reserve_replaced(scene);
     if (status == PCCD_OK) {
-        status = eng_rings_prepare(mesh, object->thickness.rest_rings);
+        status = eng_rings_prepare(mesh, object->thickness.rest_rings, NULL);
     }
     if (status != PCCD_OK) {
         return status;

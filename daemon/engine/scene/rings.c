@@ -78,17 +78,30 @@ static int compare(const void *a, const void *b)
     return *x < *y ? -1 : *x > *y;
 }
 
-/* What at most n edges lead to from v, to list[..]; seen[]: v + 1 for what is in it.
- * Returns how many. */
-static uint32_t search(const struct eng_rings *neighbours, uint32_t rings, uint32_t v,
-                       uint32_t *list, uint32_t *seen)
+struct scratch {
+    uint32_t *list; /* [vertex_count] */
+    uint32_t *seen; /* likewise; v + 1 for what is in the list of v */
+    const atomic_bool *cancel;
+};
+
+static bool is_cancelled(const struct scratch *scratch)
 {
+    return scratch->cancel && atomic_load_explicit(scratch->cancel, memory_order_relaxed);
+}
+
+/* What at most n edges lead to from v, to the list. Returns how many; some are missing if
+ * it is cancelled. */
+static uint32_t search(const struct eng_rings *neighbours, uint32_t rings, uint32_t v,
+                       const struct scratch *scratch)
+{
+    uint32_t *list = scratch->list;
+    uint32_t *seen = scratch->seen;
     uint32_t begin = 0;
     uint32_t count = 0;
     seen[v] = v + 1;
     for (uint32_t n = 0; n < rings; n++) {
         uint32_t end = n == 0 ? 1 : count;
-        for (uint32_t i = begin; i < end; i++) {
+        for (uint32_t i = begin; i < end && !is_cancelled(scratch); i++) {
             uint32_t from = n == 0 ? v : list[i];
             for (uint64_t k = neighbours->first[from]; k < neighbours->first[from + 1];
                  k++) {
@@ -104,59 +117,66 @@ static uint32_t search(const struct eng_rings *neighbours, uint32_t rings, uint3
     return count;
 }
 
-struct scratch {
-    uint32_t *list; /* [vertex_count] */
-    uint32_t *seen; /* likewise */
-};
-
-/* The length of all lists; 0: they are too long. */
-static uint64_t measure(const struct eng_rings *neighbours, const struct eng_mesh *mesh,
-                        uint32_t rings, const struct scratch *scratch)
+/* The length of all lists, if they are not too long and it is not cancelled. */
+static int measure(const struct eng_rings *neighbours, const struct eng_mesh *mesh,
+                   uint32_t rings, const struct scratch *scratch, uint64_t *length)
 {
     uint32_t count = mesh->info.vertex_count;
-    uint64_t length = 1;
+    *length = 1;
     memset(scratch->seen, 0, count * sizeof *scratch->seen);
     for (uint32_t v = 0; v < count; v++) {
-        length += search(neighbours, rings, v, scratch->list, scratch->seen);
-        if (length > (uint64_t)count * LENGTH_MAX) {
-            return 0;
+        *length += search(neighbours, rings, v, scratch);
+        if (*length > (uint64_t)count * LENGTH_MAX) {
+            return PCCD_E_LIMIT;
+        }
+        if (is_cancelled(scratch)) {
+            return PCCD_E_CANCELLED;
         }
     }
-    return length;
+    return PCCD_OK;
 }
 
-static void fill(struct eng_rings *lists, const struct eng_rings *neighbours,
-                 const struct eng_mesh *mesh, uint32_t rings,
-                 const struct scratch *scratch)
+static int fill(struct eng_rings *lists, const struct eng_rings *neighbours,
+                const struct eng_mesh *mesh, uint32_t rings,
+                const struct scratch *scratch)
 {
     uint32_t count = mesh->info.vertex_count;
     uint64_t end = 0;
     memset(scratch->seen, 0, count * sizeof *scratch->seen);
     for (uint32_t v = 0; v < count; v++) {
-        uint32_t found = search(neighbours, rings, v, scratch->list, scratch->seen);
+        uint32_t found = search(neighbours, rings, v, scratch);
+        if (is_cancelled(scratch)) {
+            return PCCD_E_CANCELLED;
+        }
         qsort(scratch->list, found, sizeof *scratch->list, compare);
         memcpy(lists->near + end, scratch->list, found * sizeof *scratch->list);
         lists->first[v] = end;
         end += found;
     }
     lists->first[count] = end;
+    return PCCD_OK;
 }
 
 /* The lists of n > 0. */
-static int make(const struct eng_mesh *mesh, uint32_t rings, struct eng_rings **made)
+static int make(const struct eng_mesh *mesh, uint32_t rings, const atomic_bool *cancel,
+                struct eng_rings **made)
 {
     uint32_t count = mesh->info.vertex_count;
     struct eng_rings *neighbours = neighbours_of(mesh);
     struct scratch scratch = {eng_alloc(count, sizeof(uint32_t)),
-                              eng_alloc(count, sizeof(uint32_t))};
+                              eng_alloc(count, sizeof(uint32_t)), cancel};
     int status = neighbours && scratch.list && scratch.seen ? PCCD_OK : PCCD_E_NOMEM;
+    uint64_t length = 0;
     if (status == PCCD_OK) {
-        uint64_t length = measure(neighbours, mesh, rings, &scratch);
-        *made = length > 0 ? rings_new(count, length) : NULL;
-        status = length == 0 ? PCCD_E_LIMIT : *made ? PCCD_OK : PCCD_E_NOMEM;
+        status = measure(neighbours, mesh, rings, &scratch, &length);
     }
     if (status == PCCD_OK) {
-        fill(*made, neighbours, mesh, rings, &scratch);
+        *made = rings_new(count, length);
+        status = *made ? fill(*made, neighbours, mesh, rings, &scratch) : PCCD_E_NOMEM;
+    }
+    if (status != PCCD_OK) {
+        rings_free(*made);
+        *made = NULL;
     }
     rings_free(neighbours);
     eng_free(scratch.list);
@@ -164,7 +184,7 @@ static int make(const struct eng_mesh *mesh, uint32_t rings, struct eng_rings **
     return status;
 }
 
-int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings)
+int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *cancel)
 {
     assert(mesh->committed && rings <= ENG_RINGS_MAX);
     struct eng_rings *made = NULL;
@@ -172,7 +192,7 @@ int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings)
         atomic_load_explicit(&mesh->rings[rings - 1], memory_order_acquire)) {
         return PCCD_OK;
     }
-    int status = make(mesh, rings, &made);
+    int status = make(mesh, rings, cancel, &made);
     struct eng_rings *none = NULL;
     /* Release: whoever sees the lists sees what is in them. */
     if (status == PCCD_OK && !atomic_compare_exchange_strong_explicit(

@@ -12,6 +12,7 @@
 #ifndef ENG_SCENE_H
 #define ENG_SCENE_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -114,6 +115,12 @@ struct eng_object_thickness {
  * (to replace the mesh may fail for it, too). PCCD_E_NOMEM. As before then. */
 int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,
                             const struct eng_object_thickness *thickness);
+/* What takes longest of it, and of replacing an object that has such: find out which
+ * vertices of a mesh (of the object's; of `mesh`, if it is not NULL) so many edges join.
+ * It is kept with the mesh. PCCD_E_CANCELLED: *cancel became true. Else as above. */
+int eng_scene_prepare_rings(struct eng_scene *scene, uint32_t object_idx,
+                            struct eng_mesh *mesh, uint32_t rings,
+                            const atomic_bool *cancel);
 int eng_scene_get_thickness(const struct eng_scene *scene, uint32_t object_idx,
                             struct eng_object_thickness *thickness);
 

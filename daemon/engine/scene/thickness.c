@@ -52,7 +52,21 @@ static int check(struct eng_mesh *mesh, const struct eng_object_thickness *thick
     if (status == PCCD_OK && thickness->rest_rings > ENG_RINGS_MAX) {
         status = PCCD_E_LIMIT;
     }
-    return status == PCCD_OK ? eng_rings_prepare(mesh, thickness->rest_rings) : status;
+    return status == PCCD_OK ? eng_rings_prepare(mesh, thickness->rest_rings, NULL)
+                             : status;
+}
+
+int eng_scene_prepare_rings(struct eng_scene *scene, uint32_t object_idx,
+                            struct eng_mesh *mesh, uint32_t rings,
+                            const atomic_bool *cancel)
+{
+    const struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (!object) {
+        return PCCD_E_INVAL;
+    }
+    return rings > ENG_RINGS_MAX
+               ? PCCD_E_LIMIT
+               : eng_rings_prepare(mesh ? mesh : object->mesh, rings, cancel);
 }
 
 int eng_scene_set_thickness(struct eng_scene *scene, uint32_t object_idx,

@@ -71,7 +71,15 @@ static int change(struct srv_request *request, struct srv_placed *placed,
                                                    .radius = now.radius,
                                                    .rest_distance = now.rest_distance,
                                                    .rest_rings = now.rest_rings};
-    int status = eng_scene_set_thickness(engine, placed->engine_idx, &thickness);
+    int status = eng_scene_prepare_rings(engine, placed->engine_idx, NULL, now.rest_rings,
+                                         &request->job.cancel);
+    if (status == 0) {
+        status = eng_scene_set_thickness(engine, placed->engine_idx, &thickness);
+    }
+    if (status == PCCD_E_CANCELLED) {
+        return proto_error_set(&request->error, status,
+                               "cancelled, object 0x%x is as before", asked->object);
+    }
     if (status == PCCD_E_LIMIT) { /* lengths were looked at before */
         return proto_error_set(&request->error, status,
                                "rest_rings is %" PRIu32 ": so many edges join the "

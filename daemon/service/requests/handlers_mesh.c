@@ -375,7 +375,8 @@ static int work_commit(struct srv_request *request)
     struct srv_replacement *replacement = request->plan.replacement;
     int status = derive(request);
     if (status == 0 && replacement != NULL) {
-        status = srv_replacement_work(replacement, request->plan.shape, &request->error);
+        status = srv_replacement_work(replacement, request->plan.shape,
+                                      &request->job.cancel, &request->error);
     }
     request->result.MESH_COMMIT.build_ns = common_now_ns() - start_ns;
     return status;

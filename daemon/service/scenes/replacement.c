@@ -70,7 +70,8 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
 
 /* Try every object of a scene that is made of the mesh. [compute] */
 static int try_scene(struct srv_replacement *replacement, struct srv_scene *scene,
-                     struct eng_mesh *mesh, struct proto_error *error)
+                     struct eng_mesh *mesh, const atomic_bool *cancel,
+                     struct proto_error *error)
 {
     for (uint32_t i = 0; i < scene->placed_count; i++) {
         struct srv_placed *placed = &scene->placed[i];
@@ -78,9 +79,14 @@ static int try_scene(struct srv_replacement *replacement, struct srv_scene *scen
             continue;
         }
         srv_scene_forget_answers(scene);
-        int status = eng_scene_try_replace(scene->engine, placed->engine_idx, mesh);
+        int status = eng_scene_prepare_rings(scene->engine, placed->engine_idx, mesh,
+                                             placed->attributes.rest_rings, cancel);
+        if (status == 0) {
+            status = eng_scene_try_replace(scene->engine, placed->engine_idx, mesh);
+        }
         if (status != 0) {
-            PCCD_ASSERT(status == PCCD_E_NOMEM || status == PCCD_E_LIMIT);
+            PCCD_ASSERT(status == PCCD_E_NOMEM || status == PCCD_E_LIMIT ||
+                        status == PCCD_E_CANCELLED);
             return proto_error_set(error, status,
                                    "object 0x%x cannot be replaced: %s; mesh and objects "
                                    "are as before",
@@ -108,13 +114,15 @@ static void settle_scene(const struct srv_replacement *replacement,
 }
 
 int srv_replacement_work(struct srv_replacement *replacement,
-                         const struct srv_shape *shape, struct proto_error *error)
+                         const struct srv_shape *shape, const atomic_bool *cancel,
+                         struct proto_error *error)
 {
     srv_assert_compute();
     int status = 0;
     replacement->replaced = 0;
     for (uint32_t i = 0; i < replacement->scene_count && status == 0; i++) {
-        status = try_scene(replacement, replacement->scenes[i], shape->engine, error);
+        status =
+            try_scene(replacement, replacement->scenes[i], shape->engine, cancel, error);
     }
     for (uint32_t i = 0; i < replacement->scene_count; i++) {
         struct srv_scene *scene = replacement->scenes[i];

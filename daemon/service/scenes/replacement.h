@@ -9,6 +9,7 @@
 #ifndef SRV_REPLACEMENT_H
 #define SRV_REPLACEMENT_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -33,9 +34,11 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
                           struct proto_error *error);
 
 /* Give every object made of the mesh the committed mesh of `shape`, or none. Returns 0 or
- * a wire status with *error set: everything is as before then. [compute] */
+ * a wire status with *error set: everything is as before then. PCCD_E_CANCELLED: *cancel
+ * became true. [compute] */
 int srv_replacement_work(struct srv_replacement *replacement,
-                         const struct srv_shape *shape, struct proto_error *error);
+                         const struct srv_shape *shape, const atomic_bool *cancel,
+                         struct proto_error *error);
 
 /* The end of what begin began; `mesh` NULL: the session has it no more. */
 void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
