@@ -3,13 +3,16 @@
  * Room:     tests/fuzz.
  * Does:     make cases from a seed, in several processes with seeds of their own, and
  *           compare every verdict and time; --short: of VE and VV alone. Prints what is
- *           wrong, and ends with 1 then.
+ *           wrong, and ends with 1 then. --times: how long integers take for a case of
+ *           each family, and nothing is compared.
  * Threads:  one a process.
  */
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "fuzz_jobs.h"
 #include "fuzz_thick_lanes.h"
@@ -85,11 +88,76 @@ static int work(uint64_t seed, uint64_t count, long job)
     return run.failures > 0 || work_in_lanes(seed, count);
 }
 
+/* ---- times ------------------------------------------------------------------------- */
+
+#define SLOW_US    50.0 /* then it is decided again, and the least time counts */
+#define SLOW_TRIES 5
+
+/* Of this thread: what others do meanwhile does not count. */
+static double thread_us(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec * 1e6 + (double)now.tv_nsec * 1e-3;
+}
+
+static double decide_us(struct fuzz_thick_run *run, const struct fuzz_thick_case *made)
+{
+    double least = INFINITY;
+    for (int i = 0; i < SLOW_TRIES && (i == 0 || least > SLOW_US); i++) {
+        struct eng_hit hit;
+        double begin_us = thread_us();
+        (void)eng_thick_solve(&run->thick, &run->contacts, &made->query, made->tolerance,
+                              1, &hit);
+        least = fmin(least, thread_us() - begin_us);
+    }
+    return least;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double left = *(const double *)a;
+    double right = *(const double *)b;
+    return left < right ? -1 : left > right;
+}
+
+/* By integers alone, whatever doubles know. */
+static int tell_times(uint64_t seed, uint64_t each)
+{
+    static struct fuzz_thick_run run;
+    double *us = malloc((each + 1) * sizeof *us);
+    fuzz_thick_init(&run, seed, stdout);
+    run.thick.first = ENG_THICK_BY_INTEGERS;
+    for (int family = 0; us && each > 0 && family < FUZZ_THICK_FAMILIES; family++) {
+        uint64_t count = 0;
+        uint64_t possible = 0;
+        while (count < each) {
+            struct fuzz_thick_case made;
+            fuzz_thick_make(&run.prng, least_kind, &made);
+            if ((int)made.family == family) {
+                uint64_t before = run.thick.possible;
+                us[count++] = decide_us(&run, &made);
+                possible += run.thick.possible > before;
+            }
+        }
+        qsort(us, each, sizeof *us, compare_doubles);
+        printf("  %-10s median %7.2f us, 99 %% %7.1f us, longest %7.1f us, possible "
+               "%" PRIu64 "\n",
+               fuzz_thick_name((enum fuzz_thick_family)family), us[each / 2],
+               us[each - 1 - each / 100], us[each - 1], possible);
+        fflush(stdout);
+    }
+    free(us);
+    fuzz_thick_deinit(&run);
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     uint64_t seed = prng_seed();
     uint64_t count = 100000;
     long job_count = 1;
+    bool times = false;
     for (int i = 1; i < argc; i++) {
         if (i + 1 < argc && strcmp(argv[i], "--cases") == 0) {
             count = (uint64_t)strtod(argv[++i], NULL);
@@ -97,6 +165,8 @@ int main(int argc, char **argv)
             seed = strtoull(argv[++i], NULL, 0);
         } else if (i + 1 < argc && strcmp(argv[i], "--oracle") == 0) {
             oracle_each = strtoull(argv[++i], NULL, 0);
+        } else if (strcmp(argv[i], "--times") == 0) {
+            times = true;
         } else if (strcmp(argv[i], "--short") == 0) {
             least_kind = PCCD_VE;
         } else if (i + 1 < argc && strcmp(argv[i], "--jobs") == 0) {
@@ -108,9 +178,11 @@ int main(int argc, char **argv)
     if (job_count < 1 || job_count > FUZZ_JOBS_MAX || oracle_each < 1) {
         fprintf(
             stderr,
-            "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH] [--short]\n",
+            "usage: %s [--cases N] [--seed N] [--jobs 1..%d] [--oracle EACH] [--short] "
+            "[--times]\n",
             argv[0], FUZZ_JOBS_MAX);
         return 2;
     }
-    return fuzz_jobs_run(work, seed, count, job_count);
+    return times ? tell_times(seed, count / FUZZ_THICK_FAMILIES)
+                 : fuzz_jobs_run(work, seed, count, job_count);
 }
