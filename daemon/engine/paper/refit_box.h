@@ -34,8 +34,8 @@ static inline void eng_refit_vertex(const struct eng_scene *scene, uint32_t vert
             &scene->objects[eng_trees_of(scene)->vertices[vertex].object];
         float growth =
             eng_thickness_growth(scene, object, vertex - object->vertices.first);
-        /* Of an object that is not thick it is the same whether others are: it may be kept
-         * when another one becomes thick. */
+        /* Of an object that is not thick it is the same whether others are: it may be
+         * kept when another one becomes thick. */
         for (int k = 0; k < 3 && growth > 0; k++) {
             box->lo0[k] = -eng_thickness_grown(-box->lo0[k], growth);
             box->hi0[k] = eng_thickness_grown(box->hi0[k], growth);
