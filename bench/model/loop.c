@@ -51,12 +51,12 @@ static double run(struct eng_scene *scene, bool by_paper)
                             .method = &eng_method_paper};
     settings.method = PCCD_METHOD_PAPER;
     eng_stop_init(&stop, &settings);
-    eng_pool_reset(&memory->pool, 1);
+    eng_pool_reset(memory->pool, 1);
     if (eng_schedule_paper_reserve(scene, 1) != PCCD_OK ||
         eng_paper_work_reserve(memory->workers[0], scene) != PCCD_OK) {
         exit(2);
     }
-    eng_worker_begin(memory->workers[0], scene, &settings, &stop, &memory->pool);
+    eng_worker_begin(memory->workers[0], scene, &settings, &stop, memory->pool);
     eng_paper_work_begin(memory->workers[0]);
     memory->workers[0]->thread = 0;
     uint64_t begin_ns = common_now_ns();

@@ -82,8 +82,8 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
     for (uint32_t i = 0; i < team->count; i++) {
         lists[i] = &team->workers[i]->found;
     }
-    int status = eng_merge_begin(&memory->merge, lists, team->count, out);
-    eng_merge_set_cancel(&memory->merge, team->workers[0]->settings->cancel);
+    int status = eng_merge_begin(memory->merge, lists, team->count, out);
+    eng_merge_set_cancel(memory->merge, team->workers[0]->settings->cancel);
     return status;
 }
 
@@ -91,7 +91,7 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
 {
     struct eng_worker *worker = team->workers[0];
     struct eng_kept *kept = &memory->kept;
-    assert(team->prunes && memory->merge.out == &memory->sorted);
+    assert(team->prunes && memory->merge->out == &memory->sorted);
     if (worker->settings->mode == PCCD_MODE_ANY) {
         if (eng_kept_decides(kept, team->scene)) {
             worker->proved_seen = 1;
@@ -103,7 +103,7 @@ void eng_answer_keep(struct eng_step_memory *memory, const struct eng_team *team
     double bound =
         eng_kept_select(kept, team->scene, &memory->sorted, &memory->kept_counts);
     if (memory->sorted.count > 0) {
-        memory->merge.out = &memory->found;
+        memory->merge->out = &memory->found;
     } /* else what is found is the answer */
     if (worker->settings->mode == PCCD_MODE_FIRST) {
         eng_worker_tighten(worker, bound);
@@ -120,7 +120,7 @@ static void end_part(struct eng_worker *worker, uint64_t begin_ns)
 void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *team,
                         struct eng_worker *worker)
 {
-    struct eng_merge *merge = &memory->merge;
+    struct eng_merge *merge = memory->merge;
     if (worker->settings->mode == PCCD_MODE_ANY) {
         return;
     }
@@ -147,7 +147,7 @@ void eng_answer_by_team(struct eng_step_memory *memory, const struct eng_team *t
 int eng_answer_collect(struct eng_step_memory *memory, const struct eng_team *team,
                        enum pccd_incomplete *incomplete, struct eng_counts *counts)
 {
-    struct eng_merge *merge = &memory->merge;
+    struct eng_merge *merge = memory->merge;
     bool overflowed = false;
     if (team->workers[0]->settings->mode == PCCD_MODE_FIRST && team->count == 1) {
         struct eng_worker *worker = team->workers[0];
@@ -218,7 +218,7 @@ static int add_kept(struct eng_step_memory *memory, const struct eng_team *team,
 /* Is what was found merged apart from what stands? */
 static bool merge_is_beside(const struct eng_step_memory *memory)
 {
-    return memory->merge.out == &memory->found;
+    return memory->merge->out == &memory->found;
 }
 
 static int put_together(struct eng_step_memory *memory, const struct eng_team *team,

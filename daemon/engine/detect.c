@@ -84,9 +84,9 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
         }
         eng_thick_work_begin(memory->workers[i]);
     }
-    eng_pool_reset(&memory->pool, team->count);
+    eng_pool_reset(memory->pool, team->count);
     for (uint32_t i = 0; i < team->count; i++) {
-        eng_worker_begin(memory->workers[i], scene, settings, stop, &memory->pool);
+        eng_worker_begin(memory->workers[i], scene, settings, stop, memory->pool);
         memory->workers[i]->thread = i;
     }
     return eng_answer_begin(memory, team, out);
@@ -231,7 +231,7 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
         eng_answer_by_team(eng_step_memory_of(team->scene), team, worker);
         eng_wait_for_all(worker); /* the runtime's barrier would lend nobody anything */
     }
-    uint64_t merge_ns = eng_step_memory_of(team->scene)->merge.begin_ns;
+    uint64_t merge_ns = eng_step_memory_of(team->scene)->merge->begin_ns;
     uint64_t end_ns = merge_ns > 0 ? merge_ns : common_now_ns();
     uint64_t low_end_ns = low_end_of(team, end_ns);
     times->refit = team->refit_end_ns - begin_ns;

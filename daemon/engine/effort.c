@@ -40,12 +40,24 @@ static bool is_quicker(struct eng_effort *effort, enum pccd_mode mode)
     return ++took->turns % TRY_EVERY == 0 ? !quicker : quicker;
 }
 
+uint64_t eng_effort_expects(const struct eng_effort *effort, enum pccd_mode mode,
+                            uint32_t triangles)
+{
+    uint64_t work_ns = effort->work_ns[mode];
+    return work_ns > 0 ? work_ns : (uint64_t)triangles * TRIANGLE_NS;
+}
+
+bool eng_effort_is_enough(uint64_t work_ns)
+{
+    return work_ns >= PAYS_FROM_NS;
+}
+
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles)
 {
     assert(mode <= PCCD_MODE_PAIRS);
-    uint64_t work_ns = effort->work_ns[mode];
-    if (work_ns == 0) { /* a guess, which what comes of it must not cling to */
-        return (uint64_t)triangles * TRIANGLE_NS >= PAYS_FROM_NS;
+    uint64_t work_ns = eng_effort_expects(effort, mode, triangles);
+    if (effort->work_ns[mode] == 0) { /* which what comes of it must not cling to */
+        return eng_effort_is_enough(work_ns);
     }
     effort->paid = work_ns >= (effort->paid ? PAYS_NO_MORE_BELOW_NS : PAYS_FROM_NS);
     return effort->paid && (work_ns >= PAYS_SURELY_FROM_NS || is_quicker(effort, mode));

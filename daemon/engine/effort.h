@@ -23,6 +23,12 @@ struct eng_effort {
 /* Should the next step in this mode be taken by more than one thread? */
 bool eng_effort_pays(struct eng_effort *effort, enum pccd_mode mode, uint32_t triangles);
 
+/* Work of the next step in this mode; before the first, a guess. */
+uint64_t eng_effort_expects(const struct eng_effort *effort, enum pccd_mode mode,
+                            uint32_t triangles);
+/* Is so much work, in pieces that do not depend on each other, worth a team? */
+bool eng_effort_is_enough(uint64_t work_ns);
+
 /* The same where this part, 0 .. 1, of what is searched as a rule moves. */
 bool eng_effort_pays_for(const struct eng_effort *effort, enum pccd_mode mode,
                          double part);

@@ -14,6 +14,7 @@
 
 #include "affinity.h" /* the processors of a team */
 #include "brief.h"    /* may a step be taken at once, by the thread that talks? */
+#include "each.h"     /* many items, by several threads */
 #include "isa.h"      /* the instruction set that is used */
 #include "levels.h"   /* the boxes of a hierarchy, to be looked at */
 #include "memory.h"   /* who pays for memory, and how much there may be */

@@ -119,6 +119,8 @@ libengine_la_SOURCES = \
     daemon/engine/result/split.h \
     daemon/engine/team/deque.c \
     daemon/engine/team/deque.h \
+    daemon/engine/team/each.c \
+    daemon/engine/team/each.h \
     daemon/engine/team/faces.h \
     daemon/engine/team/finding.c \
     daemon/engine/team/finding.h \

@@ -312,7 +312,7 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
         answer_records(&memory->near, &counts, team, result);
     }
     result->records = memory->near.records.data;
-    eng_pool_reset(&memory->pool, team->count);
+    eng_pool_reset(memory->pool, team->count);
 }
 
 /* ---- the search -------------------------------------------------------------------- */

@@ -53,8 +53,8 @@ static void make_single(struct eng_step_memory *memory, struct eng_team *team,
                         const struct eng_step_settings *settings, struct eng_stop *stop)
 {
     team->count = 1;
-    eng_pool_reset(&memory->pool, 1);
-    eng_worker_begin(memory->workers[0], team->scene, settings, stop, &memory->pool);
+    eng_pool_reset(memory->pool, 1);
+    eng_worker_begin(memory->workers[0], team->scene, settings, stop, memory->pool);
     int status = eng_answer_begin(memory, team, &memory->sorted);
     assert(status == PCCD_OK); /* it had room for more */
     (void)status;
@@ -103,7 +103,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     struct eng_worker *worker = team->workers[0];
     uint64_t begin_ns = common_now_ns();
     eng_answer_end(memory, team, result);
-    eng_pool_reset(&memory->pool, team->count); /* ready for the next step */
+    eng_pool_reset(memory->pool, team->count); /* ready for the next step */
     uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
     worker->record.merge_ns += end_ns - begin_ns;
@@ -128,10 +128,10 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     result->threads = team->count;
 }
 
-int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
-             struct eng_step_result *result)
+/* The step, by the workers that the scene has, or was lent. */
+static int step(struct eng_scene *scene, const struct eng_step_settings *settings,
+                struct eng_step_result *result)
 {
-    assert(scene && settings && result);
     uint64_t begin_ns = common_now_ns();
     uint64_t allocs = atomic_load(&eng_payer()->allocs);
     uint64_t builds = scene->builds;
@@ -188,6 +188,43 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
     return PCCD_OK;
+}
+
+int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+             struct eng_step_result *result)
+{
+    assert(scene && settings && result);
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    struct eng_step_memory *lender =
+        settings->lender ? eng_step_memory_of(settings->lender) : memory;
+    if (lender == memory) {
+        return step(scene, settings, result);
+    }
+    assert(settings->threads == 1);
+    eng_step_memory_borrow(memory, lender);
+    int status = step(scene, settings, result);
+    eng_step_memory_give_back(memory, lender);
+    return status;
+}
+
+uint64_t eng_step_expects(const struct eng_scene *scene,
+                          const struct eng_step_settings *settings)
+{
+    assert(scene && settings && settings->mode <= PCCD_MODE_PAIRS);
+    const struct eng_step_memory *memory = eng_step_memory_of(scene);
+    return eng_effort_expects(&memory->effort[eng_method_of(settings)], settings->mode,
+                              eng_detect_size(scene));
+}
+
+bool eng_step_is_enough(uint64_t work_ns)
+{
+    return eng_effort_is_enough(work_ns);
+}
+
+void eng_step_tidy(struct eng_scene *scene)
+{
+    assert(scene && !scene->staging);
+    eng_step_memory_keep(eng_step_memory_of(scene), 0);
 }
 
 void eng_step_nothing(const struct eng_step_settings *settings,

@@ -25,6 +25,17 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result);
 
+/* How much work the next step with these settings will be, as the last ones were;
+ * nanoseconds of one thread. A guess by the size of the scene before the first. */
+uint64_t eng_step_expects(const struct eng_scene *scene,
+                          const struct eng_step_settings *settings);
+
+/* Is so much work, in steps that do not depend on each other, worth a team? */
+bool eng_step_is_enough(uint64_t work_ns);
+
+/* No step is to follow soon: free the threads' scratch, 0.8 MB each. The answer stays. */
+void eng_step_tidy(struct eng_scene *scene);
+
 /* What it would say of a step that has to end before it begins: nothing was found. Of the
  * settings, mode, method and scheduler matter. [any] */
 void eng_step_nothing(const struct eng_step_settings *settings,

@@ -30,13 +30,15 @@ static int create(struct eng_scene *scene)
         return PCCD_E_NOMEM;
     }
     memset(memory, 0, sizeof *memory);
-    eng_pool_init(&memory->pool);
-    eng_merge_init(&memory->merge);
+    eng_pool_init(&memory->own_pool);
+    memory->pool = &memory->own_pool;
+    eng_merge_init(&memory->own_merge);
+    memory->merge = &memory->own_merge;
     scene->slots[ENG_SLOT_STEP] = memory;
     return PCCD_OK;
 }
 
-static void keep_workers(struct eng_step_memory *memory, uint32_t count)
+void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count)
 {
     while (memory->worker_count > count) {
         struct eng_worker *worker = memory->workers[--memory->worker_count];
@@ -58,10 +60,10 @@ static void destroy(struct eng_scene *scene)
     if (!memory) {
         return;
     }
-    keep_workers(memory, 0);
+    eng_step_memory_keep(memory, 0);
     eng_free(memory->threads.items);
-    eng_pool_deinit(&memory->pool);
-    eng_merge_deinit(&memory->merge);
+    eng_pool_deinit(&memory->own_pool);
+    eng_merge_deinit(&memory->own_merge);
     eng_records_deinit(&memory->sorted);
     eng_records_deinit(&memory->found);
     eng_kept_deinit(&memory->kept);
@@ -80,7 +82,7 @@ static void count_turn(struct eng_step_memory *memory, uint32_t threads)
     memory->most_threads =
         threads > memory->most_threads ? threads : memory->most_threads;
     if (++memory->turn_count >= KEPT_STEPS) {
-        keep_workers(memory, memory->most_threads);
+        eng_step_memory_keep(memory, memory->most_threads);
         memory->most_threads = 0;
         memory->turn_count = 0;
     }
@@ -98,7 +100,9 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
                             struct eng_thread_records *records)
 {
     assert(threads >= 1 && threads <= ENG_THREADS_MAX);
-    count_turn(memory, threads);
+    if (!memory->borrows) {
+        count_turn(memory, threads);
+    }
     if (threads > records->capacity) {
         struct eng_thread_record *items =
             eng_realloc(records->items, threads, sizeof *items);
@@ -122,6 +126,35 @@ int eng_step_memory_reserve(struct eng_step_memory *memory, uint32_t threads,
     return PCCD_OK;
 }
 
+void eng_step_memory_borrow(struct eng_step_memory *memory,
+                            struct eng_step_memory *lender)
+{
+    assert(memory != lender && !memory->borrows && !lender->borrows);
+    memory->own_first = memory->workers[0];
+    memory->own_count = memory->worker_count;
+    memory->workers[0] = lender->workers[0];
+    memory->worker_count = lender->worker_count > 0 ? 1 : 0;
+    memory->pool = &lender->own_pool;
+    memory->merge = &lender->own_merge;
+    memory->borrows = true;
+}
+
+void eng_step_memory_give_back(struct eng_step_memory *memory,
+                               struct eng_step_memory *lender)
+{
+    assert(memory->borrows && memory->worker_count <= 1);
+    if (memory->worker_count > lender->worker_count) { /* it was made meanwhile */
+        lender->workers[0] = memory->workers[0];
+        lender->worker_count = 1;
+    }
+    memory->workers[0] = memory->own_first;
+    memory->worker_count = memory->own_count;
+    memory->pool = &memory->own_pool;
+    memory->merge = &memory->own_merge;
+    memory->borrows = false;
+    count_turn(memory, 0);
+}
+
 static void changed(struct eng_scene *scene)
 {
     eng_step_memory_of(scene)->kept.objects_changed = true;
@@ -140,15 +173,15 @@ static uint64_t bytes_of(const struct eng_worker *worker)
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
 {
     const struct eng_step_memory *memory = eng_step_memory_of(scene);
-    uint64_t sum = sizeof *memory + memory->sorted.capacity_bytes +
-                   memory->found.capacity_bytes + eng_kept_bytes(&memory->kept) +
-                   eng_pool_bytes(&memory->pool) + eng_merge_bytes(&memory->merge) +
-                   memory->near.records.capacity_bytes +
-                   ((uint64_t)memory->threads.capacity + memory->near.threads.capacity) *
-                       sizeof(struct eng_thread_record) +
-                   memory->near.bound_capacity * sizeof *memory->near.bounds +
-                   memory->near.order_capacity * sizeof *memory->near.order +
-                   eng_near_objects_bytes(&memory->near.objects);
+    uint64_t sum =
+        sizeof *memory + memory->sorted.capacity_bytes + memory->found.capacity_bytes +
+        eng_kept_bytes(&memory->kept) + eng_pool_bytes(&memory->own_pool) +
+        eng_merge_bytes(&memory->own_merge) + memory->near.records.capacity_bytes +
+        ((uint64_t)memory->threads.capacity + memory->near.threads.capacity) *
+            sizeof(struct eng_thread_record) +
+        memory->near.bound_capacity * sizeof *memory->near.bounds +
+        memory->near.order_capacity * sizeof *memory->near.order +
+        eng_near_objects_bytes(&memory->near.objects);
     for (uint32_t i = 0; i < memory->worker_count; i++) {
         sum += bytes_of(memory->workers[i]);
     }

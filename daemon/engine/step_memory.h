@@ -38,12 +38,18 @@ struct eng_near_memory {
 struct eng_step_memory {
     struct eng_worker *workers[ENG_THREADS_MAX]; /* made when first needed */
     uint32_t worker_count;
+    /* While it borrows: its own first worker, and how many it has of its own. */
+    struct eng_worker *own_first;
+    uint32_t own_count;
+    bool borrows;
     uint32_t most_threads; /* of the last turn_count steps */
     uint32_t turn_count;
     struct eng_thread_records threads;           /* of the last step */
     struct eng_effort effort[PCCD_METHOD_COUNT]; /* by method */
-    struct eng_pool pool;                        /* of the workers' records */
-    struct eng_merge merge;
+    struct eng_pool *pool;                       /* of the workers' records */
+    struct eng_pool own_pool;
+    struct eng_merge *merge;
+    struct eng_merge own_merge;
     struct eng_records sorted; /* the last answer */
     struct eng_records found;  /* what a step adds to those of it that it keeps */
     struct eng_kept kept;
@@ -60,6 +66,17 @@ static inline struct eng_step_memory *eng_step_memory_of(const struct eng_scene 
 uint64_t eng_step_memory_bytes(const struct eng_scene *scene);
 
 extern const struct eng_slot_calls eng_step_slot;
+
+/* For an answer by one thread: use the first worker of `lender`, its pool and its merge;
+ * make it a worker if it has none. Then give back, and count that no worker of its own
+ * was wanted. */
+void eng_step_memory_borrow(struct eng_step_memory *memory,
+                            struct eng_step_memory *lender);
+void eng_step_memory_give_back(struct eng_step_memory *memory,
+                               struct eng_step_memory *lender);
+
+/* Free all workers but the first `count`. */
+void eng_step_memory_keep(struct eng_step_memory *memory, uint32_t count);
 
 /* Does the next answer, by one thread, make no worker, and free none? */
 bool eng_step_memory_stays(const struct eng_step_memory *memory);

@@ -85,6 +85,7 @@ ENG_TESTS = \
     tests/unit/test_eng_resort \
     tests/unit/test_eng_wide \
     tests/unit/test_eng_footprint \
+    tests/unit/test_eng_lend \
     tests/unit/test_eng_masks \
     tests/unit/test_eng_pairset \
     tests/unit/test_eng_blur \
@@ -330,6 +331,10 @@ tests_unit_test_eng_order_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_resort_SOURCES = tests/unit/test_eng_resort.c
 tests_unit_test_eng_resort_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_resort_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_lend_SOURCES = tests/unit/test_eng_lend.c
+tests_unit_test_eng_lend_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_lend_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_footprint_SOURCES = tests/unit/test_eng_footprint.c
 tests_unit_test_eng_footprint_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -17,6 +17,7 @@
 struct eng_kernels;
 struct eng_affinity;
 struct eng_near_query;
+struct eng_scene;
 struct eng_trace;
 
 #define ENG_THREADS_MAX 256u /* of one step */
@@ -71,6 +72,7 @@ struct eng_step_settings {
     const struct eng_affinity
         *affinity;           /* where threads belong (affinity.h); NULL: anywhere */
     struct eng_trace *trace; /* what is recorded to (trace.h); NULL: nothing */
+    uint32_t lane;           /* of it, for the first thread */
     /* Instruction set of refit, traversal and tests (kernel.h); NULL: eng_kernels(). */
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
@@ -81,6 +83,10 @@ struct eng_step_settings {
      * come within so large a part of their first distance. */
     double separation;
     double approach;
+    /* Whose worker a step by one thread uses in the place of its own: so that of many
+     * scenes few have workers. No step of that scene is computed meanwhile. NULL, or the
+     * scene itself: its own. Only of eng_step, and not of brief ones. */
+    struct eng_scene *lender;
     const struct eng_near_query *near; /* looked for in the place of contacts, by eng_near
                                         * alone; NULL: this is a step */
 };
@@ -90,7 +96,7 @@ struct eng_step_settings {
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                 \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
-            NULL, NULL, NULL, false, false, 0, 0, NULL                                   \
+            NULL, NULL, 0, NULL, false, false, 0, 0, NULL, NULL                          \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

@@ -123,8 +123,8 @@ static inline void eng_worker_trace(const struct eng_worker *worker,
                                     uint32_t a, uint32_t b)
 {
     if (worker->settings->trace) {
-        eng_trace_add(worker->settings->trace, worker->thread, kind, begin_ns,
-                      common_now_ns(), a, b);
+        eng_trace_add(worker->settings->trace, worker->settings->lane + worker->thread,
+                      kind, begin_ns, common_now_ns(), a, b);
     }
 }
 
