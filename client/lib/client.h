@@ -80,12 +80,6 @@ struct cli_upcalls {
     void (*notified)(struct pccd_client *client, const struct proto_envelope *envelope);
 };
 
-/* The number of the last question about what is near in a scene that was answered. */
-struct cli_near {
-    uint32_t scene; /* 0: none here */
-    uint64_t step;
-};
-
 struct pccd_client {
     const struct cli_upcalls *upcalls;
     int socket;
@@ -97,7 +91,8 @@ struct pccd_client {
     uint32_t want;                 /* handle of what is made next; 0: any */
     struct cli_retired *retired;   /* oldest first */
     struct cli_shared *shared;     /* by scene; NULL: nothing was heard (shared.h) */
-    struct cli_near nears[PROTO_SCENES_PER_CLIENT]; /* near_number.h */
+    uint32_t shared_room;          /* entries of it */
+    struct registry_map nears;     /* near_number.h */
     pid_t owner; /* process that connected; a forked copy must not stop the daemon */
     uint32_t pid, forks; /* of the daemon; of this process, by then (rpc.h) */
     char cpu[PROTO_STR_MAX + 1];

@@ -288,6 +288,7 @@ void pccd_close(struct pccd_client *client)
     cli_page_deinit(client);
     cli_ring_deinit(&client->ring);
     registry_deinit(&client->registry);
+    registry_map_deinit(&client->nears);
     cli_shared_deinit(client);
     cli_watch_deinit(client);
     if (client->owner == getpid()) {

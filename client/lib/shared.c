@@ -9,6 +9,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "attach.h"
 #include "connection.h"
@@ -16,24 +17,37 @@
 #include "rpc.h"
 #include "step.h"
 
-/* Where news are kept. Returns 0 or PCCD_E_NOMEM. */
-static int make_table(struct pccd_client *client)
-{
-    if (client->shared == NULL) {
-        client->shared = calloc(PROTO_SCENES_PER_CLIENT, sizeof *client->shared);
-    }
-    return client->shared != NULL ? 0 : PCCD_E_NOMEM;
-}
+#define ROOM_MIN 64u
 
 /* The entry of a scene, or with 0 one that is free; NULL: there is none. */
 static struct cli_shared *find_entry(struct pccd_client *client, uint32_t scene)
 {
-    for (uint32_t i = 0; client->shared != NULL && i < PROTO_SCENES_PER_CLIENT; i++) {
+    for (uint32_t i = 0; i < client->shared_room; i++) {
         if (client->shared[i].scene == scene) {
             return &client->shared[i];
         }
     }
     return NULL;
+}
+
+/* Where news are kept, with an entry that is free. Returns 0 or PCCD_E_NOMEM. */
+static int make_room(struct pccd_client *client)
+{
+    uint32_t room = client->shared_room == 0 ? ROOM_MIN : client->shared_room * 2;
+    struct cli_shared *larger;
+
+    if (find_entry(client, 0) != NULL) {
+        return 0;
+    }
+    larger = realloc(client->shared, room * sizeof *larger);
+    if (larger == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    memset(larger + client->shared_room, 0,
+           (room - client->shared_room) * sizeof *larger);
+    client->shared = larger;
+    client->shared_room = room;
+    return 0;
 }
 
 void cli_shared_note(struct pccd_client *client, const struct proto_envelope *envelope)
@@ -47,10 +61,10 @@ void cli_shared_note(struct pccd_client *client, const struct proto_envelope *en
         note.scene == 0) {
         return;
     }
-    entry = make_table(client) == 0 ? find_entry(client, note.scene) : NULL;
-    entry = entry == NULL ? find_entry(client, 0) : entry;
+    entry = find_entry(client, note.scene);
+    entry = entry == NULL && make_room(client) == 0 ? find_entry(client, 0) : entry;
     if (entry == NULL) {
-        return; /* of more scenes than a client can have */
+        return; /* no memory for it: the next step is told */
     }
     cli_journal_note(client, note.scene);
     assert(entry->scene == 0 || entry->scene == note.scene);
@@ -136,6 +150,7 @@ void cli_shared_deinit(struct pccd_client *client)
 {
     free(client->shared);
     client->shared = NULL;
+    client->shared_room = 0;
 }
 
 int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
@@ -153,7 +168,7 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
                         news == NULL ? "news is NULL" : "there is no scene 0");
     }
     deadline_ns = cli_deadline(client, timeout_ms);
-    if (make_table(client) != 0) {
+    if (make_room(client) != 0) {
         return cli_fail(client, PCCD_E_NOMEM, "no memory for news of scenes");
     }
     cli_step_drain(client);

@@ -5,6 +5,8 @@ noinst_LTLIBRARIES += libregistry.la
 libregistry_la_SOURCES = \
     client/registry/registry.c \
     client/registry/registry.h \
+    client/registry/registry_map.c \
+    client/registry/registry_map.h \
     client/registry/registry_pairs.c \
     client/registry/registry_pairs.h \
     client/registry/registry_positions.c \

@@ -143,30 +143,32 @@ void registry_destroy_mesh(struct registry *registry, struct registry_mesh *mesh
 
 struct registry_scene *registry_scene(const struct registry *registry, uint32_t handle)
 {
-    struct registry_scene *scene = registry->scenes;
+    uint64_t found = 0;
 
-    while (scene != NULL && scene->handle != handle) {
-        scene = scene->next;
-    }
-    return scene;
+    (void)registry_map_get(&registry->scene_map, handle, &found);
+    return (struct registry_scene *)(uintptr_t)found;
 }
 
 struct registry_scene *registry_add_scene(struct registry *registry, uint32_t handle,
                                           const struct registry_settings *settings)
 {
-    struct registry_scene **link = &registry->scenes;
     struct registry_scene *made = calloc(1, sizeof *made);
 
-    if (made == NULL) {
+    assert(registry_scene(registry, handle) == NULL);
+    if (made == NULL ||
+        registry_map_put(&registry->scene_map, handle, (uintptr_t)made) != 0) {
+        free(made);
         return NULL;
-    }
-    while (*link != NULL) {
-        assert((*link)->handle != handle);
-        link = &(*link)->next;
     }
     made->handle = handle;
     made->settings = *settings;
-    *link = made;
+    made->prev = registry->last_scene;
+    if (made->prev != NULL) {
+        made->prev->next = made;
+    } else {
+        registry->scenes = made;
+    }
+    registry->last_scene = made;
     return made;
 }
 
@@ -181,16 +183,20 @@ static void empty_object(struct registry *registry, struct registry_object *obje
 
 void registry_remove_scene(struct registry *registry, struct registry_scene *scene)
 {
-    struct registry_scene **link = &registry->scenes;
-
     for (uint32_t i = 0; i < scene->object_count; i++) {
         empty_object(registry, &scene->objects[i]);
     }
-    while (*link != scene) {
-        assert(*link != NULL);
-        link = &(*link)->next;
+    if (scene->prev != NULL) {
+        scene->prev->next = scene->next;
+    } else {
+        registry->scenes = scene->next;
     }
-    *link = scene->next;
+    if (scene->next != NULL) {
+        scene->next->prev = scene->prev;
+    } else {
+        registry->last_scene = scene->prev;
+    }
+    registry_map_remove(&registry->scene_map, scene->handle);
     registry_pairs_deinit(&scene->ignored);
     free(scene->objects);
     free(scene);
@@ -395,6 +401,7 @@ void registry_deinit(struct registry *registry)
         registry->meshes = mesh->next;
         registry_mesh_free(mesh);
     }
+    registry_map_deinit(&registry->scene_map);
     free(registry->next_radii);
     free(registry->next_free);
     registry->next_radii = NULL;

@@ -1,7 +1,7 @@
 /* registry_types.h - the structs of a registry: meshes, scenes and objects.
  *
  * Room:     client/registry. May include: object_attributes.h, proto_limits.h,
- *           registry_pairs.h.
+ *           registry_map.h, registry_pairs.h.
  * Does:     be read by the code that tells a daemon of them, or looks at the steps of a
  *           recording; registry.h and registry_positions.h change them.
  * Threads:  [owner].
@@ -15,6 +15,7 @@
 
 #include "object_attributes.h"
 #include "proto_limits.h"
+#include "registry_map.h"
 #include "registry_pairs.h"
 
 /* What a mesh is made of. The arrays need not be aligned. */
@@ -86,6 +87,7 @@ struct registry_settings {
 
 struct registry_scene {
     struct registry_scene *next; /* made later */
+    struct registry_scene *prev;
     uint32_t handle;
     struct registry_settings settings;
     struct registry_object *objects; /* in the order of their handles */
@@ -98,6 +100,8 @@ struct registry_scene {
 struct registry {
     struct registry_mesh *meshes; /* in the order in which they were registered */
     struct registry_scene *scenes;
+    struct registry_scene *last_scene; /* of these; NULL: there are none */
+    struct registry_map scene_map;     /* of pointers to them, by handle */
     /* Recordings: what the mesh that comes next has, if it has so many vertices. */
     double *next_radii;
     uint32_t next_radii_count;
