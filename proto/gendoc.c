@@ -146,7 +146,8 @@ static void print_limits(void)
     LIMIT(PROTO_TRACE_EVENTS, "events kept of each thread in a trace (default)");
     LIMIT(PROTO_TRACE_EVENTS_MAX, "events kept of each thread in a trace");
     LIMIT(PROTO_TRACE_BYTES_MAX, "bytes of a trace");
-    LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client");
+    LIMIT(PROTO_SCENES_PER_CLIENT, "scenes of a client (default)");
+    LIMIT(PROTO_SHARED_PER_CLIENT, "scenes that a client shares with others");
     LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
     LIMIT(PROTO_IGNORED_PER_SCENE, "pairs of objects of a scene that ignore each other");
     LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");

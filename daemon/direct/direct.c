@@ -296,6 +296,7 @@ static struct srv_service *make_service(void)
     options = (struct srv_options){
         .threads_max = threads_wanted(),
         .pin = SRV_PIN_OFF,
+        .scenes_max = SRV_HANDLE_INDEX_MAX,
         .inflight_max = PROTO_INFLIGHT_MAX,
         .queue_max = CLIENTS_MAX,
         .contacts_max = PROTO_CONTACTS_PER_STEP,

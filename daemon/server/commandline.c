@@ -42,6 +42,7 @@ enum {
     OPT_ALLOW_GID,
     OPT_STEP_MAX,
     OPT_CONTACTS,
+    OPT_SCENES,
     OPT_INFLIGHT,
     OPT_QUEUE,
     OPT_PIN,
@@ -90,6 +91,7 @@ static const struct argp_option option_table[] = {
      2},
     {"contacts-max", OPT_CONTACTS, "N", 0,
      "records kept for one answer (default 16777216)", 2},
+    {"scenes-max", OPT_SCENES, "N", 0, "scenes of one client (default 65536)", 2},
     {"inflight-max", OPT_INFLIGHT, "N", 0,
      "steps of one client at a time, 1..16 (default 16)", 2},
     {"queue-max", OPT_QUEUE, "N", 0,
@@ -103,7 +105,7 @@ static const struct argp_option option_table[] = {
     {NULL, 0, NULL, 0, "Quotas of one user:", 3},
     {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
     {"shm-max-mib", OPT_SHM, "MIB", 0, "shared memory (default 512)", 3},
-    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 1024)", 3},
+    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 65536)", 3},
     {"triangles-max", OPT_TRIANGLES, "N", 0,
      "triangles of meshes and objects (default 64000000)", 3},
     {"memory-max-mib", OPT_MEMORY, "MIB", 0,
@@ -179,6 +181,9 @@ static error_t parse_limit(int key, const char *text, const struct argp_state *s
         return 0;
     case OPT_CONTACTS:
         options->contacts_max = number(state, "contacts-max", text, 1, 1ull << 32);
+        return 0;
+    case OPT_SCENES:
+        options->scenes_max = (uint32_t)number(state, "scenes-max", text, 1, 1u << 20);
         return 0;
     case OPT_INFLIGHT:
         options->inflight_max =
@@ -305,6 +310,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
     *options = (struct srv_options){
         .threads_max = cpu_count(),
         .connections_max = 1024,
+        .scenes_max = PROTO_SCENES_PER_CLIENT,
         .inflight_max = PROTO_INFLIGHT_MAX,
         .queue_max = 32768,
         .contacts_max = PROTO_CONTACTS_PER_STEP,

@@ -55,9 +55,10 @@
 /* Default quotas of one uid, charged before allocation; options change them. */
 #define PROTO_CLIENTS_PER_UID   64u
 #define PROTO_SHM_BYTES_PER_UID (512ull << 20)
-#define PROTO_MESHES_PER_UID    1024u
+#define PROTO_MESHES_PER_UID    65536u
 #define PROTO_TRIANGLES_PER_UID 64000000ull
-#define PROTO_SCENES_PER_CLIENT 64u
+#define PROTO_SCENES_PER_CLIENT 65536u
+#define PROTO_SHARED_PER_CLIENT 64u    /* of these, shared with others */
 #define PROTO_OBJECTS_PER_SCENE 65536u
 #define PROTO_IGNORED_PER_SCENE (1u << 18)  /* pairs of objects that ignore each other */
 #define PROTO_STEP_MAX_MS       86400000u   /* that a step may be let compute: a day */

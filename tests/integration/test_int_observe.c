@@ -230,6 +230,21 @@ static void expect_setting(struct pccd_client *client, const char *name,
     assert_int_equal(settings.changed, changed);
 }
 
+/* A new client may have so many scenes, or, if that is 100, more. */
+static void expect_scenes(uint32_t count)
+{
+    struct pccd_client *client = test_connect(test_shared.url);
+    uint32_t scene = 0;
+
+    assert_non_null(client);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    }
+    assert_int_equal(pccd_scene_create(client, NULL, &scene),
+                     count < 100 ? PCCD_E_LIMIT : 0);
+    pccd_close(client);
+}
+
 /* If it failed, a daemon could not be tuned without losing its clients, or would be told
  * nonsense. */
 static void config__settings_change_and_hold(void **state)
@@ -246,7 +261,7 @@ static void config__settings_change_and_hold(void **state)
     assert_true(settings.count >= 14);
     assert_int_equal(pccd_config_get(client, "no-such", take_setting, &settings),
                      PCCD_E_INVAL);
-    expect_setting(client, "meshes-max", "1024", false);
+    expect_setting(client, "meshes-max", "65536", false);
     assert_int_equal(pccd_config_set(client, "meshes-max", "2"), 0); /* as it has */
     expect_setting(client, "meshes-max", "2", true);
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
@@ -257,11 +272,17 @@ static void config__settings_change_and_hold(void **state)
                                       test_triangle, 1, &mesh, NULL),
                      PCCD_E_QUOTA);
     assert_true(test_crossing_turn(crossing));
-    assert_int_equal(pccd_config_set(client, "meshes-max", "1024"), 0);
-    expect_setting(client, "meshes-max", "1024", false);
+    assert_int_equal(pccd_config_set(client, "meshes-max", "65536"), 0);
+    expect_setting(client, "meshes-max", "65536", false);
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &mesh, NULL),
                      0);
+
+    expect_setting(client, "scenes-max", "65536", false);
+    assert_int_equal(pccd_config_set(client, "scenes-max", "2"), 0);
+    expect_scenes(2); /* of whoever connects from now on */
+    assert_int_equal(pccd_config_set(client, "scenes-max", "65536"), 0);
+    expect_scenes(100);
 
     assert_int_equal(pccd_config_set(client, "log-level", "debug"), 0);
     expect_setting(client, "log-level", "debug", true);
@@ -274,7 +295,7 @@ static void config__settings_change_and_hold(void **state)
     assert_int_equal(pccd_config_set(client, "queue-max", "-1"), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "queue-max", "9 "), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "contacts-max", "1"), 0);
-    assert_true(test_daemon_logged(&test_shared, "meshes-max: 1024, was 1"));
+    assert_true(test_daemon_logged(&test_shared, "meshes-max: 65536, was 1"));
     assert_int_equal(pccd_config_set(client, "contacts-max", "16777216"), 0);
 }
 

@@ -24,12 +24,13 @@ struct test_witness test_witness;
 
 int test_witness_start(void **state)
 {
+    static const char *const options[] = {"--scenes-max", "64", NULL};
     struct pccd_client *client;
 
     (void)state;
     if (test_is_direct()) {
         test_daemon_direct(&test_witness.daemon, NULL);
-    } else if (!test_daemon_start(&test_witness.daemon, NULL)) {
+    } else if (!test_daemon_start(&test_witness.daemon, options)) {
         return -1;
     }
     client = test_connect_slim(test_witness.daemon.url);

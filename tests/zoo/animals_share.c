@@ -194,7 +194,7 @@ static int create_named(const void *name, uint8_t bytes)
 bool zoo_names_scenes(struct zoo_cage *cage)
 {
     struct proto_SCENE_CREATE_request create = {.share = PCCD_SHARE_COUNT, .name = "x"};
-    uint32_t scenes[PROTO_SCENES_PER_CLIENT + 1];
+    uint32_t scenes[PROTO_SHARED_PER_CLIENT + 1];
     char name[PROTO_STR_MAX + 1];
 
     EXPECT(cage, zoo_enter(cage, &raw, 0));
@@ -210,17 +210,17 @@ bool zoo_names_scenes(struct zoo_cage *cage)
     create.name[0] = '\0';
     EXPECT(cage,
            test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, NULL) == PCCD_E_INVAL);
-    for (unsigned i = 0; i <= PROTO_SCENES_PER_CLIENT; i++) {
+    for (unsigned i = 0; i <= PROTO_SHARED_PER_CLIENT; i++) {
         make_name(cage, i, name);
         EXPECT(cage,
                take_part(&raw, name, PCCD_SHARE_ATTACH, &scenes[i]) == PCCD_E_AGAIN);
         EXPECT(cage, take_part(&raw, name, PCCD_SHARE_CREATE, &scenes[i]) ==
-                         (i < PROTO_SCENES_PER_CLIENT ? 0 : PCCD_E_LIMIT));
+                         (i < PROTO_SHARED_PER_CLIENT ? 0 : PCCD_E_LIMIT));
     }
     make_name(cage, 7, name);
     EXPECT(cage, take_part(&raw, name, PCCD_SHARE_CREATE, &scenes[0]) == PCCD_E_STATE);
     EXPECT(cage, take_part(&raw, name, PCCD_SHARE_ATTACH, &scenes[0]) == PCCD_E_STATE);
-    for (unsigned i = 1; i < PROTO_SCENES_PER_CLIENT; i += 2) {
+    for (unsigned i = 1; i < PROTO_SHARED_PER_CLIENT; i += 2) {
         EXPECT(cage, leave(&raw, scenes[i]) == 0);
     }
     test_raw_close(&raw);

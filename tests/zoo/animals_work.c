@@ -16,6 +16,7 @@
 #define SLOT_BYTES  65536u
 #define LARGE_BYTES (4u << 20)
 #define IN_FLIGHT   32
+#define SCENES_MAX  64   /* keeper.c asks for no more of a client */
 #define SCENES      1000 /* of an act: a hundred acts are the hundred thousand */
 
 static struct test_raw raw;
@@ -117,7 +118,7 @@ bool zoo_makes_tiny_scenes(struct zoo_cage *cage)
         EXPECT(cage, i % 16 == 0 || test_raw_call(&raw, PROTO_METHOD_SCENE_DESTROY,
                                                   &destroy, NULL) == 0);
     }
-    EXPECT(cage, made >= PROTO_SCENES_PER_CLIENT && made + refused == SCENES);
+    EXPECT(cage, made >= SCENES_MAX && made + refused == SCENES);
     test_raw_close(&raw);
     return true;
 }

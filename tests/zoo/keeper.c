@@ -81,7 +81,8 @@ bool zoo_keeper_work(struct zoo_keeper *keeper, uint32_t requests,
 bool zoo_keeper_start(struct zoo_keeper *keeper, uint32_t requests_max)
 {
     /* What the answers of a stack of triangles take is not the point. */
-    static const char *const options[] = {"--contacts-max", "1000000", NULL};
+    static const char *const options[] = {"--contacts-max", "1000000", "--scenes-max",
+                                          "64", NULL};
     struct pccd_client *client;
 
     memset(keeper, 0, sizeof *keeper);

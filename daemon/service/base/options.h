@@ -56,6 +56,7 @@ struct srv_options {
     _Atomic uint32_t threads_max; /* of a step */
     enum srv_pin pin;
     uint32_t connections_max;      /* of all users; beyond it nobody is accepted */
+    uint32_t scenes_max;           /* of one session */
     uint32_t inflight_max;         /* requests of one client, 1 .. 16 */
     uint32_t queue_max;            /* requests that wait for the compute thread */
     _Atomic uint64_t contacts_max; /* records kept for one answer */
@@ -64,12 +65,12 @@ struct srv_options {
     uint64_t memory_total_max; /* of all users, shared and the engine's; 0: no bound */
     struct srv_allow allow;
     uint64_t engine_bytes_max; /* that the engine holds for one user (enginemem.h) */
-    uint32_t grace_s;                  /* for requests in flight at shutdown */
-    uint32_t linger_s;    /* that a session waits for its client; 0: not at all */
-    uint32_t idle_exit_s; /* 0: stay */
-    bool private_daemon;  /* go with the last client */
-    bool supervise;       /* be the parent of workers (supervise.h) */
-    uint32_t crashes_max; /* that the parent bears within 10 s */
+    uint32_t grace_s;          /* for requests in flight at shutdown */
+    uint32_t linger_s;         /* that a session waits for its client; 0: not at all */
+    uint32_t idle_exit_s;      /* 0: stay */
+    bool private_daemon;       /* go with the last client */
+    bool supervise;            /* be the parent of workers (supervise.h) */
+    uint32_t crashes_max;      /* that the parent bears within 10 s */
     enum srv_sandbox sandbox;
     int ready_fd;  /* -1: none */
     int listen_fd; /* given to us (activate.h); -1: open one */

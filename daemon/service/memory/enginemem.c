@@ -6,6 +6,8 @@
  */
 #include "enginemem.h"
 
+#include <string.h>
+
 #include "engine.h"
 #include "invariant.h"
 
@@ -27,18 +29,29 @@ void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *us
     payer->account = account;
 }
 
+static bool was_refused(const struct srv_enginemem *memory)
+{
+    return atomic_load_explicit(&memory->user->engine.refused, memory_order_relaxed) !=
+           memory->refused;
+}
+
 bool srv_enginemem_end(struct srv_enginemem *memory)
 {
-    const struct eng_account *account = &memory->user->engine;
     eng_payer()->account = NULL;
-    return atomic_load_explicit(&account->refused, memory_order_relaxed) !=
-           memory->refused;
+    return was_refused(memory);
 }
 
 int srv_enginemem_explain(struct srv_enginemem *memory, int status,
                           struct proto_error *error)
 {
-    bool refused = srv_enginemem_end(memory);
+    eng_payer()->account = NULL;
+    return srv_enginemem_tell(memory, status, error);
+}
+
+int srv_enginemem_tell(const struct srv_enginemem *memory, int status,
+                       struct proto_error *error)
+{
+    bool refused = was_refused(memory);
     const struct eng_payer *payer = eng_payer();
     uint64_t hits = atomic_load_explicit(&payer->ceiling_hits, memory_order_relaxed);
     if (status == PCCD_E_NOMEM && hits != memory->ceiling_hits) {
@@ -56,6 +69,40 @@ int srv_enginemem_explain(struct srv_enginemem *memory, int status,
         "user %u holds %lld MiB of the engine's memory, more exceed the quota of %llu",
         (unsigned)memory->user->uid, (long long)held >> 20,
         (unsigned long long)(memory->limit >> 20));
+}
+
+/* While the loop allocates or frees for a user: nobody else uses its payer then. */
+static struct eng_account *pay(struct eng_account *account)
+{
+    struct eng_payer *payer = eng_payer();
+    struct eng_account *before = payer->account;
+    payer->account = account;
+    return before;
+}
+
+void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes)
+{
+    uint64_t limit =
+        atomic_load_explicit(&user->quota->engine_bytes_max, memory_order_relaxed);
+    srv_assert_loop();
+    atomic_store_explicit(&user->engine.limit,
+                          limit < INT64_MAX ? (int64_t)limit : INT64_MAX,
+                          memory_order_relaxed); /* as in srv_enginemem_begin */
+    struct eng_account *before = pay(&user->engine);
+    void *block = eng_alloc(1, bytes);
+    (void)pay(before);
+    if (block != NULL) {
+        memset(block, 0, bytes);
+    }
+    return block;
+}
+
+void srv_enginemem_delete(struct srv_quota_user *user, void *block)
+{
+    srv_assert_loop();
+    struct eng_account *before = pay(&user->engine);
+    eng_free(block);
+    (void)pay(before);
 }
 
 /* Of the engine for a triangle of a mesh while that is committed (twice the 40 that

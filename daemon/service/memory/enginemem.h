@@ -31,6 +31,15 @@ bool srv_enginemem_end(struct srv_enginemem *memory);
  * or the bound's of all users, is PCCD_E_QUOTA, with *error naming amount and limit. */
 int srv_enginemem_explain(struct srv_enginemem *memory, int status,
                           struct proto_error *error);
+/* The same of a part of it, which goes on: of what was refused meanwhile some may have
+ * been for other parts. [compute], [team] */
+int srv_enginemem_tell(const struct srv_enginemem *memory, int status,
+                       struct proto_error *error);
+
+/* Memory of the loop that a user can make much of, all zero, charged like the engine's;
+ * NULL: there is none, or the quota refuses it. And back. [loop] */
+void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes);
+void srv_enginemem_delete(struct srv_quota_user *user, void *block);
 
 /* The engine allocates later, on [compute], where no room can be made any more. 0, or
  * PCCD_E_QUOTA with *error set: a mesh or object of so many triangles would hardly fit

@@ -37,6 +37,8 @@
     X(INFLIGHT, "inflight-max", 1, PROTO_INFLIGHT_MAX,                                   \
       "steps of one client at a time; "                                                  \
       "for rings attached from then on")                                                 \
+    X(SCENES, "scenes-max", 1, 1u << 20,                                                 \
+      "scenes of one client; for those that connect from then on")                       \
     X(QUEUE, "queue-max", 1, 1u << 20, "requests that wait to be computed")              \
     X(CLIENTS, "clients-max", 1, 65536, "connections of one user")                       \
     X(SHM, "shm-max-mib", 1, 1u << 24, "MiB of shared memory of one user")               \
@@ -108,6 +110,8 @@ static uint64_t read_value(const struct srv_options *options, enum setting setti
         return options->contacts_max;
     case SETTING_INFLIGHT:
         return options->inflight_max;
+    case SETTING_SCENES:
+        return options->scenes_max;
     case SETTING_QUEUE:
         return options->queue_max;
     case SETTING_CLIENTS:
@@ -166,6 +170,9 @@ static void write_value(struct srv_service *service, enum setting setting, uint6
         break;
     case SETTING_INFLIGHT:
         live->inflight_max = (uint32_t)value;
+        break;
+    case SETTING_SCENES:
+        live->scenes_max = (uint32_t)value;
         break;
     case SETTING_QUEUE:
         live->queue_max = (uint32_t)value;

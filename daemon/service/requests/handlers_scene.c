@@ -68,7 +68,9 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "share, rights and owner are of scenes that have a name");
     }
-    if (session->scene_count >= SRV_SCENES_MAX) {
+    /* Those it has, and as many that wait to be freed: while a long step runs nothing
+     * is. */
+    if (session->scene_count / 2 >= session->scenes.max) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "%u scenes wait to be freed behind what is computed now",
                                session->scene_count - session->scenes.count);

@@ -237,6 +237,7 @@ void srv_shared_leave(struct srv_session *session, struct srv_scene *scene)
     }
     struct srv_member *member = *at;
     *at = member->next;
+    session->shared_count--;
     if (shared->members == NULL) {
         unlist(shared); /* its name is free */
     }
@@ -306,7 +307,7 @@ static const struct srv_shared *find_foreign(const struct srv_session *session,
 
 /* Of a user; no quota counts them, and clients that connect, make scenes and close may be
  * faster than these are freed. */
-#define HOSTS_LEAVING_MAX PROTO_SCENES_PER_CLIENT
+#define HOSTS_LEAVING_MAX 64u
 
 /* scene.create with a name, and where its answer goes. */
 struct asked {
@@ -323,6 +324,11 @@ static int take_member(const struct asked *asked, struct srv_shared *shared,
 {
     struct srv_session *session = asked->session;
     struct proto_SCENE_CREATE_result *result = asked->result;
+    if (session->shared_count >= PROTO_SHARED_PER_CLIENT) {
+        return proto_error_set(asked->error, PCCD_E_LIMIT,
+                               "no room for another shared scene: there are %u",
+                               session->shared_count);
+    }
     struct srv_member *member = calloc(1, sizeof *member);
     if (member == NULL) {
         return proto_error_set(asked->error, PCCD_E_NOMEM, "no memory to take part");
@@ -344,6 +350,7 @@ static int take_member(const struct asked *asked, struct srv_shared *shared,
     shared->members = member;
     shared->member_count++;
     session->scene_count++;
+    session->shared_count++;
     result->scene = member->handle;
     result->writable = member->is_writer;
     result->number = shared->last.number;

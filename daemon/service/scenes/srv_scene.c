@@ -18,6 +18,9 @@
 
 #define PLACED_FIRST 16u
 
+/* Between the first handles of objects of a scene and of the one that takes its place. */
+#define HANDLES_APART 64u
+
 static void scene_free_engine(struct srv_job *job)
 {
     struct srv_scene *scene = (struct srv_scene *)job;
@@ -66,14 +69,14 @@ static void scene_free_rest(struct srv_job *job)
     srv_handles_deinit(&scene->objects);
     session->service->metrics.counters.scenes_now--;
     session->scene_count--;
-    free(scene);
+    srv_enginemem_delete(session->owner.user, scene);
     srv_owner_release(&session->owner);
 }
 
 struct srv_scene *srv_scene_new(struct srv_session *session,
                                 const struct eng_scene_settings *settings)
 {
-    struct srv_scene *scene = calloc(1, sizeof *scene);
+    struct srv_scene *scene = srv_enginemem_new(session->owner.user, sizeof *scene);
     if (scene != NULL) {
         srv_resource_init(&scene->resource, &session->owner, scene_free_engine,
                           scene_free_rest);
@@ -90,8 +93,7 @@ void srv_scene_name(struct srv_scene *scene, uint32_t handle)
     uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
     PCCD_ASSERT(scene->objects.used == 0);
     srv_handles_init(&scene->objects, PROTO_OBJECTS_PER_SCENE,
-                     srv_handle_index(handle) +
-                         (generation - 1) * PROTO_SCENES_PER_CLIENT);
+                     srv_handle_index(handle) + (generation - 1) * HANDLES_APART);
 }
 
 int srv_scene_engine(struct srv_scene *scene, struct eng_scene **engine)

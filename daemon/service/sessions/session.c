@@ -53,7 +53,7 @@ static struct srv_session *new_of_user(struct srv_service *service, uid_t uid)
     session->owner.page_lane.group = &session->owner.user->page_jobs;
     session->owner.settle = settle;
     session->id = ++service->session_last;
-    srv_handles_init(&session->scenes, PROTO_SCENES_PER_CLIENT, 0);
+    srv_handles_init(&session->scenes, service->options->scenes_max, 0);
     srv_handles_init(&session->meshes, SRV_HANDLE_INDEX_MAX, 0);
     return session;
 }

@@ -24,10 +24,6 @@
 #define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
 #define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
 
-/* Scenes of one session in memory: those it has, and as many that wait to be freed. No
- * quota counts them, and while a long step runs nothing is freed. */
-#define SRV_SCENES_MAX (2u * PROTO_SCENES_PER_CLIENT)
-
 enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
     SRV_SESSION_REFUSED = 1, /* connected beyond the quota: hears so and goes */
@@ -81,6 +77,7 @@ struct srv_session {
     uint32_t request_count;
     uint32_t overdue_count; /* of these, steps that were answered before their turn */
     uint32_t submit_count;  /* other steps */
+    uint32_t shared_count;  /* scenes that it shares with others */
     uint32_t scene_count;   /* scenes in memory, those being freed too */
     atomic_uint owed_count; /* [compute] has run them, [loop] is to answer them */
 };
