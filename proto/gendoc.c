@@ -138,7 +138,8 @@ static void print_limits(void)
     LIMIT(PROTO_LINGER_S, "seconds that a session waits for its client (default)");
     LIMIT(PROTO_SLOTS_MAX, "slots of an upload ring");
     LIMIT(PROTO_INFLIGHT_MAX, "steps in flight of a client; `shm.attach` may say less");
-    LIMIT(PROTO_SEGMENTS_MAX, "segments of a step");
+    LIMIT(PROTO_SEGMENTS_MAX, "segments of a step, or of a batch");
+    LIMIT(PROTO_BATCH_MAX, "scenes of a batch");
     LIMIT(PROTO_SLOT_BYTES_MIN, "bytes of a slot, at least");
     LIMIT(PROTO_RESULT_BYTES_MIN, "bytes of a result region, at least");
     LIMIT(PROTO_COUNT_MAX, "vertices, triangles or edges of a scene");

@@ -116,6 +116,14 @@ struct proto_segment {
 
 #define PROTO_RIGID_BYTES 96u /* double[12] */
 
+/* One entry of the table of scenes, which stands at the start of the payload of a batch
+ * (batch.submit). The table of segments of all scenes follows it: those of the first
+ * scene, then those of the next. */
+struct proto_batch_scene {
+    uint32_t scene;    /* handle */
+    uint32_t segments; /* of the table, that are this scene's; 0: it stands still */
+};
+
 static_assert(sizeof(struct proto_shm_word) == 128, "a word has 128 bytes");
 static_assert(sizeof(struct proto_shm_header) == 128, "header");
 static_assert(offsetof(struct proto_shm_header, size) == 8, "header.size");
@@ -134,6 +142,7 @@ static_assert(sizeof(struct proto_upload) == 0x1000, "slot payloads begin at 0x1
 static_assert(sizeof(struct proto_slot) == 64, "a slot descriptor has 64 bytes");
 static_assert(offsetof(struct proto_slot, memory) == 16, "slot.memory");
 static_assert(sizeof(struct proto_segment) == 32, "a segment has 32 bytes");
+static_assert(sizeof(struct proto_batch_scene) == 8, "segments behind it are aligned");
 static_assert(offsetof(struct proto_segment, kind) == 4, "segment.kind");
 static_assert(offsetof(struct proto_segment, first) == 8, "segment.first");
 static_assert(offsetof(struct proto_segment, count) == 12, "segment.count");

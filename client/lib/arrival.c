@@ -1,7 +1,7 @@
 /* arrival.c - who is told of what has arrived from the daemon.
  *
- * Room:     client/lib. May include: arrival.h, keep.h, near_number.h, positions.h,
- *           recorder_events.h, rpc.h, shared.h, watch.h.
+ * Room:     client/lib. May include: arrival.h, keep.h, near_number.h, page.h,
+ *           positions.h, recorder_events.h, rpc.h, shared.h, watch.h.
  * Does:     the registry first: a recording that begins another segment writes what is
  *           registered by then.
  * Threads:  [owner].
@@ -10,6 +10,7 @@
 
 #include "keep.h"
 #include "near_number.h"
+#include "page.h"
 #include "positions.h"
 #include "recorder_events.h"
 #include "rpc.h"
@@ -22,6 +23,10 @@ void cli_arrival_answered(struct pccd_client *client, struct cli_call *call)
         cli_keep_answer(client, call);
         if (client->keeps && cli_call_is_step(call->method) &&
             call->slot != CLI_SLOT_NONE) {
+            if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
+                cli_positions_leave_out(client, call->slot,
+                                        cli_batch_answers(client, call));
+            }
             cli_positions_answered(client, call->slot, call->step);
         }
         if (call->method == PROTO_METHOD_SCENE_NEAR) {

@@ -44,7 +44,7 @@ struct cli_call {
     uint32_t slot;   /* that comes back with the reply, or CLI_SLOT_NONE */
     uint64_t serial; /* in the order of their sending */
     uint32_t daemons_ended; /* that had it first of all */
-    uint64_t step;          /* 0: neither a step nor scene.near */
+    uint64_t step;          /* 0: neither a step nor scene.near; a batch: its first */
     union cli_params params;
     void *result;  /* where the reply is decoded to; NULL: `answer`, or nowhere */
     int status;    /* DONE: 0 or why it failed, then `text` says more */
@@ -52,6 +52,7 @@ struct cli_call {
     union {
         struct proto_FRAME_SUBMIT_result answer; /* of frame.submit and frame.fetch */
         struct proto_SCENE_NEAR_result near;     /* of scene.near and near.fetch */
+        struct proto_BATCH_SUBMIT_result batch;  /* of batch.submit */
     };
     struct proto_SCENE_JOURNAL_result journal; /* of scene.journal */
     char text[CLI_TEXT_BYTES];

@@ -15,23 +15,18 @@
 #include "attach.h"
 #include "connection.h"
 #include "coordinates.h"
+#include "slot_layout.h"
 #include "submit.h"
 
-#define PAYLOAD_ALIGN 64u /* of the first range: a cache line */
-#define RANGE_ALIGN   8u  /* of every range: the protocol's */
-#define RANGES_SLACK  16u /* bytes that the alignment of a segment's ranges can take */
-#define PAYLOAD_MAX   (1ull << 48) /* more than any memory: sums do not wrap */
+#define RANGES_SLACK 16u /* bytes that the alignment of a segment's ranges can take */
+#define PAYLOAD_MAX  (1ull << 48) /* more than any memory: sums do not wrap */
 /* Slot of a frame that was committed or aborted; who aborts it again loses no text. */
 #define SLOT_GIVEN_BACK UINT32_MAX
 
-static uint64_t round_up(uint64_t bytes, uint64_t unit)
-{
-    return (bytes + unit - 1) / unit * unit;
-}
-
 static uint64_t table_bytes(uint32_t segment_max)
 {
-    return round_up((uint64_t)segment_max * sizeof(struct proto_segment), PAYLOAD_ALIGN);
+    return cli_round_up((uint64_t)segment_max * sizeof(struct proto_segment),
+                        CLI_PAYLOAD_ALIGN);
 }
 
 uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
@@ -39,7 +34,7 @@ uint64_t pccd_frame_bytes(uint32_t segment_max, uint64_t payload_bytes)
     uint64_t payload = payload_bytes < PAYLOAD_MAX ? payload_bytes : PAYLOAD_MAX;
 
     return table_bytes(segment_max) + (uint64_t)segment_max * RANGES_SLACK +
-           round_up(payload, RANGE_ALIGN);
+           cli_round_up(payload, CLI_RANGE_ALIGN);
 }
 
 /* Begin a slot for a step of `scene`. */
@@ -106,19 +101,12 @@ int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segmen
 static int keep_segment(struct pccd_client *client, struct cli_slot *own,
                         const struct proto_segment *segment)
 {
-    uint32_t room = own->segment_room == 0 ? 4 : own->segment_room * 2;
-
     if (!client->keeps) {
         return 0;
     }
-    if (own->segment_count == own->segment_room) { /* rare: rooms stay with the slot */
-        struct proto_segment *segments = realloc(own->segments, room * sizeof *segments);
-
-        if (segments == NULL) {
-            return cli_fail(client, PCCD_E_NOMEM, "no memory for %u segments", room);
-        }
-        own->segments = segments;
-        own->segment_room = room;
+    if (cli_slot_room(own, own->segment_count + 1, 0) != 0) {
+        return cli_fail(client, PCCD_E_NOMEM, "no memory for %u segments",
+                        own->segment_count + 1);
     }
     own->segments[own->segment_count] = *segment;
     return 0;
@@ -162,15 +150,15 @@ static int enter(struct pccd_client *client, uint32_t slot, struct proto_segment
         return cli_fail(client, PCCD_E_LIMIT, "more than the announced %u segments",
                         own->segment_max);
     }
-    end0 = own->used_bytes + round_up(bytes0, RANGE_ALIGN);
-    end1 = end0 + round_up(bytes1, RANGE_ALIGN);
+    end0 = own->used_bytes + cli_round_up(bytes0, CLI_RANGE_ALIGN);
+    end1 = end0 + cli_round_up(bytes1, CLI_RANGE_ALIGN);
     if (end1 > own->limit_bytes) {
         return cli_fail(client, PCCD_E_LIMIT,
                         "segment %u ends at byte %llu of the announced %llu",
                         own->segment_count, (unsigned long long)end1,
                         (unsigned long long)own->limit_bytes);
     }
-    assert(own->used_bytes % RANGE_ALIGN == 0 && end1 >= own->used_bytes);
+    assert(own->used_bytes % CLI_RANGE_ALIGN == 0 && end1 >= own->used_bytes);
     assert(own->limit_bytes <= client->ring.slot_stride);
     payload = cli_slot_payload(&client->ring, slot);
     segment.offset0 = bytes0 > 0 ? own->used_bytes : 0;

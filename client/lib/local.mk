@@ -6,7 +6,7 @@
 
 lib_LTLIBRARIES += libpccd.la
 noinst_LTLIBRARIES += libclient.la
-include_HEADERS += client/lib/pccd.h client/lib/pccd_near.h
+include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_near.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
@@ -14,6 +14,7 @@ libclient_la_SOURCES = \
     client/lib/arrival.h \
     client/lib/attach.c \
     client/lib/attach.h \
+    client/lib/batch.c \
     client/lib/boxes.c \
     client/lib/call.h \
     client/lib/client.c \
@@ -69,6 +70,7 @@ libclient_la_SOURCES = \
     client/lib/scene.c \
     client/lib/shared.c \
     client/lib/shared.h \
+    client/lib/slot_layout.h \
     client/lib/stats.c \
     client/lib/safe.c \
     client/lib/step.c \

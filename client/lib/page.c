@@ -19,6 +19,13 @@ const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
     return client->pages[serial % CLI_PAGES].base;
 }
 
+const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *client,
+                                                  const struct cli_call *call)
+{
+    assert(call->method == PROTO_METHOD_BATCH_SUBMIT && call->page != 0);
+    return (const void *)(cli_page_base(client, call->page) + call->batch.offset);
+}
+
 /* Unmap the retired regions whose last page has been released. */
 static void drop_retired(struct pccd_client *client)
 {

@@ -31,6 +31,10 @@ uint32_t cli_page_count(const struct pccd_client *client);
 /* The first byte of the region in which a page that is not released lies. */
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial);
 
+/* The answers to the scenes of a batch, which has succeeded: [count]. */
+const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *client,
+                                                  const struct cli_call *call);
+
 /* The ring is about to go: keep `result` mapped as long as pages of it are not released,
  * or unmap it. Takes it over. */
 void cli_page_retire(struct pccd_client *client, struct proto_memory *result);

@@ -44,6 +44,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_batch.h"
 #include "pccd_daemon.h"
 #include "pccd_near.h"
 #include "pccd_trace.h"

@@ -18,6 +18,10 @@
  * or free again when nothing is kept. */
 void cli_positions_answered(struct pccd_client *client, uint32_t slot, uint64_t step);
 
+/* Before that, of a batch: scenes that have failed were not moved. */
+void cli_positions_leave_out(struct pccd_client *client, uint32_t slot,
+                             const struct pccd_scene_answer *scenes);
+
 /* Make a KEPT slot free: copy what only it holds. Slots must be taken in the order of
  * their steps. Returns 0 or PCCD_E_NOMEM. */
 int cli_positions_fold(struct pccd_client *client, uint32_t slot);

@@ -72,6 +72,55 @@ static int take_near(struct pccd_client *client, struct cli_call *call,
                         near->release, &call->page);
 }
 
+/* Whether the records of a scene lie inside the result region. */
+static bool are_inside(const struct pccd_client *client,
+                       const struct pccd_scene_answer *scene, uint64_t record_bytes)
+{
+    uint64_t size = client->ring.result.bytes;
+
+    return scene->count == 0 ||
+           (scene->offset % 8 == 0 && scene->offset >= PROTO_SHM_PAGE &&
+            scene->offset <= size &&
+            scene->count <= (size - scene->offset) / record_bytes);
+}
+
+/* The answers of a batch, and their records. */
+static int take_batch(struct pccd_client *client, struct cli_call *call,
+                      const struct proto_envelope *envelope, struct proto_error *error)
+{
+    const struct proto_BATCH_SUBMIT_request *asked = &call->params.BATCH_SUBMIT;
+    struct proto_BATCH_SUBMIT_result *batch = &call->batch;
+    uint64_t record_bytes = asked->mode == PCCD_MODE_PAIRS ? sizeof(struct pccd_pair)
+                                                           : sizeof(struct pccd_contact);
+    int status =
+        proto_decode_body(envelope, &proto_messages[call->method].result, batch, error);
+
+    if (status == 0 && batch->count != asked->scenes) {
+        status = proto_error_set(error, PCCD_E_BADMSG, "%llu answers to %u scenes",
+                                 (unsigned long long)batch->count, asked->scenes);
+    }
+    if (status == 0) {
+        status =
+            cli_page_add(client, batch->offset, batch->count,
+                         sizeof(struct pccd_scene_answer), batch->release, &call->page);
+    }
+    for (uint64_t i = 0; status == 0 && i < batch->count; i++) {
+        const struct pccd_scene_answer *scene =
+            (const void *)((const uint8_t *)client->ring.result.base + batch->offset +
+                           i * sizeof *scene);
+
+        if (!are_inside(client, scene, record_bytes)) {
+            cli_page_release(client, call->page);
+            call->page = 0;
+            status = PCCD_E_BADMSG;
+        } else if (scene->count > 0) {
+            proto_memory_touch(&client->ring.result,
+                               scene->offset + scene->count * record_bytes);
+        }
+    }
+    return status;
+}
+
 /* Every result that brings a page. */
 union result {
 #define MEMBER(ID, name, since, flags, text) struct proto_##ID##_result ID;
@@ -119,6 +168,9 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     case PROTO_METHOD_SCENE_NEAR:
     case PROTO_METHOD_NEAR_FETCH:
         status = take_near(client, call, envelope, error);
+        break;
+    case PROTO_METHOD_BATCH_SUBMIT:
+        status = take_batch(client, call, envelope, error);
         break;
     default:
         status = take_page(client, call, envelope, error);

@@ -119,7 +119,9 @@ void cli_record_frame(struct pccd_client *client, const struct cli_call *call)
         return;
     }
     begin_ns = common_now_ns();
-    recorder->info.frames += call->method == PROTO_METHOD_FRAME_SUBMIT;
+    recorder->info.frames += call->method == PROTO_METHOD_BATCH_SUBMIT
+                                 ? call->params.BATCH_SUBMIT.scenes
+                                 : call->method == PROTO_METHOD_FRAME_SUBMIT;
     if (recorder->segments_max > 1 &&
         recorder->writer.bytes >= recorder->segment_bytes_max) {
         turn(client); /* the new log begins with every step without an answer */
@@ -205,6 +207,63 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
         add_records(client, call);
+    }
+}
+
+/* Of the times of an answer, that of the whole step. */
+#define STEP_TIME (offsetof(struct pccd_step_times, step) / sizeof(uint64_t))
+
+/* The answer to one scene of a batch, as to a step of it. */
+static int add_scene_answer(struct pccd_client *client, const struct cli_call *call,
+                            const struct pccd_scene_answer *scene, uint64_t step)
+{
+    const struct proto_BATCH_SUBMIT_request *asked = &call->params.BATCH_SUBMIT;
+    struct record_answer answer = {.step = step, .status = scene->status};
+    bool is_pairs = asked->mode == PCCD_MODE_PAIRS;
+    struct record_records head = {.step = step,
+                                  .count = scene->count,
+                                  .record_bytes = is_pairs ? sizeof(struct pccd_pair)
+                                                           : sizeof(struct pccd_contact)};
+    struct record_part parts[2] = {{&head, sizeof head}};
+    int status;
+
+    if (scene->status == 0) {
+        answer.mode = asked->mode;
+        answer.method = asked->method;
+        answer.incomplete = scene->incomplete;
+        answer.verdict = scene->verdict;
+        answer.threads = scene->threads;
+        answer.total = scene->total;
+        answer.vf = scene->counts[PCCD_VF];
+        answer.ee = scene->counts[PCCD_EE];
+        answer.possible = scene->possible;
+        answer.initial = scene->initial;
+        answer.toi_first = scene->toi_first;
+        memcpy(answer.hash, scene->hash, sizeof answer.hash);
+        answer.times[STEP_TIME] = scene->ns_step;
+    }
+    client->recorder->info.answers++;
+    status = cli_record_add(client, RECORD_ANSWER,
+                            &(struct record_part){&answer, sizeof answer}, 1);
+    if (status == 0 && client->recorder->has_records && scene->count > 0) {
+        parts[1] = (struct record_part){cli_page_base(client, call->page) + scene->offset,
+                                        scene->count * head.record_bytes};
+        status = cli_record_add(client, RECORD_RECORDS, parts, 2);
+    }
+    return status;
+}
+
+static void add_batch_answer(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct proto_BATCH_SUBMIT_request *asked = &call->params.BATCH_SUBMIT;
+    const struct pccd_scene_answer refused = {.status = call->status};
+    const struct pccd_scene_answer *scenes =
+        call->status == 0 ? cli_batch_answers(client, call) : NULL;
+    int status = 0;
+
+    for (uint32_t i = 0; status == 0 && i < asked->scenes; i++) {
+        status = add_scene_answer(client, call, scenes != NULL ? &scenes[i] : &refused,
+                                  asked->step + i);
     }
 }
 
@@ -373,6 +432,9 @@ void cli_record_answer(struct pccd_client *client, const struct cli_call *call)
         break;
     case PROTO_METHOD_FRAME_FETCH:
         add_records(client, call);
+        break;
+    case PROTO_METHOD_BATCH_SUBMIT:
+        add_batch_answer(client, call);
         break;
     case PROTO_METHOD_SCENE_NEAR:
         add_near_answer(client, call);

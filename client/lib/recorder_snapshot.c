@@ -281,6 +281,80 @@ static int write_frame(struct pccd_client *client, const struct cli_call *call)
                                       request->segments > 0);
 }
 
+/* The segments of a scene of a batch, with offsets as in a slot of its own, and where its
+ * positions lie. */
+static struct record_part rebase(const struct pccd_client *client,
+                                 const struct cli_call *call,
+                                 const struct proto_segment *from, uint32_t count,
+                                 struct proto_segment *table)
+{
+    const struct cli_slot *own = &client->ring.slots[call->slot];
+    const struct proto_segment *behind = from + count;
+    uint64_t table_bytes = count * sizeof *table;
+    uint64_t first = from->kind == PROTO_SEGMENT_X1 ? from->offset1 : from->offset0;
+    uint64_t end = behind == own->segments + own->segment_count ? own->used_bytes
+                   : behind->kind == PROTO_SEGMENT_X1           ? behind->offset1
+                                                                : behind->offset0;
+
+    for (uint32_t i = 0; i < count; i++) {
+        table[i] = from[i];
+        table[i].offset1 = from[i].offset1 - first + table_bytes;
+        if (from[i].kind != PROTO_SEGMENT_X1) {
+            table[i].offset0 = from[i].offset0 - first + table_bytes;
+        }
+    }
+    return (struct record_part){cli_slot_payload(&client->ring, call->slot) + first,
+                                end - first};
+}
+
+/* One scene of a batch: a step as any other. `table`: room for its segments. */
+static int write_scene_frame(struct pccd_client *client, const struct cli_call *call,
+                             uint32_t scene, uint32_t first, struct proto_segment *table)
+{
+    const struct proto_BATCH_SUBMIT_request *request = &call->params.BATCH_SUBMIT;
+    const struct cli_slot *own = &client->ring.slots[call->slot];
+    uint32_t count = own->scenes[scene].segments;
+    const struct record_frame frame = {.step = request->step + scene,
+                                       .scene = own->scenes[scene].scene,
+                                       .segment_count = count,
+                                       .mode = request->mode,
+                                       .method = request->method,
+                                       .threads = request->threads,
+                                       .tolerance = request->tolerance,
+                                       .deadline_ns = request->deadline_ns};
+    struct record_part parts[3] = {{&frame, sizeof frame},
+                                   {table, count * sizeof *table}};
+    int status = cli_record_separation(client, request->separation, request->approach);
+
+    if (count > 0) {
+        parts[2] = rebase(client, call, own->segments + first, count, table);
+    }
+    status = status != 0 ? status : cli_record_tuning(client, request->tuning);
+    return status != 0 ? status
+                       : cli_record_add(client, RECORD_FRAME, parts, count > 0 ? 3 : 1);
+}
+
+/* A batch: the steps of its scenes, one after the other. */
+static int write_batch(struct pccd_client *client, const struct cli_call *call)
+{
+    const struct cli_slot *own = &client->ring.slots[call->slot];
+    struct proto_segment *table = malloc((own->segment_count + 1) * sizeof *table);
+    uint32_t first = 0;
+    int status = 0;
+
+    assert(own->scene_count == call->params.BATCH_SUBMIT.scenes);
+    if (table == NULL) {
+        return cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for a batch");
+    }
+    client->recorder->segment_frames += own->scene_count;
+    for (uint32_t i = 0; status == 0 && i < own->scene_count; i++) {
+        status = write_scene_frame(client, call, i, first, table);
+        first += own->scenes[i].segments;
+    }
+    free(table);
+    return status;
+}
+
 int cli_record_step(struct pccd_client *client, const struct cli_call *call)
 {
     bool is_near = call->method == PROTO_METHOD_SCENE_NEAR;
@@ -288,6 +362,9 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call)
         is_near ? call->params.SCENE_NEAR.scene : call->params.FRAME_SUBMIT.scene;
 
     assert(cli_call_is_step(call->method) && call->step != 0);
+    if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
+        return write_batch(client, call); /* none of its scenes is shared */
+    }
     if (cli_journal_has(client, scene)) {
         return 0; /* the journal says when it was its turn */
     }

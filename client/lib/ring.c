@@ -12,15 +12,51 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pccd_types.h"
+
 void cli_ring_deinit(struct cli_ring *ring)
 {
     for (uint32_t i = 0; i < PROTO_SLOTS_MAX; i++) {
         free(ring->slots[i].segments);
+        free(ring->slots[i].scenes);
     }
     proto_memory_deinit(&ring->upload);
     proto_memory_deinit(&ring->result);
     memset(ring, 0, sizeof *ring);
     ring->upload = ring->result = (struct proto_memory)PROTO_MEMORY_NONE;
+}
+
+/* *array with room for `wanted` items, half as many again where it has to grow. */
+static int make_room(void **array, uint32_t *room, uint32_t wanted, size_t item_bytes)
+{
+    uint32_t more = wanted + wanted / 2 + 4;
+    void *larger;
+
+    if (wanted <= *room) {
+        return 0;
+    }
+    larger = realloc(*array, more * item_bytes);
+    if (larger == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    *array = larger;
+    *room = more;
+    return 0;
+}
+
+int cli_slot_room(struct cli_slot *own, uint32_t segments, uint32_t scenes)
+{
+    void *segment_array = own->segments;
+    void *scene_array = own->scenes;
+    int status =
+        make_room(&segment_array, &own->segment_room, segments, sizeof *own->segments);
+
+    own->segments = segment_array;
+    if (status == 0) {
+        status = make_room(&scene_array, &own->scene_room, scenes, sizeof *own->scenes);
+        own->scenes = scene_array;
+    }
+    return status;
 }
 
 static struct proto_slot *descriptor(const struct cli_ring *ring, uint32_t slot)
@@ -110,6 +146,7 @@ void cli_slot_open(struct cli_ring *ring, uint32_t slot)
     assert(slot < ring->slot_count && own->state == CLI_SLOT_FREE);
     own->state = CLI_SLOT_BEGUN;
     own->segment_count = 0;
+    own->scene_count = 0;
     own->used_bytes = 0;
     own->seq++; /* odd: being written */
     assert(own->seq % 2 == 1);

@@ -28,15 +28,18 @@ enum cli_slot_state { CLI_SLOT_FREE = 0, CLI_SLOT_BEGUN, CLI_SLOT_SENT, CLI_SLOT
 
 struct cli_slot {
     enum cli_slot_state state;
-    uint64_t seq;                   /* last value stored in the slot's descriptor */
-    uint32_t scene;                 /* BEGUN: of the frame being written */
-    uint32_t segment_max;           /* announced */
-    uint32_t segment_count;         /* written */
-    uint64_t used_bytes;            /* segment table included */
-    uint64_t limit_bytes;           /* announced */
-    uint64_t step;                  /* KEPT: that brought it */
-    struct proto_segment *segments; /* a copy of the table */
-    uint32_t segment_room;          /* of the copy */
+    uint64_t seq;                     /* last value stored in the slot's descriptor */
+    uint32_t scene;                   /* BEGUN: of the frame being written */
+    uint32_t segment_max;             /* announced */
+    uint32_t segment_count;           /* written */
+    uint64_t used_bytes;              /* segment table included */
+    uint64_t limit_bytes;             /* announced */
+    uint64_t step;                    /* KEPT: that brought it */
+    struct proto_segment *segments;   /* a copy of the table */
+    uint32_t segment_room;            /* of the copy */
+    uint32_t scene_count;             /* of a batch; 0: a frame, of `scene` */
+    struct proto_batch_scene *scenes; /* then: a copy of that table */
+    uint32_t scene_room;
 };
 
 /* One page of the result region. Pages go back to the daemon in the order they came. */
@@ -72,6 +75,10 @@ uint8_t *cli_slot_payload(const struct cli_ring *ring, uint32_t slot);
 /* Mark a slot that is free as being written (state BEGUN): the daemon that reads it would
  * notice. */
 void cli_slot_open(struct cli_ring *ring, uint32_t slot);
+
+/* Room for copies of so many segments and scenes: it stays with the slot. 0, or
+ * PCCD_E_NOMEM. */
+int cli_slot_room(struct cli_slot *own, uint32_t segments, uint32_t scenes);
 
 /* Publish a begun slot (state SENT). Returns the sequence number for the message. */
 uint64_t cli_slot_publish(struct cli_ring *ring, uint32_t slot);

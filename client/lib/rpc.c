@@ -265,7 +265,8 @@ int cli_call_resend_all(struct pccd_client *client, uint64_t deadline_ns)
 
 bool cli_call_is_step(int method)
 {
-    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR;
+    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR ||
+           method == PROTO_METHOD_BATCH_SUBMIT;
 }
 
 static uint32_t steps_inflight(const struct pccd_client *client)

@@ -163,7 +163,12 @@ static struct cli_call *find_step(struct pccd_client *client, uint64_t step)
     return NULL;
 }
 
-static struct cli_call *find_oldest_done(struct pccd_client *client)
+static bool is_batch_call(const struct cli_call *call)
+{
+    return call->method == PROTO_METHOD_BATCH_SUBMIT;
+}
+
+struct cli_call *cli_step_oldest_done(struct pccd_client *client, bool is_batch)
 {
     struct cli_call *oldest = NULL;
 
@@ -171,6 +176,7 @@ static struct cli_call *find_oldest_done(struct pccd_client *client)
         struct cli_call *call = &client->calls[i];
 
         if (call->step != 0 && call->state == CLI_CALL_DONE &&
+            is_batch_call(call) == is_batch &&
             (oldest == NULL || call->step < oldest->step)) {
             oldest = call;
         }
@@ -206,7 +212,7 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
         return status;
     }
     cli_step_drain(client);
-    call = find_oldest_done(client);
+    call = cli_step_oldest_done(client, false);
     if (call == NULL) {
         return client->dead ? cli_alive(client)
                             : cli_fail(client, PCCD_E_AGAIN, "no answer has arrived");
@@ -215,25 +221,22 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
     return 0;
 }
 
-int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
-              struct pccd_answer *answer)
+int cli_step_await(struct pccd_client *client, uint64_t step, bool is_batch,
+                   int timeout_ms, struct cli_call **found)
 {
-    struct cli_call *call;
-    int status;
+    struct cli_call *call = find_step(client, step);
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
-    status = cli_answer_check(client, answer);
-    if (status != 0) {
-        return status;
-    }
-    call = find_step(client, step);
     if (call == NULL) {
         return client->dead ? cli_alive(client)
                             : cli_fail(client, PCCD_E_INVAL, "step %llu is not pending",
                                        (unsigned long long)step);
     }
+    if (is_batch_call(call) != is_batch) {
+        return cli_fail(client, PCCD_E_INVAL, "%llu is the number of a %s",
+                        (unsigned long long)step,
+                        is_batch ? "step: pccd_wait" : "batch: pccd_batch_wait");
+    }
+    *found = call;
     if (timeout_ms == 0) {
         cli_step_drain(client);
         if (call->state == CLI_CALL_SENT) {
@@ -242,7 +245,22 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
         }
     }
     cli_journal_pump(client);
-    status = cli_call_wait(client, call, cli_deadline(client, timeout_ms));
+    return cli_call_wait(client, call, cli_deadline(client, timeout_ms));
+}
+
+int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
+              struct pccd_answer *answer)
+{
+    struct cli_call *call = NULL;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    status = cli_answer_check(client, answer);
+    if (status == 0) {
+        status = cli_step_await(client, step, false, timeout_ms, &call);
+    }
     return status != 0 ? status : take_answer(client, call, answer);
 }
 

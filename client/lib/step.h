@@ -12,6 +12,15 @@
 /* Take in what has arrived, without waiting. */
 void cli_step_drain(struct pccd_client *client);
 
+/* The oldest step whose answer has come and is not taken; or the oldest batch. NULL:
+ * there is none. */
+struct cli_call *cli_step_oldest_done(struct pccd_client *client, bool is_batch);
+
+/* Wait until the answer to `step`, or to that batch, has come: 0 with *call DONE;
+ * E_INVAL: it is not pending, or the other kind; E_AGAIN (timeout_ms 0), E_TIMEOUT. */
+int cli_step_await(struct pccd_client *client, uint64_t step, bool is_batch,
+                   int timeout_ms, struct cli_call **call);
+
 /* A page of an answer, by frame.fetch or near.fetch, into *answer. */
 int cli_step_fetch(struct pccd_client *client, int method, const void *request,
                    struct pccd_answer *answer);

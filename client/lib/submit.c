@@ -38,11 +38,8 @@ int cli_step_check(struct pccd_client *client)
     return status != 0 ? status : cli_alive(client);
 }
 
-/* Take over settings of a program that may know a later struct: what is added there has
- * to be 0. NULL: all defaults. */
-static int read_settings(struct pccd_client *client,
-                         const struct pccd_step_settings *asked,
-                         struct pccd_step_settings *settings)
+int cli_step_settings(struct pccd_client *client, const struct pccd_step_settings *asked,
+                      struct pccd_step_settings *settings)
 {
     int status;
 
@@ -78,7 +75,10 @@ int cli_step_call(struct pccd_client *client, int method, const void *request,
     }
     assert(call->step == 0 && client->next_step > 0);
     call->step = client->next_step;
-    *step = client->next_step++;
+    *step = client->next_step;
+    /* Every scene of a batch has a step of its own. */
+    client->next_step +=
+        method == PROTO_METHOD_BATCH_SUBMIT ? call->params.BATCH_SUBMIT.scenes : 1;
     if (client->recorder != NULL) {
         cli_record_frame(client, call);
     }
@@ -91,7 +91,7 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
     struct pccd_step_settings settings;
     struct proto_FRAME_SUBMIT_request request = {.scene = scene,
                                                  .step = client->next_step};
-    int status = read_settings(client, asked, &settings);
+    int status = cli_step_settings(client, asked, &settings);
 
     if (status == 0) {
         request.mode = (uint32_t)settings.mode;

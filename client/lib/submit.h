@@ -19,6 +19,11 @@ int cli_step_check(struct pccd_client *client);
 int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
                   const struct pccd_step_settings *settings, uint64_t *step);
 
+/* Take over settings of a program that may know a later struct: what is added there has
+ * to be 0. NULL: all defaults. 0, or E_INVAL or E_VERSION with a text. */
+int cli_step_settings(struct pccd_client *client, const struct pccd_step_settings *asked,
+                      struct pccd_step_settings *settings);
+
 /* The same of any request that is numbered among the steps, with client->next_step, and
  * whose slot is published. */
 int cli_step_call(struct pccd_client *client, int method, const void *request,

@@ -7,6 +7,7 @@
 python_module = \
     client/python/module/__init__.py \
     client/python/module/answer.py \
+    client/python/module/batch.py \
     client/python/module/client.py \
     client/python/module/frame.py \
     client/python/module/library.py \
@@ -17,6 +18,7 @@ python_module = \
     client/python/module/values.py
 python_headers = \
     $(top_srcdir)/client/lib/pccd.h \
+    $(top_srcdir)/client/lib/pccd_batch.h \
     $(top_srcdir)/proto/common/pccd_daemon.h \
     $(top_srcdir)/proto/common/pccd_trace.h \
     $(top_srcdir)/proto/common/pccd_types.h

@@ -30,6 +30,7 @@ libservice_la_SOURCES = \
     daemon/service/sessions/service.h \
     daemon/service/sessions/session.c daemon/service/sessions/session.h \
     daemon/service/sessions/tracing.c daemon/service/sessions/tracing.h \
+    daemon/service/scenes/srv_batch.c daemon/service/scenes/srv_batch.h \
     daemon/service/scenes/srv_journal.c daemon/service/scenes/srv_journal.h \
     daemon/service/scenes/held.c daemon/service/scenes/held.h \
     daemon/service/scenes/mesh_shape.c daemon/service/scenes/mesh_shape.h \
@@ -46,6 +47,7 @@ libservice_la_SOURCES = \
     daemon/service/requests/dispatch.c daemon/service/requests/dispatch.h \
     daemon/service/requests/frame.h \
     daemon/service/requests/handlers_admin.c \
+    daemon/service/requests/handlers_batch.c \
     daemon/service/requests/handlers_boxes.c \
     daemon/service/requests/handlers_config.c \
     daemon/service/requests/handlers_fetch.c \

@@ -261,6 +261,30 @@ struct pccd_step_counters {
     uint64_t thick_exact;
 };
 
+/* What came of one scene of a batch (batch.submit, pccd_batch_step). Its numbers are
+ * those that a step of the scene by itself answers. */
+struct pccd_scene_answer {
+    uint32_t scene;      /* handle */
+    int32_t status;      /* 0, or why its step failed (enum pccd_status): then the scene
+                            stands where it stood, `why` says more, and all else is 0 */
+    uint32_t incomplete; /* enum pccd_incomplete */
+    uint32_t verdict;    /* enum pccd_verdict */
+    uint64_t number;     /* of the step among those of its scene, from 1 */
+    uint64_t total;      /* records of the whole answer */
+    uint64_t counts[PCCD_KINDS_MAX]; /* records by enum pccd_kind; in mode any 0 */
+    uint64_t possible, initial, inside;
+    double toi_first; /* smallest toi; 2: no record, or mode any or pairs */
+    double safe_step; /* from t = 0 to it no pair meets; 0 where it is not known */
+    uint64_t hash[2]; /* of all records: high, low */
+    uint64_t count;   /* records that were written to the result region: the first ones;
+                           frame.fetch has the others, from `count` on */
+    uint64_t offset;  /* of these, bytes from the start of the result region */
+    uint64_t ns_step; /* the whole step, nanoseconds */
+    uint32_t threads; /* that computed it */
+    uint32_t crowded; /* 1: more than half of the records begin at their distance */
+    char why[136];    /* "", or a sentence that says why it failed */
+};
+
 #define PCCD_HASH_VERSION 2u /* of answers: PROTOCOL.md, "The hash of an answer" */
 /* The answer of mode `any`. */
 enum pccd_verdict {

@@ -22,15 +22,16 @@
 
 /* Bits of hello's `features`. */
 #define PROTO_FEATURE_RESUME  1u
-#define PROTO_FEATURE_FILTERS 2u   /* object.set, scene.ignore */
-#define PROTO_FEATURE_OBSERVE 4u   /* list, stats.histogram, config, watch */
-#define PROTO_FEATURE_SHARED  8u   /* scenes that sessions share */
-#define PROTO_FEATURE_JOURNAL 16u  /* scene.journal */
-#define PROTO_FEATURE_HELD    32u  /* scene.held is told */
-#define PROTO_FEATURE_HASH_2  64u  /* hashes of answers are of version 2; without: 1 */
-#define PROTO_FEATURE_NEAR    128u /* scene.near, near.fetch; place in any scene */
-#define PROTO_FEATURE_THICK   256u /* radii, separation and approach */
-#define PROTO_FEATURE_FREE    512u /* edges and points that are named by themselves */
+#define PROTO_FEATURE_FILTERS 2u    /* object.set, scene.ignore */
+#define PROTO_FEATURE_OBSERVE 4u    /* list, stats.histogram, config, watch */
+#define PROTO_FEATURE_SHARED  8u    /* scenes that sessions share */
+#define PROTO_FEATURE_JOURNAL 16u   /* scene.journal */
+#define PROTO_FEATURE_HELD    32u   /* scene.held is told */
+#define PROTO_FEATURE_HASH_2  64u   /* hashes of answers are of version 2; without: 1 */
+#define PROTO_FEATURE_NEAR    128u  /* scene.near, near.fetch; place in any scene */
+#define PROTO_FEATURE_THICK   256u  /* radii, separation and approach */
+#define PROTO_FEATURE_FREE    512u  /* edges and points that are named by themselves */
+#define PROTO_FEATURE_BATCH   1024u /* batch.submit */
 
 /* Steps that may wait for a client that watches; more are lost, and counted. */
 #define PROTO_WATCH_ROOM 128u
@@ -38,7 +39,8 @@
 /* Upload ring and result region. */
 #define PROTO_SLOTS_MAX        16u
 #define PROTO_INFLIGHT_MAX     16u
-#define PROTO_SEGMENTS_MAX     65536u /* segments of one step */
+#define PROTO_SEGMENTS_MAX     65536u /* segments of one step, or of one batch */
+#define PROTO_BATCH_MAX        65536u /* scenes of one batch */
 #define PROTO_SLOT_BYTES_MIN   4096u
 #define PROTO_RESULT_BYTES_MIN 65536u
 
@@ -57,7 +59,7 @@
 #define PROTO_SHM_BYTES_PER_UID (512ull << 20)
 #define PROTO_MESHES_PER_UID    65536u
 #define PROTO_TRIANGLES_PER_UID 64000000ull
-#define PROTO_SCENES_PER_CLIENT 65536u
+#define PROTO_SCENES_PER_CLIENT 65536u /* as many as a batch has */
 #define PROTO_SHARED_PER_CLIENT 64u    /* of these, shared with others */
 #define PROTO_OBJECTS_PER_SCENE 65536u
 #define PROTO_IGNORED_PER_SCENE (1u << 18)  /* pairs of objects that ignore each other */

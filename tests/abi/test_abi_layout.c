@@ -34,6 +34,26 @@ static const char *const method_names[] = {PROTO_METHODS(NAME)};
 static void records__keep_their_layout(void **state)
 {
     (void)state;
+    SIZE(pccd_scene_answer, 320);
+    AT(pccd_scene_answer, scene, 0);
+    AT(pccd_scene_answer, status, 4);
+    AT(pccd_scene_answer, incomplete, 8);
+    AT(pccd_scene_answer, verdict, 12);
+    AT(pccd_scene_answer, number, 16);
+    AT(pccd_scene_answer, total, 24);
+    AT(pccd_scene_answer, counts, 32);
+    AT(pccd_scene_answer, possible, 96);
+    AT(pccd_scene_answer, initial, 104);
+    AT(pccd_scene_answer, inside, 112);
+    AT(pccd_scene_answer, toi_first, 120);
+    AT(pccd_scene_answer, safe_step, 128);
+    AT(pccd_scene_answer, hash, 136);
+    AT(pccd_scene_answer, count, 152);
+    AT(pccd_scene_answer, offset, 160);
+    AT(pccd_scene_answer, ns_step, 168);
+    AT(pccd_scene_answer, threads, 176);
+    AT(pccd_scene_answer, crowded, 180);
+    AT(pccd_scene_answer, why, 184);
     SIZE(pccd_contact, 64);
     AT(pccd_contact, kind, 0);
     AT(pccd_contact, flags, 4);
@@ -272,6 +292,36 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_counters, thick_exact, 200);
 }
 
+/* If this failed, a batch would move other things than a program says, or its answers be
+ * read at the wrong places. */
+static void batch__keeps_its_layout(void **state)
+{
+    (void)state;
+    SIZE(pccd_batch_part, 24);
+    AT(pccd_batch_part, scene, 0);
+    AT(pccd_batch_part, object, 4);
+    AT(pccd_batch_part, first, 8);
+    AT(pccd_batch_part, count, 12);
+    AT(pccd_batch_part, format, 16);
+    AT(pccd_batch_part, way, 20);
+    SIZE(pccd_batch_answer, 120);
+    AT(pccd_batch_answer, struct_bytes, 0);
+    AT(pccd_batch_answer, step, 8);
+    AT(pccd_batch_answer, status, 16);
+    AT(pccd_batch_answer, failed, 20);
+    AT(pccd_batch_answer, incomplete, 24);
+    AT(pccd_batch_answer, scenes, 32);
+    AT(pccd_batch_answer, count, 40);
+    AT(pccd_batch_answer, total, 48);
+    AT(pccd_batch_answer, threads, 56);
+    AT(pccd_batch_answer, queue_ns, 64);
+    AT(pccd_batch_answer, batch_ns, 72);
+    AT(pccd_batch_answer, steps_ns, 80);
+    AT(pccd_batch_answer, mode, 88);
+    AT(pccd_batch_answer, offset, 96);
+    AT(pccd_batch_answer, reserved, 104);
+}
+
 /* If this failed, a program would read an answer's members at the wrong places. */
 static void answer__keeps_its_layout(void **state)
 {
@@ -463,7 +513,7 @@ static void recordings__keep_their_numbers(void **state)
         "list.object",   "list.mesh",    "stats.histogram", "config.get",
         "config.set",    "watch.start",  "watch.stop",      "object.set",
         "scene.ignore",  "scene.boxes",  "scene.journal",   "list.pair",
-        "shm.take",      "scene.near",   "near.fetch",
+        "shm.take",      "scene.near",   "near.fetch",      "batch.submit",
     };
     (void)state;
     for (int i = 0; i < PROTO_METHOD_COUNT; i++) {
@@ -517,6 +567,7 @@ int main(void)
         cmocka_unit_test(library__structs_keep_their_layout),
         cmocka_unit_test(daemon__structs_keep_their_layout),
         cmocka_unit_test(step__structs_keep_their_layout),
+        cmocka_unit_test(batch__keeps_its_layout),
         cmocka_unit_test(answer__keeps_its_layout),
         cmocka_unit_test(shared_memory__keeps_its_layout),
         cmocka_unit_test(status__keeps_its_number),

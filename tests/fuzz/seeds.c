@@ -220,6 +220,27 @@ static void share_and_hold(uint8_t deadline)
     settle();
 }
 
+/* Two scenes, of which one moves an object and the other is not known. */
+static void make_batch_seeds(void)
+{
+    const struct proto_batch_scene scenes[2] = {{1u << 20, 1}, {2u << 20, 0}};
+    const struct proto_segment segment = {
+        .object = 1u << 20, .kind = PROTO_SEGMENT_X1, .count = 4, .offset1 = 64};
+    static const float x[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    begin();
+    enter();
+    write_ring(0x1000, scenes, sizeof scenes);
+    write_ring(0x1000 + sizeof scenes, &segment, sizeof segment);
+    write_ring(0x1040, x, sizeof x);
+    ASK(BATCH_SUBMIT, 0, PUBLISH_0, 2, 1);
+    settle();
+    ASK(BATCH_SUBMIT, 0, PUBLISH_0, 2, 1, 0, 0, 0, 0, 1);
+    ASK(CANCEL, BYTE, 10);
+    ASK(SCENE_DESTROY, HANDLE);
+    settle();
+    save("dispatch", "batch.submit");
+}
+
 static void make_share_seeds(void)
 {
     share_and_hold(0);
@@ -642,6 +663,7 @@ int main(int argc, char **argv)
     mkdir(root, 0777);
     make_decoder_seeds();
     make_dispatch_seeds();
+    make_batch_seeds();
     make_share_seeds();
     make_near_seeds();
     make_slot_seeds();

@@ -2,6 +2,7 @@
 
 integration_names = \
     tests/integration/test_int_backlog \
+    tests/integration/test_int_batch \
     tests/integration/test_int_allow \
     tests/integration/test_int_autostart \
     tests/integration/test_int_boxes \
@@ -131,6 +132,10 @@ dist_check_SCRIPTS += tests/integration/direct_check.sh
 tests_integration_test_int_autostart_SOURCES = tests/integration/test_int_autostart.c
 tests_integration_test_int_autostart_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_autostart_LDADD = $(integration_libs)
+
+tests_integration_test_int_batch_SOURCES = tests/integration/test_int_batch.c
+tests_integration_test_int_batch_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_batch_LDADD = $(integration_libs)
 
 tests_integration_test_int_boxes_SOURCES = tests/integration/test_int_boxes.c
 tests_integration_test_int_boxes_CPPFLAGS = $(integration_cppflags)

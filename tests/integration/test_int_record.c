@@ -23,6 +23,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "farm.h"
 #include "grid.h"
 #include "recording.h"
 #include "run_ctl.h"
@@ -246,6 +247,54 @@ static void record__goes_on_when_the_daemon_is_killed(void **state)
     move_stage(&stage, 0.5f);
     pccd_close(client);
     test_recording_repeats("--json", test_recording, stage.steps);
+}
+
+/* If this failed, the steps of a batch could not be repeated or verified, or those that
+ * failed would be left out. */
+static void record__has_a_step_for_each_scene_of_a_batch(void **state)
+{
+    const struct pccd_record_settings with_contacts = {.contacts = 1};
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_client *client = open_client();
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_record_info info;
+    struct test_farm farm;
+    void *x1[6];
+    uint64_t step = 0;
+    char said[4096];
+
+    (void)state;
+    test_recording_clear();
+    assert_int_equal(pccd_record_start(client, test_recording, &with_contacts), 0);
+    assert_int_equal(test_farm_make(client, 6, 6, &farm), 0);
+    for (uint32_t turn = 1; turn <= 4; turn++) {
+        settings.mode = (enum pccd_mode)(turn % PCCD_MODE_COUNT);
+        settings.separation = turn == 2 ? 0.125 : 0;
+        assert_int_equal(test_farm_turn(&farm, turn, &settings, &answer), 0);
+        assert_int_equal(answer.failed, 0);
+        pccd_batch_release(client, &answer);
+    }
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+    assert_int_equal(pccd_batch_begin(farm.batch, NULL, x1), 0);
+    for (uint32_t i = 0; i < 6; i++) {
+        test_farm_positions(&farm, i, 5, x1[i]);
+    }
+    ((float *)x1[3])[0] = 1e30f;
+    assert_int_equal(pccd_batch_commit(farm.batch, NULL, &step), 0);
+    assert_int_equal(pccd_batch_wait(client, step, -1, &answer), 0);
+    assert_int_equal(answer.failed, 1);
+    pccd_batch_release(client, &answer);
+    assert_int_equal(test_farm_turn(&farm, 6, NULL, &answer), 0);
+    pccd_batch_release(client, &answer);
+    assert_int_equal(pccd_record(client, &info), 0);
+    assert_int_equal(info.status, 0);
+    assert_int_equal(info.frames, 36);
+    assert_int_equal(info.answers, 36);
+    test_farm_free(&farm);
+    pccd_close(client);
+    test_recording_repeats("--json", test_recording, 36);
+    assert_int_equal(test_ctl("verify", "--json", test_recording, said, sizeof said), 0);
+    assert_true(test_ctl_number(said, "contacts") > 0);
 }
 
 /* ---- a program that is killed ---------------------------------------------------- */
@@ -524,6 +573,7 @@ int main(void)
         cmocka_unit_test(record__holds_every_kind_of_request),
         cmocka_unit_test(record__begins_with_what_there_is),
         cmocka_unit_test(record__goes_on_when_the_daemon_is_killed),
+        cmocka_unit_test(record__has_a_step_for_each_scene_of_a_batch),
         cmocka_unit_test(record__survives_its_program),
         cmocka_unit_test(record__keeps_its_bound),
         cmocka_unit_test(record__keeps_the_newest_segments),

@@ -19,6 +19,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "farm.h"
 #include "messages.h"
 #include "raw.h"
 
@@ -236,6 +237,84 @@ static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
     stop(client);
 }
 
+/* ---- batches ----------------------------------------------------------------------- */
+
+#define WORLDS 24u
+
+/* A turn of all worlds, over which the daemon is killed `after_us` after its request,
+ * says what a turn of each of them by itself says. */
+static void turn_over_a_kill(struct test_farm *farm, struct test_farm *other,
+                             uint32_t turn, unsigned after_us)
+{
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    uint64_t step = 0;
+    uint64_t records = 0;
+
+    /* The last daemon may have answered before it ended. */
+    assert_int_equal(pccd_ping(farm->client, NULL), 0);
+    assert_int_equal(test_farm_submit(farm, turn, NULL, &step), 0);
+    usleep(after_us);
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(farm->client), SIGKILL), 0);
+    assert_int_equal(pccd_batch_wait(farm->client, step, -1, &all), 0);
+    assert_int_equal(all.failed, 0);
+    for (uint32_t i = 0; i < WORLDS; i++) {
+        struct pccd_answer alone = PCCD_ANSWER_INIT;
+
+        assert_int_equal(test_farm_alone(other, i, turn, NULL, &alone), 0);
+        assert_memory_equal(all.scenes[i].hash, alone.hash, sizeof alone.hash);
+        records += alone.total;
+        pccd_answer_release(other->client, &alone);
+    }
+    assert_true(records > 0);
+    pccd_batch_release(farm->client, &all);
+}
+
+/* If it failed, a batch that a daemon left without an answer would never have one, or one
+ * of scenes that are not where they were. */
+static void restore__answers_batches_as_if_nothing_had_happened(void **state)
+{
+    struct pccd_client *client, *direct = test_connect("direct:");
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    struct test_farm farm, other;
+    void *x1[WORLDS];
+    uint64_t step = 0;
+
+    (void)state;
+    start("4096");
+    client = connect_with(3, 4096);
+    assert_int_equal(test_farm_make(client, WORLDS, 12, &farm), 0);
+    assert_int_equal(test_farm_make(direct, WORLDS, 12, &other), 0);
+    for (uint32_t turn = 1; turn <= 8; turn++) {
+        turn_over_a_kill(&farm, &other, turn, (turn - 1) * (turn - 1) * 200);
+    }
+    /* A scene that fails was not moved, and the others were: so it is after a crash. */
+    assert_int_equal(pccd_batch_begin(farm.batch, NULL, x1), 0);
+    for (uint32_t i = 0; i < WORLDS; i++) {
+        test_farm_positions(&farm, i, 9, x1[i]);
+    }
+    ((float *)x1[5])[0] = 1e30f; /* beyond 1e18 */
+    assert_int_equal(pccd_batch_commit(farm.batch, NULL, &step), 0);
+    assert_int_equal(pccd_batch_wait(client, step, -1, &all), 0);
+    assert_int_equal(all.failed, 1);
+    assert_int_equal(all.scenes[5].status, PCCD_E_NOTFINITE);
+    pccd_batch_release(client, &all);
+    for (uint32_t i = 0; i < WORLDS; i++) {
+        struct pccd_answer alone = PCCD_ANSWER_INIT;
+
+        if (i != 5) {
+            assert_int_equal(test_farm_alone(&other, i, 9, NULL, &alone), 0);
+            pccd_answer_release(direct, &alone);
+        }
+    }
+    turn_over_a_kill(&farm, &other, 10, 0); /* the fifth one from 8, the others from 9 */
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    assert_int_equal(link_of(client).reconnects, 9);
+    test_farm_free(&farm);
+    test_farm_free(&other);
+    pccd_close(direct);
+    stop(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -243,6 +322,7 @@ int main(void)
         cmocka_unit_test(restore__goes_on_after_a_refusal_for_want_of_room),
         cmocka_unit_test(restore__begins_anew_when_the_daemon_ends_meanwhile),
         cmocka_unit_test(restore__gives_up_a_mesh_that_ends_every_daemon),
+        cmocka_unit_test(restore__answers_batches_as_if_nothing_had_happened),
     };
 
     return cmocka_run_group_tests_name("int_restore", tests, NULL, NULL);

@@ -22,6 +22,7 @@ from pccd import abi, observe
 
 ROOT, BUILD = os.environ["top_srcdir"], os.environ["top_builddir"]
 HEADERS = [f"proto/common/pccd_{name}.h" for name in ("types", "trace", "daemon")]
+HEADERS.append("client/lib/pccd_batch.h")
 STRUCTS = {name: item for name, item in vars(abi).items()
            if isinstance(item, type) and issubclass(item, ctypes.Structure)}
 ENUMS = {name: item for name, item in vars(abi).items()
@@ -107,7 +108,8 @@ class Abi(unittest.TestCase):
                 sources += file.read()
         unused = {name for name in names if not re.search(rf"\b{name}\b", sources)}
         # Others do the same: frame and wait; Python's own len; names of a recording.
-        self.assertEqual(unused, {"pccd_ask_near", "pccd_frame_bytes", "pccd_mesh_create",
+        self.assertEqual(unused, {"pccd_ask_near", "pccd_batch_step", "pccd_batch_submit",
+                                  "pccd_frame_bytes", "pccd_mesh_create",
                                   "pccd_mesh_replace", "pccd_method_name", "pccd_step",
                                   "pccd_step_x0x1", "pccd_step_x1"})
 
@@ -116,6 +118,7 @@ class Abi(unittest.TestCase):
         for dtype, struct in ((pccd.CONTACT, abi.pccd_contact),
                               (pccd.PAIR, abi.pccd_pair), (pccd.NEAR, abi.pccd_near),
                               (pccd.EDGE, abi.pccd_edge),
+                              (pccd.SCENE, abi.pccd_scene_answer),
                               (pccd.BOX, abi.pccd_box), (pccd.TRACE_EVENT,
                               abi.pccd_trace_event)):
             self.assertEqual(dtype.itemsize, ctypes.sizeof(struct))

@@ -13,6 +13,8 @@ libtestdaemon_la_SOURCES = \
     tests/support/daemon.h \
     tests/support/false_daemon.c \
     tests/support/false_daemon.h \
+    tests/support/farm.c \
+    tests/support/farm.h \
     tests/support/fixture.c \
     tests/support/fixture.h \
     tests/support/grid.c \

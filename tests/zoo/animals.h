@@ -21,6 +21,7 @@ bool zoo_uses_stale_handles(struct zoo_cage *cage);
 /* animals_data.c: what is in the shared memory */
 bool zoo_rewrites_submitted_slots(struct zoo_cage *cage);
 bool zoo_punches_holes(struct zoo_cage *cage);
+bool zoo_batches_nonsense(struct zoo_cage *cage);
 bool zoo_lies_about_counts(struct zoo_cage *cage);
 bool zoo_sends_wrong_numbers(struct zoo_cage *cage);
 bool zoo_names_wrong_indices(struct zoo_cage *cage);

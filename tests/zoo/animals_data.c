@@ -55,6 +55,90 @@ bool zoo_rewrites_submitted_slots(struct zoo_cage *cage)
     return true;
 }
 
+#define BATCH_SCENES 12u
+
+/* A batch of scenes of which all but the last are nonsense: unknown, or empty and with
+ * segments that lead anywhere. */
+static struct proto_BATCH_SUBMIT_request
+write_batch(const struct zoo_scene *scene, const uint32_t *empty, int round, float z)
+{
+    const uint32_t tables =
+        BATCH_SCENES * (sizeof(struct proto_batch_scene) + sizeof(struct proto_segment));
+    uint8_t *payload = test_raw_payload(&raw, 0);
+    struct proto_batch_scene entries[BATCH_SCENES];
+    struct proto_segment segments[BATCH_SCENES];
+    float x[3][3];
+
+    for (uint32_t i = 0; i < BATCH_SCENES; i++) {
+        bool is_last = i + 1 == BATCH_SCENES;
+
+        entries[i] = (struct proto_batch_scene){
+            is_last                ? scene->scene
+            : i < BATCH_SCENES / 2 ? empty[i]
+                                   : scene->scene + 100 * i * (uint32_t)(round + 1),
+            1};
+        segments[i] = (struct proto_segment){
+            .object = scene->object,
+            .count = is_last ? 3 : UINT32_MAX - i,
+            .offset1 = is_last ? tables : UINT64_MAX - 8 * (uint64_t)(i + 1)};
+    }
+    test_crossing_positions(x, z);
+    memcpy(payload, entries, sizeof entries);
+    memcpy(payload + sizeof entries, segments, sizeof segments);
+    memcpy(payload + tables, x, sizeof x);
+    return (struct proto_BATCH_SUBMIT_request){.slot = 0,
+                                               .seq = test_raw_publish(&raw, 0),
+                                               .scenes = BATCH_SCENES,
+                                               .segments = BATCH_SCENES};
+}
+
+/* Submits batches of nonsense, and writes over the slot before the answer comes, so that
+ * several threads read what changes. What makes sense is answered rightly, when it is
+ * left in peace; the rest gets its error, scene by scene. */
+bool zoo_batches_nonsense(struct zoo_cage *cage)
+{
+    uint32_t empty[BATCH_SCENES / 2];
+    struct zoo_scene scene;
+
+    EXPECT(cage, zoo_enter(cage, &raw, SLOT_BYTES));
+    EXPECT(cage, zoo_build(cage, &raw, &scene));
+    for (uint32_t i = 0; i < BATCH_SCENES / 2; i++) {
+        struct proto_SCENE_CREATE_request create = {.rebuild_ratio = 0};
+        struct proto_SCENE_CREATE_result created;
+
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_SCENE_CREATE, &create, &created) == 0);
+        empty[i] = created.scene;
+    }
+    for (int round = 0; round < ROUNDS; round++) {
+        struct proto_BATCH_SUBMIT_request batch = write_batch(&scene, empty, round, -1);
+        struct proto_BATCH_SUBMIT_result answer = {.count = 0};
+        uint32_t id = test_raw_request(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch);
+        int status;
+
+        EXPECT(cage, id != 0);
+        for (int i = 0; i < 20; i++) {
+            memset(test_raw_payload(&raw, 0), round + i, 4096);
+            (void)test_raw_publish(&raw, 0);
+        }
+        status = test_raw_answer(&raw, id, PROTO_METHOD_BATCH_SUBMIT, &answer);
+        EXPECT(cage, status == 0 || status == PCCD_E_SLOT_STALE ||
+                         status == PCCD_E_SLOT_TORN || status == PCCD_E_SEGMENT);
+        batch = write_batch(&scene, empty, round, -1);
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &answer) == 0);
+        EXPECT(cage, answer.failed == BATCH_SCENES - 1);
+        batch = write_batch(&scene, empty, round, 1); /* through the floor */
+        EXPECT(cage,
+               test_raw_call(&raw, PROTO_METHOD_BATCH_SUBMIT, &batch, &answer) == 0);
+        EXPECT(cage, answer.failed == BATCH_SCENES - 1 && answer.total == 3);
+        EXPECT(cage, answer.incomplete == 0 && answer.count == BATCH_SCENES);
+        atomic_store(&test_raw_upload(&raw)->result_head.value, answer.release);
+    }
+    test_raw_close(&raw);
+    return true;
+}
+
 /* Takes the pages of the ring away while the daemon has them mapped: what was there reads
  * as zeros, so a slot is stale; the result region cannot be punched. */
 bool zoo_punches_holes(struct zoo_cage *cage)

@@ -44,6 +44,7 @@ static const struct zoo_animal animals[] = {
     {"sends wrong lengths", zoo_sends_wrong_lengths, false, 0, 0, false},
     {"uses stale handles", zoo_uses_stale_handles, false, 0, 0, false},
     {"rewrites submitted slots", zoo_rewrites_submitted_slots, false, 0, 0, false},
+    {"batches nonsense", zoo_batches_nonsense, false, 0, 0, false},
     {"punches holes", zoo_punches_holes, false, 0, 0, false},
     {"lies about counts", zoo_lies_about_counts, false, 0, 0, false},
     {"sends wrong numbers", zoo_sends_wrong_numbers, false, 0, 0, false},

@@ -33,10 +33,11 @@ wait for it.
 """
 
 from . import abi
-from .abi import (ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
+from .abi import (BatchWay, ContactFlag, Format, HistogramKind, Incomplete, Kind, Method,
                   Mode, NearFlag, NearKind, NearWhat, ObjectWhat, Quality, Share,
                   Status, TraceKind, Tree, Verdict)
 from .answer import Answer
+from .batch import SCENE, Batch, BatchAnswer, Part
 from .client import Client, connect
 from .frame import Frame, Motions
 from .library import PccdError
@@ -47,11 +48,12 @@ from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Hi
 __version__ = abi.VERSION
 
 __all__ = [
-    "Answer", "BOX", "Client", "connect", "CONTACT", "ContactFlag", "DaemonInfo", "EDGE",
+    "Answer", "Batch", "BatchAnswer", "BatchWay", "BOX", "Client", "connect", "CONTACT",
+    "ContactFlag", "DaemonInfo", "EDGE",
     "Format", "Frame", "Histogram", "HistogramKind", "Incomplete", "Kind",
     "LinkInfo", "MeshInfo", "Method", "Mode", "Motions", "NEAR", "NearFlag", "NearKind",
     "NearWhat", "ObjectSettings", "ObjectWhat",
-    "PAIR", "PccdError", "Quality", "RecordInfo", "SceneNews",
+    "PAIR", "Part", "PccdError", "Quality", "RecordInfo", "SCENE", "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
     "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict",
 ]

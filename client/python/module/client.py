@@ -15,13 +15,14 @@ import sys
 import weakref
 from ctypes import byref
 from types import TracebackType
-from typing import Any, Deque, Iterator, Optional, Sequence, Tuple, Type
+from typing import Any, Deque, Iterable, Iterator, Optional, Sequence, Tuple, Type
 
 from numpy.typing import ArrayLike, NDArray
 
 from . import abi
 from .abi import Incomplete, NearWhat, Status
 from .answer import Answer
+from .batch import Batch, BatchAnswer, Part, new_answer
 from .frame import DEFAULT, Frame, Motions
 from .library import failure, lib, quick
 from .memory import Memory
@@ -52,6 +53,7 @@ class Client(Observe):
         super().__init__(options.timeout_ms / 1000)
         self._memory = Memory()
         self._dropped: Deque[Any] = collections.deque()  # answers that nobody released
+        self._batches: weakref.WeakSet[Batch] = weakref.WeakSet()
         self._step = ctypes.c_uint64()
         self._step_reference = byref(self._step)
         self._slice_ms = min(SLICE_MS, options.timeout_ms)
@@ -65,6 +67,8 @@ class Client(Observe):
     def close(self) -> None:
         """End the session; what the daemon holds for it is freed. Arrays of answers that
         are still held stay readable."""
+        for batch in list(self._batches):
+            batch.close()
         self._finalizer()
 
     def __enter__(self) -> Client:
@@ -268,6 +272,34 @@ class Client(Observe):
         and with timeout 0 E_AGAIN. Raises what the step failed with."""
         answer = self._new_answer()
         self._check(self._in_slices(lambda ms: lib.pccd_wait(
+            self._handle, int(step), ms, byref(answer)), timeout))
+        answer._client = self
+        return answer
+
+    # -- batches --
+
+    def batch(self, parts: Iterable[Part]) -> Batch:
+        """Scenes that are stepped together, and what moves in each (batch.py)."""
+        return Batch(self, parts)
+
+    def batch_poll(self) -> Optional[BatchAnswer]:
+        """A finished answer to a batch, the oldest first, or None. One of a batch that
+        failed as a whole has its error in answer.error."""
+        answer = new_answer()
+        status = lib.pccd_batch_poll(self._handle, byref(answer))
+        if status == Status.E_AGAIN:
+            return None
+        self._check(status)
+        answer._client = self
+        if answer.status:
+            answer.error = self._failure(answer.status)
+        return answer
+
+    def batch_wait(self, step: int, timeout: Optional[float] = None) -> BatchAnswer:
+        """The answer to the batch whose first scene's step has that number; as wait().
+        A scene that failed says so itself."""
+        answer = new_answer()
+        self._check(self._in_slices(lambda ms: lib.pccd_batch_wait(
             self._handle, int(step), ms, byref(answer)), timeout))
         answer._client = self
         return answer

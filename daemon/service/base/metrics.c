@@ -67,6 +67,35 @@ void srv_metrics_add_step(struct srv_metrics *metrics,
     counters->steps_crowded += answer->crowded;
 }
 
+/* Add the members of a result, all of them u64. */
+static void add_members(int method, void *to, const void *more)
+{
+    const struct proto_fields *fields = &proto_messages[method].result;
+    for (uint32_t i = 0; i < fields->count; i++) {
+        size_t at = fields->items[i].offset;
+        if (fields->items[i].type == PROTO_TYPE_u64) {
+            *(uint64_t *)(void *)((char *)to + at) +=
+                *(const uint64_t *)(const void *)((const char *)more + at);
+        }
+    }
+}
+
+void srv_metrics_add_all(struct srv_metrics *metrics, const struct srv_metrics *more)
+{
+    struct proto_STATS_result *counters = &metrics->counters;
+    const bool has_steps = more->counters.steps > 0;
+    const struct proto_STATS_result before = *counters;
+    add_members(PROTO_METHOD_STATS, counters, &more->counters);
+    counters->step_builds_last =
+        has_steps ? more->counters.step_builds_last : before.step_builds_last;
+    counters->step_allocs_last =
+        has_steps ? more->counters.step_allocs_last : before.step_allocs_last;
+    for (uint32_t kind = 0; kind < PCCD_HISTOGRAM_COUNT; kind++) {
+        add_members(PROTO_METHOD_STATS_HISTOGRAM, &metrics->histograms[kind],
+                    &more->histograms[kind]);
+    }
+}
+
 void srv_metrics_add_near(struct srv_metrics *metrics,
                           const struct proto_SCENE_NEAR_result *answer)
 {

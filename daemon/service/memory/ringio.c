@@ -394,6 +394,27 @@ int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted
     return 0;
 }
 
+int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
+                         struct srv_page *page, void **data, struct proto_error *error)
+{
+    struct srv_region before = ring->region;
+    struct srv_page got;
+    int status = srv_ring_reserve(ring, item_bytes, wanted, &got, data, error);
+    if (status != 0) {
+        return status;
+    }
+    if (got.count < wanted) {
+        before.taken = ring->region.taken;
+        ring->region = before;
+        return proto_error_set(error, PCCD_E_BUSY,
+                               "the result region has room for %llu of %llu answers: "
+                               "release pages first",
+                               (unsigned long long)got.count, (unsigned long long)wanted);
+    }
+    *page = got;
+    return 0;
+}
+
 /* Give back a part, or nothing. Returns whether there is more. */
 static bool give_back_part(struct srv_ring *ring)
 {

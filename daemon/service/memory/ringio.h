@@ -84,6 +84,11 @@ int srv_ring_check_slot(struct srv_ring *ring, uint32_t slot, uint64_t seq,
 int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                      struct srv_page *page, void **data, struct proto_error *error);
 
+/* The same of all that is wanted, or nothing: PCCD_E_BUSY with *error set, when there is
+ * no room for it until the client releases pages. [compute] */
+int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
+                         struct srv_page *page, void **data, struct proto_error *error);
+
 /* A request has been answered: when no other one follows for a while, the ring gives
  * back, and refunds, what the result region has taken beyond what it began with and
  * behind all pages that the client has not released, and the slots that the client says

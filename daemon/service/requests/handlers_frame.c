@@ -60,13 +60,7 @@ static void describe(const struct eng_step_result *step,
 /* The engine's settings for a request that was checked. [compute] */
 static struct eng_step_settings settings_of(struct srv_request *request)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &request->params.FRAME_SUBMIT;
-    struct eng_step_settings settings = srv_stepping_settings(request);
-    settings.mode = (enum pccd_mode)submit->mode;
-    settings.tolerance = submit->tolerance == 0.0 ? TOLERANCE_DEFAULT : submit->tolerance;
-    settings.separation = submit->separation;
-    settings.approach = submit->approach;
-    return settings;
+    return srv_frame_settings(request, &SRV_WANTED_OF(&request->params.FRAME_SUBMIT));
 }
 
 /* Whether it was staged before: only what is brief goes on. [compute] */
@@ -75,17 +69,45 @@ static bool has_moved(const struct srv_request *request)
     return srv_request_state(request) == SRV_REQUEST_MOVED;
 }
 
+int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *settings,
+                      const struct srv_stepper *by, struct eng_step_result *step,
+                      struct proto_error *error)
+{
+    scene->has_answer = false; /* the step takes the memory of the last one's records */
+    int status = eng_step(scene->engine, settings, step);
+    if (status == PCCD_E_AGAIN) {
+        return status;
+    }
+    if (status != 0) {
+        return proto_error_set(error, status, "the step: %s", proto_status_text(status));
+    }
+    describe(step, &scene->answer);
+    eng_tuning_used(settings, step, scene->answer.tuning);
+    scene->answer.step = by->step;
+    scene->is_placed = by->places;
+    if (!scene->is_placed) {
+        scene->answer.number = ++scene->number;
+    }
+    scene->stepper = by->session;
+    scene->records = step->records;
+    scene->has_answer = true;
+    PCCD_ASSERT(step->count == 0 || step->record_bytes == scene->answer.record_bytes);
+    return 0;
+}
+
 /* Run the staged step and keep its result in the scene. [compute] */
-static int compute_step(struct srv_request *request, struct eng_scene *engine)
+static int compute_step(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
     struct eng_step_settings settings = settings_of(request);
-    scene->has_answer = false; /* the step takes the memory of the last one's records */
+    const struct srv_stepper by = {request->session->id,
+                                   request->params.FRAME_SUBMIT.step,
+                                   request->params.FRAME_SUBMIT.place};
     struct eng_step_result step;
     atomic_store_explicit(&request->job.end_ns, settings.deadline_ns,
                           memory_order_relaxed);
     settings.trace = srv_tracing_lend();
-    int status = eng_step(engine, &settings, &step);
+    int status = srv_frame_compute(scene, &settings, &by, &step, &request->error);
     srv_tracing_return(settings.trace);
     if (status == PCCD_E_AGAIN) {
         srv_request_move(request, SRV_REQUEST_MOVED);
@@ -93,22 +115,13 @@ static int compute_step(struct srv_request *request, struct eng_scene *engine)
         return 0;
     }
     if (status != 0) {
-        return proto_error_set(&request->error, status, "the step: %s",
-                               proto_status_text(status));
+        return status;
     }
-    describe(&step, &scene->answer);
-    eng_tuning_used(&settings, &step, scene->answer.tuning);
-    scene->answer.step = request->params.FRAME_SUBMIT.step;
-    scene->is_placed = request->params.FRAME_SUBMIT.place;
-    if (!scene->is_placed) {
-        scene->answer.number = ++scene->number;
-    }
-    scene->stepper = request->session->id;
     request->has_stepped = true;
     request->last_step = srv_laststep_new(&request->session->service->spare_step, &step);
-    scene->records = step.records;
-    scene->has_answer = true;
-    PCCD_ASSERT(step.count == 0 || step.record_bytes == scene->answer.record_bytes);
+    if (by.places) { /* many scenes may be brought back, and not all be stepped soon */
+        eng_step_tidy(scene->engine);
+    }
     return 0;
 }
 
@@ -136,7 +149,7 @@ static int stage_and_step(struct srv_request *request, struct eng_scene *engine)
 {
     int status = has_moved(request) ? 0 : stage(request, engine);
     if (status == 0) {
-        status = compute_step(request, engine);
+        status = compute_step(request);
     }
     if (status != 0) {
         eng_stage_abort(engine);
@@ -332,28 +345,37 @@ static void finish_submit(struct srv_request *request)
     }
 }
 
-/* What only a step has, as far as it does not need the scene. */
-static int check_settings(struct srv_call *call)
+int srv_frame_check(struct srv_call *call, const struct srv_wanted *wanted)
 {
-    const struct proto_FRAME_SUBMIT_request *submit = &call->params.FRAME_SUBMIT;
-    const struct srv_choice mode = {"mode", submit->mode, PCCD_MODE_COUNT};
+    const struct srv_choice mode = {"mode", wanted->mode, PCCD_MODE_COUNT};
     int status = srv_stepping_choose(call, &mode, 1);
     if (status != 0) {
         return status;
     }
     /* Written so that NaN is refused. */
-    if (submit->tolerance != 0.0 &&
-        !(submit->tolerance >= TOLERANCE_MIN && submit->tolerance <= TOLERANCE_MAX)) {
+    if (wanted->tolerance != 0.0 &&
+        !(wanted->tolerance >= TOLERANCE_MIN && wanted->tolerance <= TOLERANCE_MAX)) {
         return proto_error_set(&call->error, PCCD_E_INVAL,
-                               "tolerance is %g, not 0 or %g to %g", submit->tolerance,
+                               "tolerance is %g, not 0 or %g to %g", wanted->tolerance,
                                TOLERANCE_MIN, TOLERANCE_MAX);
     }
-    if (!(submit->approach >= 0.0 && submit->approach < 1.0)) {
+    if (!(wanted->approach >= 0.0 && wanted->approach < 1.0)) {
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "approach is %g, not 0 or between 0 and 1",
-                               submit->approach);
+                               wanted->approach);
     }
-    return srv_check_length(call, "separation", submit->separation);
+    return srv_check_length(call, "separation", wanted->separation);
+}
+
+struct eng_step_settings srv_frame_settings(struct srv_request *request,
+                                            const struct srv_wanted *wanted)
+{
+    struct eng_step_settings settings = srv_stepping_settings(request);
+    settings.mode = (enum pccd_mode)wanted->mode;
+    settings.tolerance = wanted->tolerance == 0.0 ? TOLERANCE_DEFAULT : wanted->tolerance;
+    settings.separation = wanted->separation;
+    settings.approach = wanted->approach;
+    return settings;
 }
 
 int srv_on_FRAME_SUBMIT(struct srv_call *call)
@@ -369,7 +391,7 @@ int srv_on_FRAME_SUBMIT(struct srv_call *call)
     struct srv_ring *ring = NULL;
     int status = srv_stepping_check(call, &asked, &ring);
     if (status == 0) {
-        status = check_settings(call);
+        status = srv_frame_check(call, &SRV_WANTED_OF(submit));
     }
     if (status == 0) {
         status = srv_shared_refuse_reader(session, scene, &call->error);

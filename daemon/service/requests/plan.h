@@ -17,6 +17,7 @@
 #include "ringio.h"
 #include "srv_scene.h"
 
+struct srv_batch;
 struct srv_replacement;
 struct srv_request;
 struct srv_member;
@@ -39,6 +40,7 @@ struct srv_plan {
                                           * same thread; NULL: none */
     struct srv_tracing *tracing;         /* a reference is taken */
     struct srv_replacement *replacement; /* given back by `finish`; NULL: none */
+    struct srv_batch *batch;             /* likewise */
     uint64_t mesh_number;                /* of the mesh that `shape` serves */
     uint32_t generation;                 /* likewise */
     uint32_t object;                     /* handle in `scene` */

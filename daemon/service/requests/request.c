@@ -22,15 +22,15 @@
 #include "replacement.h"
 #include "service.h"
 #include "session.h"
+#include "srv_batch.h"
 #include "tracing.h"
 
 #define SPARES_MAX 4u /* of a session */
 
-/* It counts among those in flight, ends soon when its end has come, and moves what it
- * moves though it is cancelled. */
-static bool is_step(int method)
+bool srv_is_step(int method)
 {
-    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR;
+    return method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR ||
+           method == PROTO_METHOD_BATCH_SUBMIT;
 }
 
 #define FROM(state) (1u << SRV_REQUEST_##state)
@@ -220,7 +220,7 @@ static void enlist(struct srv_session *session, struct srv_request *request)
     }
     session->requests = request;
     session->request_count++;
-    session->submit_count += is_step(request->method);
+    session->submit_count += srv_is_step(request->method);
     session->service->request_count++;
 }
 
@@ -237,7 +237,7 @@ static void unlist(struct srv_session *session, struct srv_request *request)
     }
     session->request_count--;
     session->overdue_count -= is_early(request);
-    session->submit_count -= is_step(request->method) && !is_early(request);
+    session->submit_count -= srv_is_step(request->method) && !is_early(request);
     session->service->request_count--;
 }
 
@@ -396,7 +396,10 @@ static bool run_here(struct srv_request *request)
  * list.pair any. */
 static void claim(struct srv_request *request, const struct srv_plan *plan)
 {
-    if (plan->replacement != NULL) {
+    if (plan->batch != NULL) {
+        request->job.claims = plan->batch->claims;
+        request->job.claim_count = plan->batch->claim_count;
+    } else if (plan->replacement != NULL) {
         request->job.claims = plan->replacement->claims;
         request->job.claim_count = plan->replacement->scene_count;
     } else if (plan->scene != NULL) {
@@ -429,7 +432,7 @@ int srv_request_start(struct srv_call *call, const struct srv_plan *plan)
         return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for the request");
     }
     srv_job_init(&request->job, plan->makes_pages ? run_pages : run, done);
-    request->job.heeds_end = is_step(call->method);
+    request->job.heeds_end = srv_is_step(call->method);
     claim(request, plan);
     request->session = session;
     request->connection = session->connection;
@@ -548,7 +551,7 @@ void srv_request_cancel(struct srv_request *request)
         return;
     }
     try_early(request, PCCD_INCOMPLETE_CANCELLED);
-    if (!is_step(request->method) && dequeue(request)) {
+    if (!srv_is_step(request->method) && dequeue(request)) {
         take_back(request);
     }
 }

@@ -90,6 +90,11 @@ struct srv_request {
     struct srv_held *taken; /* [compute] then [loop]: by its step */
 };
 
+/* Whether a method is one of those that move scenes: it counts among the steps in flight,
+ * ends soon when its end has come, and moves what it moves though it is cancelled.
+ * [any] */
+bool srv_is_step(int method);
+
 /* Relaxed: nothing is read because of it; a state of [compute] is of the loop's interest
  * only when the job is done. [any] */
 static inline enum srv_request_state srv_request_state(const struct srv_request *request)

@@ -32,9 +32,12 @@
 
 struct srv_asked srv_asked_of(int method, const union srv_params *params)
 {
-    PCCD_ASSERT(method == PROTO_METHOD_FRAME_SUBMIT || method == PROTO_METHOD_SCENE_NEAR);
+    PCCD_ASSERT(srv_is_step(method));
     if (method == PROTO_METHOD_SCENE_NEAR) {
         return (struct srv_asked)ASKED(&params->SCENE_NEAR);
+    }
+    if (method == PROTO_METHOD_BATCH_SUBMIT) {
+        return (struct srv_asked)ASKED(&params->BATCH_SUBMIT);
     }
     return (struct srv_asked)ASKED(&params->FRAME_SUBMIT);
 }

@@ -1,10 +1,10 @@
 /* stepping.h - what the requests have in common that move a scene, or ask about it at one
- * moment: frame.submit and scene.near.
+ * moment: frame.submit, scene.near and batch.submit.
  *
  * Room:     service. May include: call.h, request.h, staging.h, engine.h.
  * Does:     check their choices; say how long they may compute, by how many threads;
  *           stage what they move; answer them before their turn.
- * Does not: compute (handlers_frame.c, handlers_near.c).
+ * Does not: compute (handlers_frame.c, handlers_near.c, handlers_batch.c).
  * Threads:  functions say.
  */
 #ifndef SRV_STEPPING_H
@@ -25,7 +25,7 @@ struct srv_asked {
     const char *tuning;
 };
 
-/* Of frame.submit or scene.near. The text is that of the message. [any] */
+/* Of frame.submit, scene.near or batch.submit. The text is that of the message. [any] */
 struct srv_asked srv_asked_of(int method, const union srv_params *params);
 
 /* Before anything else is looked at: 0, or with call->error set why the request cannot be

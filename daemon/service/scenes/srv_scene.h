@@ -44,6 +44,7 @@ struct srv_scene {
     struct eng_scene_settings settings;  /* does not change */
     struct proto_LIST_SCENE_result told; /* [loop] its steps, and the last of them */
     struct srv_shared *shared;           /* likewise; NULL: its session's alone */
+    uint64_t batch;                      /* [loop] number of the last one that named it */
     struct srv_claim claim;        /* the compute queue's: one job uses it at a time */
     _Atomic uint32_t ignored_told; /* pairs; stored on [compute], told on [loop] */
     /* [compute], by who has claimed it */

@@ -133,15 +133,23 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     return 0;
 }
 
+/* Stage segments of a table that was copied already. */
+static int stage_copied(struct staging *staging, uint32_t segments,
+                        const struct proto_segment *table)
+{
+    int status = 0;
+    for (uint32_t at = 0; at < segments && status == 0; at++) {
+        status = take_segment(staging, &table[at], at);
+    }
+    return status;
+}
+
 /* Copy the table and stage all of it. */
 static int stage(struct staging *staging, uint32_t segments, struct proto_segment *table,
                  uint64_t *bytes)
 {
-    int status = 0;
     memcpy(table, staging->payload, staging->table_bytes); /* the one read of the table */
-    for (uint32_t at = 0; at < segments && status == 0; at++) {
-        status = take_segment(staging, &table[at], at);
-    }
+    int status = stage_copied(staging, segments, table);
     *bytes = staging->table_bytes + staging->copied;
     return status;
 }
@@ -177,6 +185,28 @@ int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
     status = stage(&staging, cargo->segments, table, bytes);
     /* A slot that changed explains any other complaint. */
     int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
+    return torn != 0 ? torn : status;
+}
+
+int srv_stage_scene(struct srv_ring *ring, uint32_t slot, uint64_t seq,
+                    uint64_t tables_bytes, const struct proto_segment *segments,
+                    uint32_t count, struct srv_scene *scene, uint64_t *bytes,
+                    struct proto_error *error)
+{
+    PCCD_ASSERT(tables_bytes <= ring->slot_stride);
+    struct staging staging = {
+        .scene = scene,
+        .payload_bytes = ring->slot_stride,
+        .table_bytes = tables_bytes,
+        .error = error,
+    };
+    int status = srv_ring_open_slot(ring, slot, seq, &staging.payload, error);
+    if (status != 0) {
+        return status;
+    }
+    status = stage_copied(&staging, count, segments);
+    *bytes = staging.copied;
+    int torn = srv_ring_check_slot(ring, slot, seq, error);
     return torn != 0 ? torn : status;
 }
 

@@ -72,6 +72,7 @@ struct srv_service {
     uint64_t session_last;               /* number of the newest session */
     uint64_t mesh_last;                  /* number of the newest mesh */
     uint64_t step_last;                  /* number of the newest step */
+    uint64_t batch_last;                 /* number of the newest batch */
     uint64_t epoch;                      /* of this start of the daemon */
     uint64_t start_ns;
     enum srv_phase phase;

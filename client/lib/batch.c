@@ -1,0 +1,557 @@
+/* batch.c - steps of many scenes by one request.
+ *
+ * Room:     client/lib. May include: attach.h, connection.h, page.h, ring.h, rpc.h,
+ *           step.h, struct_size.h, submit.h.
+ * Does:     lay out the slot once: the table of scenes, the table of segments, the
+ *           positions; each step copies the tables there as they are. It is numbered
+ *           among the steps, and its answer waits in the table of calls as theirs do.
+ * Does not: look at handles: the daemon does.
+ * Threads:  [owner].
+ */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "attach.h"
+#include "connection.h"
+#include "coordinates.h"
+#include "page.h"
+#include "rpc.h"
+#include "slot_layout.h"
+#include "step.h"
+#include "struct_size.h"
+#include "submit.h"
+
+#define ANSWER_TAG 0x7063636462617431ull /* marks an answer of this library */
+
+static_assert((int)PCCD_BATCH_X1 == PROTO_SEGMENT_X1 &&
+                  (int)PCCD_BATCH_X0X1 == PROTO_SEGMENT_X0X1 &&
+                  (int)PCCD_BATCH_RIGID == PROTO_SEGMENT_RIGID,
+              "a way is a kind of segment");
+
+struct pccd_batch {
+    struct pccd_client *client;
+    uint32_t scene_count;
+    uint32_t segment_count;
+    uint32_t part_count;
+    uint32_t slot;                    /* that is begun; CLI_SLOT_NONE: none */
+    uint64_t slot_bytes;              /* tables and positions */
+    struct proto_batch_scene *scenes; /* [scene_count] */
+    struct proto_segment *segments;   /* [segment_count] */
+    uint32_t *segment_of;             /* [part_count]; NO_SEGMENT: nothing moves */
+};
+
+#define NO_SEGMENT UINT32_MAX
+
+/* ---- what it is -------------------------------------------------------------------- */
+
+static int check_part(struct pccd_client *client, const struct pccd_batch_part *parts,
+                      uint32_t i)
+{
+    const struct pccd_batch_part *part = &parts[i];
+    bool follows = i > 0 && parts[i - 1].scene == part->scene;
+
+    if ((unsigned)part->way > PCCD_BATCH_RIGID ||
+        (unsigned)part->format >= PCCD_FORMAT_COUNT) {
+        return cli_fail(client, PCCD_E_INVAL, "part %u: unknown way %u or format %u", i,
+                        (unsigned)part->way, (unsigned)part->format);
+    }
+    if (follows && (part->object == 0 || parts[i - 1].object == 0)) {
+        return cli_fail(client, PCCD_E_INVAL,
+                        "part %u: scene 0x%x stands still, and has another part", i,
+                        part->scene);
+    }
+    if (part->object != 0 && part->count == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "part %u: no vertices", i);
+    }
+    return 0;
+}
+
+static int check_parts(struct pccd_client *client, const struct pccd_batch_part *parts,
+                       uint32_t part_count, struct pccd_batch **batch)
+{
+    int status = 0;
+
+    if (batch == NULL || parts == NULL || part_count == 0) {
+        return cli_fail(client, PCCD_E_INVAL, "%s",
+                        batch == NULL ? "batch is NULL" : "a batch of no parts");
+    }
+    if (part_count > PROTO_SEGMENTS_MAX) {
+        return cli_fail(client, PCCD_E_LIMIT, "a batch has at most %u parts, not %u",
+                        PROTO_SEGMENTS_MAX, part_count);
+    }
+    if ((client->link.features & PROTO_FEATURE_BATCH) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "batch.submit: the daemon at %s is older than this", client->url);
+    }
+    for (uint32_t i = 0; status == 0 && i < part_count; i++) {
+        status = check_part(client, parts, i);
+    }
+    return status;
+}
+
+/* The entry of a part in both tables; where its positions are is not known yet. */
+static void enter(struct pccd_batch *batch, const struct pccd_batch_part *parts,
+                  uint32_t i)
+{
+    const struct pccd_batch_part *part = &parts[i];
+    bool is_rigid = part->way == PCCD_BATCH_RIGID;
+
+    if (i == 0 || parts[i - 1].scene != part->scene) {
+        batch->scenes[batch->scene_count++].scene = part->scene;
+    }
+    batch->segment_of[i] = NO_SEGMENT;
+    if (part->object != 0) {
+        batch->scenes[batch->scene_count - 1].segments++;
+        batch->segment_of[i] = batch->segment_count;
+        batch->segments[batch->segment_count++] = (struct proto_segment){
+            .object = part->object,
+            .kind = (uint16_t)part->way,
+            .format = (uint16_t)(is_rigid ? PCCD_FORMAT_F64 : part->format),
+            .first = part->first,
+            .count = part->count};
+    }
+}
+
+static uint64_t range_bytes(const struct proto_segment *segment)
+{
+    return segment->kind == PROTO_SEGMENT_RIGID
+               ? PROTO_RIGID_BYTES
+               : segment->count * common_vertex_bytes(segment->format);
+}
+
+static uint64_t scenes_bytes(const struct pccd_batch *batch)
+{
+    return batch->scene_count * sizeof batch->scenes[0];
+}
+
+static uint64_t segments_bytes(const struct pccd_batch *batch)
+{
+    return batch->segment_count * sizeof batch->segments[0];
+}
+
+/* Positions behind the tables, in the order of the segments. */
+static void lay_out(struct pccd_batch *batch)
+{
+    uint64_t used =
+        cli_round_up(scenes_bytes(batch) + segments_bytes(batch), CLI_PAYLOAD_ALIGN);
+
+    for (uint32_t i = 0; i < batch->segment_count; i++) {
+        struct proto_segment *segment = &batch->segments[i];
+        uint64_t bytes = cli_round_up(range_bytes(segment), CLI_RANGE_ALIGN);
+
+        if (segment->kind != PROTO_SEGMENT_X1) {
+            segment->offset0 = used;
+            used += bytes;
+        }
+        segment->offset1 = used;
+        used += bytes;
+    }
+    batch->slot_bytes = used;
+}
+
+int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,
+                      uint32_t part_count, struct pccd_batch **batch)
+{
+    struct pccd_batch *made;
+    int status =
+        client == NULL ? PCCD_E_INVAL : check_parts(client, parts, part_count, batch);
+
+    if (status != 0) {
+        return status;
+    }
+    made = calloc(1, sizeof *made);
+    if (made != NULL) {
+        made->scenes = calloc(part_count, sizeof *made->scenes);
+        made->segments = calloc(part_count, sizeof *made->segments);
+        made->segment_of = calloc(part_count, sizeof *made->segment_of);
+    }
+    if (made == NULL || made->scenes == NULL || made->segments == NULL ||
+        made->segment_of == NULL) {
+        pccd_batch_destroy(made);
+        return cli_fail(client, PCCD_E_NOMEM, "no memory for a batch of %u parts",
+                        part_count);
+    }
+    made->client = client;
+    made->part_count = part_count;
+    made->slot = CLI_SLOT_NONE;
+    for (uint32_t i = 0; i < part_count; i++) {
+        enter(made, parts, i);
+    }
+    lay_out(made);
+    *batch = made;
+    return 0;
+}
+
+void pccd_batch_destroy(struct pccd_batch *batch)
+{
+    if (batch == NULL) {
+        return;
+    }
+    if (batch->client != NULL) {
+        pccd_batch_abort(batch);
+    }
+    free(batch->scenes);
+    free(batch->segments);
+    free(batch->segment_of);
+    free(batch);
+}
+
+uint32_t pccd_batch_scenes(const struct pccd_batch *batch)
+{
+    return batch != NULL ? batch->scene_count : 0;
+}
+
+/* ---- submit ------------------------------------------------------------------------ */
+
+/* Copies of the tables, if another daemon may have to be told what the slot moved. */
+static int keep_tables(struct pccd_batch *batch, struct cli_slot *own)
+{
+    int status = cli_slot_room(own, batch->segment_count, batch->scene_count);
+
+    if (status != 0) {
+        return cli_fail(batch->client, status, "no memory for %u segments",
+                        batch->segment_count);
+    }
+    memcpy(own->segments, batch->segments, segments_bytes(batch));
+    memcpy(own->scenes, batch->scenes, scenes_bytes(batch));
+    return 0;
+}
+
+/* A slot with the tables in it. */
+static int begin(struct pccd_batch *batch)
+{
+    struct pccd_client *client = batch->client;
+    uint64_t deadline_ns = cli_deadline(client, -1);
+    struct cli_slot *own;
+    uint32_t slot = CLI_SLOT_NONE;
+    uint8_t *payload;
+    int status;
+
+    if (batch->slot != CLI_SLOT_NONE) {
+        return cli_fail(client, PCCD_E_STATE, "the batch is begun: commit or abort it");
+    }
+    status = cli_step_check(client);
+    if (status == 0) {
+        status = cli_ring_reserve(client, batch->slot_bytes, deadline_ns);
+    }
+    if (status == 0) {
+        status = cli_slot_begin(client, deadline_ns, &slot);
+    }
+    if (status != 0) {
+        return status;
+    }
+    own = &client->ring.slots[slot];
+    if (client->keeps) {
+        status = keep_tables(batch, own);
+    }
+    if (status != 0) {
+        cli_slot_abort(&client->ring, slot);
+        return status;
+    }
+    payload = cli_slot_payload(&client->ring, slot);
+    memcpy(payload, batch->scenes, scenes_bytes(batch));
+    memcpy(payload + scenes_bytes(batch), batch->segments, segments_bytes(batch));
+    own->scene = 0;
+    own->scene_count = batch->scene_count;
+    own->segment_count = own->segment_max = batch->segment_count;
+    own->used_bytes = own->limit_bytes = batch->slot_bytes;
+    batch->slot = slot;
+    return 0;
+}
+
+int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
+{
+    uint8_t *payload;
+    int status;
+
+    if (batch == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (x1 == NULL) {
+        return cli_fail(batch->client, PCCD_E_INVAL, "x1 is NULL");
+    }
+    for (uint32_t i = 0; x0 == NULL && i < batch->segment_count; i++) {
+        if (batch->segments[i].kind != PROTO_SEGMENT_X1) {
+            return cli_fail(batch->client, PCCD_E_INVAL,
+                            "x0 is NULL, and a part has both ends");
+        }
+    }
+    status = begin(batch);
+    if (status != 0) {
+        return status;
+    }
+    payload = cli_slot_payload(&batch->client->ring, batch->slot);
+    for (uint32_t i = 0; i < batch->part_count; i++) {
+        const struct proto_segment *segment = batch->segment_of[i] != NO_SEGMENT
+                                                  ? &batch->segments[batch->segment_of[i]]
+                                                  : NULL;
+
+        x1[i] = segment != NULL ? payload + segment->offset1 : NULL;
+        if (x0 != NULL) {
+            x0[i] = segment != NULL && segment->kind != PROTO_SEGMENT_X1
+                        ? payload + segment->offset0
+                        : NULL;
+        }
+    }
+    return 0;
+}
+
+void pccd_batch_abort(struct pccd_batch *batch)
+{
+    if (batch == NULL || batch->slot == CLI_SLOT_NONE) {
+        return;
+    }
+    if (!cli_is_copy(batch->client)) {
+        cli_slot_abort(&batch->client->ring, batch->slot);
+    }
+    batch->slot = CLI_SLOT_NONE;
+}
+
+/* Publish the slot, which is the daemon's then, or back. */
+static int send(struct pccd_batch *batch, const struct pccd_step_settings *settings,
+                uint64_t *step)
+{
+    struct pccd_client *client = batch->client;
+    struct proto_BATCH_SUBMIT_request request = {.scenes = batch->scene_count,
+                                                 .segments = batch->segment_count,
+                                                 .step = client->next_step,
+                                                 .mode = (uint32_t)settings->mode,
+                                                 .method = (uint32_t)settings->method,
+                                                 .threads = settings->threads,
+                                                 .tolerance = settings->tolerance,
+                                                 .deadline_ns = settings->deadline_ns,
+                                                 .separation = settings->separation,
+                                                 .approach = settings->approach};
+    uint32_t slot = batch->slot;
+
+    if (settings->tuning != NULL) {
+        memcpy(request.tuning, settings->tuning, strlen(settings->tuning));
+    }
+    batch->slot = CLI_SLOT_NONE;
+    request.slot = slot;
+    request.seq = cli_slot_publish(&client->ring, slot);
+    return cli_step_call(client, PROTO_METHOD_BATCH_SUBMIT, &request, slot, step);
+}
+
+int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings *asked,
+                      uint64_t *step)
+{
+    struct pccd_step_settings settings;
+    struct pccd_client *client;
+    int status;
+
+    if (batch == NULL) {
+        return PCCD_E_INVAL;
+    }
+    client = batch->client;
+    if (batch->slot == CLI_SLOT_NONE) {
+        return cli_fail(client, PCCD_E_STATE, "the batch is not begun");
+    }
+    status = step == NULL ? cli_fail(client, PCCD_E_INVAL, "step is NULL")
+                          : cli_step_settings(client, asked, &settings);
+    if (status == 0 && settings.hold) {
+        status = cli_fail(client, PCCD_E_INVAL, "hold: a batch waits for nobody");
+    }
+    status = status != 0 ? status : cli_step_check(client);
+    if (status != 0) {
+        pccd_batch_abort(batch);
+        return status;
+    }
+    return send(batch, &settings, step);
+}
+
+/* Copy what every part moves. */
+static int copy(struct pccd_batch *batch, const void *const *x0, const void *const *x1)
+{
+    uint8_t *payload = cli_slot_payload(&batch->client->ring, batch->slot);
+
+    for (uint32_t i = 0; i < batch->part_count; i++) {
+        const struct proto_segment *segment;
+        bool has_both;
+
+        if (batch->segment_of[i] == NO_SEGMENT) {
+            continue;
+        }
+        segment = &batch->segments[batch->segment_of[i]];
+        has_both = segment->kind != PROTO_SEGMENT_X1;
+        if (x1[i] == NULL || (has_both && (x0 == NULL || x0[i] == NULL))) {
+            return cli_fail(batch->client, PCCD_E_INVAL, "part %u: %s is NULL", i,
+                            x1[i] == NULL ? "x1" : "x0");
+        }
+        memcpy(payload + segment->offset1, x1[i], range_bytes(segment));
+        if (has_both) {
+            memcpy(payload + segment->offset0, x0[i], range_bytes(segment));
+        }
+    }
+    return 0;
+}
+
+int pccd_batch_submit(struct pccd_batch *batch, const void *const *x0,
+                      const void *const *x1, const struct pccd_step_settings *settings,
+                      uint64_t *step)
+{
+    int status;
+
+    if (batch == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (step == NULL || (x1 == NULL && batch->segment_count > 0)) {
+        return cli_fail(batch->client, PCCD_E_INVAL, "%s is NULL",
+                        step == NULL ? "step" : "x1");
+    }
+    status = begin(batch);
+    if (status != 0) {
+        return status;
+    }
+    status = copy(batch, x0, x1);
+    if (status != 0) {
+        pccd_batch_abort(batch);
+        return status;
+    }
+    return pccd_batch_commit(batch, settings, step);
+}
+
+/* ---- answers ----------------------------------------------------------------------- */
+
+static uint64_t answer_tag(const struct pccd_client *client, uint64_t page)
+{
+    return (ANSWER_TAG ^ (uint64_t)(uintptr_t)client) + page;
+}
+
+static int check_answer(struct pccd_client *client,
+                        const struct pccd_batch_answer *answer)
+{
+    return answer == NULL
+               ? cli_fail(client, PCCD_E_INVAL, "answer is NULL")
+               : cli_struct_check(client, "answer", answer->struct_bytes, sizeof *answer);
+}
+
+/* Hand a DONE call over to the user and free its entry. Returns the call's status. */
+static int take(struct pccd_client *client, struct cli_call *call,
+                struct pccd_batch_answer *to)
+{
+    const struct proto_BATCH_SUBMIT_result *result = &call->batch;
+    struct pccd_batch_answer answer = {.step = call->step, .status = call->status};
+
+    assert(call->state == CLI_CALL_DONE && (call->page == 0 || call->status == 0));
+    if (call->status == 0) {
+        answer.failed = result->failed;
+        answer.incomplete = result->incomplete;
+        answer.scenes = cli_batch_answers(client, call);
+        answer.count = result->count;
+        answer.total = result->total;
+        answer.threads = result->threads;
+        answer.queue_ns = result->ns_queue;
+        answer.batch_ns = result->ns_batch;
+        answer.steps_ns = result->ns_steps;
+        answer.mode = (enum pccd_mode)call->params.BATCH_SUBMIT.mode;
+        answer.offset = result->offset;
+        answer.reserved[0] = call->page;
+        answer.reserved[1] = answer_tag(client, call->page);
+    }
+    cli_struct_fill(to, &answer, sizeof answer);
+    return cli_call_finish(client, call);
+}
+
+int pccd_batch_poll(struct pccd_client *client, struct pccd_batch_answer *answer)
+{
+    struct cli_call *call;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    status = check_answer(client, answer);
+    if (status != 0) {
+        return status;
+    }
+    cli_step_drain(client);
+    call = cli_step_oldest_done(client, true);
+    if (call == NULL) {
+        return client->dead ? cli_alive(client)
+                            : cli_fail(client, PCCD_E_AGAIN, "no answer has arrived");
+    }
+    (void)take(client, call, answer);
+    return 0;
+}
+
+int pccd_batch_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
+                    struct pccd_batch_answer *answer)
+{
+    struct cli_call *call = NULL;
+    int status;
+
+    if (client == NULL) {
+        return PCCD_E_INVAL;
+    }
+    status = check_answer(client, answer);
+    if (status == 0) {
+        status = cli_step_await(client, step, true, timeout_ms, &call);
+    }
+    return status != 0 ? status : take(client, call, answer);
+}
+
+int pccd_batch_step(struct pccd_batch *batch, const void *const *x0,
+                    const void *const *x1, const struct pccd_step_settings *settings,
+                    struct pccd_batch_answer *answer)
+{
+    char text[CLI_TEXT_BYTES];
+    uint64_t step = 0;
+    int status = batch == NULL ? PCCD_E_INVAL : check_answer(batch->client, answer);
+
+    if (status == 0) {
+        status = pccd_batch_submit(batch, x0, x1, settings, &step);
+    }
+    if (status != 0) {
+        return status;
+    }
+    status = pccd_batch_wait(batch->client, step, -1, answer);
+    if (status == PCCD_E_TIMEOUT) {
+        memcpy(text, batch->client->error, sizeof text);
+        pccd_abandon(batch->client, step);
+        status = cli_fail(batch->client, status, "%s", text);
+    }
+    return status;
+}
+
+/* The records of a scene, which lie as far from the answers as both are said to be. */
+static const void *records_of(const struct pccd_batch_answer *answer, uint64_t i)
+{
+    const struct pccd_scene_answer *scene;
+
+    if (answer == NULL || answer->scenes == NULL || i >= answer->count) {
+        return NULL;
+    }
+    scene = &answer->scenes[i];
+    return scene->count > 0
+               ? (const uint8_t *)answer->scenes - answer->offset + scene->offset
+               : NULL;
+}
+
+const struct pccd_contact *pccd_batch_contacts(const struct pccd_batch_answer *answer,
+                                               uint64_t i)
+{
+    return answer != NULL && answer->mode != PCCD_MODE_PAIRS ? records_of(answer, i)
+                                                             : NULL;
+}
+
+const struct pccd_pair *pccd_batch_pairs(const struct pccd_batch_answer *answer,
+                                         uint64_t i)
+{
+    return answer != NULL && answer->mode == PCCD_MODE_PAIRS ? records_of(answer, i)
+                                                             : NULL;
+}
+
+void pccd_batch_release(struct pccd_client *client, struct pccd_batch_answer *answer)
+{
+    if (client == NULL || answer == NULL) {
+        return;
+    }
+    if (answer->reserved[0] != 0 &&
+        answer->reserved[1] == answer_tag(client, answer->reserved[0])) {
+        cli_page_release(client, answer->reserved[0]);
+    }
+    answer->scenes = NULL;
+    answer->reserved[0] = answer->reserved[1] = 0;
+}

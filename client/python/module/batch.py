@@ -1,0 +1,248 @@
+"""batch.py - steps of many scenes by one request: for many small worlds.
+
+Room:     client/python. May import: abi, answer, frame, library, values, numpy.
+Does:     arrays in the slot itself, for the positions of all scenes at once; answers as
+          one array, where the daemon wrote it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import byref
+from typing import Any, Iterable, List, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from . import abi
+from .abi import BatchWay, Mode, Status
+from .frame import DEFAULT
+from .library import PccdError, lib, quick
+from .values import CONTACT, PAIR, StepSettings, format_of, refusal, u32
+
+SCENE = np.dtype(abi.pccd_scene_answer)
+_ANSWER_BYTES = ctypes.sizeof(abi.pccd_batch_answer)
+_scenes: Any = abi.pccd_batch_answer.scenes
+
+
+class Part(NamedTuple):
+    """What moves in a scene: `count` vertices of an object, from `first` on. object = 0:
+    nothing moves in the scene."""
+
+    scene: int
+    object: int = 0
+    count: int = 0
+    first: int = 0
+    dtype: DTypeLike = np.float32
+    way: BatchWay = BatchWay.X1
+
+
+class BatchAnswer(abi.pccd_batch_answer):
+    """What came of all scenes of a batch. As a context manager it releases itself.
+
+    step        number of the first scene's step; scene i has step + i, also for fetch()
+    error       None, or why no scene was stepped
+    scenes      (count,) of SCENE: status, total, toi_first, hash and so on of each scene,
+                read-only, in the daemon's memory, and meaningless after release()
+    failed, incomplete    how many scenes are
+    total       records of all scenes
+    queue_ns, batch_ns, steps_ns    until its turn; from there; sum of the scenes' steps
+    """
+
+    error: Optional[PccdError] = None
+    _client: Any = None
+
+    @property
+    def scenes(self) -> NDArray[Any]:
+        """An answer for each scene; none after release()."""
+        address = _scenes.__get__(self)
+        if not address:
+            return np.empty(0, SCENE)
+        array: NDArray[Any] = self._client._memory.array(address, SCENE, self.count)
+        return array
+
+    def why(self, scene: int) -> str:
+        """Why a scene failed; "": it did not."""
+        return bytes(self.scenes[scene]["why"]).split(b"\0")[0].decode(errors="replace")
+
+    def _records(self, call: Any, dtype: Any, scene: int) -> NDArray[Any]:
+        address = call(byref(self), int(scene))
+        if not address:
+            return np.empty(0, dtype)
+        array: NDArray[Any] = self._client._memory.array(
+            address, dtype, int(self.scenes[scene]["count"]))
+        return array
+
+    def contacts(self, scene: int) -> NDArray[Any]:
+        """The records of a scene that came with the answer: (scenes[i]["count"],) of
+        CONTACT. Client.fetch has the others."""
+        return self._records(quick.pccd_batch_contacts, CONTACT, scene)
+
+    def pairs(self, scene: int) -> NDArray[Any]:
+        """The same of mode PAIRS, of PAIR."""
+        return self._records(quick.pccd_batch_pairs, PAIR, scene)
+
+    def release(self) -> None:
+        """Give the answers and their records back. Copy before what is to stay."""
+        if self._client is not None and self._client._handle:
+            quick.pccd_batch_release(self._client._handle, byref(self))
+
+    def __enter__(self) -> BatchAnswer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
+    def __repr__(self) -> str:
+        if self.error is not None:
+            return f"<BatchAnswer {self.step}: {self.error}>"
+        what = "pairs" if self.mode == Mode.PAIRS else "contacts"
+        return (f"<BatchAnswer {self.step}: {self.count} scenes, {self.failed} failed, "
+                f"{self.total} {what}>")
+
+
+class Batch:
+    """Scenes that are stepped together; made by Client.batch().
+
+        batch = client.batch([pccd.Part(scene, body, n) for scene, body in worlds])
+        x1 = np.zeros((len(worlds), n, 3), np.float32)
+        ...
+        with batch.step(x1) as answer:
+            reward = -answer.scenes["total"]
+
+    The parts of one scene stand one behind the other.
+    """
+
+    def __init__(self, client: Any, parts: Iterable[Part]) -> None:
+        self._client = client
+        self._parts = [Part(*part) for part in parts]
+        self._handle = ctypes.c_void_p()
+        structs = (abi.pccd_batch_part * max(1, len(self._parts)))()
+        for struct, part in zip(structs, self._parts):
+            struct.scene, struct.object = u32("scene", part.scene), u32("object",
+                                                                        part.object)
+            struct.first, struct.count = u32("first", part.first), u32("count",
+                                                                       part.count)
+            struct.format, struct.way = format_of(part.dtype), int(part.way)
+        client._check(lib.pccd_batch_create(client._handle, structs, len(self._parts),
+                                            byref(self._handle)))
+        client._batches.add(self)
+        self._x0 = (ctypes.c_void_p * len(self._parts))()
+        self._x1 = (ctypes.c_void_p * len(self._parts))()
+        first = self._parts[0]
+        self._is_even = first.object != 0 and all(
+            (part.count, np.dtype(part.dtype), part.way, bool(part.object)) ==
+            (first.count, np.dtype(first.dtype), BatchWay.X1, True)
+            for part in self._parts)
+        self._views: List[NDArray[Any]] = []
+
+    def __len__(self) -> int:
+        """How many scenes there are; answers have as many entries."""
+        return int(quick.pccd_batch_scenes(self._handle))
+
+    def _view(self, address: int, part: Part) -> NDArray[Any]:
+        is_rigid = part.way == BatchWay.RIGID
+        shape = (3, 4) if is_rigid else (part.count, 3)
+        flat = self._client._memory.array(
+            address, np.float64 if is_rigid else part.dtype, shape[0] * shape[1],
+            writable=True)
+        view: NDArray[Any] = flat.reshape(shape)
+        return view
+
+    def _all(self) -> NDArray[Any]:
+        """Of parts that are alike: one array (parts, count, 3) over all of them."""
+        part, base = self._parts[0], self._x1[0]
+        itemsize = np.dtype(part.dtype).itemsize
+        apart = self._x1[1] - base if len(self._parts) > 1 else 3 * part.count * itemsize
+        flat = self._client._memory.array(base, part.dtype,
+                                          apart * len(self._parts) // itemsize,
+                                          writable=True)
+        return np.lib.stride_tricks.as_strided(flat, (len(self._parts), part.count, 3),
+                                               (apart, 3 * itemsize, itemsize))
+
+    def begin(self) -> Union[NDArray[Any], List[Any]]:
+        """Take a slot, and get where to write end positions, before commit(): one array
+        (parts, count, 3) where all parts are alike, of way X1; else a list with an array
+        (count, 3) a part, or two of them, start and end, or two transforms (3, 4), or
+        None of a part that stands still. Never read them."""
+        self._client._check(lib.pccd_batch_begin(self._handle, self._x0, self._x1))
+        if self._is_even:
+            self._views = [self._all()]
+            return self._views[0]
+        ends: List[Any] = []
+        for part, x0, x1 in zip(self._parts, self._x0, self._x1):
+            views = [self._view(address, part) for address in (x0, x1) if address]
+            self._views += views
+            ends.append(None if not views else views[0] if len(views) == 1 else
+                        tuple(views))
+        return ends
+
+    def _forget(self) -> None:
+        for view in self._views:
+            view.flags.writeable = False
+        self._views = []
+
+    def commit(self, settings: StepSettings = DEFAULT) -> int:
+        """Submit what was written: the number of the first scene's step. The arrays
+        cannot be written any more."""
+        self._forget()
+        step = ctypes.c_uint64()
+        self._client._check(lib.pccd_batch_commit(self._handle, settings._as_parameter_,
+                                                  byref(step)))
+        return step.value
+
+    def abort(self) -> None:
+        """Give the slot back unsent."""
+        self._forget()
+        quick.pccd_batch_abort(self._handle)
+
+    def _write(self, places: Any, x: Any) -> None:
+        if isinstance(places, np.ndarray):
+            places[...] = x
+            return
+        if len(x) != len(places):
+            raise refusal(Status.E_INVAL, f"{len(x)} arrays for {len(places)} parts")
+        for place, given in zip(places, x):
+            if isinstance(place, tuple):
+                for end, values in zip(place, given):
+                    end[...] = values
+            elif place is not None:
+                place[...] = given
+
+    def submit(self, x1: Union[ArrayLike, Sequence[Any]],
+               settings: StepSettings = DEFAULT) -> int:
+        """Copy positions, shaped as begin() says, and submit them; the number of the
+        first scene's step."""
+        places = self.begin()
+        try:
+            self._write(places, x1)
+        except BaseException:
+            self.abort()
+            raise
+        return self.commit(settings)
+
+    def step(self, x1: Union[ArrayLike, Sequence[Any]],
+             settings: StepSettings = DEFAULT) -> BatchAnswer:
+        """submit() and Client.batch_wait() in one."""
+        step = self.submit(x1, settings)
+        try:
+            answer: BatchAnswer = self._client.batch_wait(step)
+        except BaseException:
+            lib.pccd_abandon(self._client._handle, step)
+            raise
+        return answer
+
+    def close(self) -> None:
+        """Forget the batch, not its scenes; the client does it, too."""
+        self._forget()
+        handle, self._handle = self._handle, ctypes.c_void_p()
+        lib.pccd_batch_destroy(handle)
+
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self.close()
+
+
+def new_answer() -> BatchAnswer:
+    """Room for one."""
+    return BatchAnswer(_ANSWER_BYTES)
