@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "couple.h"
+#include "flock.h"
 #include "judge.h"
 
 /* A slot takes both ends of the sheet in double; the region the answers to LOAD_DEPTH_MAX
@@ -103,6 +104,18 @@ static bool shares(const struct load_actor *actor)
     return actor->kind == LOAD_SHARE && !actor->is_alone;
 }
 
+/* Whose requests are batches. */
+static bool is_flock(const struct load_actor *actor)
+{
+    return actor->kind == LOAD_BATCH && !actor->is_alone;
+}
+
+/* Steps of a request. */
+static uint32_t width_of(const struct load_actor *actor)
+{
+    return is_flock(actor) ? actor->load->settings.batch : 1;
+}
+
 static int add_all(struct load_actor *actor, const struct pccd_options *options)
 {
     int status = shares(actor) ? load_couple_open(actor, options)
@@ -110,6 +123,7 @@ static int add_all(struct load_actor *actor, const struct pccd_options *options)
     status = status == 0 && actor->sheet_first ? add_sheet(actor, false) : status;
     status = status == 0 ? add_floor(actor) : status;
     status = status == 0 && !actor->sheet_first ? add_sheet(actor, false) : status;
+    status = status == 0 && is_flock(actor) ? load_flock_open(actor) : status;
     return status == 0 && actor->second ? load_couple_settle(actor) : status;
 }
 
@@ -131,9 +145,10 @@ static int connect_and_add(struct load_actor *actor, bool loud)
     options.no_autostart = true;
     options.slot_count = actor->load->settings.depth;
     uint64_t vertices = load_sheet_vertices(&actor->shape);
-    options.slot_bytes = SLOT_BYTES + SLOT_VERTEX_BYTES * vertices;
+    options.slot_bytes = (SLOT_BYTES + SLOT_VERTEX_BYTES * vertices) * width_of(actor);
     options.result_bytes =
-        RESULT_BYTES + RESULT_VERTEX_BYTES * vertices * options.slot_count;
+        (RESULT_BYTES + RESULT_VERTEX_BYTES * vertices * options.slot_count) *
+        width_of(actor);
     options.spin_us = 0; /* there are more clients than processors */
     options.reconnect_ms = PATIENCE_MS;
     options.daemons_max = -1; /* they are killed by chance, not by what is asked */
@@ -179,9 +194,10 @@ int load_actor_open(struct load_actor *actor, const struct load *load, uint32_t 
 
 void load_actor_close(struct load_actor *actor)
 {
-    actor->tally->lost += actor->pending_count;
+    actor->tally->lost += (uint64_t)actor->pending_count * width_of(actor);
     actor->pending_count = 0;
     load_couple_close(actor);
+    load_flock_close(actor);
     pccd_close(actor->client);
     actor->client = NULL;
 }
@@ -234,8 +250,9 @@ static enum load_mischief mischief_of(const struct load_actor *actor)
         bool may_mask = actor->load->settings.mode != PCCD_MODE_PAIRS;
         return may_mask && luck % 8 == 0 ? LOAD_MASKED : LOAD_PLAIN;
     }
-    return actor->kind == LOAD_JUMP && !actor->is_alone && luck % 64 < 4 ? some[luck % 64]
-                                                                         : LOAD_PLAIN;
+    bool may_err =
+        (actor->kind == LOAD_JUMP || actor->kind == LOAD_BATCH) && !actor->is_alone;
+    return may_err && luck % 64 < 4 ? some[luck % 64] : LOAD_PLAIN;
 }
 
 static int write_jump(const struct load_actor *actor, struct pccd_frame *frame,
@@ -265,7 +282,7 @@ static int write_step(const struct load_actor *actor, struct pccd_frame *frame,
     double m0[12];
     double m1[12];
     void *x1;
-    if (actor->kind == LOAD_JUMP) {
+    if (actor->kind == LOAD_JUMP || actor->kind == LOAD_BATCH) {
         return write_jump(actor, frame, pending);
     }
     if (actor->kind == LOAD_RIGID) {
@@ -301,7 +318,8 @@ static struct pccd_step_settings settings_of(const struct load_actor *actor,
 /* By position, so that what a lone client was answered there is the truth. */
 static bool asks_near(const struct load_actor *actor, uint32_t from)
 {
-    return actor->load->settings.near && actor->kind != LOAD_SHARE && from % 2 == 1;
+    return actor->load->settings.near && actor->kind != LOAD_SHARE &&
+           actor->kind != LOAD_BATCH && from % 2 == 1;
 }
 
 /* A question has one answer at a position, too. */
@@ -327,20 +345,16 @@ static int commit(const struct load_actor *actor, struct pccd_frame *frame,
     return pccd_frame_commit(frame, &settings, &pending->step);
 }
 
-/* The next request. PCCD_E_BUSY: later. */
-static int submit(struct load_actor *actor)
+/* Write and commit it: a frame, or a batch. */
+static int ask(struct load_actor *actor, struct load_pending *pending)
 {
-    struct load_pending *pending = &actor->pending[actor->pending_count];
     struct pccd_frame frame;
-    *pending = (struct load_pending){.from = (uint32_t)(actor->next % LOAD_FRAMES),
-                                     .mischief = mischief_of(actor),
-                                     .due_ns = actor->pace.due_ns,
-                                     .sent_ns = common_now_ns()};
-    pending->is_near = asks_near(actor, pending->from);
-    int status =
-        shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
-    if (status != 0) {
-        return status;
+    int status;
+    if (is_flock(actor)) {
+        const struct pccd_step_settings settings = settings_of(actor, pending->mischief);
+        status = load_flock_write(actor, pending);
+        return status != 0 ? status
+                           : pccd_batch_commit(actor->batch, &settings, &pending->step);
     }
     status = pccd_frame_begin(
         actor->client, actor->scene, 1,
@@ -353,14 +367,31 @@ static int submit(struct load_actor *actor)
         pccd_frame_abort(&frame);
         return status;
     }
-    status = commit(actor, &frame, pending);
+    return commit(actor, &frame, pending);
+}
+
+/* The next request. PCCD_E_BUSY: later. */
+static int submit(struct load_actor *actor)
+{
+    struct load_pending *pending = &actor->pending[actor->pending_count];
+    *pending = (struct load_pending){.from = (uint32_t)(actor->next % LOAD_FRAMES),
+                                     .mischief = mischief_of(actor),
+                                     .due_ns = actor->pace.due_ns,
+                                     .sent_ns = common_now_ns()};
+    pending->is_near = asks_near(actor, pending->from);
+    int status =
+        shares(actor) ? load_couple_set(actor, pending->mischief != LOAD_MASKED) : 0;
+    if (status != 0) {
+        return status;
+    }
+    status = ask(actor, pending);
     if (status != 0) {
         return status;
     }
     actor->pending_count++;
     actor->next++;
     actor->last_step = pending->step;
-    actor->tally->submitted++;
+    actor->tally->submitted += width_of(actor);
     if (shares(actor)) {
         return load_couple_step(actor);
     }
@@ -375,6 +406,9 @@ static int take(struct load_actor *actor, bool *moved)
     int status;
     if (shares(actor)) {
         return load_couple_take(actor, moved);
+    }
+    if (is_flock(actor)) {
+        return load_flock_take(actor, moved);
     }
     while ((status = pccd_poll(actor->client, &answer)) == 0) {
         load_judge(actor, &answer);

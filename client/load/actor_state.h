@@ -22,10 +22,12 @@ enum load_kind {
     LOAD_PAIRS,
     LOAD_CHURN,
     LOAD_SHARE,
+    LOAD_BATCH,
     LOAD_KINDS
 };
 
-#define LOAD_KINDS_ALL ((1u << LOAD_KINDS) - 1)
+/* Whose requests are steps of one scene. */
+#define LOAD_KINDS_USUAL ((1u << LOAD_BATCH) - 1)
 
 /* What is special about a request. */
 enum load_mischief { LOAD_PLAIN, LOAD_CANCELLED, LOAD_DUE, LOAD_NOT_FINITE, LOAD_MASKED };
@@ -49,6 +51,8 @@ struct load_actor {
     bool sheet_first; /* it adds the sheet before the floor */
     struct pccd_client *client;
     uint32_t scene, floor_mesh, sheet_mesh, floor, sheet;
+    struct pccd_batch *batch;   /* batch: of its scenes; NULL: alone, or another kind */
+    void **places;              /* [2][scenes] where it writes positions to */
     struct pccd_client *second; /* share: whose the floor is; else NULL */
     uint32_t second_scene;
     uint64_t second_step;           /* in flight; 0: none */

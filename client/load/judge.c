@@ -193,23 +193,69 @@ static void judge_of(struct load_actor *actor, const struct load_pending *pendin
     }
 }
 
-void load_judge(struct load_actor *actor, const struct pccd_answer *answer)
+/* Take the request with that number out of those that wait. */
+static bool find_pending(struct load_actor *actor, uint64_t step,
+                         struct load_pending *found)
 {
     for (uint32_t i = 0; i < actor->pending_count; i++) {
-        struct load_pending pending = actor->pending[i];
-        if (pending.step == answer->step) {
+        if (actor->pending[i].step == step) {
+            *found = actor->pending[i];
             actor->pending_count--;
             memmove(&actor->pending[i], &actor->pending[i + 1],
-                    (actor->pending_count - i) * sizeof pending);
-            judge_of(actor, &pending, answer);
-            return;
+                    (actor->pending_count - i) * sizeof *found);
+            return true;
         }
     }
-    if (answer->step <= actor->last_step) {
+    if (step <= actor->last_step) {
         actor->tally->doubled++;
     } else {
         actor->tally->crossed++;
     }
     load_say("client %u: an answer to step %llu, which does not wait for one",
-             actor->number, (unsigned long long)answer->step);
+             actor->number, (unsigned long long)step);
+    return false;
+}
+
+void load_judge(struct load_actor *actor, const struct pccd_answer *answer)
+{
+    struct load_pending pending;
+    if (find_pending(actor, answer->step, &pending)) {
+        judge_of(actor, &pending, answer);
+    }
+}
+
+/* What a batch says of one scene, as an answer to a step of it. */
+static struct pccd_answer answer_of(const struct pccd_batch_answer *all, uint64_t i)
+{
+    const struct pccd_scene_answer *scene = &all->scenes[i];
+    struct pccd_answer answer = {
+        .step = all->step + i,
+        .status = scene->status,
+        .mode = all->mode,
+        .incomplete = (enum pccd_incomplete)scene->incomplete,
+        .contacts = pccd_batch_contacts(all, i),
+        .pairs = pccd_batch_pairs(all, i),
+        .count = scene->count,
+        .total = scene->total,
+        .times = {.queue = all->queue_ns, .step = all->batch_ns}};
+    memcpy(answer.hash, scene->hash, sizeof answer.hash);
+    return answer;
+}
+
+void load_judge_batch(struct load_actor *actor, const struct pccd_batch_answer *all)
+{
+    uint32_t count = actor->load->settings.batch;
+    struct load_pending pending;
+    if (!find_pending(actor, all->step, &pending)) {
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const struct pccd_answer refused = {.step = all->step + i, .status = all->status};
+        const struct pccd_answer answer = all->status == 0 ? answer_of(all, i) : refused;
+        struct load_pending own = pending;
+        if (pending.mischief == LOAD_NOT_FINITE && i + 1 < count) {
+            own.mischief = LOAD_PLAIN; /* written to the last one only */
+        }
+        judge_of(actor, &own, &answer);
+    }
 }

@@ -13,4 +13,8 @@
 /* The request does not wait any more. Of an actor that is alone: note the truth. */
 void load_judge(struct load_actor *actor, const struct pccd_answer *answer);
 
+/* The same of a batch: each scene has the answer of a lone client's step, and counts as a
+ * request. */
+void load_judge_batch(struct load_actor *actor, const struct pccd_batch_answer *answer);
+
 #endif

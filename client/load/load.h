@@ -21,6 +21,7 @@
 #define LOAD_DEPTH_MAX   8u
 #define LOAD_PROCESS_MAX 1024u
 #define LOAD_VICTIM_MAX  64u
+#define LOAD_BATCH_MAX   1024u
 
 /* Which of the two objects has the smaller number, which decides the order of records. Of
  * two that are made anew it may be either. */
@@ -44,6 +45,7 @@ struct load_settings {
     struct load_sizes sizes;
     enum load_scene scene;
     uint32_t kinds;         /* which, a bit each; clients take them by turns */
+    uint32_t batch;         /* scenes of a client of kind batch */
     int mode;               /* enum pccd_mode of all steps; -1: by kind */
     bool near;              /* every second request asks what is near where it leads */
     uint32_t minutes;       /* at least; 0: as long as the requests take */

@@ -11,6 +11,7 @@ libload_la_SOURCES = \
     client/load/common.c \
     client/load/crowd.c client/load/crowd.h \
     client/load/findings.c \
+    client/load/flock.c client/load/flock.h \
     client/load/hist.c client/load/hist.h \
     client/load/json.c \
     client/load/judge.c client/load/judge.h \

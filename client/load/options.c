@@ -47,7 +47,7 @@ struct row {
 
 static const char *const arrival_names[] = {"fixed", "poisson", NULL};
 static const char *const kind_names[] = {"follow", "jump",  "rigid", "pairs",
-                                         "churn",  "share", NULL};
+                                         "churn",  "share", "batch", NULL};
 static const char *const scene_names[] = {
 #define LOAD_SCENE_NAME(name, text) [LOAD_SCENE_##name] = #name,
     LOAD_SCENES(LOAD_SCENE_NAME)
@@ -245,10 +245,14 @@ static const struct row rows[] = {
     {"scene", 0, "KIND", LOAD_SCENES(LOAD_SCENE_TEXT) "(default crumple)", take_scene,
      AT(scene), 0, 0, scene_names},
     {"kinds", 0, "LIST",
-     "clients are by turns (default all): follow, from where the last step ended; jump, "
-     "with both ends, and mischief; rigid; pairs; churn, which makes things anew; share, "
-     "which holds its frames for a second client of its scene",
+     "clients are by turns (default all but batch): follow, from where the last step "
+     "ended; jump, with both ends, and mischief; rigid; pairs; churn, which makes things "
+     "anew; share, "
+     "which holds its frames for a second client of its scene; batch, which steps many "
+     "scenes by one request, each of which counts",
      take_kinds, AT(kinds), 0, 0, kind_names},
+    {"batch", 0, "N", "scenes of each client of kind batch (default 8)", take_u32,
+     AT(batch), 1, LOAD_BATCH_MAX, NULL},
     {"mode", 0, "MODE", "of every step: all, first, any, pairs (default by kind)",
      take_mode, AT(mode), 0, 0, common_mode_names},
     {"near", 0, NULL,
@@ -396,7 +400,8 @@ void load_options_parse(int argc, char **argv, struct load_settings *settings)
                                        .depth = 2,
                                        .victims = 8,
                                        .pause_ms = 100,
-                                       .kinds = LOAD_KINDS_ALL,
+                                       .kinds = LOAD_KINDS_USUAL,
+                                       .batch = 8,
                                        .mode = -1,
                                        .sizes = {1, {{40, 40, 1}}},
                                        .daemon = daemon ? daemon : "pccdd"}};

@@ -41,6 +41,13 @@ load near --near --clients 40 --requests 64 --processes 2 --kill-worker 3 --kill
     awk '/^nears / { exit !($2 > 800) }' "$work/near"
 tap_result $? load__asks_what_is_near_between_steps "$work/near"
 
+# If it failed, a scene in a batch would be answered otherwise than by itself, under load or
+# after a crash; or a scene that fails would fail the others.
+load batch --kinds batch --batch 16 --clients 20 --requests 64 --processes 2 --kill-worker 3 \
+    --kill-clients 20 &&
+    awk '/^answered / { exit !($2 > 18000) }' "$work/batch"
+tap_result $? load__batches_are_answered_as_steps "$work/batch"
+
 # If it failed, answers would depend on how many clients there are, or on luck.
 load other --clients 120 --requests 16 --processes 1 --depth 1 &&
     grep '^checksum' "$work/crowd" >"$work/sum1" &&
