@@ -6,7 +6,7 @@
 # make bench-tables BENCH_ARGS=cloth-20k   one scene
 # bench/tables.sh wide n-body              ways to take the same steps, side by side
 
-bench_names = bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
+bench_names = bench/batch bench/distances bench/exact bench/slowest bench/kernels bench/roofline bench/ipc \
     bench/connect bench/thickness bench/thin
 check_PROGRAMS += $(bench_names)
 
@@ -117,6 +117,12 @@ bench_connect_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_sr
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 bench_connect_LDADD = libtestdaemon.la libtestraw.la libpccd.la libproto.la \
     $(CMOCKA_LIBS) $(LIBM)
+
+bench_batch_SOURCES = bench/asker.c bench/asker.h bench/batch.c bench/report.c bench/report.h \
+    tests/support/farm.c tests/support/farm.h
+bench_batch_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto \
+    -I$(top_srcdir)/tests/support
+bench_batch_LDADD = libpccd.la $(LIBM)
 
 bench_ipc_SOURCES = bench/asker.c bench/asker.h bench/ipc.c bench/report.c bench/report.h
 bench_ipc_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/client/lib -I$(top_srcdir)/proto

@@ -13,7 +13,7 @@ trap 'rm -f "$log"' EXIT
 
 # If this failed, a measured program and what it is compared with would differ in their
 # results, or the program would not run at all.
-for program in distances exact slowest kernels roofline ipc connect thickness thin; do
+for program in batch distances exact slowest kernels roofline ipc connect thickness thin; do
     "$top_builddir/bench/$program" --smoke >"$log" 2>&1
     tap_result $? "bench_${program}__finds_equal_results" "$log"
 done
@@ -32,7 +32,7 @@ case $? in
 esac
 
 # If this failed, results could not be kept and compared.
-for program in distances exact slowest kernels roofline ipc connect thickness thin; do
+for program in batch distances exact slowest kernels roofline ipc connect thickness thin; do
     "$top_builddir/bench/$program" --smoke --json 2>/dev/null |
         awk '!/^[{]"program":".*"threads":[0-9]+[}]$/ { print; bad = 1 }
             END { exit bad || NR == 0 }' >"$log"
