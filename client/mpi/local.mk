@@ -8,6 +8,7 @@ ranks_sources = \
     client/mpi/boxes.c client/mpi/boxes.h \
     client/mpi/curve.c client/mpi/curve.h \
     client/mpi/cut.c client/mpi/cut.h \
+    client/mpi/features.c \
     client/mpi/gather.c \
     client/mpi/ghosts.c client/mpi/ghosts.h \
     client/mpi/local.c client/mpi/local.h \

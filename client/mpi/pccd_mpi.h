@@ -14,7 +14,7 @@
  * Threads:  one thread of a rank at a time, the one that may call MPI: with more than one
  *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED.
  *
- * Every function with a world but pccd_mpi_error_text is collective: all ranks call it,
+ * Every function with a world but pccd_mpi_error_text and pccd_mpi_feature is collective: all ranks call it,
  * in the same order. What says "the same on every rank" is compared first. All ranks get
  * the same status; after an error nothing has changed, and pccd_mpi_error_text names the
  * rank and what was wrong. Two errors end a world, so that every later call but
@@ -132,6 +132,13 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
 typedef int (*pccd_mpi_records_fn)(void *context, const void *records, uint64_t count);
 int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
                     void *context);
+
+/* The vertices, by their numbers in the whole mesh, of a feature in one of this rank's
+ * records: of `points` vertices, as kinds say: 1 itself, 2 the ends of an edge, the lower
+ * first, 3 the corners of a triangle. Not collective. E_HANDLE, E_INVAL, E_INDEX: the
+ * rank knows nothing of the feature; E_NOMEM. */
+int pccd_mpi_feature(struct pccd_mpi *world, uint32_t object, uint32_t points,
+                     uint32_t feature, uint32_t vertices[3]);
 
 /* What the last step was spread over the ranks like. */
 struct pccd_mpi_share {

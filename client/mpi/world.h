@@ -73,6 +73,9 @@ struct ranks_local {
     uint32_t *edges;
     uint32_t *triangles;
     uint64_t *owns_vertex, *owns_edge; /* a bit for each: it belongs to this rank */
+    /* Numbers of the whole; NULL until somebody asks (features.c). */
+    uint32_t (*ends)[2];
+    uint32_t (*corners)[3];
 };
 
 struct ranks_object {

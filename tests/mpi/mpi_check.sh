@@ -34,6 +34,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     for name in files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
+    tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
 fi
@@ -59,6 +60,13 @@ RANKS_SECONDS=30 ranks 3 "$top_builddir/tests/mpi/misuse" dies >"$log" 2>&1
 status=$?
 [ $status -ne 0 ] && [ $status -ne 124 ]
 tap_result $? mpi__mistake_dies_is_told_to_all_ranks "$log"
+
+# If it failed, a simulator in parts would go another way with each number of ranks.
+for count in 1 3; do
+    ranks "$count" "$top_builddir/client/examples/cloth_mpi" 100 2>&1
+done >"$log"
+grep -q '^100 frames, [1-9][0-9]* contacts' "$log" && [ "$(sort -u "$log" | wc -l)" -eq 1 ]
+tap_result $? mpi__example_prints_one_line_for_any_number_of_ranks "$log"
 
 # ---- the program -----------------------------------------------------------------------
 
