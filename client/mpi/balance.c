@@ -59,12 +59,3 @@ bool balance_wants_cut(const struct pccd_mpi *world)
     return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
            (world->share.cuts < 2 || world->lost_ns > (double)world->cut_ns);
 }
-
-uint64_t balance_weight(const struct pccd_mpi *world)
-{
-    uint64_t leaves = 0;
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        leaves += world->objects[o]->own_count;
-    }
-    return leaves > 0 ? (world->share.work << 8) / leaves + 1 : 1;
-}

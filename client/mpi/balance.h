@@ -1,8 +1,7 @@
 /* balance.h - how evenly the work of steps lies on the ranks, and when it is cut anew.
  *
  * Room:     client/mpi. May include: world.h.
- * Does:     count work, which is the same in every run, unlike time; weigh the leaves of
- *           a rank by it.
+ * Does:     count work, which is the same in every run, unlike time.
  * Threads:  one.
  */
 #ifndef RANKS_BALANCE_H
@@ -19,8 +18,5 @@ int balance_tell(struct pccd_mpi *world);
  * cut_ns: how long the last step and the last cut took the slowest rank. */
 bool balance_wants_cut(const struct pccd_mpi *world);
 void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns);
-
-/* Of each leaf of this rank, beside those of the others. */
-uint64_t balance_weight(const struct pccd_mpi *world);
 
 #endif

@@ -43,6 +43,34 @@ static float grow_high(float high, double growth)
                       : high;
 }
 
+double ranks_reach(const struct ranks_object *object, double separation)
+{
+    double reach = separation / 2 + radius_of(object);
+    return reach > 0 ? nextafter(reach, INFINITY) : 0;
+}
+
+static void grow(float box[6], double growth)
+{
+    for (int k = 0; k < 3; k++) {
+        box[k] = grow_low(box[k], growth);
+        box[k + 3] = grow_high(box[k + 3], growth);
+    }
+}
+
+void ranks_leaf_box(const double (*x0)[3], const double (*x1)[3],
+                    const uint32_t corners[3], double growth, float box[6])
+{
+    ranks_box_begin(box);
+    for (int c = 0; c < 3; c++) {
+        for (int k = 0; k < 3; k++) {
+            double a = x0[corners[c]][k], b = x1[corners[c]][k];
+            box[k] = fminf(box[k], ranks_float_below(fmin(a, b)));
+            box[k + 3] = fmaxf(box[k + 3], ranks_float_above(fmax(a, b)));
+        }
+    }
+    grow(box, growth);
+}
+
 static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
                   double way, double growth, float box[6])
 {
@@ -52,10 +80,7 @@ static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t c
         ranks_cover(x0[corners[c]], x1[corners[c]], way, corner);
         ranks_box_add(box, corner);
     }
-    for (int k = 0; k < 3; k++) {
-        box[k] = grow_low(box[k], growth);
-        box[k + 3] = grow_high(box[k + 3], growth);
-    }
+    grow(box, growth);
 }
 
 static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
@@ -112,10 +137,8 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *wa
     }
     for (uint32_t o = 0; o < objects; o++) {
         const struct ranks_object *object = world->objects[o];
-        double growth = separation / 2 + radius_of(object);
-        growth = growth > 0 ? nextafter(growth, INFINITY) : 0;
-        int status = bound_leaves(world, object, ways[o], growth, x0[o], x1[o],
-                                  boxes->boxes + boxes->first[o]);
+        int status = bound_leaves(world, object, ways[o], ranks_reach(object, separation),
+                                  x0[o], x1[o], boxes->boxes + boxes->first[o]);
         if (status != PCCD_OK) {
             return status;
         }

@@ -24,7 +24,8 @@
 /* A leaf under way. */
 struct traveller {
     uint64_t place;
-    uint32_t object;
+    uint64_t below; /* the weight of those before it here */
+    uint32_t object, weight;
     struct ranks_leaf leaf;
 };
 
@@ -108,15 +109,21 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
                              x[o][corners[i][2]][k]) /
                             3;
             }
-            sorted[at] = (struct traveller){ranks_curve_place(middle, box, box + 3), o,
-                                            object->own[i]};
+            sorted[at] = (struct traveller){
+                .place = ranks_curve_place(middle, box, box + 3),
+                .object = o,
+                .weight = object->weights != NULL ? object->weights[i] : 1,
+                .leaf = object->own[i]};
             keys[at] = (struct ranks_key){sorted[at].place, at};
         }
     }
     if (status == PCCD_OK) {
         const struct ranks_key *order = ranks_sort(keys, keys + count, count);
+        uint64_t below = 0;
         for (uint64_t i = 0; i < count; i++) {
             leaves[i] = sorted[order[i].value];
+            leaves[i].below = below;
+            below += leaves[i].weight;
         }
     }
     free(sorted);
@@ -143,14 +150,22 @@ static uint64_t count_below(const struct traveller *leaves, uint64_t count,
     return from;
 }
 
+/* Their weight. */
+static uint64_t weigh_below(const struct traveller *leaves, uint64_t count,
+                            uint64_t place)
+{
+    uint64_t end = count_below(leaves, count, place);
+    return end > 0 ? leaves[end - 1].below + leaves[end - 1].weight : 0;
+}
+
 /* cuts[r]: the lowest place below which there are r parts in `size` of the weight, or
  * more; found out digit by digit. */
 static int find_cuts(struct pccd_mpi *world, const struct traveller *leaves,
-                     uint64_t count, uint64_t weight, uint64_t *cuts)
+                     uint64_t count, uint64_t *cuts)
 {
     struct ranks_link *link = &world->link;
     int wanted = link->size - 1;
-    uint64_t total = count * weight;
+    uint64_t total = weigh_below(leaves, count, UINT64_MAX);
     uint64_t *sums = ranks_array((uint64_t)link->size * ROUND_WAYS, sizeof *sums);
     int status = ranks_agree_on(link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
     if (status == PCCD_OK) {
@@ -164,7 +179,7 @@ static int find_cuts(struct pccd_mpi *world, const struct traveller *leaves,
             for (uint32_t way = 1; way <= ROUND_WAYS; way++) {
                 uint64_t place = cuts[r + 1] + ((uint64_t)way << shift);
                 sums[(uint32_t)r * ROUND_WAYS + way - 1] =
-                    weight * count_below(leaves, count, place);
+                    weigh_below(leaves, count, place);
             }
         }
         status = ranks_sum(link, sums, wanted * (int)ROUND_WAYS);
@@ -213,6 +228,8 @@ static int settle(struct pccd_mpi *world, const struct traveller *leaves, uint64
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         struct ranks_object *object = world->objects[o];
         free(object->own);
+        free(object->weights);
+        object->weights = NULL;
         object->own = ranks_array(object->own_count, sizeof *object->own);
         status = object->own == NULL ? ranks_no_memory(world) : PCCD_OK;
         object->own_count = 0;
@@ -281,7 +298,7 @@ static int take_leaves(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-static int cut(struct pccd_mpi *world, uint64_t weight, double (**x)[3], uint64_t *cuts)
+static int cut(struct pccd_mpi *world, double (**x)[3], uint64_t *cuts)
 {
     struct ranks_link *link = &world->link;
     double box[6];
@@ -301,7 +318,7 @@ static int cut(struct pccd_mpi *world, uint64_t weight, double (**x)[3], uint64_
                             : place_leaves(world, x, box, count, leaves);
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = find_cuts(world, leaves, count, weight, cuts);
+        status = find_cuts(world, leaves, count, cuts);
     }
     if (status == PCCD_OK) {
         status = move(world, leaves, count, cuts);
@@ -322,7 +339,7 @@ static int look_around(struct pccd_mpi *world)
     return status == PCCD_OK ? ranks_plan_make(world) : status;
 }
 
-int ranks_cut(struct pccd_mpi *world, uint64_t weight)
+int ranks_cut(struct pccd_mpi *world)
 {
     struct ranks_link *link = &world->link;
     uint32_t objects = world->object_count;
@@ -332,7 +349,7 @@ int ranks_cut(struct pccd_mpi *world, uint64_t weight)
     world->is_cut = world->is_covered = false;
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = cut(world, weight, x, cuts);
+        status = cut(world, x, cuts);
     }
     for (uint32_t o = 0; o < objects && x != NULL; o++) {
         free(x[o]);

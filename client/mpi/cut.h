@@ -10,8 +10,8 @@
 
 #include "world.h"
 
-/* Collective: deal out the leaves by where their given vertices are (object->x). Each
- * leaf of this rank weighs `weight`, at least 1. Afterwards there are no ghosts. */
-int ranks_cut(struct pccd_mpi *world, uint64_t weight);
+/* Collective: deal out the leaves by where their given vertices are (object->x), and by
+ * their weights (weigh.h). Afterwards there are neither ghosts nor weights. */
+int ranks_cut(struct pccd_mpi *world);
 
 #endif

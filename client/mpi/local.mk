@@ -23,6 +23,7 @@ ranks_sources = \
     client/mpi/records.c client/mpi/records.h \
     client/mpi/sides.c \
     client/mpi/step.c \
+    client/mpi/weigh.c client/mpi/weigh.h \
     client/mpi/world.c client/mpi/world.h
 mpi_program_sources = \
     client/mpi/program/check.c \

@@ -17,6 +17,7 @@
 #include "motions.h"
 #include "places.h"
 #include "records.h"
+#include "weigh.h"
 
 /* What all ranks know of an object's motion. */
 enum {
@@ -242,8 +243,11 @@ static int step(struct pccd_mpi *world, struct moment *moment, struct pccd_answe
     uint64_t begin_ns = common_now_ns(), cut_ns = 0;
     bool is_cut = !world->is_cut || balance_wants_cut(world);
     world->link.sent_bytes = 0;
-    if (is_cut) {
-        status = ranks_cut(world, balance_weight(world));
+    if (is_cut && world->is_covered) {
+        status = ranks_weigh(world, moment->settings.separation);
+    }
+    if (is_cut && status == PCCD_OK) {
+        status = ranks_cut(world);
     }
     if (status == PCCD_OK) {
         status = look_at_motions(world, moment);

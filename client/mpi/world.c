@@ -135,6 +135,7 @@ void ranks_object_free(struct ranks_object *object)
         free(object->written);
         free(object->cover);
         free(object->own);
+        free(object->weights);
         free(object->ghosts);
         free(object->neighbours);
         free(object);

@@ -96,6 +96,7 @@ struct ranks_object {
      * NULL: no ghosts were chosen yet. */
     float (*cover)[6];
     struct ranks_leaf *own; /* along the curve */
+    uint32_t *weights;      /* of own leaves (weigh.h); NULL: each weighs the same */
     uint32_t own_count;
     uint32_t own_vertex_count;
     struct ranks_leaf *ghosts;

@@ -1,0 +1,17 @@
+/* weigh.h - how much work a leaf is in a step.
+ *
+ * Room:     client/mpi. May include: world.h.
+ * Does:     count the leaves whose boxes meet that of each own leaf: what libpccd has to
+ *           test grows with their number.
+ * Threads:  one.
+ */
+#ifndef RANKS_WEIGH_H
+#define RANKS_WEIGH_H
+
+#include "world.h"
+
+/* Collective, while ghosts are right for some step: object->weights, for a step from
+ * object->from to object->to. */
+int ranks_weigh(struct pccd_mpi *world, double separation);
+
+#endif
