@@ -17,10 +17,10 @@
 #include "places.h"
 #include "rank_sort.h"
 
-#define FAN        8u
-#define LEVELS_MAX 12u
-/* What a leaf costs that meets nothing, in leaves that it meets. */
-#define WEIGHT_ALONE 4u
+#define FAN          8u
+#define LEVELS_MAX   12u
+#define WEIGHT_UNITS 16.0 /* of the work of a leaf that meets nothing */
+#define WEIGHT_RATIO 4.0  /* that, in leaves that it meets, where nothing says so */
 /* So that a heap of leaves in one place ends: it is cut anyway wherever it can be. */
 #define WEIGHT_MAX 65535u
 
@@ -28,6 +28,7 @@ struct item {
     float box[6];
     uint32_t object;
     uint32_t leaf; /* of its own leaves; RANKS_NONE: a ghost */
+    uint32_t v[3];
 };
 
 /* Items in the order of the curve, and boxes around FAN of the level below each. */
@@ -64,6 +65,7 @@ static int add_items(struct pccd_mpi *world, uint32_t o, double growth,
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
         items[i].object = o;
         items[i].leaf = i < object->own_count ? i : RANKS_NONE;
+        memcpy(items[i].v, corners[i], sizeof items[i].v);
         ranks_leaf_box(x0, x1, corners[i], growth, items[i].box);
     }
     free(corners);
@@ -134,6 +136,18 @@ static int make_levels(struct pccd_mpi *world, struct tree *tree)
     return PCCD_OK;
 }
 
+/* Leaves that share a vertex are not much work: most pairs of their features do, too. */
+static bool are_joined(const struct item *a, const struct item *b)
+{
+    bool is_joined = false;
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            is_joined = is_joined || a->v[i] == b->v[k];
+        }
+    }
+    return is_joined && a->object == b->object;
+}
+
 /* How many other items meet one, and may. A walk over the tree without a stack: the next
  * box is the first one below, or the next beside, or beside one above. */
 static uint32_t count_meeting(const struct pccd_mpi *world, const struct tree *tree,
@@ -149,7 +163,8 @@ static uint32_t count_meeting(const struct pccd_mpi *world, const struct tree *t
             continue;
         }
         if (meets && &tree->items[at] != item) {
-            met += ranks_may_meet(world, item->object, tree->items[at].object);
+            met += !are_joined(item, &tree->items[at]) &&
+                   ranks_may_meet(world, item->object, tree->items[at].object);
         }
         uint64_t count = level == 0 ? tree->count : tree->counts[level - 1];
         while (level < tree->levels && (at % FAN == FAN - 1 || at + 1 == count)) {
@@ -174,7 +189,7 @@ static int weigh_items(struct pccd_mpi *world, struct tree *tree)
         const struct item *item = &tree->items[i];
         if (item->leaf != RANKS_NONE) {
             world->objects[item->object]->weights[item->leaf] =
-                WEIGHT_ALONE + count_meeting(world, tree, item);
+                count_meeting(world, tree, item);
         }
     }
     return status;
@@ -204,6 +219,59 @@ static int make_items(struct pccd_mpi *world, double separation, double (*const 
     return status;
 }
 
+/* Work of the last step = alone * leaves + meeting * (leaves that they meet), as nearly as
+ * that can be for all ranks (least squares). Returns alone / meeting. */
+static double fit(const uint64_t *leaves, const uint64_t *met, const uint64_t *work,
+                  int size)
+{
+    double ll = 0, lm = 0, mm = 0, lw = 0, mw = 0;
+    for (int r = 0; r < size; r++) {
+        double l = (double)leaves[r], m = (double)met[r], w = (double)work[r];
+        ll += l * l;
+        lm += l * m;
+        mm += m * m;
+        lw += l * w;
+        mw += m * w;
+    }
+    double determinant = ll * mm - lm * lm;
+    double alone = lw * mm - mw * lm, meeting = mw * ll - lw * lm;
+    if (!(determinant > 1e-9 * ll * mm) || !(meeting > 0)) {
+        return WEIGHT_RATIO;
+    }
+    double ratio = alone / meeting;
+    return fmin(fmax(ratio, 0.25), 64);
+}
+
+/* From how many leaves each one meets to what it weighs. */
+static int scale(struct pccd_mpi *world)
+{
+    struct ranks_link *link = &world->link;
+    uint64_t leaves = 0, met = 0;
+    uint64_t *all = ranks_array(3 * (uint64_t)link->size, sizeof *all);
+    int status = ranks_agree_on(link, all == NULL ? ranks_no_memory(world) : PCCD_OK);
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        leaves += world->objects[o]->own_count;
+        for (uint32_t i = 0; i < world->objects[o]->own_count; i++) {
+            met += world->objects[o]->weights[i];
+        }
+    }
+    const uint64_t mine[3] = {leaves, met, world->share.work};
+    for (int i = 0; i < 3 && status == PCCD_OK; i++) {
+        status = ranks_tell_all(link, mine[i], all + i * link->size);
+    }
+    if (status == PCCD_OK) {
+        double ratio = fit(all, all + link->size, all + 2 * link->size, link->size);
+        for (uint32_t o = 0; o < world->object_count; o++) {
+            for (uint32_t i = 0; i < world->objects[o]->own_count; i++) {
+                uint32_t *weight = &world->objects[o]->weights[i];
+                *weight = (uint32_t)(WEIGHT_UNITS * (1 + *weight / ratio));
+            }
+        }
+    }
+    free(all);
+    return status;
+}
+
 int ranks_weigh(struct pccd_mpi *world, double separation)
 {
     uint32_t objects = world->object_count;
@@ -228,6 +296,9 @@ int ranks_weigh(struct pccd_mpi *world, double separation)
             status = weigh_items(world, &tree);
         }
         status = ranks_agree_on(&world->link, status);
+    }
+    if (status == PCCD_OK) {
+        status = scale(world);
     }
     tree_deinit(&tree);
     for (uint32_t o = 0; x != NULL && o < 2 * objects; o++) {
