@@ -46,7 +46,7 @@ static void exchange_rows(double (*a)[3])
                  MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }
 
-/* Each vertex goes on, falls, and moves towards where its neighbours keep their length. */
+/* Each vertex goes on, falls, and moves to where its neighbours keep their length. */
 static void predict(void)
 {
     static const int steps[4] = {1, -1, SIDE, -SIDE};

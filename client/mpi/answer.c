@@ -161,3 +161,40 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
     write_answer(world, settings, &totals, answer);
     return status;
 }
+
+int ranks_answer_make_near(struct pccd_mpi *world, struct pccd_answer *answer)
+{
+    struct totals totals = {.threads = answer->threads, .counters = answer->counters};
+    double reach[2], toi_first = 2;
+    uint64_t cut_ns = 0;
+    ranks_records_sum_near(world, &totals.sums, &reach[0], &reach[1]);
+    totals.sums.toi_first = 0;
+    totals.verdicts[answer->verdict] = 1;
+    totals.incomplete[answer->incomplete] = 1;
+    reach[1] = -reach[1];
+    int status = ranks_min_doubles(&world->link, reach, 2);
+    if (status == PCCD_OK) {
+        status = slowest(world, &cut_ns, answer, &toi_first);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, (uint64_t *)(void *)&totals,
+                           (int)(sizeof totals / sizeof(uint64_t)));
+    }
+    memcpy(answer->counts, totals.sums.counts, sizeof answer->counts);
+    answer->total = totals.sums.total;
+    answer->distance_min = reach[0];
+    answer->distance_max = reach[1] < 0 ? -reach[1] : 0;
+    answer->crossings = totals.sums.counts[PCCD_EF];
+    answer->incomplete = why_incomplete(&totals);
+    answer->verdict = answer->what == PCCD_NEAR_CROSSINGS
+                          ? verdict_of(&totals, PCCD_MODE_ANY)
+                          : PCCD_VERDICT_NONE;
+    answer->counters = totals.counters;
+    answer->threads = (uint32_t)totals.threads;
+    ranks_records_hash(&totals.sums, answer->hash);
+    answer->first = 0;
+    answer->count = world->record_count;
+    answer->cursor = answer->total;
+    answer->near = world->record_count > 0 ? world->records : NULL;
+    return status;
+}

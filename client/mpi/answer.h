@@ -14,5 +14,7 @@
  * world->records. cut_ns: how long a cut took before this step; 0: there was none. */
 int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *settings,
                       uint64_t cut_ns, struct pccd_answer *answer);
+/* The same of what is near. */
+int ranks_answer_make_near(struct pccd_mpi *world, struct pccd_answer *answer);
 
 #endif

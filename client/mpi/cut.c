@@ -260,6 +260,7 @@ static int move(struct pccd_mpi *world, const struct traveller *leaves, uint64_t
             ranks_deal(link, sizeof *leaves, leaves, first, (void **)&came, first_in);
         if (status == PCCD_OK) {
             status = ranks_agree_on(link, settle(world, came, first_in[link->size]));
+            link->broken = status; /* leaves may be lost */
         }
     }
     free(first);

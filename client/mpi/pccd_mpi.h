@@ -14,12 +14,13 @@
  * Threads:  one thread of a rank at a time, the one that may call MPI: with more than one
  *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED.
  *
- * Every function with a world but pccd_mpi_error_text and pccd_mpi_feature is collective: all ranks call it,
- * in the same order. What says "the same on every rank" is compared first. All ranks get
- * the same status; after an error nothing has changed, and pccd_mpi_error_text names the
- * rank and what was wrong. Two errors end a world, so that every later call but
- * pccd_mpi_close fails with E_STATE: E_TIMEOUT, a rank did not come; and E_SYSTEM, MPI
- * itself failed. When a rank dies, MPI ends the others as well, as a rule.
+ * Every function with a world is collective: all ranks call it, in the same order. Only
+ * pccd_mpi_error_text and pccd_mpi_feature are not. What says "the same on every rank" is
+ * compared first. All ranks get the same status; after an error nothing has changed, and
+ * pccd_mpi_error_text names the rank and what was wrong. Three errors end a world, so
+ * that every later call but pccd_mpi_close fails with E_STATE: E_TIMEOUT, a rank did not
+ * come; E_SYSTEM, MPI itself failed; and E_NOMEM, where it left things half done. When a
+ * rank dies, MPI ends the others as well, as a rule.
  *
  *     struct pccd_mpi *world;
  *     pccd_mpi_open(MPI_COMM_WORLD, NULL, &world);
@@ -126,8 +127,19 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer);
 
+/* pccd_ask_near for the whole scene, where its last step ended; if any rank gives
+ * motions, the objects move first, and it is answered for where they begin or end.
+ * `settings` is the same on every rank: `what` is PCCD_NEAR_PAIRS or PCCD_NEAR_CROSSINGS
+ * (E_INVAL else), `end` 1 unless there are motions. answer: near and count are this
+ * rank's records; counts, crossings, verdict, distance_min, distance_max and hash are of
+ * the whole. The answer of the last step is gone. Errors: those of pccd_ask_near. */
+int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
+                  uint32_t motion_count, const struct pccd_near_settings *settings,
+                  struct pccd_answer *answer);
+
 /* All records of the last answer in canonical order, to `each` on rank `root`, some
- * thousands at a time: of struct pccd_pair in mode pairs, else of struct pccd_contact.
+ * thousands at a time: of struct pccd_pair in mode pairs, of struct pccd_near for what is
+ * near, else of struct pccd_contact.
  * `each` is called on `root` alone, and returns 0 to go on. */
 typedef int (*pccd_mpi_records_fn)(void *context, const void *records, uint64_t count);
 int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,

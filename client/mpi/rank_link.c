@@ -184,6 +184,7 @@ static const char *const call_names[] = {
     [RANKS_OBJECT_SET] = "pccd_mpi_object_set",
     [RANKS_PAIR_IGNORE] = "pccd_mpi_pair_ignore",
     [RANKS_STEP] = "pccd_mpi_step",
+    [RANKS_NEAR] = "pccd_mpi_near",
     [RANKS_GATHER] = "pccd_mpi_gather",
     [RANKS_GET_SHARE] = "pccd_mpi_get_share",
     [RANKS_INSIDE] = "what is inside another call",

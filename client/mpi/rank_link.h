@@ -46,6 +46,7 @@ enum ranks_call {
     RANKS_OBJECT_SET,
     RANKS_PAIR_IGNORE,
     RANKS_STEP,
+    RANKS_NEAR,
     RANKS_GATHER,
     RANKS_GET_SHARE,
     RANKS_INSIDE /* a point within a call */

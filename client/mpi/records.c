@@ -83,7 +83,9 @@ static bool translate(struct pccd_mpi *world, struct reader *reader, uint32_t ki
                       uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
                       uint32_t *feature_b)
 {
-    const uint32_t *points = common_kinds[kind].points;
+    static const uint32_t of_crossings[2] = {2, 3};
+    const uint32_t *points =
+        kind < PCCD_KIND_COUNT ? common_kinds[kind].points : of_crossings;
     reader->a = object_of(world, object_a, reader->a);
     reader->b = object_of(world, object_b, reader->b);
     const struct ranks_local *local = &reader->a->local;
@@ -112,12 +114,27 @@ static int make_room(struct pccd_mpi *world, uint64_t more, size_t record_bytes)
     return PCCD_OK;
 }
 
+/* Of 64 bytes, like contacts. */
+static void take_near(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    struct reader reader = {NULL, NULL};
+    for (uint64_t i = 0; i < page->count; i++) {
+        struct pccd_near *to = (struct pccd_near *)world->records + world->record_count;
+        *to = page->near[i];
+        world->record_count += translate(world, &reader, to->kind, to->object_a,
+                                         &to->feature_a, to->object_b, &to->feature_b);
+    }
+}
+
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
 {
     struct reader reader = {NULL, NULL};
     int status = make_room(world, page->count, ranks_record_bytes(world->mode));
     if (status != PCCD_OK) {
         return status;
+    }
+    if (page->near != NULL) {
+        take_near(world, page);
     }
     for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
         struct pccd_contact *to =
@@ -179,6 +196,25 @@ void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums)
         } else {
             count_contact((const struct pccd_contact *)world->records + i, sums);
         }
+        if (i % (1u << 30) == (1u << 30) - 1) {
+            carry(sums->hash);
+        }
+    }
+    carry(sums->hash);
+}
+
+void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
+                            double *least, double *greatest)
+{
+    const struct pccd_near *near = world->records;
+    *sums = (struct ranks_sums){.total = world->record_count, .toi_first = 2};
+    *least = 2e18;
+    *greatest = 0;
+    for (uint64_t i = 0; i < world->record_count; i++) {
+        sums->counts[near[i].kind]++;
+        *least = near[i].d_lo < *least ? near[i].d_lo : *least;
+        *greatest = near[i].d_hi > *greatest ? near[i].d_hi : *greatest;
+        add_hash(sums->hash, XXH3_128bits(&near[i], sizeof near[i]));
         if (i % (1u << 30) == (1u << 30) - 1) {
             carry(sums->hash);
         }

@@ -27,6 +27,10 @@ double ranks_records_limit(const struct pccd_mpi *world);
 void ranks_records_drop_later(struct pccd_mpi *world, double limit);
 
 void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums);
+/* The same of records about what is near; the least d_lo and the greatest d_hi, 2e18 and
+ * 0 without any. */
+void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
+                            double *least, double *greatest);
 /* The hash of an answer from the sum over all ranks; of mode any, of its verdict. */
 void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2]);
 void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2]);

@@ -33,6 +33,7 @@ struct moment {
     const double (**given)[3];
     double (**local)[3];
     struct pccd_step_settings settings;
+    const struct pccd_near_settings *near; /* NULL: it is a step */
 };
 
 static uint8_t *row(const struct pccd_mpi *world, const struct moment *moment, int which)
@@ -214,7 +215,9 @@ static int compute(struct pccd_mpi *world, const struct moment *moment,
     uint64_t step = 0;
     world->record_count = 0;
     world->mode = moment->settings.mode;
-    int status = pccd_frame_commit(frame, &moment->settings, &step);
+    int status = moment->near != NULL
+                     ? pccd_frame_commit_near(frame, moment->near, &step)
+                     : pccd_frame_commit(frame, &moment->settings, &step);
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
     }
@@ -266,7 +269,9 @@ static int step(struct pccd_mpi *world, struct moment *moment, struct pccd_answe
     }
     status = ranks_agree_on(&world->link, compute(world, moment, &frame, answer));
     if (status == PCCD_OK) {
-        status = ranks_answer_make(world, &moment->settings, cut_ns, answer);
+        status = moment->near != NULL
+                     ? ranks_answer_make_near(world, answer)
+                     : ranks_answer_make(world, &moment->settings, cut_ns, answer);
     }
     if (status != PCCD_OK) { /* some ranks may have moved on */
         world->record_count = 0;
@@ -279,28 +284,86 @@ static int step(struct pccd_mpi *world, struct moment *moment, struct pccd_answe
     return PCCD_OK;
 }
 
-int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
-                  uint32_t motion_count, const struct pccd_step_settings *settings,
-                  struct pccd_answer *answer)
+/* All ranks agree: make it, and let the caller have what it knows of the answer. */
+static int make(struct pccd_mpi *world, struct moment *moment, struct pccd_answer *answer)
 {
-    struct moment moment = {.bytes = NULL};
     struct pccd_answer made = PCCD_ANSWER_INIT;
-    uint64_t hash = 0;
-    int status = read_settings(world, settings, &moment.settings, &hash);
-    if (status == PCCD_OK) {
-        status = ranks_motions_take(world, motions, motion_count);
-    }
-    status = ranks_agree(&world->link, RANKS_STEP, hash, status);
-    if (status == PCCD_OK) {
-        status = step(world, &moment, &made);
-    }
-    free(moment.bytes);
-    free((void *)moment.given);
-    free((void *)moment.local);
+    int status = step(world, moment, &made);
+    free(moment->bytes);
+    free((void *)moment->given);
+    free((void *)moment->local);
     if (status == PCCD_OK) {
         size_t bytes = answer->struct_bytes;
         memcpy(answer, &made, bytes == 0 || bytes > sizeof made ? sizeof made : bytes);
         answer->struct_bytes = bytes;
     }
     return status;
+}
+
+int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
+                  uint32_t motion_count, const struct pccd_step_settings *settings,
+                  struct pccd_answer *answer)
+{
+    struct moment moment = {.bytes = NULL};
+    uint64_t hash = 0;
+    int status = read_settings(world, settings, &moment.settings, &hash);
+    if (status == PCCD_OK) {
+        status = ranks_motions_take(world, motions, motion_count);
+    }
+    status = ranks_agree(&world->link, RANKS_STEP, hash, status);
+    return status == PCCD_OK ? make(world, &moment, answer) : status;
+}
+
+static int read_near(struct pccd_mpi *world, const struct pccd_near_settings *asked,
+                     struct pccd_near_settings *settings, uint64_t *hash)
+{
+    size_t bytes = asked->struct_bytes;
+    *settings = (struct pccd_near_settings)PCCD_NEAR_SETTINGS_INIT;
+    memcpy(settings, asked,
+           bytes == 0 || bytes > sizeof *settings ? sizeof *settings : bytes);
+    settings->struct_bytes = sizeof *settings;
+    *hash = ranks_hash(2, &settings->what, sizeof settings->what);
+    *hash = ranks_hash(*hash, &settings->distance, sizeof settings->distance);
+    *hash = ranks_hash(*hash, &settings->end, sizeof settings->end);
+    *hash = ranks_hash(*hash, &settings->threads, sizeof settings->threads);
+    *hash = ranks_hash(*hash, &settings->deadline_ns, sizeof settings->deadline_ns);
+    *hash = ranks_hash(*hash, &settings->method, sizeof settings->method);
+    settings->threads = settings->threads > 0 ? settings->threads : world->threads;
+    if (settings->what != PCCD_NEAR_PAIRS && settings->what != PCCD_NEAR_CROSSINGS) {
+        return ranks_fail(
+            &world->link, PCCD_E_INVAL,
+            "over ranks only pairs and crossings are answered of what is near");
+    }
+    if (settings->what == PCCD_NEAR_PAIRS && !(settings->distance >= 0)) {
+        return ranks_fail(&world->link, PCCD_E_INVAL, "a negative distance, or none");
+    }
+    return settings->distance <= 1e18
+               ? PCCD_OK
+               : ranks_fail(&world->link, PCCD_E_LIMIT, "a distance beyond 1e18");
+}
+
+int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
+                  uint32_t motion_count, const struct pccd_near_settings *settings,
+                  struct pccd_answer *answer)
+{
+    struct pccd_near_settings near;
+    struct moment moment = {.near = &near};
+    uint64_t hash = 0;
+    uint8_t moves = motion_count > 0;
+    int status = read_near(world, settings, &near, &hash);
+    if (status == PCCD_OK) {
+        status = ranks_motions_take(world, motions, motion_count);
+    }
+    status = ranks_agree(&world->link, RANKS_NEAR, hash, status);
+    if (status == PCCD_OK) {
+        status = ranks_max_bytes(&world->link, &moves, 1);
+    }
+    if (status == PCCD_OK && near.end == 0 && !moves) {
+        return ranks_fail(&world->link, PCCD_E_INVAL,
+                          "over ranks it is not known where the last step began");
+    }
+    if (near.what == PCCD_NEAR_PAIRS) {
+        moment.settings.separation = near.distance;
+    }
+    return status == PCCD_OK ? make(world, &moment, answer) : status;
 }

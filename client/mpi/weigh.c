@@ -219,8 +219,8 @@ static int make_items(struct pccd_mpi *world, double separation, double (*const 
     return status;
 }
 
-/* Work of the last step = alone * leaves + meeting * (leaves that they meet), as nearly as
- * that can be for all ranks (least squares). Returns alone / meeting. */
+/* Work of the last step = alone * leaves + meeting * (leaves that they meet), as nearly
+ * as that can be for all ranks (least squares). Returns alone / meeting. */
 static double fit(const uint64_t *leaves, const uint64_t *met, const uint64_t *work,
                   int size)
 {

@@ -48,7 +48,7 @@ static struct {
     uint32_t memory_count;
     struct prng prng; /* the same on every rank */
     bool has_failed;
-    uint64_t steps, records;
+    uint64_t steps, nears, records;
 } test;
 
 static void stop(const char *what)
@@ -541,6 +541,45 @@ static void step(void)
     test.motion_count = test.one_motion_count = 0;
 }
 
+/* What is near where the last step ended, or where motions lead. */
+static void ask_near(void)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT, one = PCCD_ANSWER_INIT;
+    struct comparison comparison = {.record_bytes = sizeof(struct pccd_near)};
+    settings.what = chance(0.7) ? PCCD_NEAR_PAIRS : PCCD_NEAR_CROSSINGS;
+    settings.distance = chance(0.2) ? 0 : prng_between(&test.prng, 0, 0.1);
+    settings.threads = 1;
+    must(pccd_mpi_near(test.world, NULL, 0, &settings, &answer), "near");
+    test.nears++;
+    test.records += answer.total;
+    if (test.rank == 0) {
+        one_must(pccd_ask_near(test.one, test.scene, NULL, 0, &settings, &one), "near");
+        if (one.total != answer.total || one.verdict != answer.verdict ||
+            memcmp(one.counts, answer.counts, sizeof one.counts) != 0 ||
+            memcmp(one.hash, answer.hash, sizeof one.hash) != 0 ||
+            one.crossings != answer.crossings || one.what != answer.what ||
+            !answer.is_near || !same_double(one.distance_min, answer.distance_min) ||
+            !same_double(one.distance_max, answer.distance_max)) {
+            printf("# %d: total %" PRIu64 " and %" PRIu64 ", verdict %d and %d, "
+                   "crossings %" PRIu64 " and %" PRIu64 ", from %g and %g to %g and %g\n",
+                   (int)settings.what, one.total, answer.total, (int)one.verdict,
+                   (int)answer.verdict, one.crossings, answer.crossings, one.distance_min,
+                   answer.distance_min, one.distance_max, answer.distance_max);
+            fail("what is near differs");
+        }
+        comparison.records = (const char *)one.near;
+        comparison.count = one.count;
+    }
+    must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
+    if (test.rank == 0) {
+        if (comparison.differs || comparison.at != comparison.count) {
+            fail("the records of what is near differ");
+        }
+        pccd_answer_release(test.one, &one);
+    }
+}
+
 static void perform(const struct play_act *act)
 {
     struct actor *actor = &test.actors[act->object_id % OBJECTS_MAX];
@@ -566,6 +605,9 @@ static void perform(const struct play_act *act)
     case PLAY_STEP:
         ignore_some();
         step();
+        if (chance(0.4)) {
+            ask_near();
+        }
         actor = random_actor();
         if (actor != NULL && chance(0.3)) {
             change(actor);
@@ -674,8 +716,9 @@ int main(int argc, char **argv)
         MPI_Bcast(&failed, 1, MPI_INT, 0, MPI_COMM_WORLD);
     }
     if (test.rank == 0) {
-        printf("# %d ranks: %" PRIu64 " steps, %" PRIu64 " records, seed %" PRIu64 "\n",
-               test.size, test.steps, test.records, seed);
+        printf("# %d ranks: %" PRIu64 " steps, %" PRIu64 " questions, %" PRIu64
+               " records, seed %" PRIu64 "\n",
+               test.size, test.steps, test.nears, test.records, seed);
     }
     MPI_Finalize();
     return failed;
