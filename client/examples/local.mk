@@ -37,13 +37,3 @@ client_examples_two_processes_LDADD = libpccd.la
 
 TESTS += client/examples/run_examples.sh
 dist_check_SCRIPTS += client/examples/run_examples.sh
-
-# For mpirun; tests/mpi/mpi_check.sh runs it.
-if HAVE_MPI
-check_PROGRAMS += client/examples/cloth_mpi
-client_examples_cloth_mpi_SOURCES = client/examples/cloth_mpi.c
-client_examples_cloth_mpi_CPPFLAGS = $(example_cppflags) -I$(top_srcdir)/client/mpi $(MPI_CPPFLAGS)
-client_examples_cloth_mpi_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) -lm
-else
-EXTRA_DIST += client/examples/cloth_mpi.c
-endif

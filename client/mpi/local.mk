@@ -32,7 +32,7 @@ mpi_program_sources = \
     client/mpi/program/together.c client/mpi/program/together.h
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib
 
-EXTRA_DIST += client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h $(ranks_sources) \
+EXTRA_DIST += client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h client/mpi/example/cloth_mpi.c $(ranks_sources) \
     $(mpi_program_sources)
 
 if HAVE_MPI
@@ -54,4 +54,11 @@ pccd_mpi_SOURCES = $(mpi_program_sources)
 pccd_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
     $(JANSSON_CFLAGS)
 pccd_mpi_LDADD = libranks.la libctl.la libclient.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
+
+# For mpirun; tests/mpi/mpi_check.sh runs it.
+check_PROGRAMS += client/mpi/example/cloth_mpi
+client_mpi_example_cloth_mpi_SOURCES = client/mpi/example/cloth_mpi.c
+client_mpi_example_cloth_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ranks_cppflags) \
+    -iquote $(top_srcdir)/client/examples $(MPI_CPPFLAGS)
+client_mpi_example_cloth_mpi_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 endif

@@ -21,7 +21,7 @@ EXTRA_DIST += \
     debian/libpccd-direct0.install debian/libpccd-direct0.symbols \
     debian/libpccd-dev.examples debian/libpccd-dev.install \
     debian/libpccd-mpi0.install debian/libpccd-mpi0.symbols \
-    debian/libpccd-mpi-dev.install \
+    debian/libpccd-mpi-dev.install debian/libpccd-mpi-dev.examples \
     debian/pccd.install \
     debian/pccd-mpi.install \
     debian/python3-pccd.examples debian/python3-pccd.install \

@@ -63,7 +63,7 @@ tap_result $? mpi__mistake_dies_is_told_to_all_ranks "$log"
 
 # If it failed, a simulator in parts would go another way with each number of ranks.
 for count in 1 3; do
-    ranks "$count" "$top_builddir/client/examples/cloth_mpi" 100 2>&1
+    ranks "$count" "$top_builddir/client/mpi/example/cloth_mpi" 100 2>&1
 done >"$log"
 grep -q '^100 frames, [1-9][0-9]* contacts' "$log" && [ "$(sort -u "$log" | wc -l)" -eq 1 ]
 tap_result $? mpi__example_prints_one_line_for_any_number_of_ranks "$log"

@@ -39,7 +39,8 @@ client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
 client/mpi          client/lib+
 client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
-client/examples     client/lib+ client/mpi+
+client/examples     client/lib+
+client/mpi/example  client/lib+ client/mpi+ client/examples
 bench/scenes        tests/support
 bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
 bench/model         bench daemon/engine bench/scenes
@@ -108,7 +109,7 @@ client/cpp          array cstdio pccd.hpp vector
 client/ctl          jansson.h png.h xxhash.h zlib.h
 client/mpi          mpi.h xxhash.h
 client/mpi/program  mpi.h
-client/examples     mpi.h
+client/mpi/example  mpi.h
 bench               omp.h
 bench/model         omp.h
 bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h

@@ -1,6 +1,6 @@
 /* cloth_mpi.c - a cloth that falls on a ball, computed by the ranks of an MPI program.
  *
- * Room:     client/examples. May include: pccd_mpi.h.
+ * Room:     client/mpi/example. May include: pccd_mpi.h, sheet.h.
  * Does:     let each rank have some rows of the cloth, and exchange rows with its
  *           neighbours; ask libpccd-mpi what meets on the way; hold the vertices that do,
  *           and ask again, until nothing meets.
