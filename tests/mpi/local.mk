@@ -3,8 +3,8 @@
 
 mpi_test_sources = tests/mpi/misuse.c tests/mpi/same_as_one.c
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/ranks.sh
-TESTS += tests/mpi/mpi_check.sh
-dist_check_SCRIPTS += tests/mpi/mpi_check.sh
+TESTS += tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh
+dist_check_SCRIPTS += tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh
 if HAVE_MPI
 check_PROGRAMS += tests/mpi/misuse tests/mpi/same_as_one
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
@@ -25,7 +25,8 @@ mpi-check:
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
-	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 TESTS=tests/mpi/mpi_check.sh || exit 1; \
+	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 \
+	        TESTS='tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh' || exit 1; \
 	    cd ../..; \
 	done
 clean-local: clean-mpi

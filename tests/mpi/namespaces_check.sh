@@ -1,0 +1,70 @@
+#!/bin/bash
+# namespaces_check.sh - each rank in a network of its own: the same bytes, over TCP.
+#
+# Room:     client/mpi, from outside.
+# Does:     make three network namespaces on a bridge, in a network and a mount namespace that
+#           end with the test; have Open MPI start a rank in each, as on three machines, and
+#           perform random plays, which compare with one process.
+# Needs:    a build with --with-mpi=openmpi, ip, and the right to make namespaces; else it is
+#           skipped by name.
+
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+name=mpi__ranks_in_networks_of_their_own_answer_as_one_process
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-mpi-XXXXXX") || exit 99
+trap 'rm -rf "$work"' EXIT
+log=$work/log
+plays=4
+[ "${PCCD_MPI_ALL:-0}" = 0 ] || plays=60
+
+# What runs inside: it makes the networks, then starts a rank in each. Exit status 77: it may
+# not.
+cat >"$work/inside.sh" <<'END'
+mount -t tmpfs none /run && mkdir /run/netns && ip link set lo up &&
+    ip link add bridge type bridge && ip address add 10.77.0.100/24 dev bridge &&
+    ip link set bridge up || exit 77
+for i in 1 2 3; do
+    ip netns add "rank$i" && ip link add "at$i" type veth peer name wire netns "rank$i" &&
+        ip link set "at$i" master bridge up &&
+        ip -n "rank$i" address add "10.77.0.$i/24" dev wire &&
+        ip -n "rank$i" link set wire up && ip -n "rank$i" link set lo up || exit 77
+done
+# Open MPI calls it in the place of ssh: AGENT HOST COMMAND...
+cat >/run/agent <<'AGENT'
+#!/bin/bash
+host=$1
+shift
+exec ip netns exec "$host" unshare -u bash -c "hostname $host; $*"
+AGENT
+chmod +x /run/agent
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+unshare -u bash -c 'hostname starter && exec timeout -k 5 100 "$@"' sh \
+    "$MPIEXEC" --mca plm_rsh_agent /run/agent --mca btl tcp,self \
+    --mca btl_tcp_if_include 10.77.0.0/24 --mca oob_tcp_if_include 10.77.0.0/24 \
+    --mca mpi_yield_when_idle 1 -H rank1,rank2,rank3 -n 3 "$@" || exit 1
+# All of it went over the bridge: more than starting the ranks takes.
+bytes=$(cat /sys/class/net/at2/statistics/rx_bytes 2>/dev/null ||
+    ip -s link show at2 | awk '/RX:/ { getline; print $1 }')
+echo "rank 2 has sent $bytes bytes"
+[ "$bytes" -gt 100000 ]
+END
+
+if [ "${PCCD_MPI:-no}" != openmpi ]; then
+    tap_skip "$name" "no --with-mpi=openmpi"
+elif ! command -v ip >/dev/null; then
+    tap_skip "$name" "no ip (iproute2)"
+else
+    unshare --net --mount --propagation private bash "$work/inside.sh" \
+        "$top_builddir/tests/mpi/same_as_one" $plays 60 31 >"$log" 2>&1
+    status=$?
+    if [ $status -eq 77 ] || grep -q 'unshare failed' "$log"; then
+        tap_skip "$name" "this user may not make networks"
+    else
+        # If it failed, ranks on several machines could answer otherwise than on one.
+        tap_result $status "$name" "$log"
+    fi
+fi
+tap_end
