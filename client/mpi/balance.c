@@ -56,6 +56,8 @@ void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_n
 
 bool balance_wants_cut(const struct pccd_mpi *world)
 {
-    return world->link.size > 1 && world->share.imbalance > IMBALANCE_MAX &&
+    return world->link.size > 1 &&
+           world->is_covered && /* else leaves cannot be weighed */
+           world->share.imbalance > IMBALANCE_MAX &&
            (world->share.cuts < 2 || world->lost_ns > (double)world->cut_ns);
 }
