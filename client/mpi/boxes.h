@@ -52,8 +52,7 @@ static inline float ranks_float_above(double x)
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
 /* The box in which a vertex is in a step from x0 to x1, will be in the next one if it
- * goes on like this, and some more: `way` is what vertices of its object move, on
- * average. */
+ * goes on like this, and half of `way` more. */
 #define RANKS_MORE 0.5
 static inline void ranks_cover(const double x0[3], const double x1[3], double way,
                                float box[6])

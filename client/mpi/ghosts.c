@@ -20,6 +20,12 @@
 
 #define WAY_UNITS (1 << 20)
 
+/* What moves slowly gets room for so many steps, up to this part of the size of its
+ * leaves: so ghosts stay right for some steps, and are not many more. */
+#define ROOM_STEPS   16.0
+#define ROOM_PART    0.5
+#define SIZE_SAMPLES 1024u
+
 /* A ghost under way. */
 struct visitor {
     uint32_t object;
@@ -108,6 +114,46 @@ static int find_ways(struct pccd_mpi *world, double *ways)
     return status;
 }
 
+/* How large leaves of the object are here: the mean side of some. */
+static int measure(struct pccd_mpi *world, const struct ranks_object *object,
+                   const double (*x)[3], double *size)
+{
+    uint32_t count = object->own_count < SIZE_SAMPLES ? object->own_count : SIZE_SAMPLES;
+    uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
+    int status = corners == NULL ? ranks_no_memory(world)
+                                 : ranks_local_corners(world, &object->local, object->own,
+                                                       count, corners);
+    double sum = 0;
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        const double *a = x[corners[i][0]], *b = x[corners[i][1]];
+        sum += fmax(fabs(a[0] - b[0]), fmax(fabs(a[1] - b[1]), fabs(a[2] - b[2])));
+    }
+    *size = count > 0 ? sum / count : DBL_MAX;
+    free(corners);
+    return status;
+}
+
+/* From the ways of vertices to how much room they get; the smallest size of all ranks
+ * counts. */
+static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], double *ways)
+{
+    uint32_t objects = world->object_count;
+    double *sizes = ranks_array(objects, sizeof *sizes);
+    int status = sizes == NULL ? ranks_no_memory(world) : PCCD_OK;
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        status = measure(world, world->objects[o], (const double(*)[3])x[o], &sizes[o]);
+    }
+    status = ranks_agree_on(&world->link, status);
+    if (status == PCCD_OK) {
+        status = ranks_min_doubles(&world->link, sizes, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        ways[o] = fmax(ways[o], fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o]));
+    }
+    free(sizes);
+    return status;
+}
+
 /* Of each given vertex of the object: the box within which it may be. */
 static int cover(struct pccd_mpi *world, struct ranks_object *object, double way)
 {
@@ -169,7 +215,10 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
         status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
     }
     free((void *)given);
-    return status == PCCD_OK ? find_ways(world, choice->ways) : status;
+    if (status == PCCD_OK) {
+        status = find_ways(world, choice->ways);
+    }
+    return status == PCCD_OK ? find_rooms(world, choice->x0, choice->ways) : status;
 }
 
 /* ---- who needs what --------------------------------------------------------------- */
