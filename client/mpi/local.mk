@@ -32,7 +32,7 @@ mpi_program_sources = \
     client/mpi/program/together.c client/mpi/program/together.h
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib
 
-EXTRA_DIST += client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h client/mpi/example/cloth_mpi.c $(ranks_sources) \
+EXTRA_DIST += client/mpi/README.md client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h client/mpi/example/cloth_mpi.c $(ranks_sources) \
     $(mpi_program_sources)
 
 if HAVE_MPI
