@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import ctypes
 from ctypes import byref
-from typing import Any, Iterable, List, NamedTuple, Optional, Sequence, Union
+from dataclasses import dataclass
+from typing import Any, Iterable, List, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -25,7 +26,8 @@ _ANSWER_BYTES = ctypes.sizeof(abi.pccd_batch_answer)
 _scenes: Any = abi.pccd_batch_answer.scenes
 
 
-class Part(NamedTuple):
+@dataclass(frozen=True)
+class Part:
     """What moves in a scene: `count` vertices of an object, from `first` on. object = 0:
     nothing moves in the scene."""
 
@@ -113,9 +115,9 @@ class Batch:
     The parts of one scene stand one behind the other.
     """
 
-    def __init__(self, client: Any, parts: Iterable[Part]) -> None:
+    def __init__(self, client: Any, parts: Iterable[Union[Part, Sequence[Any]]]) -> None:
         self._client = client
-        self._parts = [Part(*part) for part in parts]
+        self._parts = [part if isinstance(part, Part) else Part(*part) for part in parts]
         self._handle = ctypes.c_void_p()
         structs = (abi.pccd_batch_part * max(1, len(self._parts)))()
         for struct, part in zip(structs, self._parts):
@@ -151,9 +153,11 @@ class Batch:
 
     def _all(self) -> NDArray[Any]:
         """Of parts that are alike: one array (parts, count, 3) over all of them."""
-        part, base = self._parts[0], self._x1[0]
+        part, base = self._parts[0], self._x1[0] or 0
         itemsize = np.dtype(part.dtype).itemsize
-        apart = self._x1[1] - base if len(self._parts) > 1 else 3 * part.count * itemsize
+        apart = 3 * part.count * itemsize
+        if len(self._parts) > 1:
+            apart = (self._x1[1] or 0) - base
         flat = self._client._memory.array(base, part.dtype,
                                           apart * len(self._parts) // itemsize,
                                           writable=True)
