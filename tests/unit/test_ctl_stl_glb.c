@@ -250,6 +250,8 @@ static void glb__names_what_it_does_not_read(void **state)
         {FILE_OF(",\"rotation\":[1,0,0,0]", "", "3"), PCCD_E_FORMAT,
          ": node 0 is turned, scaled or has a matrix: apply that first"},
         {FILE_OF(",\"scale\":[1,2,1]", "", "3"), PCCD_E_FORMAT, ": node 0 is turned"},
+        {FILE_OF("", "", "0"), PCCD_E_FORMAT, ": no vertices"},
+        {FILE_OF("", ",\"indices\":1", "0"), PCCD_E_INDEX, ": index 2 of 0 vertices"},
         {FILE_OF("", "", "4"), PCCD_E_FORMAT, ": 4 corners where 3 make a feature"},
         {FILE_OF("", "", "5"), PCCD_E_FORMAT, ": accessor 0 goes beyond the file's data"},
         {FILE_OF("", ",\"indices\":1", "3"), PCCD_E_INDEX, ": index 3 of 3 vertices"},

@@ -256,6 +256,9 @@ static int read_vertices(struct glb_reader *reader, const json_t *primitive,
     struct accessor positions;
     int status = find(reader, index, "VEC3", &positions);
     *count = status == PCCD_OK ? positions.count : 0;
+    if (status == PCCD_OK && *count == 0) {
+        return PCCD_OK; /* nothing is read, and there may be no memory yet */
+    }
     if (status == PCCD_OK && reader->base_of[index] == reader->visited) {
         *first = reader->base[index];
         return PCCD_OK;
