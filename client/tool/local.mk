@@ -2,6 +2,7 @@
 
 noinst_LTLIBRARIES += libtools.la
 libtools_la_SOURCES = \
+    client/tool/file_name.c client/tool/file_name.h \
     client/tool/shown.c client/tool/shown.h \
     client/tool/whole_file.c client/tool/whole_file.h
 tool_cppflags = -iquote $(top_srcdir)/client/tool $(text_cppflags)

@@ -9,9 +9,9 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "ctl.h"
+#include "file_name.h"
 #include "gltf.h"
 #include "output.h"
 #include "play_options.h"
@@ -41,12 +41,6 @@ static const struct argp_option option_list[] = {
     {0},
 };
 
-static bool ends_with(const char *text, const char *end)
-{
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && strcmp(text + length - tail, end) == 0;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct export *export = state->input;
@@ -55,7 +49,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &export->options;
         return 0;
     case OPTION_OUTPUT:
-        if (!ends_with(text, ".glb") && !ends_with(text, ".vtp")) {
+        if (!tool_ends_with(text, ".glb") && !tool_ends_with(text, ".vtp")) {
             tool_misused(state, "-o: \"%s\" ends with neither .glb nor .vtp", text);
         }
         export->path = text;
@@ -102,7 +96,7 @@ static int write_still(const struct export *export, const struct still *still,
                                      "step %" PRIu64 " is of a scene without objects",
                                      still->step);
     if (status == PCCD_OK) {
-        status = ends_with(export->path, ".glb")
+        status = tool_ends_with(export->path, ".glb")
                      ? gltf_write(still, file.to, export->path, error)
                      : vtp_write(still, file.to, export->path, error);
     }

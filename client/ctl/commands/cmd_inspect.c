@@ -10,9 +10,9 @@
 #include <inttypes.h>
 #include <jansson.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "ctl.h"
+#include "file_name.h"
 #include "inspect.h"
 #include "json_text.h"
 #include "output.h"
@@ -63,12 +63,6 @@ static const struct argp_option option_list[] = {
     {0},
 };
 
-static bool ends_with(const char *text, const char *end)
-{
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && strcmp(text + length - tail, end) == 0;
-}
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct command *command = state->input;
@@ -77,7 +71,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &command->options;
         return 0;
     case OPTION_OUTPUT:
-        if (!ends_with(text, ".html")) {
+        if (!tool_ends_with(text, ".html")) {
             tool_misused(state, "-o: \"%s\" does not end with .html", text);
         }
         command->path = text;
@@ -124,12 +118,6 @@ const struct argp ctl_argp_inspect = {
     .children = children};
 
 /* ---- the page ---------------------------------------------------------------------- */
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL && slash[1] != '\0' ? slash + 1 : path;
-}
 
 static void print_done(const struct command *command, const struct inspect *inspect,
                        const struct play_summary *summary, uint64_t bytes)
@@ -198,7 +186,8 @@ static int write_page(struct command *command, struct whole_file *file,
                                summary->last_step);
     }
     if (status == PCCD_OK) {
-        status = inspect_finish(inspect, base_name(play_settings->path), summary, error);
+        status =
+            inspect_finish(inspect, tool_base_name(play_settings->path), summary, error);
     }
     return status;
 }

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "ctl.h"
+#include "file_name.h"
 #include "json_text.h"
 #include "output.h"
 #include "plural.h"
@@ -68,12 +69,6 @@ static const struct argp_option option_list[] = {
      0},
     {0},
 };
-
-static bool ends_with(const char *text, const char *end)
-{
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && strcmp(text + length - tail, end) == 0;
-}
 
 /* "A,B" or "AxB" */
 static void parse_two(const struct argp_state *state, const char *name, const char *text,
@@ -156,8 +151,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         state->child_inputs[0] = &render->options;
         return 0;
     case OPTION_OUTPUT:
-        render->is_film = ends_with(text, ".apng");
-        if (!render->is_film && !ends_with(text, ".png") && !ends_with(text, ".svg")) {
+        render->is_film = tool_ends_with(text, ".apng");
+        if (!render->is_film && !tool_ends_with(text, ".png") &&
+            !tool_ends_with(text, ".svg")) {
             tool_misused(state, "-o: \"%s\" ends with neither .png, .svg nor .apng",
                          text);
         }

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "file_name.h"
 #include "pccd_types.h"
 #include "picture.h"
 #include "picture_canvas.h"
@@ -72,12 +73,6 @@ static int save_svg(const struct picture *picture, const struct picture_canvas *
     return status;
 }
 
-static bool is_svg(const char *path)
-{
-    size_t length = strlen(path);
-    return length > 4 && strcmp(path + length - 4, ".svg") == 0;
-}
-
 /* Marks and legend over the meshes, as pixels. */
 static void finish(const struct picture *picture, struct picture_canvas *canvas)
 {
@@ -105,7 +100,7 @@ int picture_write(const struct picture *picture, FILE *file, const char *path,
 {
     struct picture_canvas canvas = {.width = 0};
     int status = draw(picture, &canvas, path, error);
-    if (status == PCCD_OK && is_svg(path)) {
+    if (status == PCCD_OK && tool_ends_with(path, ".svg")) {
         picture_halve(&canvas);
         status = save_svg(picture, &canvas, file, path, error);
     } else if (status == PCCD_OK) {

@@ -13,16 +13,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "file_name.h"
 #include "player.h"
 #include "terminal.h"
 
 #define NAME_PART 100 /* bytes of each file's name */
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? slash + 1 : path;
-}
 
 /* A folder of our own, and the recording's path there. */
 static int make_folder(struct frames_recording *recording, char *const *files,
@@ -43,9 +38,9 @@ static int make_folder(struct frames_recording *recording, char *const *files,
         recording->folder[0] = '\0';
         return status;
     }
-    snprintf(name, sizeof name, "%.*s%s%.*s", NAME_PART, base_name(files[0]),
+    snprintf(name, sizeof name, "%.*s%s%.*s", NAME_PART, tool_base_name(files[0]),
              count > 1 ? " to " : "", count > 1 ? NAME_PART : 0,
-             base_name(files[count - 1]));
+             tool_base_name(files[count - 1]));
     snprintf(recording->path, sizeof recording->path, "%.*s/%s", length,
              recording->folder, name);
     return PCCD_OK;
