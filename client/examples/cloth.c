@@ -21,11 +21,7 @@ static void make(void)
 {
     const double table[3][3] = {{-.3, -.3, 0}, {.3, -.3, 0}, {0, .3, 0}};
 
-    for (uint32_t i = 0; i < CLOTH; i++) {
-        x[i][0] = (i % SIDE) / (SIDE - 1.0) - 0.47;
-        x[i][1] = (i / SIDE) / (SIDE - 1.0) - 0.52;
-        x[i][2] = 0.05;
-    }
+    sheet_flat(SIDE, -0.47, -0.52, 0.05, x);
     sheet_triangles(SIDE, triangles);
     memcpy(triangles[TRIANGLES - 1], (uint32_t[]){CLOTH, CLOTH + 1, CLOTH + 2}, 12);
     memcpy(x[CLOTH], table, sizeof table);
@@ -36,20 +32,17 @@ static void make(void)
 /* Along the normal, which points from b to a. Each is a weighted sum of vertices. */
 static void push(const struct pccd_contact *c)
 {
-    double p = (double)c->param[0], q = (double)c->param[1], gap = -GAP, sum = 0;
-    int vf = c->kind == PCCD_VF;
-    const uint32_t *b = triangles[vf ? c->feature_b : 0];
-    struct pccd_edge d = edges[vf ? 0 : c->feature_a], e = edges[vf ? 0 : c->feature_b];
-    uint32_t v[2][4] = {{d.a, d.b, e.a, e.b}, {c->feature_a, b[0], b[1], b[2]}};
-    double w[2][4] = {{1 - p, p, q - 1, -q}, {1, p + q - 1, -p, -q}};
+    double w[4], gap = -GAP, sum = 0;
+    uint32_t v[4];
 
+    contact_corners(c, edges, edges, triangles, v, w);
     for (int i = 0; i < 12; i++) {
-        gap += w[vf][i / 3] * end[v[vf][i / 3]][i % 3] * (double)c->normal[i % 3];
-        sum += v[vf][i / 3] < CLOTH ? w[vf][i / 3] * w[vf][i / 3] / 3 : 0;
+        gap += w[i / 3] * end[v[i / 3]][i % 3] * (double)c->normal[i % 3];
+        sum += v[i / 3] < CLOTH ? w[i / 3] * w[i / 3] / 3 : 0;
     }
     for (int i = 0; i < 12 && gap < 0; i++) {
-        double share = v[vf][i / 3] < CLOTH ? w[vf][i / 3] / sum : 0; /* no table moves */
-        end[v[vf][i / 3]][i % 3] -= share * gap * (double)c->normal[i % 3];
+        double share = v[i / 3] < CLOTH ? w[i / 3] / sum : 0; /* no table moves */
+        end[v[i / 3]][i % 3] -= share * gap * (double)c->normal[i % 3];
     }
 }
 

@@ -8,6 +8,7 @@ example_names = \
     client/examples/cloth \
     client/examples/cloth_near \
     client/examples/cloth_thick \
+    client/examples/game_balls \
     client/examples/game_loop \
     client/examples/two_processes
 noinst_HEADERS += client/examples/sheet.h
@@ -28,6 +29,9 @@ client_examples_cloth_thick_LDADD = libpccd.la -lm
 client_examples_cloth_near_SOURCES = client/examples/cloth_near.c
 client_examples_cloth_near_CPPFLAGS = $(example_cppflags)
 client_examples_cloth_near_LDADD = libpccd.la -lm
+client_examples_game_balls_SOURCES = client/examples/game_balls.c
+client_examples_game_balls_CPPFLAGS = $(example_cppflags)
+client_examples_game_balls_LDADD = libpccd.la -lm
 client_examples_game_loop_SOURCES = client/examples/game_loop.c
 client_examples_game_loop_CPPFLAGS = $(example_cppflags)
 client_examples_game_loop_LDADD = libpccd.la -lm

@@ -1,9 +1,10 @@
-/* sheet.h - a square sheet of triangles for the examples, and what they do about errors.
+/* sheet.h - what examples have in common: sheets and balls of triangles, the points of
+ * a contact, and what to do about errors.
  *
  * Room:     client/examples. May include: pccd.h.
  * Does:     number the triangles of a grid of side x side vertices, and let it fall as a
- *           cloth that keeps its size; print the error and end the program when a call of
- *           the library has failed.
+ *           cloth that keeps its size; make a ball; say where a contact's points are;
+ *           print the error and end the program when a call of the library has failed.
  * Threads:  one.
  */
 #ifndef EXAMPLE_SHEET_H
@@ -35,6 +36,17 @@ static inline void sheet_triangles(uint32_t side, uint32_t (*triangles)[3])
     }
 }
 
+/* A flat sheet of side 1 whose first corner is at (x, y, z). */
+static inline void sheet_flat(uint32_t side, double x, double y, double z,
+                              double (*at)[3])
+{
+    for (uint32_t i = 0; i < side * side; i++) {
+        at[i][0] = (i % side) / (side - 1.0) + x;
+        at[i][1] = (i / side) / (side - 1.0) + y;
+        at[i][2] = z;
+    }
+}
+
 /* A sheet of side 1 a little above the upper sixth of a ball, a face of a cube that is
  * brought to its radius: 2 side^2 vertices, those of the sheet first, and twice the
  * triangles of a sheet. */
@@ -48,14 +60,74 @@ static inline void sheet_and_ball(uint32_t side, double radius, double (*x)[3],
     for (uint32_t i = 0; i < 3 * faces; i++) {
         triangles[faces + i / 3][i % 3] += count;
     }
+    sheet_flat(side, -0.47, -0.52, radius + 0.02, x);
     for (uint32_t i = 0; i < count; i++) {
         double u = (i % side) / (side - 1.0), v = (i / side) / (side - 1.0);
         double cube[3] = {2 * u - 1, 2 * v - 1, 1};
         double length = sqrt(cube[0] * cube[0] + cube[1] * cube[1] + 1);
-        memcpy(x[i], (double[]){u - 0.47, v - 0.52, radius + 0.02}, sizeof x[i]);
         for (int k = 0; k < 3; k++) {
             x[count + i][k] = radius * cube[k] / length;
         }
+    }
+}
+
+/* A ball as a globe: rings x round + 2 vertices, the poles first and last, and
+ * 2 rings x round triangles. */
+static inline void ball_make(uint32_t rings, uint32_t round, double radius,
+                             const double centre[3], double (*x)[3],
+                             uint32_t (*triangles)[3])
+{
+    const double pi = 3.14159265358979;
+    uint32_t last = rings * round + 1;
+
+    for (uint32_t v = 0; v <= last; v++) {
+        double up = pi * ((v + round - 1) / round) / (rings + 1);
+        double around = 2 * pi * ((v + round - 1) % round) / round;
+        x[v][0] = centre[0] + radius * sin(up) * cos(around);
+        x[v][1] = centre[1] + radius * sin(up) * sin(around);
+        x[v][2] = centre[2] - radius * cos(up);
+    }
+    for (uint32_t v = 1; v < last; v++) { /* below the edge to the next, and above it */
+        uint32_t next = v % round == 0 ? v + 1 - round : v + 1;
+        uint32_t below = v <= round ? 0 : next - round;
+        uint32_t above = v + round < last ? v + round : last;
+        memcpy(triangles[2 * v - 2], (uint32_t[]){v, below, next}, 12);
+        memcpy(triangles[2 * v - 1], (uint32_t[]){v, next, above}, 12);
+    }
+}
+
+/* The points of a contact as sums: that of side a less that of side b is the sum of
+ * w[i] x[v[i]]. Returns how many of the four vertices are of side a. */
+static inline int contact_corners(const struct pccd_contact *c,
+                                  const struct pccd_edge *edges_a,
+                                  const struct pccd_edge *edges_b,
+                                  uint32_t (*triangles_b)[3], uint32_t v[4], double w[4])
+{
+    double p = (double)c->param[0], q = (double)c->param[1];
+
+    if (c->kind == PCCD_VF) {
+        const uint32_t *b = triangles_b[c->feature_b];
+        memcpy(v, (uint32_t[]){c->feature_a, b[0], b[1], b[2]}, 4 * sizeof v[0]);
+        memcpy(w, (double[]){1, p + q - 1, -p, -q}, 4 * sizeof w[0]);
+        return 1;
+    }
+    const struct pccd_edge *a = &edges_a[c->feature_a], *b = &edges_b[c->feature_b];
+    memcpy(v, (uint32_t[]){a->a, a->b, b->a, b->b}, 4 * sizeof v[0]);
+    memcpy(w, (double[]){1 - p, p, q - 1, -q}, 4 * sizeof w[0]);
+    return 2;
+}
+
+/* End the program if anything is nearer than the thicknesses say, or crosses. */
+static inline void nothing_is_near(struct pccd_client *client, uint32_t scene)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+    for (int k = 0; k < 2; k++) {
+        settings.what = k == 0 ? PCCD_NEAR_PAIRS : PCCD_NEAR_CROSSINGS;
+        ok(client, pccd_ask_near(client, scene, NULL, 0, &settings, &answer));
+        ok(client, answer.incomplete != 0 || answer.total > 0);
+        pccd_answer_release(client, &answer);
     }
 }
 

@@ -46,7 +46,7 @@ clean-python:
 .PHONY: clean-python
 EXTRA_DIST += client/python/abi.awk client/python/example_cloth.py \
     client/python/example_cloth_near.py client/python/example_cloth_thick.py \
-    client/python/example_shared.py
+    client/python/example_game_balls.py client/python/example_shared.py
 
 # For people who have no compiler: pip install FILE, also without a network.
 wheel: all
