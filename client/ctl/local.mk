@@ -122,7 +122,7 @@ pccdctl_CPPFLAGS = $(libctl_la_CPPFLAGS)
 pccdctl_LDADD = libctl.la libclient.la liboracle.la $(JANSSON_LIBS) $(PNG_LIBS) $(LIBM)
 
 # Of README.md; client/README.md has the command that drew it.
-EXTRA_DIST += client/ctl/picture/cloth.png
+EXTRA_DIST += client/ctl/picture/cloth.apng
 
 # Completion, where the shells look for it: the program itself knows its options.
 bashcompletiondir = $(datadir)/bash-completion/completions

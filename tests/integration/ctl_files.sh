@@ -100,8 +100,17 @@ if command -v python3 >/dev/null; then
 else
     tap_skip files__film_is_an_animated_png "no python3"
 fi
+timeout 60 "$PCCDCTL" render --size 64x64 --every 2 -o film.apng a.obj b.obj a.obj b.obj >"$log" 2>&1 &&
+    grep -qx 'film.apng: 2 steps' "$log" &&
+    timeout 60 "$PCCDCTL" render --size 64x64 --first-tries -o film.apng a.obj a.obj a.obj b.obj a.obj >"$log" 2>&1 &&
+    grep -qx 'film.apng: 2 steps' "$log"
+# If it failed, a film of a program that tries each frame again and again would flicker.
+tap_result $? files__film_leaves_out_further_tries "$log"
 ! "$PCCDCTL" render --at 'contact 1' -o no.apng some.rec 2>"$log" && grep -q 'a film is of steps' "$log" &&
     ! "$PCCDCTL" render --rate 3 -o no.png some.rec 2>"$log" && grep -q 'rate is of a film' "$log" &&
+    ! "$PCCDCTL" render --every 3 -o no.png some.rec 2>"$log" && grep -q 'every is of a film' "$log" &&
+    ! "$PCCDCTL" render --first-tries -o no.png some.rec 2>"$log" && grep -q 'first-tries is of a film' "$log" &&
+    ! "$PCCDCTL" render --first-tries --time 1 -o no.apng some.rec 2>"$log" && grep -q 'no --time' "$log" &&
     [ ! -e no.apng ] && [ ! -e no.png ]
 # If it failed, an option would be taken and do nothing.
 tap_result $? files__film_refuses_what_it_has_not "$log"

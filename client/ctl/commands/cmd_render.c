@@ -13,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include "ctl.h"
 #include "file_name.h"
@@ -37,6 +39,8 @@ enum {
     OPTION_NEAR,
     OPTION_THICK,
     OPTION_RATE,
+    OPTION_EVERY,
+    OPTION_FIRST_TRIES,
     OPTION_OUTPUT = 'o'
 };
 
@@ -46,6 +50,11 @@ static const struct argp_option option_list[] = {
      "text; FILE.apng, a film of all steps, which browsers show",
      0},
     {"rate", OPTION_RATE, "N", 0, "Steps a second of a film (default: 25)", 0},
+    {"every", OPTION_EVERY, "N", 0, "In a film, show every N-th step (default: 1)", 0},
+    {"first-tries", OPTION_FIRST_TRIES, NULL, 0,
+     "In a film, show steps at their beginning with what meets on their way, and leave "
+     "out one that begins where the last one did: another try of the same frame",
+     0},
     {"time", OPTION_TIME, "T", 0, "Show the step at time T, 0 to 1 (default: 1, its end)",
      0},
     {"view", OPTION_VIEW, "A,E", 0,
@@ -143,6 +152,29 @@ static void parse_at(struct argp_state *state, const char *text, struct render *
     }
 }
 
+static void refuse_what_contradicts(const struct argp_state *state,
+                                    const struct render *render)
+{
+    if (render->path == NULL) {
+        tool_misused(state, "-o FILE.png, .svg or .apng says what to draw");
+    }
+    if ((render->rate > 0 || render->every > 0) && !render->is_film) {
+        tool_misused(state, "--%s is of a film: -o FILE.apng",
+                     render->rate > 0 ? "rate" : "every");
+    }
+    if (render->is_film && (render->is_near || render->contact > 0)) {
+        tool_misused(state, "a film is of steps: neither --near nor --at contact N");
+    }
+    if (render->has_first_tries && (!render->is_film || !isnan(render->t))) {
+        tool_misused(state, "--first-tries is of a film, -o FILE.apng, that shows "
+                            "beginnings: no --time");
+    }
+    if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
+        tool_misused(state, "--near is of one moment, and has no contacts: neither "
+                            "--time nor --at contact N");
+    }
+}
+
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct render *render = state->input;
@@ -161,6 +193,12 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_RATE:
         render->rate = (uint32_t)ctl_option_count(state, "rate", text, 1, RATE_MAX);
+        return 0;
+    case OPTION_EVERY:
+        render->every = (uint32_t)ctl_option_count(state, "every", text, 1, UINT32_MAX);
+        return 0;
+    case OPTION_FIRST_TRIES:
+        render->has_first_tries = true;
         return 0;
     case OPTION_TIME:
         render->t = ctl_option_real(state, "time", text, 0, 1);
@@ -187,19 +225,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         parse_size(state, text, render);
         return 0;
     case ARGP_KEY_END:
-        if (render->path == NULL) {
-            tool_misused(state, "-o FILE.png, .svg or .apng says what to draw");
-        }
-        if (render->rate > 0 && !render->is_film) {
-            tool_misused(state, "--rate is of a film: -o FILE.apng");
-        }
-        if (render->is_film && (render->is_near || render->contact > 0)) {
-            tool_misused(state, "a film is of steps: neither --near nor --at contact N");
-        }
-        if (render->is_near && (!isnan(render->t) || render->contact > 0)) {
-            tool_misused(state, "--near is of one moment, and has no contacts: neither "
-                                "--time nor --at contact N");
-        }
+        refuse_what_contradicts(state, render);
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -234,13 +260,42 @@ struct shooting {
     const struct render *render;
     double low[3], high[3]; /* of the box around all steps */
     uint32_t frame_count;
+    uint64_t step_count; /* that could be shown, --every aside */
+    uint64_t begins; /* digest of the places where the last step that was met begins */
     struct film film;
 };
+
+/* Does it begin elsewhere than the last step that was asked about? */
+static bool begins_anew(struct shooting *shooting, const struct still *still)
+{
+    uint64_t begins = 1;
+    for (uint32_t o = 0; o < still->object_count; o++) {
+        const struct still_object *object = &still->objects[o];
+        begins = XXH3_64bits_withSeed(object->x, sizeof *object->x * object->vertex_count,
+                                      begins ^ object->handle);
+    }
+    bool is_new = begins != shooting->begins;
+    shooting->begins = begins;
+    return is_new;
+}
+
+/* Asked once for each step of a pass. */
+static bool is_shown(struct shooting *shooting, const struct still *still)
+{
+    const struct render *render = shooting->render;
+    if (render->has_first_tries && !begins_anew(shooting, still)) {
+        return false;
+    }
+    return shooting->step_count++ % (render->every > 0 ? render->every : 1) == 0;
+}
 
 /* Room for a step, first, so that all of them are seen from one place. */
 static int measure(void *context, const struct still *still, struct ctl_error *error)
 {
     struct shooting *shooting = context;
+    if (!is_shown(shooting, still)) {
+        return PCCD_OK;
+    }
     if (shooting->frame_count++ == FILM_FRAMES_MAX) {
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: a film has at most %u steps",
                              shooting->render->path, FILM_FRAMES_MAX);
@@ -261,6 +316,9 @@ static int shoot(void *context, const struct still *still, struct ctl_error *err
 {
     struct shooting *shooting = context;
     float bounds[2][3];
+    if (!is_shown(shooting, still)) {
+        return PCCD_OK;
+    }
     for (uint32_t k = 0; k < 3; k++) {
         bounds[0][k] = (float)(shooting->low[k] - still->origin[k]);
         bounds[1][k] = (float)(shooting->high[k] - still->origin[k]);
@@ -291,7 +349,7 @@ static int make_film(const struct render *render, struct whole_file *file,
                                 .low = {INFINITY, INFINITY, INFINITY},
                                 .high = {-INFINITY, -INFINITY, -INFINITY}};
     struct play_settings settings = render->options.play;
-    double t = isnan(render->t) ? 1 : render->t;
+    double t = render->has_first_tries ? 0 : isnan(render->t) ? 1 : render->t;
     settings.only_last = false;
     settings.needs_records = false;
     int status = still_each(&settings, t, measure, &shooting, summary, error);
@@ -304,6 +362,8 @@ static int make_film(const struct render *render, struct whole_file *file,
         status = output_open(file, render->path, false, error);
     }
     if (status == PCCD_OK) {
+        shooting.begins = 0;
+        shooting.step_count = 0;
         film_begin(&shooting.film, file->to, render->path, shooting.frame_count,
                    render->rate > 0 ? render->rate : RATE);
         status = still_each(&settings, t, shoot, &shooting, summary, error);

@@ -26,7 +26,9 @@ struct render {
     bool is_near; /* what is near, and not contacts */
     bool is_thick;
     bool is_film;
-    uint32_t rate; /* of a film: pictures a second; 0: not given */
+    bool has_first_tries; /* of a film: one step for each place where steps begin */
+    uint32_t rate;  /* of a film: pictures a second; 0: not given */
+    uint32_t every; /* a film has each N-th step; 0: not given */
 };
 
 /* To `film`, seen within the box `bounds`; or, where there is none, to `file`. Errors:

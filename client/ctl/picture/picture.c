@@ -26,6 +26,7 @@
 #define LINE_WIDTH  0.35f /* picture pixels */
 #define ROD_LEAST   1.1f  /* radius of a rod, picture pixels */
 #define POINT_LEAST 2.0f  /* of a point */
+#define SMALL       640u  /* a picture is, if it has fewer pixels from side to side */
 /* Pixels that balls and capsules take together, a minute: as many as if each of 10^5
  * triangles took the fourth part of a hundredth of the picture. */
 #define PIXELS_MAX 10000000000u
@@ -384,10 +385,11 @@ void picture_draw_marks(const struct picture *picture, struct picture_canvas *ca
     }
 }
 
-/* A bar of the groups' colours below `y`, with what its ends mean. */
-static void draw_scale(const struct picture *picture, struct raster *raster, uint32_t y)
+/* A bar of the groups' colours below `y`, with what its ends mean. A letter is 10 units
+ * wide. */
+static void draw_scale(const struct picture *picture, struct raster *raster, uint32_t y,
+                       uint32_t unit)
 {
-    const uint32_t unit = PICTURE_OVERSAMPLING;
     const uint32_t left = 28 * unit, wide = 200 * unit, high = 12 * unit;
     raster_text(raster, left, y, 2 * unit, picture_ink, picture->scale->title);
     y += 22 * unit;
@@ -404,26 +406,28 @@ static void draw_scale(const struct picture *picture, struct raster *raster, uin
 
 void picture_draw_legend(const struct picture *picture, struct picture_canvas *canvas)
 {
-    const uint32_t scale = 2 * PICTURE_OVERSAMPLING;
-    const uint32_t left = 28 * PICTURE_OVERSAMPLING;
-    uint32_t y = 26 * PICTURE_OVERSAMPLING;
+    /* In a small picture the words would hide what it is of. */
+    const uint32_t unit =
+        canvas->width < SMALL ? PICTURE_OVERSAMPLING / 2 : PICTURE_OVERSAMPLING;
+    const uint32_t scale = 2 * unit, left = 28 * unit;
+    uint32_t y = 26 * unit;
     raster_text(&canvas->raster, left, y, scale, picture_ink, picture->title);
     for (uint32_t i = 0; i < picture->group_count; i++) {
         if (picture->groups[i].label[0] == '\0') {
             continue;
         }
-        y += 26 * PICTURE_OVERSAMPLING;
+        y += 26 * unit;
         /* Nearer than anything, so that the sample is never hidden. */
         struct raster_corner sample = {.x = (float)(left + 3 * scale),
                                        .y = (float)y + 3.5f * (float)scale,
                                        .nearness = INFINITY};
-        raster_dot(&canvas->raster, &sample, 6.0f * PICTURE_OVERSAMPLING,
+        raster_dot(&canvas->raster, &sample, 6.0f * (float)unit,
                    picture->groups[i].colour, 1.0f);
         raster_text(&canvas->raster, left + 9 * scale, y, scale, picture_ink,
                     picture->groups[i].label);
     }
     if (picture->scale != NULL && picture->group_count > 0) {
-        draw_scale(picture, &canvas->raster, y + 30 * PICTURE_OVERSAMPLING);
+        draw_scale(picture, &canvas->raster, y + 30 * unit, unit);
     }
 }
 
