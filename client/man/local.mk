@@ -32,3 +32,29 @@ SUFFIXES = .scd
 .scd:
 	$(AM_V_GEN)$(MKDIR_P) $(@D) && test -n '$(SCDOC)' && \
 	    SOURCE_DATE_EPOCH="$(dist_epoch)" $(SCDOC) <$< >$@.tmp && mv $@.tmp $@
+
+# The documents as pages for a browser, in build/site; open index.html. It needs mandoc and the
+# Python module markdown (python3-markdown), and nothing of the network.
+site_parts = \
+    client/man/site/bake.md \
+    client/man/site/cloth.md \
+    client/man/site/edge.md \
+    client/man/site/index.md \
+    client/man/site/make_site.py \
+    client/man/site/page.html \
+    client/man/site/replay.md \
+    client/man/site/share.md \
+    client/man/site/style.css
+EXTRA_DIST += $(site_parts)
+site: $(dist_man_MANS)
+	@for python in '$(PYTHON3)' /usr/bin/python3; do \
+	    "$$python" -c 'import markdown' 2>/dev/null || continue; \
+	    command -v mandoc >/dev/null || break; \
+	    exec "$$python" $(srcdir)/client/man/site/make_site.py '$(abs_top_srcdir)' \
+	        '$(abs_top_builddir)' '$(abs_top_builddir)/site'; \
+	done; echo 'make site needs mandoc and python3-markdown' >&2; exit 1
+.PHONY: site
+clean-local: clean-site
+clean-site:
+	rm -rf site
+.PHONY: clean-site
