@@ -16,7 +16,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 1u
+#define PROTO_DIRECT_VERSION 2u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -45,6 +45,12 @@ struct proto_direct {
      * something else is due, which `receive` does first; -1: there is none to be had.
      * [owner] */
     int (*descriptor)(struct proto_direct_inbox *line);
+
+    /* Of a mesh of the client's, committed and in no step yet, once: which features are
+     * its own and which are foreign, as in the engine's mesh.h; for libpccd-mpi. Returns
+     * 0, PCCD_E_HANDLE, PCCD_E_STATE, PCCD_E_NOMEM or PCCD_E_DISCONNECTED. [owner] */
+    int (*own)(struct proto_direct_inbox *line, uint32_t mesh, const uint64_t *vertices,
+               const uint64_t *edges);
 
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);

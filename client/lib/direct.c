@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "folder.h"
+#include "foreign.h"
 #include "proto_direct.h"
 
 #define WHY_BYTES (CLI_TEXT_BYTES / 2)
@@ -141,6 +142,18 @@ int cli_direct_receive(struct pccd_client *client, size_t *bytes, int *fd_count)
     return client->direct.host->receive(client->direct.line, client->message,
                                         sizeof client->message, bytes, client->fds,
                                         fd_count);
+}
+
+int cli_foreign_own(struct pccd_client *client, uint32_t mesh, const uint64_t *vertices,
+                    const uint64_t *edges)
+{
+    if (client->direct.line == NULL) {
+        return cli_fail(client, PCCD_E_STATE, "only direct: knows foreign features");
+    }
+    int status = client->direct.host->own(client->direct.line, mesh, vertices, edges);
+    return status == 0 ? 0
+                       : cli_fail(client, status, "mesh 0x%x: its foreign features: %s",
+                                  mesh, pccd_status_text(status));
 }
 
 int cli_direct_descriptor(const struct pccd_client *client)

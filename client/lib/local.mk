@@ -24,6 +24,7 @@ libclient_la_SOURCES = \
     client/lib/connection.h \
     client/lib/direct.c \
     client/lib/direct.h \
+    client/lib/foreign.h \
     client/lib/filter.c \
     client/lib/flight.c \
     client/lib/flight.h \

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "foreign.h"
 #include "places.h"
 #include "rank_sort.h"
 
@@ -224,11 +225,19 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
     if (status != PCCD_OK) {
         return ranks_fail_local(world, status, "its part of a mesh was not accepted");
     }
-    return info.edge_count == local->edge_count
+    if (info.edge_count != local->edge_count) {
+        return ranks_fail(&world->link, PCCD_E_INTERNAL,
+                          "rank %d: its part of a mesh has other edges than the whole",
+                          world->link.rank);
+    }
+    if (object->ghost_count == 0) {
+        return PCCD_OK; /* all is its own */
+    }
+    status = cli_foreign_own(world->client, object->local_mesh, local->owns_vertex,
+                             local->owns_edge);
+    return status == PCCD_OK
                ? PCCD_OK
-               : ranks_fail(&world->link, PCCD_E_INTERNAL,
-                            "rank %d: its part of a mesh has other edges than the whole",
-                            world->link.rank);
+               : ranks_fail_local(world, status, "its part of a mesh was not marked");
 }
 
 int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)

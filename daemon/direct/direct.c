@@ -20,8 +20,10 @@
 
 #include "dispatch.h"
 #include "engine.h"
+#include "enginemem.h"
 #include "inbox.h"
 #include "invariant.h"
+#include "meshes.h"
 #include "now.h"
 #include "pccd_types.h"
 #include "proto_direct.h"
@@ -498,6 +500,44 @@ static int descriptor_of(struct proto_direct_inbox *line)
     return is_forked ? -1 : srv_inbox_descriptor(&line->conn);
 }
 
+/* In its turn. */
+static int set_own(struct srv_session *session, uint32_t handle, const uint64_t *vertices,
+                   const uint64_t *edges)
+{
+    struct srv_mesh *mesh = srv_handles_get(&session->meshes, handle);
+    struct eng_mesh *engine = NULL;
+    if (mesh == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    if (!mesh->is_committed) {
+        return PCCD_E_STATE;
+    }
+    struct srv_enginemem memory;
+    srv_thread_enter(SRV_THREAD_COMPUTE);
+    srv_enginemem_begin(&memory, session->owner.user);
+    int status = srv_shape_engine(mesh->current, &engine);
+    if (status == 0) {
+        status = eng_mesh_set_own(engine, vertices, edges);
+    }
+    (void)srv_enginemem_end(&memory);
+    srv_thread_enter(SRV_THREAD_LOOP);
+    return status;
+}
+
+static int tell_own(struct proto_direct_inbox *line, uint32_t mesh,
+                    const uint64_t *vertices, const uint64_t *edges)
+{
+    if (is_forked || srv_inbox_is_finished(&line->conn)) {
+        return PCCD_E_DISCONNECTED;
+    }
+    take_turn();
+    int status = line->conn.session != NULL
+                     ? set_own(line->conn.session, mesh, vertices, edges)
+                     : PCCD_E_DISCONNECTED;
+    end_turn();
+    return status;
+}
+
 static void close_line(struct proto_direct_inbox *line)
 {
     if (is_forked) {
@@ -530,6 +570,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .send = send_message,
                                              .receive = receive_message,
                                              .descriptor = descriptor_of,
+                                             .own = tell_own,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;
 }

@@ -18,7 +18,7 @@ cd "$top_srcdir" || exit 99
 
 # Folder, then the folders whose headers it may include. "client/lib+" is the public header
 # alone, with the types that it includes; "daemon/engine+" is engine.h alone, "client/mpi+"
-# pccd_mpi.h. Every room may
+# pccd_mpi.h; a name that ends in ".h" is that header alone. Every room may
 # include those of proto/common/; the examples are the users', who have only what is
 # installed.
 rooms='
@@ -37,7 +37,7 @@ client/tool         proto/text
 client/ctl          client/lib+ client/record client/registry client/oracle client/tool proto/text
 client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
-client/mpi          client/lib+
+client/mpi          client/lib+ client/lib/foreign.h
 client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
 client/examples     client/lib+
 client/mpi/example  client/lib+ client/mpi+ client/examples
@@ -225,6 +225,9 @@ awk -v rooms="$rooms" '
                     next
             } else if (folder[i] == "daemon/engine+") {
                 if (name == "engine.h")
+                    next
+            } else if (folder[i] ~ /[.]h$/) {
+                if (folder[i] ~ "/" name "$")
                     next
             } else if (folder[i] == "client/mpi+") {
                 if (name == "pccd_mpi.h")

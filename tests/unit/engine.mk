@@ -39,6 +39,7 @@ ENG_TESTS = \
     tests/unit/test_eng_mesh \
     tests/unit/test_eng_aabb \
     tests/unit/test_eng_build \
+    tests/unit/test_eng_foreign \
     tests/unit/test_eng_frames \
     tests/unit/test_eng_free \
     tests/unit/test_eng_refit \
@@ -175,6 +176,10 @@ tests_unit_test_eng_background_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_stage_SOURCES = tests/unit/test_eng_stage.c
 tests_unit_test_eng_stage_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_stage_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_foreign_SOURCES = tests/unit/test_eng_foreign.c
+tests_unit_test_eng_foreign_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_foreign_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_still_SOURCES = tests/unit/test_eng_still.c
 tests_unit_test_eng_still_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -43,6 +43,10 @@ struct eng_join {
      * neither does are left out. NULL: none are; so for ENG_JOIN_SWEPT. */
     const uint16_t *a_moving;
     const uint16_t *b_moving;
+    /* Likewise: bit k is set if something in the box in lane k is not foreign (mesh.h).
+     * Where features of b are first in no pair there is no b_own. */
+    const uint16_t *a_own;
+    const uint16_t *b_own;
     enum eng_join_boxes boxes;
     uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */

@@ -183,7 +183,8 @@ struct until {
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
  * where either is from sides->a and sides->b on, and which they are in their runs.
  * Returns how many. Of a run with itself, `self`, those of two blocks alone, and bits of
- * the other ones to *selves. Nor those that stand, where all of the block does. */
+ * the other ones to *selves. Nor those that stand, or are foreign, where all of the block
+ * is so, too. */
 ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *round,
                                const struct sides *sides, uint32_t pairs, bool self,
                                enum rule rule, struct until until, uint32_t *selves)
@@ -204,8 +205,8 @@ ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *roun
             *selves |= is_one << n;
             bits &= is_one - 1;
         }
-        if (job->a_moving) {
-            bits = keep_moving_boxes(job, bits, sides->first_a + n, sides->first_b + m);
+        if (job->a_moving || job->a_own) {
+            bits = keep_marked_boxes(job, bits, sides->first_a + n, sides->first_b + m);
         }
         eng_pack16(round->place + count, bits, n * stride | m * stride << 16);
         count += eng_pack16(round->box + count, bits, n * ENG_WIDE | m << 8);
@@ -518,7 +519,7 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
                          uint32_t *out_b, uint32_t room)
 {
     if (job->boxes == ENG_JOIN_SWEPT) {
-        assert(!job->a_moving);
+        assert(!job->a_moving && !job->a_own);
         return join_swept(job, round, may_be_self, wants, out_a, out_b, room);
     }
     uint32_t count = write_pairs(job, round, out_a, out_b, room);
@@ -531,6 +532,9 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
         round->end = find(job, round, pairs, self, wants);
         if (job->a_moving) {
             round->end = keep_moving_lanes(job, round, round->end);
+        }
+        if (job->a_own) {
+            round->end = keep_own_lanes(job, round, round->end);
         }
         round->next = 0;
         count += write_pairs(job, round, out_a + count, out_b + count, room - count);

@@ -1,7 +1,8 @@
-/* daemon/engine/kernel/movers.h - leaves out boxes and pairs of which nothing moves.
+/* daemon/engine/kernel/movers.h - leaves out boxes and pairs of which nothing moves, or
+ * all is foreign.
  *
  * Room:     engine. May include: join.h, lanes.h.
- * Does:     leave what stands out of a round (join.h).
+ * Does:     leave out of a round what stands, and what is foreign (join.h).
  * Threads:  [any]; inline only. Included by files of this folder alone.
  *
  * Boxes are left out where they are bits: one by one they would take a tenth of what
@@ -13,20 +14,33 @@
 #include "join.h"
 #include "lanes.h"
 
-/* Lanes of block `block` of b which with a box of a, `slot`, are pairs that move. */
-ENG_INLINE uint32_t moving_lanes(const struct eng_join *job, uint32_t slot,
-                                 uint32_t block)
+/* Lanes of a block of b which with a box of a, `slot`, are pairs of which either is
+ * marked. */
+ENG_INLINE uint32_t marked_lanes(const uint16_t *a_marks, uint32_t b_marks, uint32_t slot)
 {
-    uint32_t moves = job->a_moving[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
-    return (job->b_moving[block] | (0u - moves)) & 0xffff;
+    uint32_t is_marked = a_marks[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
+    return (b_marks | (0u - is_marked)) & 0xffff;
 }
 
-/* Of these boxes of block n of a those that have such pairs with block m of b. */
-ENG_INLINE uint32_t keep_moving_boxes(struct eng_join *job, uint32_t boxes, uint32_t n,
+ENG_INLINE uint32_t own_of(const struct eng_join *job, uint32_t block)
+{
+    return job->b_own ? job->b_own[block] : 0;
+}
+
+/* Of these boxes of block n of a those that have pairs with block m of b of which either
+ * moves, and either is not foreign. */
+ENG_INLINE uint32_t keep_marked_boxes(struct eng_join *job, uint32_t boxes, uint32_t n,
                                       uint32_t m)
 {
-    uint32_t kept = job->b_moving[m] != 0 ? boxes : boxes & job->a_moving[n];
-    job->still += (uint32_t)__builtin_popcount(boxes ^ kept);
+    uint32_t kept = boxes;
+    if (job->a_own && own_of(job, m) == 0) {
+        kept &= job->a_own[n];
+    }
+    if (job->a_moving && job->b_moving[m] == 0) {
+        boxes = kept;
+        kept &= job->a_moving[n];
+        job->still += (uint32_t)__builtin_popcount(boxes ^ kept);
+    }
     return kept;
 }
 
@@ -39,15 +53,31 @@ ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_roun
     for (uint32_t i = 0; i < count; i++) {
         uint32_t box = round->box[i];
         uint32_t lanes = round->lanes[i];
-        uint32_t moving =
-            lanes & moving_lanes(job, round->first_a * ENG_WIDE + (box & 0xff),
-                                 round->first_b + (box >> 8));
+        uint32_t moving = lanes & marked_lanes(job->a_moving,
+                                               job->b_moving[round->first_b + (box >> 8)],
+                                               round->first_a * ENG_WIDE + (box & 0xff));
         still += (uint32_t)__builtin_popcount(lanes ^ moving);
         round->box[kept] = box;
         round->lanes[kept] = moving;
         kept += moving != 0;
     }
     job->still += still;
+    return kept;
+}
+
+ENG_INLINE uint32_t keep_own_lanes(const struct eng_join *job,
+                                   struct eng_join_round *round, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t box = round->box[i];
+        uint32_t own = round->lanes[i] &
+                       marked_lanes(job->a_own, own_of(job, round->first_b + (box >> 8)),
+                                    round->first_a * ENG_WIDE + (box & 0xff));
+        round->box[kept] = box;
+        round->lanes[kept] = own;
+        kept += own != 0;
+    }
     return kept;
 }
 

@@ -105,6 +105,7 @@ static void put_in_place(struct eng_background *background, struct eng_scene *sc
         node->right = is_leaf ? triangles[links[i].right] : part->root + links[i].right;
         node->count = links[i].count;
         node->gate = ENG_GATE_NONE;
+        node->foreign = 0;
     }
 }
 

@@ -64,6 +64,7 @@ static void write_node(const struct eng_grower *grower, const struct eng_grow_jo
         node->right = right;
         node->count = count;
         node->gate = ENG_GATE_NONE;
+        node->foreign = 0;
         node->moved = 0;
     } else {
         grower->links[job->node - grower->base] = (struct eng_link){right, count};

@@ -150,6 +150,12 @@ static void copy_in(struct eng_scene *scene, uint32_t object_idx,
                 eng_feature_edge(mesh, first_edge, face->v[k], face->v[(k + 1) % 3]);
             triangle->v[k] = v0 + face->v[k];
             triangle->e[k] = edge == ENG_NO_EDGE ? ENG_NO_EDGE : e0 + edge;
+            if (eng_mesh_is_foreign(mesh, PCCD_TREE_VERTICES, face->v[k])) {
+                triangle->owns |= ENG_FOREIGN_VERTEX(k);
+            }
+            if (edge != ENG_NO_EDGE && eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES, edge)) {
+                triangle->owns |= ENG_FOREIGN_EDGE(k);
+            }
         }
     }
     memset(trees->nodes + planted->nodes.first, 0,
@@ -196,6 +202,10 @@ static int plant(struct eng_scene *scene, uint32_t object_idx)
     if (status != PCCD_OK) {
         eng_object_fell(scene, object);
         return status;
+    }
+    if (eng_mesh_has_foreign(mesh)) {
+        eng_trees_of(scene)->has_foreign = true;
+        eng_foreign_mark(eng_trees_of(scene), eng_planted_of(object)->nodes);
     }
     refit_where_they_stand(scene, object_idx, object_idx + 1);
     if (!object->is_new) { /* it may stand, and have moved in the step before */

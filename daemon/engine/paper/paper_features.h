@@ -68,6 +68,14 @@ ENG_FEATURE_INLINE bool eng_feature_is_owned(const struct eng_triangle *triangle
                          : true;
 }
 
+/* Of a vertex or an edge that it owns: is it foreign (mesh.h)? */
+ENG_FEATURE_INLINE bool eng_feature_is_foreign(const struct eng_triangle *triangle,
+                                               uint32_t points, uint32_t k)
+{
+    return (triangle->owns &
+            (points == 1 ? ENG_FOREIGN_VERTEX(k) : ENG_FOREIGN_EDGE(k))) != 0;
+}
+
 static inline bool eng_feature_has_face(const struct eng_triangle *triangle)
 {
     return (triangle->owns & ENG_OWNS_FACE) != 0;
@@ -76,7 +84,8 @@ static inline bool eng_feature_has_face(const struct eng_triangle *triangle)
 /* Is it a free point, or a free edge? */
 static inline bool eng_feature_is_free_point(const struct eng_triangle *triangle)
 {
-    return triangle->owns == ENG_OWNS_VERTEX(0) && triangle->v[0] == triangle->v[1];
+    return (triangle->owns & ENG_OWNS_BITS) == ENG_OWNS_VERTEX(0) &&
+           triangle->v[0] == triangle->v[1];
 }
 
 static inline bool eng_feature_is_free_edge(const struct eng_triangle *triangle)

@@ -23,6 +23,7 @@
 #include "paper_work.h"
 #include "rebuild.h"
 #include "refit.h"
+#include "refit_box.h"
 #include "refit_still.h"
 #include "schedule_paper.h"
 #include "taskunit.h"
@@ -237,6 +238,17 @@ static void begin_work(struct eng_team *team)
     }
 }
 
+/* Nodes of objects that are others now. */
+static void mark_foreign(struct eng_scene *scene)
+{
+    struct eng_trees *trees = eng_trees_of(scene);
+    for (uint32_t i = 0; i < scene->object_capacity && trees->has_foreign; i++) {
+        if (scene->objects[i].mesh) {
+            eng_foreign_mark(trees, eng_planted_of(&scene->objects[i])->nodes);
+        }
+    }
+}
+
 static void start(struct eng_team *team, const struct eng_step_settings *settings)
 {
     struct eng_paper *paper = eng_paper_of(team->scene);
@@ -254,6 +266,7 @@ static void start(struct eng_team *team, const struct eng_step_settings *setting
         assert(status == PCCD_OK);
         (void)status;
         keeps = false; /* what was swapped in has no boxes */
+        mark_foreign(team->scene);
     }
     eng_still_begin(team->scene, keeps, team->prunes);
     begin_work(team);

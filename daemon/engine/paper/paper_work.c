@@ -78,6 +78,7 @@ void eng_paper_work_begin(struct eng_worker *worker)
 {
     assert(eng_paper_work_of(worker)); /* reserved */
     struct eng_paper_work *work = eng_paper_work_of(worker);
+    worker->leaves_out = worker->prunes || eng_trees_of(worker->scene)->has_foreign;
     work->pairs.count = 0;
     for (unsigned kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->chunks[kind].count = 0;

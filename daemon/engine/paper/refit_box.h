@@ -52,6 +52,29 @@ static inline void eng_refit_edge(struct eng_trees *trees, uint32_t e)
                   eng_box_of(&trees->vertices[edge->b]));
 }
 
+/* Is all that could be first in a pair below a node foreign? */
+static inline bool eng_node_is_foreign(const struct eng_trees *trees,
+                                       const struct eng_node *node)
+{
+    if (node->left != ENG_LEAF) {
+        return trees->nodes[node->left].foreign && trees->nodes[node->right].foreign;
+    }
+    static_assert(ENG_FOREIGN_VERTEX(0) == 128 * ENG_OWNS_VERTEX(0) &&
+                      ENG_FOREIGN_EDGE(0) == 128 * ENG_OWNS_EDGE(0),
+                  "bits of what is owned, in the same order");
+    uint32_t owns = trees->triangles[node->right].owns;
+    return (owns & ~(owns / 128) & (ENG_OWNS_BITS - ENG_OWNS_FACE)) == 0;
+}
+
+/* Mark nodes whose children are marked; of a range the last first. */
+static inline void eng_foreign_mark(struct eng_trees *trees, struct eng_range nodes)
+{
+    for (uint32_t i = nodes.count; i-- > 0;) {
+        struct eng_node *node = &trees->nodes[nodes.first + i];
+        node->foreign = eng_node_is_foreign(trees, node);
+    }
+}
+
 static inline void eng_refit_node(struct eng_trees *trees, uint32_t idx)
 {
     struct eng_node *node = &trees->nodes[idx];

@@ -149,6 +149,9 @@ void eng_still_refit_anew(struct eng_scene *scene, struct eng_range nodes)
         if (trees->marks) {
             node->moved = (uint16_t)(has_moved(trees, node) ? trees->mark : 0);
         }
+        if (trees->has_foreign) {
+            node->foreign = eng_node_is_foreign(trees, node);
+        }
     }
 }
 

@@ -57,18 +57,29 @@ static inline bool may_meet(const struct eng_worker *worker, uint32_t n, uint32_
            (!eng_masks_is_on(&scene->masks) || is_allowed(scene, n, m));
 }
 
-/* Is the pair left out because neither moves? */
-static inline bool is_left_out(const struct eng_worker *worker, uint32_t n, uint32_t m)
+static bool stand(const struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     const struct eng_trees *trees = eng_trees_of(worker->scene);
     return worker->prunes && !eng_node_moves(trees, n) && !eng_node_moves(trees, m);
 }
 
-/* The same, counted. */
+static bool are_foreign(const struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    const struct eng_node *nodes = eng_trees_of(worker->scene)->nodes;
+    return nodes[n].foreign && nodes[m].foreign;
+}
+
+/* Is the pair left out because neither moves, or both are foreign? */
+static inline bool is_left_out(const struct eng_worker *worker, uint32_t n, uint32_t m)
+{
+    return worker->leaves_out && (stand(worker, n, m) || are_foreign(worker, n, m));
+}
+
+/* The same; those are counted of which neither moves. */
 static inline bool leave_out(struct eng_worker *worker, uint32_t n, uint32_t m)
 {
     bool left_out = is_left_out(worker, n, m);
-    worker->tally.still_pairs += left_out;
+    worker->tally.still_pairs += left_out && stand(worker, n, m);
     return left_out;
 }
 
@@ -119,6 +130,27 @@ ENG_FEATURE_INLINE bool have_common(const uint32_t *v, uint32_t v_count,
     return false;
 }
 
+/* Is the pair of feature of[0] of the triangle below n and feature of[1] of that below m
+ * left out, because neither moves, or the first one is foreign? */
+ENG_FEATURE_INLINE bool leave_out_features(struct eng_worker *worker, enum pccd_kind kind,
+                                           const struct eng_node *n,
+                                           const struct eng_node *m, const uint32_t of[2])
+{
+    const struct eng_trees *trees = eng_trees_of(worker->scene);
+    const uint32_t points_a = common_kinds[kind].points[0];
+    const uint32_t points_b = common_kinds[kind].points[1];
+    uint32_t a = eng_feature_of(trees, points_a, n, of[0]);
+    uint32_t b = eng_feature_of(trees, points_b, m, of[1]);
+    if (worker->prunes && !eng_feature_moves(trees, points_a, n, a) &&
+        !eng_feature_moves(trees, points_b, m, b)) {
+        worker->tally.still_pairs++;
+        return true;
+    }
+    return points_a != points_b || comes_first(worker->scene, points_a, a, b)
+               ? eng_feature_is_foreign(&trees->triangles[n->right], points_a, of[0])
+               : eng_feature_is_foreign(&trees->triangles[m->right], points_b, of[1]);
+}
+
 /* Features that the triangle below n owns, as a, against those of the one below m, as b.
  * `kind` is a constant of the code. */
 ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_kind kind,
@@ -150,9 +182,8 @@ ENG_FEATURE_INLINE void features_against(struct eng_worker *worker, enum pccd_ki
                 !overlap(worker, box_a, eng_feature_box(trees, points_b, m, b))) {
                 continue;
             }
-            if (worker->prunes && !eng_feature_moves(trees, points_a, n, a) &&
-                !eng_feature_moves(trees, points_b, m, b)) {
-                worker->tally.still_pairs++;
+            if (worker->leaves_out &&
+                leave_out_features(worker, kind, n, m, (const uint32_t[2]){i, k})) {
                 continue;
             }
             if (points_a != points_b || comes_first(scene, points_a, a, b)) {

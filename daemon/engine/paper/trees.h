@@ -37,7 +37,9 @@ struct eng_node {
     float lo1[3];
     uint32_t count; /* triangles below */
     float hi1[3];
-    uint16_t gate;  /* enum eng_gate */
+    uint8_t gate;    /* enum eng_gate */
+    uint8_t foreign; /* no feature below it is first in a pair that is looked for; 0: it
+                      * may be */
     uint16_t moved; /* the mark of a step in which something below it moved */
 };
 
@@ -87,11 +89,15 @@ struct eng_upkeep {
     float built_ratio; /* of an inner node: the metric when it was last built */
 };
 
+#define ENG_OWNS_BITS         127u
+#define ENG_FOREIGN_VERTEX(k) (128u << (k))
+#define ENG_FOREIGN_EDGE(k)   (1024u << (k))
+
 /* A leaf of a mesh: a triangle, a free edge or a free point (topology.h). */
 struct eng_triangle {
     uint32_t v[3];
     uint32_t e[3];   /* edge from v[k] to v[(k+1)%3], or ENG_NO_EDGE */
-    uint32_t owns;   /* ENG_OWNS_* */
+    uint32_t owns;   /* ENG_OWNS_*, and ENG_FOREIGN_* of what is foreign (mesh.h) */
     uint32_t object; /* index */
 };
 
@@ -138,6 +144,7 @@ struct eng_trees {
     uint64_t boxes_of; /* the step whose boxes they are (moving.h); 0: of none */
     bool keeps;        /* this step keeps the boxes of what stands */
     bool marks;        /* this step marks what moves, by `mark` */
+    bool has_foreign;  /* some objects have foreign features */
     uint32_t mark;     /* the last one given; 0: none yet */
 
     struct eng_split_item *top_items; /* [top_item_capacity] scratch to build it */

@@ -102,7 +102,8 @@ static bool validate_regions(const struct eng_scene *scene,
         bool is_root = !is_high && i >= region_end;
         bool has_gate = any && is_root && node->count >= ENG_EXAMINE_MIN;
         if (node->gate != (has_gate ? ENG_GATE_REGION : ENG_GATE_NONE) ||
-            (is_high && i < region_end)) {
+            (is_high && i < region_end) ||
+            (node->foreign && !eng_node_is_foreign(trees, node))) {
             return false;
         }
         if (is_root) {

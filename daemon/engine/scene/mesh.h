@@ -92,6 +92,14 @@ void eng_mesh_received(const struct eng_mesh *mesh, struct eng_mesh_counts *rece
 int eng_mesh_commit(struct eng_mesh *mesh);
 bool eng_mesh_is_committed(const struct eng_mesh *mesh);
 
+/* Of a committed mesh, once, before its first step: a bit for each vertex and each edge
+ * that is its own. All others are *foreign*: pairs of which they are the first feature
+ * are left out, because somebody else looks for them. What objects are asked two by two,
+ * nearest and depth, knows nothing of it. PCCD_E_STATE: not committed, or done already;
+ * PCCD_E_NOMEM. */
+int eng_mesh_set_own(struct eng_mesh *mesh, const uint64_t *vertices,
+                     const uint64_t *edges);
+
 /* Of a committed mesh. */
 void eng_mesh_get_info(const struct eng_mesh *mesh, struct eng_mesh_info *info);
 

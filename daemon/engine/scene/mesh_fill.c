@@ -80,6 +80,8 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->edges);
     eng_free(mesh->free[PCCD_TREE_VERTICES]);
     eng_free(mesh->free[PCCD_TREE_EDGES]);
+    eng_free(mesh->own[PCCD_TREE_VERTICES]);
+    eng_free(mesh->own[PCCD_TREE_EDGES]);
     eng_free(mesh->radii);
     eng_free(mesh->reach);
     eng_rings_deinit(mesh);
@@ -348,6 +350,33 @@ static uint64_t words_for(uint64_t bits)
     return bits / 64 + 1;
 }
 
+static uint64_t *copy_bits(const uint64_t *bits, uint32_t count)
+{
+    uint64_t *copy = eng_alloc(words_for(count) + 1, sizeof *copy);
+    if (copy) {
+        memcpy(copy, bits, words_for(count) * sizeof *copy);
+    }
+    return copy;
+}
+
+int eng_mesh_set_own(struct eng_mesh *mesh, const uint64_t *vertices,
+                     const uint64_t *edges)
+{
+    if (!mesh->committed || eng_mesh_has_foreign(mesh)) {
+        return PCCD_E_STATE;
+    }
+    uint64_t *of_vertices = copy_bits(vertices, mesh->info.vertex_count);
+    uint64_t *of_edges = copy_bits(edges, mesh->info.edge_count);
+    if (!of_vertices || !of_edges) {
+        eng_free(of_vertices);
+        eng_free(of_edges);
+        return PCCD_E_NOMEM;
+    }
+    mesh->own[PCCD_TREE_VERTICES] = of_vertices;
+    mesh->own[PCCD_TREE_EDGES] = of_edges;
+    return PCCD_OK;
+}
+
 uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
 {
     const struct eng_mesh_info *info = &mesh->info;
@@ -359,6 +388,9 @@ uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
            (uint64_t)info->edge_count * sizeof *mesh->edges +
            (mesh->free[PCCD_TREE_VERTICES] ? words_for(info->vertex_count) * 8 : 0) +
            (mesh->free[PCCD_TREE_EDGES] ? words_for(info->edge_count) * 8 : 0) +
+           (mesh->own[PCCD_TREE_VERTICES]
+                ? (words_for(info->vertex_count) + words_for(info->edge_count)) * 8
+                : 0) +
            (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
            eng_rings_bytes(mesh);
 }

@@ -67,6 +67,8 @@ struct eng_mesh {
     uint32_t (*edges)[2]; /* [edge_count] after commit, by (higher, lower) vertex */
     /* By enum pccd_tree a bit for each vertex and each edge that is free; NULL: none. */
     uint64_t *free[PCCD_TREE_EDGES + 1];
+    /* Likewise those that are not foreign (mesh.h); NULL: none is. */
+    uint64_t *own[PCCD_TREE_EDGES + 1];
     /* After commit, of the registered positions: around all leaves, and the size of a
      * typical one beside that. */
     struct eng_bounds bounds;
@@ -95,6 +97,19 @@ static inline bool eng_mesh_is_free(const struct eng_mesh *mesh, enum pccd_tree 
 {
     const uint64_t *bits = tree <= PCCD_TREE_EDGES ? mesh->free[tree] : NULL;
     return bits && (bits[feature / 64] >> feature % 64 & 1u);
+}
+
+/* Of a face it does not matter: it is first in no pair. */
+static inline bool eng_mesh_is_foreign(const struct eng_mesh *mesh, enum pccd_tree tree,
+                                       uint32_t feature)
+{
+    const uint64_t *bits = tree <= PCCD_TREE_EDGES ? mesh->own[tree] : NULL;
+    return bits && !(bits[feature / 64] >> feature % 64 & 1u);
+}
+
+static inline bool eng_mesh_has_foreign(const struct eng_mesh *mesh)
+{
+    return mesh->own[PCCD_TREE_VERTICES] != NULL;
 }
 
 #endif

@@ -75,6 +75,7 @@ struct eng_worker {
     uint32_t victim;             /* whom to rob next */
     bool is_dealt;               /* the step began with tasks for it */
     bool prunes;                 /* that of the team */
+    bool leaves_out;             /* (paper) it does, or there is what is foreign */
     struct eng_task_queue units; /* the paper's scheduler: tasks of its own */
     struct eng_found found;      /* records */
     struct eng_exact exact;

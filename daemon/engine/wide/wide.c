@@ -32,6 +32,7 @@ void eng_wide_deinit(struct eng_wide *wide)
         eng_free(tree->keys);
         eng_free(tree->moving);
         eng_free(tree->free);
+        eng_free(tree->own);
         eng_free(tree->chunks);
         for (int k = 0; k < 3; k++) {
             eng_free(tree->corner[k]);
@@ -62,6 +63,7 @@ uint64_t eng_wide_bytes(const struct eng_wide *wide)
                      (sizeof *tree->blocks + sizeof *tree->boxes) +
                  (uint64_t)tree->moving_capacity * sizeof *tree->moving +
                  (uint64_t)tree->free_capacity * sizeof *tree->free +
+                 (uint64_t)tree->own_capacity * sizeof *tree->own +
                  (uint64_t)tree->chunk_capacity * sizeof *tree->chunks;
         if (kind != PCCD_TREE_VERTICES) {
             bytes += (uint64_t)tree->slot_capacity *
@@ -248,6 +250,31 @@ static int reserve_free(struct eng_wide_tree *tree, const struct eng_scene *scen
     return PCCD_OK;
 }
 
+/* Room to mark what is not foreign, if anything is. Faces are first in no pair. */
+static int reserve_own(struct eng_wide *wide, const struct eng_scene *scene)
+{
+    bool has_foreign = false;
+    for (uint32_t i = 0; i < scene->object_capacity && !has_foreign; i++) {
+        has_foreign =
+            scene->objects[i].mesh && eng_mesh_has_foreign(scene->objects[i].mesh);
+    }
+    for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES && has_foreign; kind++) {
+        struct eng_wide_tree *tree = &wide->trees[kind];
+        if (tree->block_capacity > tree->own_capacity) {
+            int status =
+                eng_array_grow(&tree->own, tree->block_capacity, sizeof *tree->own);
+            if (status != PCCD_OK) {
+                return status;
+            }
+            tree->own_capacity = tree->block_capacity;
+        }
+    }
+    for (enum pccd_tree kind = 0; kind < PCCD_TREE_FACES; kind++) {
+        wide->trees[kind].has_own = has_foreign;
+    }
+    return PCCD_OK;
+}
+
 /* Room for everything. */
 static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
                    const uint32_t slots[ENG_WIDE_TREES], uint32_t level_count)
@@ -272,7 +299,7 @@ static int reserve(struct eng_wide *wide, const struct eng_scene *scene,
             status = reserve_free(&wide->trees[kind], scene, kind);
         }
     }
-    return status;
+    return status == PCCD_OK ? reserve_own(wide, scene) : status;
 }
 
 /* Slots from `first` up to `end` belong to nobody. */
@@ -329,17 +356,32 @@ static void fill(struct eng_wide *wide, const struct eng_scene *scene,
     }
 }
 
-/* Mark what is free, and the nodes above it. */
+/* Begin marks of a tree, none of which is set; and set that of a slot and of the nodes
+ * above it. */
+static void begin_marks(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                        uint16_t *marks)
+{
+    uint32_t top = wide->level_count - 1;
+    memset(marks, 0, (tree->first[top] + tree->block_count[top]) * sizeof *marks);
+}
+
+static void set_mark(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                     uint16_t *marks, uint32_t slot)
+{
+    for (uint32_t level = 0; level < wide->level_count; level++) {
+        marks[tree->first[level] + slot / ENG_WIDE] |= (uint16_t)(1u << slot % ENG_WIDE);
+        slot /= ENG_WIDE;
+    }
+}
+
 static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
                       enum pccd_tree kind)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
-    uint32_t top = wide->level_count - 1;
     if (!tree->has_free) {
         return;
     }
-    memset(tree->free, 0,
-           (tree->first[top] + tree->block_count[top]) * sizeof *tree->free);
+    begin_marks(wide, tree, tree->free);
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
         if (!object->mesh || free_count(object->mesh, kind) == 0) {
@@ -348,13 +390,31 @@ static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
         const struct eng_wide_order *order = eng_wide_order_of(object);
         for (uint32_t k = 0; k < order->count[kind]; k++) {
             uint32_t feature = order->feature[kind][k];
-            uint32_t at = order->first[kind] + k;
-            bool is_free = feature != ENG_WIDE_NO_FEATURE &&
-                           eng_mesh_is_free(object->mesh, kind, feature);
-            for (uint32_t level = 0; is_free && level < wide->level_count; level++) {
-                tree->free[tree->first[level] + at / ENG_WIDE] |=
-                    (uint16_t)(1u << at % ENG_WIDE);
-                at /= ENG_WIDE;
+            if (feature != ENG_WIDE_NO_FEATURE &&
+                eng_mesh_is_free(object->mesh, kind, feature)) {
+                set_mark(wide, tree, tree->free, order->first[kind] + k);
+            }
+        }
+    }
+}
+
+/* What is not foreign. */
+static void mark_own(struct eng_wide *wide, const struct eng_scene *scene,
+                     enum pccd_tree kind)
+{
+    struct eng_wide_tree *tree = &wide->trees[kind];
+    if (!tree->has_own) {
+        return;
+    }
+    begin_marks(wide, tree, tree->own);
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        const struct eng_object *object = &scene->objects[wide->items[i].id];
+        const struct eng_wide_order *order = eng_wide_order_of(object);
+        for (uint32_t k = 0; k < order->count[kind]; k++) {
+            uint32_t feature = order->feature[kind][k];
+            if (feature != ENG_WIDE_NO_FEATURE &&
+                !eng_mesh_is_foreign(object->mesh, kind, feature)) {
+                set_mark(wide, tree, tree->own, order->first[kind] + k);
             }
         }
     }
@@ -389,6 +449,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
         }
         clear(wide, kind, end, tree->slot_count);
         mark_free(wide, scene, kind);
+        mark_own(wide, scene, kind);
     }
     set_nowhere(wide->point_boxes, wide->trees[PCCD_TREE_VERTICES].slot_count);
 }

@@ -75,9 +75,9 @@ struct eng_wide_tree {
     uint32_t *corner[3];       /* edges 2, faces 3: [slot_capacity], vertex slots */
     eng_wide_key *keys;        /* edges and faces: [slot_capacity] */
     uint16_t *moving;          /* [moving_capacity] by block: bit k, child k moves */
-    uint32_t moving_capacity, free_capacity;
-    uint16_t *free; /* [free_capacity] likewise: is free, or has below it what is */
-    bool has_free; /* else nothing is written there */
+    uint32_t moving_capacity, free_capacity, own_capacity;
+    uint16_t *free, *own;   /* likewise: is free, is not foreign, or has such below it */
+    bool has_free, has_own; /* else nothing is written there; faces have none */
     uint32_t chunk_capacity;
     struct eng_wide_chunk_state *chunks; /* [chunk_capacity] */
 };

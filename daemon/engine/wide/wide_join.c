@@ -12,6 +12,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "wide_foreign.h"
 #include "wide_free.h"
 #include "wide_owner.h"
 #include "wide_quantised.h"
@@ -45,12 +46,15 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
-            *job = (struct eng_join){.a = eng_wide_blocks(a, level),
-                                     .b = eng_wide_blocks(b, level),
-                                     .b_boxes = eng_wide_boxes(b, level),
-                                     .boxes = boxes,
-                                     .farthest = farthest,
-                                     .t_end = 1};
+            *job =
+                (struct eng_join){.a = eng_wide_blocks(a, level),
+                                  .b = eng_wide_blocks(b, level),
+                                  .b_boxes = eng_wide_boxes(b, level),
+                                  .a_own = eng_wide_foreign_marks(wide, kind, 0, level),
+                                  .b_own = eng_wide_foreign_marks(wide, kind, 1, level),
+                                  .boxes = boxes,
+                                  .farthest = farthest,
+                                  .t_end = 1};
             if (is_quantised && level == 0) {
                 job->a_quantised = eng_wide_quantised_blocks(a);
                 job->b_quantised = eng_wide_quantised_blocks(b);
@@ -153,12 +157,16 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     }
 }
 
-/* Roots that may not meet, or stand: of all other pairs that has been seen to (keep). */
+/* Roots that may not meet, that stand or are foreign: of all other pairs that has been
+ * seen to (keep). */
 static bool is_allowed(const struct eng_wide_join *join, enum pccd_kind kind,
                        uint32_t level, uint32_t n, uint32_t m)
 {
     const struct eng_join *job = &join->jobs[kind][level];
     if (job->a_moving && job->a_moving[n] == 0 && job->b_moving[m] == 0) {
+        return false;
+    }
+    if (job->a_own && job->a_own[n] == 0 && (!job->b_own || job->b_own[m] == 0)) {
         return false;
     }
     return !join->owners || eng_wide_owners_allow(join->owners, kind, level, n, m);

@@ -1,0 +1,22 @@
+/* foreign.h - what libpccd-mpi asks of libpccd, and nobody else does.
+ *
+ * Room:     client/lib, private but for client/mpi. May include: pccd.h.
+ * Does:     tell the service in this process which features of a mesh are its own. All
+ *           others are foreign: pairs of which such a one is the first feature are left
+ *           out of steps and of what is near, because another process looks for them.
+ * Threads:  [owner].
+ */
+#ifndef CLI_FOREIGN_H
+#define CLI_FOREIGN_H
+
+#include "pccd.h"
+
+/* With the url direct:, of a mesh that pccd_mesh_put has just put, before its first step;
+ * once. A bit for each vertex, vertices[i / 64] >> i % 64 & 1, and one for each edge
+ * (pccd_mesh_edges). Copied. PCCD_E_HANDLE, PCCD_E_STATE, PCCD_E_NOMEM. */
+__attribute__((visibility("default"))) int cli_foreign_own(struct pccd_client *client,
+                                                           uint32_t mesh,
+                                                           const uint64_t *vertices,
+                                                           const uint64_t *edges);
+
+#endif
