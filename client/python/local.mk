@@ -54,4 +54,4 @@ wheel: all
 	    '$(abs_top_builddir)/dist'
 .PHONY: wheel
 EXTRA_DIST += client/python/conda/meta.yaml daemon/container/Dockerfile \
-    client/python/README.md client/python/make_wheel.sh client/python/pyproject.toml
+    client/python/README.md client/python/bundle.sh client/python/make_wheel.sh client/python/pyproject.toml

@@ -23,7 +23,8 @@ EXTRA_DIST += \
     debian/libpccd-mpi0.install debian/libpccd-mpi0.symbols \
     debian/libpccd-mpi-dev.install debian/libpccd-mpi-dev.examples \
     debian/pccd.install \
+    debian/pccd-blender.docs debian/pccd-blender.install \
     debian/pccd-mpi.install \
     debian/python3-pccd.examples debian/python3-pccd.install \
     debian/source/format \
-    debian/tests/control debian/tests/library debian/tests/python debian/tests/service
+    debian/tests/blender debian/tests/control debian/tests/library debian/tests/python debian/tests/service

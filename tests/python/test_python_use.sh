@@ -79,7 +79,10 @@ for tool in mypy pyflakes; do
         run $name "$python" -m mypy --strict --cache-dir="$work/mypy" \
             "$top_builddir/python/pccd"
     else
-        run $name "$python" -m pyflakes "$top_srcdir/client/python" "$top_srcdir/tests/python"
+        # panel.py declares properties as Blender wants it, which pyflakes takes for types.
+        mapfile -t addon < <(find "$top_srcdir/client/blender/addon" -name '*.py' ! -name panel.py)
+        run $name "$python" -m pyflakes "$top_srcdir"/{client,tests}/python \
+            "$top_srcdir/tests/blender" "${addon[@]}"
     fi
 done
 
