@@ -1,8 +1,8 @@
 """bakes.py - a cloth that is let down, frame by frame: numbers, for tests.
 
 Room:     tests/blender. Needs numpy; no Blender.
-Does:     the positions that a bake has, as Blender keeps them (float32), and the files that
-          Blender and pccdctl read them from.
+Does:     the positions that a bake has, as Blender keeps them (float32), and the files
+          that Blender and pccdctl read them from.
 """
 
 import struct

@@ -79,8 +79,8 @@ class Addon(unittest.TestCase):
     def open(self, name="through"):
         bpy.ops.wm.open_mainfile(filepath=path(name + ".blend"))
 
+    # If it failed, a user would have to install something else.
     def test_zip__brings_its_own_library(self):
-        """If it failed, a user would have to install something else."""
         from pccd_blender.library import pccd
         self.assertEqual(pccd.__name__, "pccd_blender.pccd")
         self.assertTrue(pccd.__file__.startswith(os.environ["BLENDER_USER_SCRIPTS"]))
@@ -90,8 +90,8 @@ class Addon(unittest.TestCase):
         self.assertTrue(all(one.startswith(os.environ["BLENDER_USER_SCRIPTS"])
                             for one in loaded), loaded)
 
+    # If it failed, nobody would see where, which is what the add-on is for.
     def test_operator__lists_and_jumps(self):
-        """If it failed, nobody would see where, which is what the add-on is for."""
         self.open()
         scene = bpy.context.scene
         asked = scene.pccd_check
@@ -117,9 +117,9 @@ class Addon(unittest.TestCase):
         radius = np.linalg.norm(last.place)
         self.assertTrue(0.45 < radius < 0.51, f"{radius} is not on the ball")
 
+    # If it failed, Esc would end nothing, or leave the frame and the buttons as they
+    # are while it goes on.
     def test_operator__is_cancelled(self):
-        """If it failed, Esc would end nothing, or leave the frame and the buttons as they
-        are while it goes on."""
         from pccd_blender import panel
         self.open()
         context = bpy.context
@@ -162,8 +162,8 @@ class Addon(unittest.TestCase):
         self.assertIn("3 frames of 100000 looked at", context.scene.pccd_check.said)
         self.assertIn("cancelled", context.scene.pccd_check.said)
 
+    # If it failed, a film of a check would show nothing, or everything at once.
     def test_markers__render_at_their_frames(self):
-        """If it failed, a film of a check would show nothing, or everything at once."""
         self.open()
         bpy.context.scene.pccd_check.last = bakes.FRAMES
         bpy.context.scene.pccd_check.marker_size = 0.04
@@ -206,9 +206,9 @@ class Addon(unittest.TestCase):
         return (int(((green > 0.7) & (red < 0.3) & (blue < 0.6)).sum()),
                 int(((red > 0.7) & (green < 0.85 * red) & (blue < 0.75 * red)).sum()))
 
+    # If it failed, the mesh of before the modifiers would be checked, or the object be
+    # taken where it was modelled.
     def test_command__takes_the_modifiers_and_the_world(self):
-        """If it failed, the mesh of before the modifiers would be checked, or the object
-        be taken where it was modelled."""
         self.open()
         status, text, _ = command("--objects", "Cloth,Ball")
         self.assertEqual(status, 1)
@@ -221,8 +221,8 @@ class Addon(unittest.TestCase):
         bpy.data.objects["Cloth"].modifiers["Cache"].show_viewport = False
         self.assertEqual(command()[0], 0)
 
+    # If it failed, these would be taken and not used.
     def test_command__knows_thickness_and_rest_exclusion(self):
-        """If it failed, these would be taken and not used."""
         self.open()
         self.assertEqual(command("--frames", "1:3")[0], 0)
         self.assertEqual(command("--frames", "1:3", "--thickness", "0.2", "--rings",
@@ -234,8 +234,8 @@ class Addon(unittest.TestCase):
             self.assertEqual(command("--frames", "1:2", "--thickness", "0.1", "--objects",
                                      "Cloth", *way)[0], 0, way)
 
+    # If it failed, somebody would have to guess why, or be told that all is well.
     def test_command__says_what_it_cannot_check(self):
-        """If it failed, somebody would have to guess why, or be told that all is well."""
         self.open()
         lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
         curve = bpy.data.objects.new("Path", bpy.data.curves.new("Path", "CURVE"))
@@ -261,18 +261,18 @@ class Addon(unittest.TestCase):
             self.assertEqual((status, text), (2, ""), wrong)
             self.assertIn("bake check: ", complaint)
 
+    # If it failed, vertices of one frame would be taken for others of the next.
     def test_command__tells_a_topology_that_changes(self):
-        """If it failed, vertices of one frame would be taken for others of the next."""
         self.open()
         cut = bpy.data.objects["Cloth"].modifiers.new("Grow", "BUILD")
         cut.frame_start, cut.frame_duration = 1, 10
         status, _, complaint = command("--frames", "4:6", "--objects", "Cloth")
         self.assertEqual(status, 4)
-        self.assertRegex(complaint, '"Cloth" is another mesh at frame 5 .* than at frame 4 '
-                         ".*modifiers are Cache, Grow")
+        self.assertRegex(complaint, '"Cloth" is another mesh at frame 5 .* than at frame '
+                         "4 .*modifiers are Cache, Grow")
 
+    # If it failed, a simulation that has exploded would be told to be clean.
     def test_command__tells_what_is_nowhere(self):
-        """If it failed, a simulation that has exploded would be told to be clean."""
         def explode(frames):
             frames[4][11, 2] = np.nan
 
@@ -281,9 +281,9 @@ class Addon(unittest.TestCase):
         self.assertEqual(status, 4)
         self.assertIn('"Cloth" at frame 5: vertex 11 is nowhere', complaint)
 
+    # If it failed, a quad that Blender cuts along its other diagonal in another frame
+    # would be told to be another mesh.
     def test_command__checks_polygons_that_turn_over(self):
-        """If it failed, a quad that Blender cuts along its other diagonal in another frame
-        would be told to be another mesh."""
         bpy.ops.wm.read_factory_settings(use_empty=True)
         quad = np.float32([(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)])
         dart = quad.copy()
@@ -295,9 +295,9 @@ class Addon(unittest.TestCase):
         status, _, complaint = command("--frames", "1:3", "--no-self")
         self.assertEqual((status, complaint), (0, ""))
 
+    # If it failed, who reads the one could not read the other. The shell compares its
+    # counts with pccdctl's, of the same frames in files.
     def test_json__is_that_of_pccdctl(self):
-        """If it failed, who reads the one could not read the other. The shell compares
-        its counts with pccdctl's, of the same frames in files."""
         self.open()
         status, text, _ = command("--json", "--save", path("marked.blend"))
         told = json.loads(text.splitlines()[0])

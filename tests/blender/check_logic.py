@@ -51,8 +51,8 @@ def pccdctl(*arguments):
 
 
 class Counts(unittest.TestCase):
+    # If it failed, the add-on would tell of other contacts than there are.
     def test_steps__are_those_of_pccdctl(self):
-        """If it failed, the add-on would tell of other contacts than there are."""
         frames, files = cloth_and_ball(), []
         offset = len(frames[0][0].x)
         both = np.concatenate([frames[0][0].triangles, frames[0][1].triangles + offset])
@@ -83,8 +83,8 @@ class Counts(unittest.TestCase):
                     "complete"):
             self.assertEqual(whole[key], told[key], key)
 
+    # If it failed, the list would leave something out.
     def test_findings__count_what_the_steps_do(self):
-        """If it failed, the list would leave something out."""
         made = run(cloth_and_ball())
         for kind, total in (("crossing", sum(m["crossings"] for m in made.frames)),
                             ("contact", sum(s["contacts"] - s["initial"]
@@ -97,11 +97,11 @@ class Counts(unittest.TestCase):
         step = next(s for s in made.steps if s["contacts"])
         self.assertEqual((first.frame, first.to, first.time),
                          (step["from"], step["to"], step["toi_first"]))
-        self.assertIn(f"frame {first.frame} -> {first.to}: {first.count} contacts of Ball "
-                      "and Cloth, the first at t = ", report.finding_text(first))
+        self.assertIn(f"frame {first.frame} -> {first.to}: {first.count} contacts of "
+                      "Ball and Cloth, the first at t = ", report.finding_text(first))
 
+    # If it failed, a marker would be somewhere else than the contact.
     def test_places__are_where_the_surfaces_meet(self):
-        """If it failed, a marker would be somewhere else than the contact."""
         floor = shape("Floor", [(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
         roof = [shape("Roof", [(-1, 0, z), (1, 0, z), (0, 1, z + 1), (0, 0.5, z - 1)],
                       [(0, 1, 2), (0, 3, 1)]) for z in (2, 0.5, -0.5)]
@@ -115,8 +115,8 @@ class Counts(unittest.TestCase):
             np.testing.assert_allclose(one.places[:, 2], 0, atol=1e-6)
             self.assertEqual(len(one.places), one.count)
 
+    # If it failed, what turns would be taken along chords that nobody asked for.
     def test_steps_of_a_frame__are_times_between_frames(self):
-        """If it failed, what turns would be taken along chords that nobody asked for."""
         floor = shape("Floor", [(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
         asked = []
 
@@ -130,11 +130,12 @@ class Counts(unittest.TestCase):
             pass
         self.assertEqual(asked, [7, 7.25, 7.5, 7.75, 8, 8.25, 8.5, 8.75, 9])
         self.assertEqual([(f.kind, f.frame, f.to) for f in made.findings][:3],
-                         [("contact", 7.75, 8), ("touch", 8, 8), ("crossing", 8.25, 8.25)])
+                         [("contact", 7.75, 8), ("touch", 8, 8),
+                          ("crossing", 8.25, 8.25)])
 
+    # If it failed, a scene full of contacts would fill the memory with markers, or the
+    # list would tell fewer than there are.
     def test_places__are_cut_and_the_count_is_whole(self):
-        """If it failed, a scene full of contacts would fill the memory with markers, or
-        the list would tell fewer than there are."""
         before, check.PLACES_MAX = check.PLACES_MAX, 5
         try:
             made = run(cloth_and_ball())
@@ -148,8 +149,8 @@ class Counts(unittest.TestCase):
 
 
 class Thickness(unittest.TestCase):
+    # If it failed, a cloth of 2 cm would be let through at 1 cm.
     def test_thickness__is_kept_at_frames_and_between(self):
-        """If it failed, a cloth of 2 cm would be let through at 1 cm."""
         frames = cloth_and_ball(0.53)  # 0.03 above the ball at last
         self.assertEqual(run(frames).findings, [])
         thick = run(frames, radius=0.02, rest_rings=8)
@@ -157,9 +158,9 @@ class Thickness(unittest.TestCase):
         self.assertEqual(run(frames, radius=0.0149, rest_rings=8).findings, [])
         self.assertEqual(thick.settings.radius, report.report(thick, "", 1)["thickness"])
 
+    # If it failed, a thickness above the length of an edge would find the cloth near
+    # itself everywhere, and nothing else would be seen.
     def test_rest_exclusion__leaves_neighbours_thin(self):
-        """If it failed, a thickness above the length of an edge would find the cloth near
-        itself everywhere, and nothing else would be seen."""
         sheet, quads = bakes.cloth(0)
         frames = [[shape("Cloth", one, quads)] for one in sheet[:3]]
         crowded = run(frames, radius=0.1)  # an edge is 0.17
@@ -169,14 +170,14 @@ class Thickness(unittest.TestCase):
         self.assertEqual(run(frames, radius=0.1, rest_rings=4).findings, [])
         self.assertEqual(run(frames, radius=0.1, rest_distance=0.21).findings, [])
 
+    # If it failed, a rigid body would be told of its own folds.
     def test_self__can_be_left_out(self):
-        """If it failed, a rigid body would be told of its own folds."""
         sheet, quads = bakes.cloth(0)
         frames = [[shape("Cloth", one, quads)] for one in sheet[:2]]
         self.assertEqual(run(frames, radius=0.1, with_self=False).findings, [])
 
+    # If it failed, a wrong number would be taken for another one.
     def test_settings__are_refused_by_name(self):
-        """If it failed, a wrong number would be taken for another one."""
         for wrong, word in (({"radius": -1}, "thickness"),
                             ({"radius": float("nan")}, "thickness"),
                             ({"rest_distance": -1}, "rest exclusion"),
@@ -194,18 +195,18 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(Refusal, words):
             run([[one] for one in shapes])
 
+    # If it failed, vertices would be taken for others, and contacts be made up.
     def test_topology__is_told_by_name(self):
-        """If it failed, vertices would be taken for others, and contacts be made up."""
         first = shape("Cloth", self.sheet[0], self.quads, modifiers=("Cut",))
         fewer = shape("Cloth", self.sheet[1], self.quads[:-1], modifiers=("Cut",))
-        self.refused(r'"Cloth" is another mesh at frame 2 \(169 vertices, 143 faces\) than '
-                     r"at frame 1 \(169 vertices, 144 faces\).*modifiers are Cut", first,
-                     fewer)
+        self.refused(r'"Cloth" is another mesh at frame 2 \(169 vertices, 143 faces\) '
+                     r"than at frame 1 \(169 vertices, 144 faces\).*modifiers are Cut",
+                     first, fewer)
         turned = shape("Cloth", self.sheet[1], self.quads[:, ::-1])
         self.refused('"Cloth" is another mesh at frame 2', first, turned)
 
+    # If it failed, nobody would know which of a bake's objects has exploded.
     def test_nowhere__is_told_by_name(self):
-        """If it failed, nobody would know which of a bake's objects has exploded."""
         broken = self.sheet[1].copy()
         broken[[7, 9]] = np.nan
         self.refused('"Cloth" at frame 2: vertex 7 is nowhere.*1 more',
@@ -215,16 +216,16 @@ class Refusals(unittest.TestCase):
         self.refused("frame 2: E_NOTFINITE", shape("Cloth", self.sheet[0], self.quads),
                      shape("Cloth", far, self.quads))
 
+    # If it failed, an object of edges alone would be passed through in silence.
     def test_no_faces__is_told_by_name(self):
-        """If it failed, an object of edges alone would be passed through in silence."""
         self.refused('"Wire" at frame 1 has no faces after its modifiers',
                      shape("Wire", self.sheet[0], self.quads[:0], modifiers=("Skin",)))
         with self.assertRaisesRegex(Refusal, "no object to check"):
             run([[]])
 
+    # If it failed, whoever is tired of waiting would lose all, or be told that all was
+    # looked at.
     def test_cancel__keeps_what_was_found(self):
-        """If it failed, whoever is tired of waiting would lose all, or be told that all
-        was looked at."""
         frames = cloth_and_ball()
         made = check.Check(check.Settings(1, 9), lambda moment, first: frames[moment - 1])
         while not made.findings:
@@ -238,8 +239,8 @@ class Refusals(unittest.TestCase):
         self.assertTrue(told["cancelled"] and not told["complete"])
         self.assertRegex(report.summary_text(made), rf"^{done} frames of 9 .*cancelled")
 
+    # If it failed, each check would leave a scene in Blender's memory.
     def test_library__is_freed(self):
-        """If it failed, each check would leave a scene in Blender's memory."""
         frames = cloth_and_ball(frames=3)
         made = run(frames)
         self.assertIsNone(made._client)
@@ -251,8 +252,8 @@ class Refusals(unittest.TestCase):
 
 
 class Markers(unittest.TestCase):
+    # If it failed, markers would look dark from outside, or be somewhere else.
     def test_octahedra__are_closed_around_their_places(self):
-        """If it failed, markers would look dark from outside, or be somewhere else."""
         places = np.float64([(0, 0, 0), (5, 6, 7)])
         x, faces = octahedra.octahedra(places, 0.5)
         self.assertEqual((len(x), len(faces)), (12, 16))
@@ -263,8 +264,8 @@ class Markers(unittest.TestCase):
         self.assertTrue(((normal * outwards).sum(1) > 0).all())
         np.testing.assert_allclose(np.linalg.norm(x[0] - places[0]), 0.5)
 
+    # If it failed, a late contact would look like an early one.
     def test_colours__go_with_time(self):
-        """If it failed, a late contact would look like an early one."""
         indices = octahedra.colour_indices("contact", np.array([0, 0.5, 1]))
         self.assertEqual(indices.tolist(), [0, 4, 8])
         self.assertEqual(octahedra.colour_indices("crossing", np.zeros(2)).tolist(),

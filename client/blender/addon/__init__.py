@@ -1,5 +1,4 @@
-"""__init__.py - pccd for Blender: where objects cross, frame by frame, and where they meet
-between frames.
+"""__init__.py - pccd for Blender: where objects cross at a frame, or meet between two.
 
 Room:     client/blender; installed as Blender's add-on "pccd_blender".
 Does:     register the panel; bake_check() checks a file without a window.
@@ -32,7 +31,8 @@ def bake_check():
     """Check the file that Blender has open, by the arguments after "--", and end Blender
     with an exit status; command.py says which.
 
-        blender -b FILE --python-expr "import pccd_blender; pccd_blender.bake_check()" -- \\
+        blender -b FILE --python-exit-code 4 \\
+            --python-expr "import pccd_blender; pccd_blender.bake_check()" -- \\
             --frames 1:100 --thickness 0.001 --json
     """
     from . import command

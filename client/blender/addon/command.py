@@ -36,8 +36,8 @@ def parser():
                       help="radius of every feature in Blender's units: two of radius R "
                       "meet when they are 2 R apart (default: 0)")
     made.add_argument("--rest-exclusion", metavar="D", type=float, default=0.0,
-                      help="pairs of one object that are nearer than D in the first frame "
-                      "have no thickness (default: 0)")
+                      help="pairs of one object that are nearer than D in the first "
+                      "frame have no thickness (default: 0)")
     made.add_argument("--rings", metavar="N", type=int, default=0,
                       help="nor have those that N edges or fewer join, 0 to 8 (default: "
                       "0)")

@@ -1,8 +1,8 @@
 """report.py - what a check has found, as text and as JSON.
 
 Room:     client/blender. Needs no Blender.
-Does:     a line for each finding; an object whose keys are those of `pccdctl check --json`
-          where they mean the same.
+Does:     a line for each finding; an object whose keys are those of `pccdctl check
+          --json` where they mean the same.
 """
 
 from .check import KINDS
