@@ -16,6 +16,7 @@ import mathutils
 import numpy as np
 
 ZIP, FOLDER = sys.argv[sys.argv.index("--") + 1:][:2]
+sys.dont_write_bytecode = True  # beside the sources
 sys.path[:0] = [os.path.dirname(os.path.abspath(__file__)),
                 os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python")]
 

@@ -21,7 +21,7 @@ own="zip__is_made bake__that_crosses_ends_with_1 bake__counts_are_those_of_pccdc
     bake__that_is_clean_ends_with_0 bake__without_the_addon_ends_with_4
     bake__that_is_interrupted_ends_with_4"
 why=
-command -v blender >/dev/null || why="no blender"
+blender=$(command -v blender) || why="no blender"
 command -v patchelf >/dev/null || why="no patchelf"
 ! nm -D "$top_builddir/.libs/libpccd.so.0" | grep -qE '__(a|ub|t)san_' ||
     why="the build has a sanitiser in it"
@@ -38,6 +38,8 @@ trap 'rm -rf "$work"' EXIT
 log=$work/log
 unset PCCD_URL PCCD_DAEMON PCCD_DIRECT PCCD_LIBRARY PYTHONPATH PYTHONHOME
 export BLENDER_USER_SCRIPTS=$work/scripts BLENDER_USER_CONFIG=$work/config
+# Blender's Python takes for its own what belongs to another one that is first in $PATH.
+blender="env PATH=/usr/bin:/bin $blender"
 mkdir "$work/scripts" "$work/config" "$work/bakes"
 
 "$BASH" "$top_srcdir/client/blender/make_addon.sh" "$top_srcdir" "$top_builddir" \
@@ -45,9 +47,10 @@ mkdir "$work/scripts" "$work/config" "$work/bakes"
 # If it failed, there would be nothing to install.
 tap_result $? zip__is_made "$log"
 
+# shellcheck disable=SC2086 # $blender is words on purpose
 # In Blender, all in one process: it takes most of a second to start. It says of each case
 # what would be wrong if that failed.
-timeout 100 blender -b --factory-startup --python-exit-code 4 \
+timeout 100 $blender -b --factory-startup --python-exit-code 4 \
     -P "$top_srcdir/tests/blender/check_addon.py" -- "$work/pccd_blender.zip" "$work/bakes" \
     >"$work/cases" 2>&1
 for name in $cases; do
@@ -62,7 +65,7 @@ done
 bake_check() { # FILE ARGUMENT...: its exit status in $status
     local file=$1
     shift
-    timeout 60 blender -b "$work/bakes/$file.blend" --python-exit-code 4 \
+    timeout 60 $blender -b "$work/bakes/$file.blend" --python-exit-code 4 \
         --python-expr "import pccd_blender; pccd_blender.bake_check()" -- "$@" >"$log" 2>&1
     status=$?
 }
@@ -101,16 +104,16 @@ tap_result $? bake__without_the_addon_ends_with_4 "$log"
 # Long enough to be interrupted; not before the library is there, and with it the handler.
 # A shell starts what runs beside it with SIGINT ignored, unless it has job control.
 set -m
-blender -b "$work/bakes/through.blend" --python-exit-code 4 --python-expr \
+$blender -b "$work/bakes/through.blend" --python-exit-code 4 --python-expr \
     "import pccd_blender; pccd_blender.bake_check()" -- --frames 1:1000000 --json \
     -o "$work/cut.json" >"$log" 2>&1 &
-blender=$!
+pid=$!
 for _ in $(seq 400); do
-    grep -q libpccd-direct "/proc/$blender/maps" 2>/dev/null && break
+    grep -q libpccd-direct "/proc/$pid/maps" 2>/dev/null && break
     sleep 0.05
 done
-kill -INT "$blender"
-wait "$blender"
+kill -INT "$pid"
+wait "$pid"
 status=$?
 [ $status -eq 4 ] && grep -q '"cancelled": true, "complete": false' "$work/cut.json" 2>>"$log"
 # If it failed, Ctrl-C would lose what was found, or tell that all was looked at.
