@@ -272,8 +272,29 @@ for cell, each, count in (('Verts', 1, verts), ('Polys', 3, polys)):
     of = {a.get('Name'): read(a) for a in piece.find(cell)}
     assert len(of['connectivity']) == each * count and max(of['connectivity']) < points
     assert of['offsets'] == tuple(each * (i + 1) for i in range(count))
+owner = {a.get('Name'): read(a) for a in piece.find('PointData')}['object']
+assert owner[:6] == cells['object_a'][verts:verts + 1] * 6 and set(owner[6:]) == {0}
 EOF
 report export__writes_vtk
+
+# If it failed, a reader of many steps would have to guess which there are, or be told other
+# numbers than those of the recording.
+timeout 60 "$PCCDCTL" export --list --json session.rec >list.json 2>"$log" &&
+    timeout 60 "$PCCDCTL" export --list --steps 1 session.rec >list.txt 2>>"$log" &&
+    grep -qE '^step 1: [1-9][0-9]* records?, first at t = 0[.]' list.txt &&
+    [ "$(wc -l <list.txt)" -eq 1 ] && python3 - >>"$log" 2>&1 <<'EOF'
+import json, subprocess, os
+steps = json.load(open('list.json'))
+assert [one['step'] for one in steps] == list(range(1, len(steps) + 1)) and len(steps) > 1
+for one in steps[:2]:
+    told = json.loads(subprocess.run(
+        [os.environ['PCCDCTL'], 'export', '--json', '-o', 'one.vtp', '--steps', str(one['step']), 'session.rec'],
+        check=True, capture_output=True).stdout)
+    assert told['contacts'] == one['contacts'] and (one['toi_first'] is None) == (one['contacts'] == 0)
+EOF
+[ $? -eq 0 ] && ! "$PCCDCTL" export --list -o a.vtp session.rec 2>>"$log" &&
+    ! "$PCCDCTL" export --list list.json 2>>"$log"
+report export__lists_steps
 
 # If it failed, a scene in micrometres, of a galaxy, or far from where it is counted from would be
 # drawn dark, as nothing, or in steps. Powers of two, so that the pictures must be the same.

@@ -1,25 +1,30 @@
 /* client/ctl/commands/cmd_export.c - pccdctl export.
  *
  * Room:     client/ctl.
- * Does:     writes one step of a recording for Blender (glTF) or ParaView (VTK).
+ * Does:     writes one step of a recording for Blender (glTF) or ParaView (VTK), or lists
+ *           the steps that there are.
  * Does not: draw: see cmd_render.c.
  * Threads:  one.
  * Source:   gltf.h, vtp.h.
  */
 #include <inttypes.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 
+#include "answers.h"
 #include "ctl.h"
 #include "file_name.h"
 #include "gltf.h"
+#include "json_text.h"
 #include "output.h"
 #include "play_options.h"
+#include "plural.h"
 #include "shown.h"
 #include "still.h"
 #include "vtp.h"
 
-enum { OPTION_TIME = 256 + 64, OPTION_NEAR, OPTION_OUTPUT = 'o' };
+enum { OPTION_TIME = 256 + 64, OPTION_NEAR, OPTION_LIST, OPTION_OUTPUT = 'o' };
 
 struct export
 {
@@ -27,6 +32,7 @@ struct export
     const char *path;
     double t; /* NAN: not given */
     bool is_near;
+    bool is_list;
 };
 
 static const struct argp_option option_list[] = {
@@ -37,6 +43,10 @@ static const struct argp_option option_list[] = {
     {"near", OPTION_NEAR, NULL, 0,
      "Write the last answer about what is near instead of contacts: lines between "
      "nearest points, and edges that cross",
+     0},
+    {"list", OPTION_LIST, NULL, 0,
+     "Write nothing, but print which steps were answered, each with what was recorded of "
+     "its answer; no daemon is asked",
      0},
     {0},
 };
@@ -60,11 +70,18 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_NEAR:
         export->is_near = true;
         return 0;
+    case OPTION_LIST:
+        export->is_list = true;
+        return 0;
     case ARGP_KEY_END:
         if (export->is_near && !isnan(export->t)) {
             tool_misused(state, "--near is of one moment: no --time");
         }
-        if (export->path == NULL) {
+        if (export->is_list &&
+            (export->is_near || !isnan(export->t) || export->path != NULL)) {
+            tool_misused(state, "--list writes nothing: no -o, --time, --near");
+        }
+        if (export->path == NULL && !export->is_list) {
             tool_misused(state, "-o FILE.glb or -o FILE.vtp says what to write");
         }
         return 0;
@@ -107,6 +124,70 @@ static int write_still(const struct export *export, const struct still *still,
     return status;
 }
 
+/* ---- which steps there are ---------------------------------------------------------- */
+
+static bool list_step(const struct record_answer *answer, json_t *steps)
+{
+    bool is_met = answer->toi_first <= 1;
+    if (steps == NULL) {
+        printf("step %" PRIu64 ": %" PRIu64 " %s", answer->step, answer->total,
+               proto_plural(answer->total, "record", "records"));
+        if (is_met) {
+            printf(", first at t = %.9g", answer->toi_first);
+        }
+        putchar('\n');
+        return true;
+    }
+    return json_array_append_new(
+               steps, json_pack("{s:I, s:I, s:o}", "step", (json_int_t)answer->step,
+                                "contacts", (json_int_t)answer->total, "toi_first",
+                                is_met ? json_real(answer->toi_first) : json_null())) ==
+           0;
+}
+
+static bool is_listed(const struct play_settings *play,
+                      const struct record_answer *answer)
+{
+    return answer->status == PCCD_OK && answer->step >= play->first &&
+           (play->last == 0 || answer->step <= play->last);
+}
+
+/* Up to where the file is damaged, as it would be played. */
+static int list_steps(const struct play_options *options, struct ctl_error *error)
+{
+    const struct play_settings *play = &options->play;
+    struct record_reader reader = {.fd = -1};
+    struct answers answers = {.count = 0};
+    struct ctl_error damage = {.text = ""};
+    json_t *steps = options->is_json ? json_array() : NULL;
+    bool is_ok = steps != NULL || !options->is_json;
+    int status = record_reader_open(&reader, play->path);
+    if (status == PCCD_OK) {
+        status = answers_read(&answers, &reader, &damage);
+        if (status != PCCD_OK && status != PCCD_E_NOMEM) {
+            ctl_complain("%s: %s", play->path, damage.text);
+            status = PCCD_OK;
+        }
+    }
+    for (size_t i = 0; status == PCCD_OK && i < answers.count; i++) {
+        if (is_listed(play, &answers.items[i])) {
+            is_ok = is_ok && list_step(&answers.items[i], steps);
+        }
+    }
+    if (status != PCCD_OK) {
+        ctl_error_set(error, status, "%s: %s", play->path, reader.text);
+    } else if (!is_ok) {
+        status = ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", play->path);
+    } else if (options->is_json) {
+        json_dumpf(steps, stdout, JSON_TEXT_FLAGS);
+        putchar('\n');
+    }
+    json_decref(steps);
+    answers_deinit(&answers);
+    record_reader_deinit(&reader);
+    return status;
+}
+
 int ctl_cmd_export(int argc, char **argv)
 {
     struct export export = {.t = NAN};
@@ -123,15 +204,17 @@ int ctl_cmd_export(int argc, char **argv)
     }
     const struct still_at at = {.t = isnan(export.t) ? 1 : export.t};
     int status = play_options_open(&export.options, &error);
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && export.is_list) {
+        status = list_steps(&export.options, &error);
+    } else if (status == PCCD_OK) {
         status = export.is_near
                      ? still_take_near(&export.options.play, &still, &summary, &error)
                      : still_take(&export.options.play, &at, &still, &summary, &error);
     }
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && !export.is_list) {
         status = write_still(&export, &still, &error);
     }
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && !export.is_list) {
         play_options_warn(&export.options.play, &summary);
         still_report(&still, export.path, export.options.is_json);
     } else {

@@ -117,6 +117,14 @@ static void put_point_data(struct vtp *vtp)
         radius += object->vertex_count;
     }
     put_array(vtp, "Float32", "radius", 1, point_count(vtp) * sizeof *radius);
+    uint32_t *handle = vtp->scratch;
+    memset(handle, 0, point_count(vtp) * sizeof *handle);
+    for (uint32_t o = 0; o < vtp->still->object_count; o++) {
+        for (uint32_t i = 0; i < vtp->still->objects[o].vertex_count; i++) {
+            *handle++ = vtp->still->objects[o].handle;
+        }
+    }
+    put_array(vtp, "UInt32", "object", 1, point_count(vtp) * sizeof *handle);
     fputs("</PointData>\n", vtp->to);
 }
 
