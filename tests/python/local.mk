@@ -4,6 +4,7 @@
 python_tests = \
     tests/python/test_python_client.sh \
     tests/python/test_python_use.sh \
+    tests/python/test_python_vtk.sh \
     tests/python/test_python_wheel.sh
 TESTS += $(python_tests)
 dist_check_SCRIPTS += $(python_tests)
@@ -17,6 +18,7 @@ EXTRA_DIST += \
     tests/python/check_raw.py \
     tests/python/check_scenes.py \
     tests/python/check_thick.py \
+    tests/python/check_vtk.py \
     tests/python/find.sh \
     tests/python/raw_client.py \
     tests/python/support.py \

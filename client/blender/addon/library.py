@@ -10,6 +10,10 @@ import importlib.util
 if importlib.util.find_spec(__package__ + ".pccd") is not None:
     from . import pccd
 else:
-    import pccd
+    try:
+        import pccd
+    except ModuleNotFoundError:
+        raise ImportError("no Python module pccd: install the add-on from the zip that "
+                          "brings it, or Debian's package python3-pccd") from None
 
 __all__ = ["pccd"]

@@ -1,0 +1,29 @@
+#!/bin/bash
+# test_python_vtk.sh - the reader of recordings for VTK and ParaView (TAP).
+#
+# Room:     tests/python.
+# Does:     run check_vtk.py with a Python that has VTK 9; without one, skip it by name.
+# Needs:    PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+
+vtk=
+for candidate in "$python" /usr/bin/python3; do
+    if [ -n "$python" ] && [ -n "$candidate" ] &&
+        "$candidate" -c 'import numpy, vtkmodules.vtkIOXML' 2>/dev/null; then
+        vtk=$candidate
+        break
+    fi
+done
+if [ -z "$vtk" ]; then
+    tap_skip check_vtk "no python3 with numpy and vtkmodules (Debian: python3-vtk9)"
+    tap_end
+    exit
+fi
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+XDG_RUNTIME_DIR=$work timeout 120 "$vtk" "$top_srcdir/tests/python/tap.py" check_vtk
