@@ -626,17 +626,22 @@ public:
 
     // The page behind this one: while (answer.has_more()) answer = scene.next(answer);
     // The records of this one are given back first.
-    result<answer> try_next(answer &page)
+    result<answer> try_next(answer &page) { return try_fetch(page, page.data_.cursor); }
+    answer next(answer &page) { return try_next(page).value(); }
+    // The page of the same answer that begins with the record at `cursor`.
+    result<answer> try_fetch(answer &page, std::uint64_t cursor)
     {
         const std::uint64_t step = page.data_.step;
-        const std::uint64_t cursor = page.data_.cursor;
         page.reset();
         answer answer(connection());
         const int status =
             pccd_fetch(connection().get(), id(), step, cursor, &answer.data_);
         return finish(status, std::move(answer));
     }
-    answer next(answer &page) { return try_next(page).value(); }
+    answer fetch(answer &page, std::uint64_t cursor)
+    {
+        return try_fetch(page, cursor).value();
+    }
 
     // Let two objects ignore each other, or meet again.
     result<done> try_ignore(const object &a, const object &b, bool ignored = true)

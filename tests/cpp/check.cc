@@ -71,6 +71,16 @@ void check_step(pccd::client &client)
          "step__has_the_hash_of_that_in_c");
     pccd_answer_release(client.get(), &plain);
 
+    pccd::step_settings candidates;
+    candidates.mode = PCCD_MODE_PAIRS;
+    pccd::answer page = scene.step(pccd::between(object, two, down), candidates);
+    const std::uint64_t last = page->total - 1;
+    const std::uint32_t feature = page.pairs()[last].feature_b;
+    page = scene.fetch(page, last);
+    tell(last > 0 && page->first == last && page.pairs().size() == 1 &&
+             page.pairs()[0].feature_b == feature && !page.has_more(),
+         "fetch__begins_at_any_record");
+
     pccd::near_settings near(PCCD_NEAR_NEAREST, std::numeric_limits<double>::infinity());
     near.what = PCCD_NEAR_PAIRS;
     near.distance = 1.25;
