@@ -37,6 +37,7 @@ client/tool         proto/text
 client/ctl          client/lib+ client/record client/registry client/oracle client/tool proto/text
 client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
+client/ipc          client/lib+
 client/mpi          client/lib+ client/lib/foreign.h
 client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
 client/examples     client/lib+
@@ -52,6 +53,7 @@ bench/run           bench daemon/engine client/lib+ bench/scenes proto/text
 tests/proto         proto
 tests/abi           proto client/lib+
 tests/cpp           client/lib+
+tests/ipc           client/lib+ client/oracle tests/support
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ tests/support client/oracle
 tests/unit          proto daemon/engine daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
@@ -106,6 +108,11 @@ daemon/engine       emmintrin.h gmp.h omp.h xxhash.h
 daemon/server       uv.h seccomp.h
 client/record       xxhash.h zstd.h
 client/cpp          array cstdio pccd.hpp vector
+client/ipc          Eigen/SparseCholesky algorithm chrono cmath cstdio cstdlib cstring map
+client/ipc          memory optional pccd.hpp pccd_ipc.hpp tbb/global_control.h vector
+client/ipc          ipc/barrier/barrier.hpp ipc/broad_phase/lbvh.hpp ipc/candidates/candidates.hpp
+client/ipc          ipc/ccd/additive_ccd.hpp ipc/utils/logger.hpp
+client/ipc          ipc/collisions/normal/normal_collisions.hpp
 client/ctl          jansson.h png.h xxhash.h zlib.h
 client/mpi          mpi.h xxhash.h
 client/mpi/program  mpi.h
@@ -125,6 +132,9 @@ bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 tests               array cmath cstring limits pccd.hpp span
+tests               cstdio map pccd_ipc.hpp random set string tuple ipc/broad_phase/brute_force.hpp
+tests               ipc/ccd/additive_ccd.hpp ipc/collisions/normal/normal_collisions.hpp
+tests               ipc/utils/logger.hpp
 '
 
 c_library='argp.h assert.h ctype.h dirent.h dlfcn.h errno.h execinfo.h fcntl.h fenv.h float.h getopt.h

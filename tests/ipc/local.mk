@@ -1,0 +1,14 @@
+# tests/ipc/local.mk - the header for ipc-toolkit, where configure was told of that. Without
+# it the script skips its cases by name.
+
+TESTS += tests/ipc/test_ipc.sh
+dist_check_SCRIPTS += tests/ipc/test_ipc.sh
+EXTRA_DIST += tests/ipc/.clang-format tests/ipc/check.cc
+if HAVE_IPC_TOOLKIT
+check_PROGRAMS += tests/ipc/check
+tests_ipc_check_SOURCES = tests/ipc/check.cc
+tests_ipc_check_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/tests/support \
+    -iquote $(top_srcdir)/client/oracle $(ipc_cppflags)
+tests_ipc_check_CXXFLAGS = $(ipc_cxxflags)
+tests_ipc_check_LDADD = libpccd.la libtestscenes.la liboracle.la $(ipc_libs) $(GMP_LIBS)
+endif
