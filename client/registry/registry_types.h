@@ -44,8 +44,8 @@ struct registry_mesh {
     uint32_t (*triangles)[3];
     double *radii;        /* [vertex_count]; NULL: there are none */
     uint32_t (*edges)[2]; /* as records number them; NULL: nobody has asked yet */
-    /* Made with them: 1 for each edge that no triangle has, and for each vertex that no
-     * triangle and no edge has. */
+    /* Made with them: 1 for each edge that no triangle has, and for each point that is
+     * named and that no triangle and no edge has. */
     uint8_t *is_free_edge;
     uint8_t *is_free_vertex;
     uint32_t named_edge_count;

@@ -363,6 +363,40 @@ static void verify__passes_what_is_right(void **state)
     assert_non_null(strstr(said, "\"pass\": true"));
 }
 
+/* If this failed, a vertex that nothing uses, beside a point with a thickness, would be
+ * taken for a point, and a right answer be called wrong. */
+static void verify__takes_an_unused_vertex_for_no_point(void **state)
+{
+    static const double x[3][3] = {{0, 0, 0}, {0.01, 0, 0}, {5, 0, 0}};
+    static const uint32_t points[2] = {0, 2};
+    const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
+                                        .x = x,
+                                        .format = PCCD_FORMAT_F64,
+                                        .vertex_count = 3,
+                                        .points = points,
+                                        .point_count = 2};
+    const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS, .radius = 0.1};
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_client *client = NULL;
+    uint32_t mesh = 0, scene = 0, object = 0;
+    char said[4096];
+
+    assert_int_equal(test_shared_connect(state, 0, &client), 0);
+    (void)unlink(forged);
+    assert_int_equal(pccd_record_start(client, forged, NULL), 0);
+    assert_int_equal(pccd_mesh_put(client, &data, &mesh, NULL), 0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+    assert_int_equal(pccd_object_set(client, scene, object, &thick), 0);
+    assert_int_equal(
+        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 3, NULL, &answer),
+        0);
+    assert_int_equal(answer.total, 0);
+    pccd_close(client);
+    assert_int_equal(run_ctl("verify", "", forged, said), 0);
+    assert_non_null(strstr(said, "PASS: 1 step,"));
+}
+
 /* If this failed, a daemon with a wrong answer would be trusted. */
 static void verify__shows_what_is_wrong(void **state)
 {
@@ -504,6 +538,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verify__passes_what_is_right),
+        cmocka_unit_test(verify__takes_an_unused_vertex_for_no_point),
         cmocka_unit_test(verify__shows_what_is_wrong),
         cmocka_unit_test(verify__names_the_features_and_where_they_are),
         cmocka_unit_test(replay__shows_the_first_difference),

@@ -124,7 +124,10 @@ static void mark_free(struct registry_mesh *mesh, const uint32_t (*sides)[2],
                       uint32_t side_count)
 {
     uint32_t side = 0; /* sides are some of the edges, in the same order */
-    memset(mesh->is_free_vertex, 1, mesh->vertex_count);
+    memset(mesh->is_free_vertex, 0, mesh->vertex_count);
+    for (uint32_t i = 0; i < mesh->named_point_count; i++) {
+        mesh->is_free_vertex[mesh->named_points[i]] = 1;
+    }
     for (uint64_t i = 0; i < 3 * (uint64_t)mesh->triangle_count; i++) {
         mesh->is_free_vertex[mesh->triangles[i / 3][i % 3]] = 0;
     }

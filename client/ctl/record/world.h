@@ -33,8 +33,8 @@ struct registry_shape world_shape(const struct registry *world, uint32_t format,
 /* The edges of a mesh as records number them, made at the first call. */
 int world_edges(struct registry_mesh *mesh, struct ctl_error *error);
 
-/* Is a vertex (points 1) or an edge (2) free: an edge that no triangle has, a vertex that
- * no triangle and no edge has? Its edges were made (world_edges). */
+/* Is a vertex (points 1) or an edge (2) free: an edge that no triangle has, a point that
+ * is named and that no triangle and no edge has? Its edges were made (world_edges). */
 bool world_is_free(const struct registry_mesh *mesh, uint32_t points, uint32_t feature);
 /* Features of a mesh that have so many points: how many, and the vertices of one; NULL if
  * there is none of that index. A vertex is its own. */
