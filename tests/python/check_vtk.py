@@ -16,7 +16,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
-FLOOR = np.float64([(9, 9, 9), (0, 0, 0), (4, 0, 0), (0, 4, 0)])  # the first is of no face
+FLOOR = np.float64([(9, 9, 9), (0, 0, 0), (4, 0, 0), (0, 4, 0)])  # one is of no face
 DROP = np.float64([(.5, .5, 1), (1.5, .5, 2), (.5, 1.5, 2), (.7, .7, 3)])
 FALLS = (0, -.5, -.8, -1.2)
 

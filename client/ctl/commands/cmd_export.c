@@ -124,7 +124,7 @@ static int write_still(const struct export *export, const struct still *still,
     return status;
 }
 
-/* ---- which steps there are ---------------------------------------------------------- */
+/* ---- which steps there are --------------------------------------------------------- */
 
 static bool list_step(const struct record_answer *answer, json_t *steps)
 {

@@ -19,12 +19,12 @@ Python:
     reader.UpdateTimeStep(reader.GetTimestepValues()[-1])
     blocks = reader.GetOutputDataObject(0)  # vtkMultiBlockDataSet
 
-The block "contacts" has a point where each contact is, with its kind (0 VF, 1 EE, 2 VE, 3
-VV), toi, normal, flags, object_a, feature_a, object_b, feature_b (pccd_types.h). The block
-"object H" has the triangles, rods and points of the object with the handle H, at the
-Moment of the step (0 .. 1; 1 at first); motion, radius and vertex are data of its points,
-contacts how many each triangle has. Contacts are those of the recording, or, if that has
-none, of a daemon that repeats the step.
+The block "contacts" has a point where each contact is, with its kind (0 VF, 1 EE, 2 VE,
+3 VV), toi, normal, flags, object_a, feature_a, object_b, feature_b (pccd_types.h). The
+block "object H" has the triangles, rods and points of the object with the handle H, at
+the Moment of the step (0 .. 1; 1 at first); motion, radius and vertex are data of its
+points, contacts how many each triangle has. Contacts are those of the recording, or, if
+that has none, of a daemon that repeats the step.
 """
 
 from __future__ import annotations
