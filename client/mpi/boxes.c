@@ -57,20 +57,6 @@ static void grow(float box[6], double growth)
     }
 }
 
-void ranks_leaf_box(const double (*x0)[3], const double (*x1)[3],
-                    const uint32_t corners[3], double growth, float box[6])
-{
-    ranks_box_begin(box);
-    for (int c = 0; c < 3; c++) {
-        for (int k = 0; k < 3; k++) {
-            double a = x0[corners[c]][k], b = x1[corners[c]][k];
-            box[k] = fminf(box[k], ranks_float_below(fmin(a, b)));
-            box[k + 3] = fmaxf(box[k + 3], ranks_float_above(fmax(a, b)));
-        }
-    }
-    grow(box, growth);
-}
-
 static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
                   double way, double growth, float box[6])
 {

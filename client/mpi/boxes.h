@@ -30,10 +30,6 @@ struct ranks_boxes {
 /* By how much the box of a leaf of the object is larger than the leaf: at least half of
  * the distance at which any of its features meets another one's half. */
 double ranks_reach(const struct ranks_object *object, double separation);
-/* The box of a leaf in this step alone, with these local vertices for corners. */
-void ranks_leaf_box(const double (*x0)[3], const double (*x1)[3],
-                    const uint32_t corners[3], double growth, float box[6]);
-
 /* In this rank alone: x0[o], x1[o] of the local vertices of object o. */
 int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *ways,
                      const double (*const *x0)[3], const double (*const *x1)[3],

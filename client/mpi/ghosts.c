@@ -350,9 +350,8 @@ static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
     for (uint64_t i = 0; i < count; i++) {
         uint64_t at = sorted[i].value;
         if (i == 0 || sorted[i].key != sorted[i - 1].key) {
-            ghosts[each] = at < came_count ? in[came[at].value].leaf
-                                           : object->neighbours[at - came_count];
-            ghosts[each++].owns = 0;
+            ghosts[each++] = at < came_count ? in[came[at].value].leaf
+                                             : object->neighbours[at - came_count];
         }
     }
     uint64_t hash = hash_of(ghosts, each);

@@ -1,8 +1,8 @@
 /* weigh.h - how much work a leaf is in a step.
  *
  * Room:     client/mpi. May include: world.h.
- * Does:     count the leaves whose boxes meet that of each own leaf: what libpccd has to
- *           test grows with their number.
+ * Does:     count the pairs whose first feature belongs to each own leaf, and whose boxes
+ *           meet: these are what libpccd has to test for it in this rank.
  * Threads:  one.
  */
 #ifndef RANKS_WEIGH_H

@@ -34,6 +34,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     for name in files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
+    tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
@@ -173,5 +174,23 @@ for scene in $scenes; do
     done
     tap_result $status "$name" "$log"
 done
+
+# Work of all ranks beside that of one process, and the largest beside the mean, in the second
+# step, which is the first that knows of work.
+name=mpi__work_lies_evenly_on_four_ranks
+frames=("$PCCD_DATA/cloth-ball"/frames/*.ply)
+if [ -e "${frames[0]}" ]; then
+    ranks 4 "$top_builddir/pccd-mpi" check --repeat 1 --shares "${frames[@]}" >"$work/out" 2>"$log" &&
+        [ "$(grep -c '^rank .*, cuts 2,' "$log")" -eq 4 ] &&
+        "$PCCDCTL" check --url direct: --repeat 1 "${frames[@]}" >"$work/one" 2>>"$log" &&
+        awk '/^work / { gsub(",", ""); print $2 + 8 * $11 }' "$work/one" "$work/out" |
+        paste -sd ' ' | tee -a "$log" | awk '{ exit !($1 > 0 && $2 > 0 && $2 < 1.15 * $1) }' &&
+        awk '/^rank / { sub(/.*imbalance /, ""); if ($1 + 0 < 1 || $1 + 0 > 1.05) bad = 1 }
+            END { exit bad }' "$log"
+    # If it failed, ranks would wait for one of them, or look for what others find.
+    tap_result $? $name "$log"
+else
+    tap_skip $name "no frames in \$PCCD_DATA"
+fi
 
 tap_end
