@@ -39,6 +39,7 @@ site_parts = \
     client/man/site/bake.md \
     client/man/site/cloth.md \
     client/man/site/edge.md \
+    client/man/site/from.md \
     client/man/site/index.md \
     client/man/site/make_site.py \
     client/man/site/page.html \

@@ -30,6 +30,7 @@ PAGES = [
     ("Recipes", "client/man/site/replay.md", "replay", "Replay a bad frame"),
     ("Recipes", "client/man/site/share.md", "share", "Share a world of two programs"),
     ("Guide", "client/man/pccd.7", "answer", "What an answer means"),
+    ("Guide", "client/man/site/from.md", "from", "Coming from another library"),
     ("Guide", "client/README.md", "guide", "The guide"),
     ("Guide", "client/cpp/README.md", "cpp", "C++ and CMake"),
     ("Guide", "client/python/README.md", "python", "The Python package"),
