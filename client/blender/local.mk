@@ -11,7 +11,8 @@ blender_addon = \
     client/blender/addon/panel.py \
     client/blender/addon/report.py \
     client/blender/addon/shape.py
-EXTRA_DIST += $(blender_addon) client/blender/README.md client/blender/make_addon.sh
+EXTRA_DIST += $(blender_addon) client/blender/README.md client/blender/make_addon.sh \
+    client/blender/marked.png
 
 # For "Install from disk": with the Python module and all libraries inside.
 blender-addon: all
