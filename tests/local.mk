@@ -16,6 +16,7 @@ include $(top_srcdir)/tests/abi/local.mk
 include $(top_srcdir)/tests/integration/local.mk
 include $(top_srcdir)/tests/cpp/local.mk
 include $(top_srcdir)/tests/ipc/local.mk
+include $(top_srcdir)/tests/planner/local.mk
 include $(top_srcdir)/tests/mpi/local.mk
 include $(top_srcdir)/tests/zoo/local.mk
 include $(top_srcdir)/tests/python/local.mk

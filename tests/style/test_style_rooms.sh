@@ -38,6 +38,7 @@ client/ctl          client/lib+ client/record client/registry client/oracle clie
 client/load         client/lib+ client/tool proto/text
 client/cpp          client/lib+
 client/ipc          client/lib+
+client/planner      client/lib+
 client/mpi          client/lib+ client/lib/foreign.h
 client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
 client/examples     client/lib+
@@ -54,6 +55,7 @@ tests/proto         proto
 tests/abi           proto client/lib+
 tests/cpp           client/lib+
 tests/ipc           client/lib+ client/oracle tests/support
+tests/planner       client/lib+
 tests/support       proto client/lib+ client/oracle
 tests/integration   proto client/record client/lib+ tests/support client/oracle
 tests/unit          proto daemon/engine daemon/service daemon/server client/record client/registry client/lib client/ctl client/load client/tool proto/text tests/support client/oracle
@@ -113,6 +115,9 @@ client/ipc          memory optional pccd.hpp pccd_ipc.hpp tbb/global_control.h v
 client/ipc          ipc/barrier/barrier.hpp ipc/broad_phase/lbvh.hpp ipc/candidates/candidates.hpp
 client/ipc          ipc/ccd/additive_ccd.hpp ipc/utils/logger.hpp
 client/ipc          ipc/collisions/normal/normal_collisions.hpp
+client/planner      arm.hpp pccd_motion.hpp cstdio cstdlib cstring ompl/base/spaces/RealVectorStateSpace.h
+client/planner      ompl/geometric/SimpleSetup.h ompl/geometric/planners/rrt/RRTConnect.h
+client/planner      ompl/util/RandomNumbers.h
 client/ctl          jansson.h png.h xxhash.h zlib.h
 client/mpi          mpi.h xxhash.h
 client/mpi/program  mpi.h
@@ -132,7 +137,7 @@ bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
 tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
 tests               array cmath cstring limits pccd.hpp span
-tests               cstdio map pccd_ipc.hpp random set string tuple ipc/broad_phase/brute_force.hpp
+tests               arm.hpp cstdio cstdlib cstring map pccd_ipc.hpp random set string tuple ipc/broad_phase/brute_force.hpp
 tests               ipc/ccd/additive_ccd.hpp ipc/collisions/normal/normal_collisions.hpp
 tests               ipc/utils/logger.hpp
 '

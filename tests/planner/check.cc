@@ -1,0 +1,113 @@
+/* check.cc - are edges that the planner calls free really so? By dense samples and exact
+ * tests (TAP).
+ *
+ * Room:     tests/planner. May include: arm.hpp, pccd.hpp.
+ * Does:     read the planner's lines; place the arm at many states of each edge and ask
+ *           which edges pass through or touch faces there. Knows nothing of pieces, nor
+ *           of OMPL.
+ * Threads:  one.
+ *
+ *     planner | check SAMPLES
+ */
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <arm.hpp>
+
+namespace {
+
+int count = 0, failed = 0;
+
+void tell(bool is_right, const char *name)
+{
+    count++;
+    failed += !is_right;
+    std::printf("%sok %d - %s\n", is_right ? "" : "not ", count, name);
+}
+
+struct judge {
+    pccd::client client{"direct:"};
+    arm::world world = arm::make_world(client);
+
+    bool is_free(const arm::angles &q)
+    {
+        const auto placed = arm::place(q);
+        double m[arm::links][12];
+        std::vector<pccd_motion> motions;
+        for (std::size_t i = 0; i < placed.size(); i++) {
+            std::memcpy(m[i], placed[i].data(), sizeof m[i]);
+            motions.push_back(pccd::rigid(world.bodies[i], m[i], m[i]));
+        }
+        const pccd::near_settings settings(PCCD_NEAR_CROSSINGS);
+        return world.scene.near(settings, motions)->verdict == PCCD_VERDICT_NO;
+    }
+    bool is_free(const arm::angles &a, const arm::angles &b, int samples)
+    {
+        bool is_free_everywhere = true;
+        for (int i = 0; i <= samples && is_free_everywhere; i++) {
+            arm::angles q;
+            for (std::size_t k = 0; k < q.size(); k++) {
+                q[k] = a[k] + (b[k] - a[k]) * i / samples;
+            }
+            is_free_everywhere = is_free(q);
+        }
+        return is_free_everywhere;
+    }
+};
+
+bool read(arm::angles &q)
+{
+    bool is_read = true;
+    for (double &angle : q) {
+        is_read &= std::scanf("%lf", &angle) == 1;
+    }
+    return is_read;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const int samples = argc > 1 ? std::atoi(argv[1]) : 1000;
+    long path = 0, blocked = 0, said_free = 0, wrong = 0, refused = 0, wasted = 0;
+    bool is_read = true;
+    try {
+        judge judge;
+        arm::angles last{}, a, b;
+        char word[16];
+        while (is_read && std::scanf("%15s", word) == 1) {
+            is_read = read(a);
+            if (std::strcmp(word, "path") == 0) {
+                blocked += path++ > 0 && !judge.is_free(last, a, samples);
+                last = a;
+                continue;
+            }
+            is_read &= read(b);
+            const bool is_free = judge.is_free(a, b, samples);
+            if (std::strcmp(word, "free") == 0) {
+                said_free++;
+                wrong += !is_free;
+            } else {
+                refused++;
+                wasted += is_free;
+            }
+        }
+        // It would be caught if the arm stood in the pillar.
+        tell(is_read && !judge.is_free({0, .1, 0, 0}), "samples__see_the_pillar");
+    } catch (const pccd::error &error) {
+        std::printf("Bail out! %s\n", error.what());
+        return 1;
+    }
+    if (path > 0) {
+        std::printf("# %ld states\n", path);
+        tell(path > 2 && blocked == 0, "path__is_free_at_every_sample");
+    } else {
+        std::printf("# %ld free; %ld refused, of which %ld are free at every sample\n",
+                    said_free, refused, wasted);
+        tell(said_free > 0 && wrong == 0, "free_edges__are_free_at_every_sample");
+        tell(refused > wasted, "refused_edges__meet_something");
+    }
+    std::printf("1..%d\n", count);
+    return failed != 0;
+}

@@ -1,0 +1,13 @@
+# tests/planner/local.mk - what the planner calls free, by dense samples. Where configure has
+# not found OMPL the script skips its cases by name.
+
+TESTS += tests/planner/test_planner.sh
+dist_check_SCRIPTS += tests/planner/test_planner.sh
+EXTRA_DIST += tests/planner/.clang-format tests/planner/check.cc
+if HAVE_OMPL
+check_PROGRAMS += tests/planner/check
+tests_planner_check_SOURCES = tests/planner/check.cc
+tests_planner_check_CPPFLAGS = -I$(top_srcdir)/client/planner -Iinclude
+tests_planner_check_CXXFLAGS = $(client_planner_planner_CXXFLAGS)
+tests_planner_check_LDADD = libpccd.la
+endif
