@@ -21,6 +21,13 @@
 
 #define MESSAGE_BYTES 4096u /* of one message; more is cut */
 
+static const char *program_name = "pccdctl";
+
+void ctl_name_program(const char *name)
+{
+    program_name = name;
+}
+
 int ctl_complain(const char *format, ...)
 {
     char text[MESSAGE_BYTES];
@@ -28,7 +35,7 @@ int ctl_complain(const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "pccdctl: %s\n", tool_shown(text));
+    fprintf(stderr, "%s: %s\n", program_name, tool_shown(text));
     return CTL_FAILED;
 }
 

@@ -8,6 +8,7 @@ libctl_la_SOURCES = \
     client/ctl/array.c client/ctl/array.h \
     client/ctl/common.c client/ctl/ctl.h \
     client/ctl/completion.c client/ctl/completion.h \
+    client/ctl/dispatch.c client/ctl/dispatch.h \
     client/ctl/error.c client/ctl/error.h \
     client/ctl/json_text.h \
     client/ctl/link.c client/ctl/link.h \

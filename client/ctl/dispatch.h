@@ -1,0 +1,43 @@
+/* client/ctl/dispatch.h - finds the command of a program and runs it.
+ *
+ * Room:     client/ctl. May include: the C library.
+ * Does:     do for pccdctl and pccd-mpi what comes before the command: help, version, and
+ *           a name that there is not; and see that all that was printed has gone out.
+ * Does not: know a command.
+ * Threads:  one.
+ */
+#ifndef CTL_DISPATCH_H
+#define CTL_DISPATCH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct ctl_command {
+    const char *name;
+    const char *title;                 /* for messages: "pccdctl NAME" */
+    int (*run)(int argc, char **argv); /* argv[0] is the title; returns an exit status */
+    const char *text;
+};
+
+struct ctl_program {
+    const char *name;
+    const char *usage;  /* what --help begins with, up to the list of commands */
+    const char *ending; /* what comes behind the list */
+    const struct ctl_command *commands;
+    size_t command_count;
+    bool is_mute; /* of its own it prints nothing: another rank of an MPI program does */
+};
+
+/* The library's version, which is the program's: "NAME 1.2.3". */
+#define CTL_STRING_OF(number) #number
+#define CTL_STRING(number)    CTL_STRING_OF(number)
+#define CTL_PROGRAM_VERSION(name)                                                        \
+    name " " CTL_STRING(PCCD_VERSION_MAJOR) "." CTL_STRING(                              \
+        PCCD_VERSION_MINOR) "." CTL_STRING(PCCD_VERSION_PATCH)
+
+/* Run what the command line names. `version` is CTL_PROGRAM_VERSION. Returns the exit
+ * status, one of enum ctl_exit. */
+int ctl_dispatch(const struct ctl_program *program, const char *version, int argc,
+                 char **argv);
+
+#endif
