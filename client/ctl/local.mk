@@ -93,12 +93,15 @@ libctl_la_SOURCES = \
     client/ctl/record/frames.c client/ctl/record/frames.h \
     client/ctl/record/play.c client/ctl/record/play.h \
     client/ctl/record/play_options.c client/ctl/record/play_options.h \
+    client/ctl/record/replay.c client/ctl/record/replay.h \
     client/ctl/record/step_trace.c client/ctl/record/step_trace.h \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
     client/ctl/record/verify_distance.c \
     client/ctl/record/verify_meeting.c client/ctl/record/verify_meeting.h \
     client/ctl/record/verify_near.c \
+    client/ctl/record/verify_options.c client/ctl/record/verify_options.h \
+    client/ctl/record/verify_report.c client/ctl/record/verify_report.h \
     client/ctl/record/world.c client/ctl/record/world.h
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \
     -iquote $(top_srcdir)/client/ctl/check -iquote $(top_srcdir)/client/ctl/commands \

@@ -1,0 +1,233 @@
+/* client/ctl/record/verify_report.c - what came of checking the answers of a recording.
+ *
+ * Room:     client/ctl.
+ * Does:     print PASS, or what is wrong with all that is needed to repeat it.
+ * Threads:  one.
+ * Source:   verify_report.h.
+ */
+#include "verify_report.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "json_text.h"
+#include "kinds.h"
+#include "plural.h"
+
+/* Of a pair with those points a side: "vertex", "face 2", or "edge a 0" where both are of
+ * one sort. */
+static const char *point_name(const uint32_t points[2], uint32_t point, char text[16])
+{
+    uint32_t side = point < points[0] ? 0 : 1;
+    const char *feature = common_feature_names[points[side]];
+    const char *of = points[0] != points[1] ? "" : side == 0 ? " a" : " b";
+    if (points[side] == 1) {
+        snprintf(text, 16, "%s%s", feature, of);
+    } else {
+        snprintf(text, 16, "%s%s %" PRIu32, feature, of, point - side * points[0]);
+    }
+    return text;
+}
+
+static void print_witness(const struct verify_witness *witness)
+{
+    const struct pccd_pair *pair = &witness->pair;
+    printf("FAIL: step %" PRIu64 ": %s\n", witness->step, witness->what);
+    if (!witness->has_pair) {
+        return;
+    }
+    const uint32_t *points = common_kinds[pair->kind].points;
+    printf("  %s %" PRIu32 " of object 0x%" PRIx32 ", %s %" PRIu32 " of object 0x%" PRIx32
+           "\n",
+           common_feature_names[points[0]], pair->feature_a, pair->object_a,
+           common_feature_names[points[1]], pair->feature_b, pair->object_b);
+    if (witness->has_claim) {
+        printf("  claimed: first contact in [%a, %a]\n", witness->toi, witness->toi_hi);
+    }
+    if (witness->has_contact) {
+        printf("  exact:   first contact in [%a, %a], t = %.9g\n", witness->lo,
+               witness->hi, witness->lo);
+    } else {
+        printf("  exact:   no contact\n");
+    }
+    for (uint32_t i = 0; i < 8; i++) {
+        char name[16];
+        if (i % 4 < points[0] + points[1]) {
+            printf("  %-8s at t = %" PRIu32 ": %a %a %a\n",
+                   point_name(points, i % 4, name), i / 4, witness->p[i][0],
+                   witness->p[i][1], witness->p[i][2]);
+        }
+    }
+}
+
+void verify_print_text(const struct verify_counts *counts,
+                       const struct verify_witness *witness)
+{
+    if (witness != NULL) {
+        print_witness(witness);
+        return;
+    }
+    printf(
+        "PASS: %" PRIu64 " %s, %" PRIu64 " %s and %" PRIu64 " %s by exact arithmetic",
+        counts->steps, proto_plural(counts->steps, "step", "steps"), counts->contacts,
+        proto_plural(counts->contacts, "contact", "contacts"), counts->non_contacts,
+        proto_plural(counts->non_contacts, "pair that is none", "pairs that are none"));
+    if (counts->possible > 0) {
+        printf(", %" PRIu64 " possible %s not contradicted", counts->possible,
+               proto_plural(counts->possible, "one", "ones"));
+    }
+    if (counts->unchecked > 0) {
+        printf(", %" PRIu64 " %s without an answer to check", counts->unchecked,
+               proto_plural(counts->unchecked, "step", "steps"));
+    }
+    if (counts->nears > 0) {
+        printf("; %" PRIu64 " %s about what is near with %" PRIu64 " %s", counts->nears,
+               proto_plural(counts->nears, "question", "questions"), counts->near_records,
+               proto_plural(counts->near_records, "record", "records"));
+    }
+    if (counts->nears_unchecked > 0) {
+        printf(", %" PRIu64 " of them not checked", counts->nears_unchecked);
+    }
+    putchar('\n');
+}
+
+/* X(key, member) of struct verify_counts. */
+#define COUNTS(X)                                                                        \
+    X(steps)                                                                             \
+    X(contacts)                                                                          \
+    X(possible)                                                                          \
+    X(non_contacts)                                                                      \
+    X(unchecked)                                                                         \
+    X(nears)                                                                             \
+    X(near_records)                                                                      \
+    X(nears_unchecked)
+
+static bool set_count(json_t *object, const char *key, uint64_t value)
+{
+    return json_object_set_new(object, key, json_integer((json_int_t)value)) == 0;
+}
+
+static bool get_count(const json_t *object, const char *key, uint64_t *value)
+{
+    const json_t *got = json_object_get(object, key);
+    *value = (uint64_t)json_integer_value(got);
+    return json_is_integer(got);
+}
+
+bool verify_counts_json(json_t *object, const struct verify_counts *counts)
+{
+    bool ok = true;
+#define SET(name) ok = ok && set_count(object, #name, counts->name);
+    COUNTS(SET)
+#undef SET
+    return ok;
+}
+
+bool verify_counts_read(const json_t *object, struct verify_counts *counts)
+{
+    bool ok = true;
+#define GET(name) ok = ok && get_count(object, #name, &counts->name);
+    COUNTS(GET)
+#undef GET
+    return ok;
+}
+
+/* Doubles as "%a", which is exact. */
+static json_t *reals_json(const double *values, size_t count)
+{
+    json_t *array = json_array();
+    char text[64];
+    for (size_t i = 0; i < count; i++) {
+        snprintf(text, sizeof text, "%a", values[i]);
+        json_array_append_new(array, json_string(text));
+    }
+    return array;
+}
+
+static bool reals_read(const json_t *array, double *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const char *text = json_string_value(json_array_get(array, i));
+        char *end = NULL;
+        values[i] = text != NULL ? strtod(text, &end) : 0;
+        if (text == NULL || end == text || *end != '\0') {
+            return false;
+        }
+    }
+    return true;
+}
+
+json_t *verify_witness_json(const struct verify_witness *witness)
+{
+    const double claimed[2] = {witness->toi, witness->toi_hi};
+    return json_pack("{s:I, s:s, s:b, s:I, s:I, s:I, s:I, s:I, s:b, s:f, s:f, s:o, s:o}",
+                     "step", (json_int_t)witness->step, "what", witness->what, "has_pair",
+                     witness->has_pair, "kind", (json_int_t)witness->pair.kind,
+                     "object_a", (json_int_t)witness->pair.object_a, "feature_a",
+                     (json_int_t)witness->pair.feature_a, "object_b",
+                     (json_int_t)witness->pair.object_b, "feature_b",
+                     (json_int_t)witness->pair.feature_b, "has_contact",
+                     witness->has_contact, "contact_lo", witness->lo, "contact_hi",
+                     witness->hi, "points", reals_json(&witness->p[0][0], 24), "claimed",
+                     reals_json(claimed, witness->has_claim ? 2 : 0));
+}
+
+bool verify_witness_read(const json_t *object, struct verify_witness *witness)
+{
+    uint64_t numbers[6] = {0};
+    const char *const keys[6] = {"step",      "kind",     "object_a",
+                                 "feature_a", "object_b", "feature_b"};
+    const char *what = json_string_value(json_object_get(object, "what"));
+    const json_t *claimed = json_object_get(object, "claimed");
+    double claim[2] = {0, 0};
+    bool ok = what != NULL;
+    for (uint32_t i = 0; i < 6; i++) {
+        ok = ok && get_count(object, keys[i], &numbers[i]) &&
+             (i == 0 || numbers[i] <= UINT32_MAX);
+    }
+    memset(witness, 0, sizeof *witness);
+    witness->has_claim = json_array_size(claimed) == 2;
+    ok = ok && numbers[1] < PCCD_KIND_COUNT &&
+         reals_read(json_object_get(object, "points"), &witness->p[0][0], 24) &&
+         reals_read(claimed, claim, witness->has_claim ? 2 : 0);
+    if (!ok) {
+        return false;
+    }
+    witness->step = numbers[0];
+    (void)snprintf(witness->what, sizeof witness->what, "%s", what);
+    witness->has_pair = json_is_true(json_object_get(object, "has_pair"));
+    witness->pair = (struct pccd_pair){(uint32_t)numbers[1], (uint32_t)numbers[2],
+                                       (uint32_t)numbers[3], (uint32_t)numbers[4],
+                                       (uint32_t)numbers[5]};
+    witness->has_contact = json_is_true(json_object_get(object, "has_contact"));
+    witness->lo = json_real_value(json_object_get(object, "contact_lo"));
+    witness->hi = json_real_value(json_object_get(object, "contact_hi"));
+    witness->toi = claim[0];
+    witness->toi_hi = claim[1];
+    return true;
+}
+
+bool verify_print_json(const struct verify_counts *counts,
+                       const struct verify_witness *witness)
+{
+    json_t *all = json_pack("{s:b}", "pass", witness == NULL);
+    bool ok = all != NULL && verify_counts_json(all, counts);
+    if (ok && witness != NULL) {
+        ok = json_object_set_new(all, "witness", verify_witness_json(witness)) == 0;
+    }
+    ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
+    json_decref(all);
+    return ok;
+}
+
+int verify_judge_counts(const struct verify_counts *counts, const char *path,
+                        struct ctl_error *error)
+{
+    return counts->steps != counts->unchecked || counts->nears != counts->nears_unchecked
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_STATE,
+                               "%s: none of %" PRIu64 " steps has an answer to check",
+                               path, counts->steps);
+}
