@@ -89,10 +89,12 @@ libctl_la_SOURCES = \
     client/ctl/picture/viewpoint.c client/ctl/picture/viewpoint.h \
     client/ctl/record/answers.c client/ctl/record/answers.h \
     client/ctl/record/drive.c client/ctl/record/drive.h \
+    client/ctl/record/drive_frame.c client/ctl/record/drive_frame.h \
     client/ctl/record/near_line.c client/ctl/record/near_line.h \
     client/ctl/record/frames.c client/ctl/record/frames.h \
-    client/ctl/record/play.c client/ctl/record/play.h \
+    client/ctl/record/play.h client/ctl/record/play_open.c \
     client/ctl/record/play_options.c client/ctl/record/play_options.h \
+    client/ctl/record/playing.c client/ctl/record/playing.h \
     client/ctl/record/replay.c client/ctl/record/replay.h \
     client/ctl/record/step_trace.c client/ctl/record/step_trace.h \
     client/ctl/record/still.c client/ctl/record/still.h \

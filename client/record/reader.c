@@ -296,6 +296,7 @@ int record_reader_skim(struct record_reader *reader, uint32_t kinds,
         *view = (struct record_view){.offset = reader->offset,
                                      .kind = chunk.kind,
                                      .time_ns = chunk.time_ns,
+                                     .sum = chunk.header_sum,
                                      .bytes = chunk.bytes,
                                      .payload = is_wanted ? reader->payload : NULL};
         reader->offset += sizeof chunk + (chunk.stored_bytes + 7) / 8 * 8;

@@ -39,6 +39,7 @@ struct record_view {
     uint64_t offset; /* in the file */
     uint16_t kind;
     uint64_t time_ns;
+    uint64_t sum; /* of its header, and so of all that it holds */
     uint64_t bytes;
     const void *payload; /* NULL after record_reader_skim */
 };

@@ -16,6 +16,8 @@
 
 #include "array.h"
 
+#define SUM_FACTOR 0x9e3779b97f4a7c15u /* odd, so that the order counts */
+
 static int no_memory(struct ctl_error *error)
 {
     return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was answered");
@@ -58,24 +60,65 @@ static bool take_page(struct answers *answers, const struct record_view *view)
     return true;
 }
 
-static bool take(struct answers *answers, const struct record_view *view)
+/* One that moves nothing has 0; two that move the same vertices have the same. */
+static uint64_t sum_moves(uint32_t scene, uint32_t count, const uint8_t *slot)
+{
+    uint64_t sum = scene;
+    for (uint32_t i = 0; i < count; i++) {
+        struct record_segment segment;
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
+        sum = (sum ^ segment.object) * SUM_FACTOR;
+        sum = (sum ^ ((uint64_t)segment.first << 32 | segment.count)) * SUM_FACTOR;
+        sum ^= sum >> 32;
+    }
+    return count > 0 ? sum | 1 : 0;
+}
+
+static bool take_asked(struct answers *answers, const struct answers_asked *asked)
+{
+    if (!array_reserve((void **)&answers->asked, answers->asked_count,
+                       &answers->asked_room, sizeof *answers->asked)) {
+        return false;
+    }
+    answers->asked[answers->asked_count++] = *asked;
+    answers->last_step = asked->step;
+    return true;
+}
+
+static bool take_frame(struct answers *answers, const struct record_view *view)
 {
     struct record_frame frame;
+    memcpy(&frame, view->payload, sizeof frame);
+    const uint8_t *slot = (const uint8_t *)view->payload + sizeof frame;
+    const struct answers_asked asked = {
+        .step = frame.step, .moves = sum_moves(frame.scene, frame.segment_count, slot)};
+    answers->frames++;
+    return take_asked(answers, &asked);
+}
+
+static bool take_near(struct answers *answers, const struct record_view *view)
+{
     struct record_near near;
+    memcpy(&near, view->payload, sizeof near);
+    const uint8_t *slot = (const uint8_t *)view->payload + sizeof near;
+    const struct answers_asked asked = {
+        .step = near.step,
+        .moves = sum_moves(near.scene, near.segment_count, slot),
+        .is_near = true};
+    answers->questions++;
+    return take_asked(answers, &asked);
+}
+
+static bool take(struct answers *answers, const struct record_view *view)
+{
     switch (view->kind) {
     case RECORD_BEGIN:
         memcpy(&answers->begin, view->payload, sizeof answers->begin);
         return true;
     case RECORD_FRAME:
-        memcpy(&frame, view->payload, sizeof frame);
-        answers->frames++;
-        answers->last_step = frame.step;
-        return true;
+        return take_frame(answers, view);
     case RECORD_NEAR:
-        memcpy(&near, view->payload, sizeof near);
-        answers->questions++;
-        answers->last_step = near.step;
-        return true;
+        return take_near(answers, view);
     case RECORD_ANSWER:
         if (!array_reserve((void **)&answers->items, answers->count, &answers->room,
                            sizeof *answers->items)) {
@@ -109,6 +152,7 @@ int answers_read(struct answers *answers, struct record_reader *reader,
     struct record_view view;
     int got;
     while ((got = record_reader_skim(reader, kinds, &view)) == 1) {
+        answers->sum = (answers->sum ^ view.sum) * SUM_FACTOR;
         if (!take(answers, &view)) {
             return no_memory(error);
         }
@@ -127,6 +171,7 @@ int answers_read(struct answers *answers, struct record_reader *reader,
 
 void answers_deinit(struct answers *answers)
 {
+    free(answers->asked);
     free(answers->items);
     free(answers->nears);
     free(answers->pages);

@@ -22,8 +22,18 @@ struct answers_page {
     uint64_t offset; /* of the chunk */
 };
 
+/* A step or a question about what is near, in the order of the file. */
+struct answers_asked {
+    uint64_t step;
+    uint64_t moves; /* a sum of which vertices of which objects; 0: nothing moves */
+    bool is_near;
+};
+
 struct answers {
     struct record_begin begin;
+    struct answers_asked *asked;
+    size_t asked_count, asked_room;
+    uint64_t sum; /* of all that was read: of two recordings it is not the same */
     struct record_answer *items; /* by step */
     size_t count, room;
     struct record_near_answer *nears; /* by step */

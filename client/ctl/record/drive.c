@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "coordinates.h"
+#include "drive_frame.h"
 #include "filter.h"
 
 static int failed(const struct drive *drive, int status, const char *what,
@@ -385,66 +385,8 @@ int drive_follow(struct drive *drive, const struct registry *world,
 
 /* ---- steps ------------------------------------------------------------------------- */
 
-static size_t range_bytes(const struct record_segment *segment)
-{
-    return segment->kind == RECORD_RIGID
-               ? 12 * sizeof(double)
-               : segment->count * common_vertex_bytes(segment->format);
-}
-
-static int add_segment(struct pccd_frame *frame, const struct record_segment *segment,
-                       const uint8_t *slot)
-{
-    enum pccd_format format = (enum pccd_format)segment->format;
-    void *to0 = NULL, *to1 = NULL;
-    int status;
-    if (segment->kind == RECORD_RIGID) {
-        double m0[12], m1[12];
-        memcpy(m0, slot + segment->offset0, sizeof m0);
-        memcpy(m1, slot + segment->offset1, sizeof m1);
-        return pccd_frame_rigid(frame, segment->object, segment->first, segment->count,
-                                m0, m1);
-    }
-    status = segment->kind == RECORD_X1
-                 ? pccd_frame_x1(frame, segment->object, format, segment->first,
-                                 segment->count, &to1)
-                 : pccd_frame_x0x1(frame, segment->object, format, segment->first,
-                                   segment->count, &to0, &to1);
-    if (status == PCCD_OK && segment->kind == RECORD_X0X1) {
-        memcpy(to0, slot + segment->offset0, range_bytes(segment));
-    }
-    if (status == PCCD_OK) {
-        memcpy(to1, slot + segment->offset1, range_bytes(segment));
-    }
-    return status;
-}
-
-/* A frame of ours with what a recorded slot moves. */
-static int begin_frame(struct drive *drive, uint32_t scene, uint32_t segment_count,
-                       const uint8_t *slot, struct pccd_frame *made)
-{
-    struct record_segment segment;
-    uint64_t bytes = 0;
-    for (uint32_t i = 0; i < segment_count; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        bytes += range_bytes(&segment) * (segment.kind == RECORD_X1 ? 1 : 2);
-    }
-    int status = pccd_frame_begin(drive->client, scene, segment_count, bytes, made);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    for (uint32_t i = 0; i < segment_count && status == PCCD_OK; i++) {
-        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        status = add_segment(made, &segment, slot);
-    }
-    if (status != PCCD_OK) {
-        pccd_frame_abort(made);
-    }
-    return status;
-}
-
 static int submit(struct drive *drive, const struct record_frame *frame,
-                  const uint8_t *slot, uint64_t *step)
+                  const struct drive_pieces *pieces, const uint8_t *slot, uint64_t *step)
 {
     const struct pccd_step_settings settings = {
         .struct_bytes = sizeof(struct pccd_step_settings),
@@ -457,15 +399,16 @@ static int submit(struct drive *drive, const struct record_frame *frame,
         .separation = drive->separation.separation,
         .approach = drive->separation.approach};
     struct pccd_frame made;
-    if (frame->segment_count == 0) {
+    if (pieces->count == 0) {
         return pccd_submit_still(drive->client, frame->scene, &settings, step);
     }
-    int status = begin_frame(drive, frame->scene, frame->segment_count, slot, &made);
+    int status = drive_pieces_frame(pieces, drive->client, frame->scene, slot, &made);
     return status == PCCD_OK ? pccd_frame_commit(&made, &settings, step) : status;
 }
 
 static int submit_near(struct drive *drive, const struct record_near *near,
-                       const uint8_t *slot, uint64_t *step)
+                       const struct drive_pieces *pieces, const uint8_t *slot,
+                       uint64_t *step)
 {
     struct pccd_near_settings settings = {.struct_bytes = sizeof settings,
                                           .what = (enum pccd_near_what)near->what,
@@ -479,10 +422,10 @@ static int submit_near(struct drive *drive, const struct record_near *near,
                                           .method = (enum pccd_method)near->method};
     struct pccd_frame made;
     memcpy(settings.tuning, drive->tuning, sizeof settings.tuning);
-    if (near->segment_count == 0) {
+    if (pieces->count == 0) {
         return pccd_submit_near(drive->client, near->scene, NULL, 0, &settings, step);
     }
-    int status = begin_frame(drive, near->scene, near->segment_count, slot, &made);
+    int status = drive_pieces_frame(pieces, drive->client, near->scene, slot, &made);
     return status == PCCD_OK ? pccd_frame_commit_near(&made, &settings, step) : status;
 }
 
@@ -549,16 +492,32 @@ static int take_answer(struct drive *drive, uint32_t scene, uint64_t step, int s
 int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                bool collects, struct ctl_error *error)
 {
+    struct drive_pieces pieces;
     uint64_t step = 0;
-    int status = submit(drive, frame, slot, &step);
+    int status = drive_pieces_make(&pieces, drive->stands, frame->scene,
+                                   frame->segment_count, slot, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = submit(drive, frame, &pieces, slot, &step);
+    drive_pieces_deinit(&pieces);
     return take_answer(drive, frame->scene, step, status, collects, error);
 }
 
 int drive_near(struct drive *drive, const struct record_near *near, const uint8_t *slot,
                bool collects, struct ctl_error *error)
 {
+    /* Where nothing moves, only the end can be asked for: another end is refused. */
+    bool is_told = near->segment_count > 0 || near->end == 1;
+    struct drive_pieces pieces;
     uint64_t step = 0;
-    int status = submit_near(drive, near, slot, &step);
+    int status = drive_pieces_make(&pieces, is_told ? drive->stands : NULL, near->scene,
+                                   near->segment_count, slot, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = submit_near(drive, near, &pieces, slot, &step);
+    drive_pieces_deinit(&pieces);
     return take_answer(drive, near->scene, step, status, collects, error);
 }
 

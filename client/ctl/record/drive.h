@@ -17,8 +17,11 @@ struct drive {
     bool is_begun;
     char tuning[PCCD_TUNING_BYTES];      /* of the next step; the caller's to set */
     struct record_separation separation; /* likewise */
-    struct pccd_answer answer;           /* of the last step: numbers; no records */
-    void *records;                       /* ours: those that were collected */
+    /* Where everything stands, once the daemon has not seen a step (the caller's to set):
+     * then each step says where it begins. NULL: the daemon has seen all. */
+    const struct registry *stands;
+    struct pccd_answer answer; /* of the last step: numbers; no records */
+    void *records;             /* ours: those that were collected */
     uint64_t record_count;
     size_t record_room; /* bytes */
 };

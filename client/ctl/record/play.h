@@ -21,6 +21,8 @@ enum play_source {
     PLAY_RECORDS, /* a daemon, but for recordings that hold the records of answers */
 };
 
+struct answers;
+
 struct play_step {
     uint64_t number;  /* the client's, from 1 */
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
@@ -61,6 +63,11 @@ struct play_near {
 typedef int (*play_near_fn)(void *context, const struct play_near *near,
                             struct ctl_error *error);
 
+/* Which item, a step or a question, is to be shown next, where several share the items of
+ * a recording: its place in the order of the file, from 1, behind the one before; 0: none
+ * of this file. `context` is that of play_run. */
+typedef uint64_t (*play_next_fn)(void *context);
+
 struct play_settings {
     const char *path;
     const struct ctl_link *link;
@@ -76,6 +83,7 @@ struct play_settings {
     const char *label;       /* of the progress bar */
     play_near_fn show_near; /* as play's `show`; NULL: what is near is not shown, and only
                                 asked again where it moves something */
+    play_next_fn next;      /* NULL: all steps of the range are shown */
 };
 
 /* What the file held. */
@@ -93,6 +101,21 @@ struct play_summary {
 
 int play(const struct play_settings *settings, play_fn show, void *context,
          struct play_summary *summary, struct ctl_error *error);
+
+/* The same in parts: open the file and read all answers; go through the steps, once;
+ * close, also after an error. `summary` is the caller's until then. */
+struct playing;
+int play_open(const struct play_settings *settings, struct play_summary *summary,
+              struct playing **playing, struct ctl_error *error);
+int play_run(struct playing *playing, play_fn show, void *context,
+             struct ctl_error *error);
+void play_close(struct playing *playing);
+/* What was asked and answered. */
+const struct answers *play_answers(const struct playing *playing);
+/* PCCD_OK, or why reading the answers did not come to the end of the file. */
+int play_damage(const struct playing *playing, struct ctl_error *error);
+/* Whether a step is of the range that the settings name. */
+bool play_is_within(const struct play_settings *settings, uint64_t step);
 
 /* The hash of the daemon's answer to a step by the version of the recorded hash, so that
  * the two can be compared. */

@@ -64,9 +64,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct play_options *options = state->input;
     switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->link;
-        return 0;
     case OPTION_STEPS:
         parse_steps(state, text, &options->play);
         return 0;
@@ -89,7 +86,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case ARGP_KEY_ARGS:
         options->files = state->argv + state->next;
         options->file_count = (uint32_t)(state->argc - state->next);
-        if (options->file_count > 1 && !options->takes_frames) {
+        if (options->file_count > 1 && !options->takes_frames && !options->takes_files) {
             tool_misused(state, "one recording at a time");
         }
         return 0;
@@ -101,9 +98,23 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&ctl_link_argp, 0, "Daemon:", 10}, {0}};
-const struct argp play_options_argp = {
-    .options = option_list, .parser = parse, .children = children};
+const struct argp play_files_argp = {.options = option_list, .parser = parse};
+
+static error_t parse_all(int key, char *text, struct argp_state *state)
+{
+    struct play_options *options = state->input;
+    (void)text;
+    if (key != ARGP_KEY_INIT) {
+        return ARGP_ERR_UNKNOWN;
+    }
+    state->child_inputs[0] = options;
+    state->child_inputs[1] = &options->link;
+    return 0;
+}
+
+static const struct argp_child children[] = {
+    {&play_files_argp, 0, NULL, 0}, {&ctl_link_argp, 0, "Daemon:", 10}, {0}};
+const struct argp play_options_argp = {.parser = parse_all, .children = children};
 
 void play_options_init(struct play_options *options, const char *label)
 {

@@ -23,11 +23,14 @@ struct play_options {
     struct play_settings play;
     bool is_json;
     bool takes_frames; /* set before parsing */
-    char **files; /* argv's */
+    bool takes_files;  /* likewise: several recordings */
+    char **files;      /* argv's */
     uint32_t file_count;
     struct frames_recording frames;
 };
 extern const struct argp play_options_argp;
+/* The same without the daemon's options. */
+extern const struct argp play_files_argp;
 
 /* Before parsing, and after: a private daemon unless another one is named. */
 void play_options_init(struct play_options *options, const char *label);
