@@ -67,6 +67,11 @@ int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
 /* Free it; NULL is allowed. */
 void pccd_mpi_close(struct pccd_mpi *world);
 
+/* How many threads the steps of a rank have unless the options say so: the processors
+ * that it was started on, divided by the ranks of its machine that were started on the
+ * same ones; 1 at least. Collective, without a world. E_SYSTEM: MPI has failed. */
+int pccd_mpi_threads(MPI_Comm comm, uint32_t *threads);
+
 /* A sentence about the last call that failed, the same on every rank; "" when none has.
  * With NULL: about the last pccd_mpi_open of this thread. */
 const char *pccd_mpi_error_text(const struct pccd_mpi *world);

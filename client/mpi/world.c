@@ -144,10 +144,9 @@ void ranks_object_free(struct ranks_object *object)
 
 /* ---- opening ---------------------------------------------------------------------- */
 
-/* The processors that this rank may run on, and how many ranks of the machine may run on
- * exactly these. */
-static int share_processors(struct pccd_mpi *world, const MPI_Comm machine,
-                            uint32_t *threads)
+/* The processors that this rank may run on, divided by the ranks of the machine that may
+ * run on exactly these. Returns an error of MPI, and what failed. */
+static int share_processors(const MPI_Comm machine, uint32_t *threads, const char **what)
 {
     cpu_set_t mine;
     int ranks = 0, equal = 0;
@@ -157,9 +156,11 @@ static int share_processors(struct pccd_mpi *world, const MPI_Comm machine,
     }
     MPI_Comm_size(machine, &ranks);
     cpu_set_t *all = ranks_array((uint64_t)ranks, sizeof *all);
+    *what = "memory for the processors of a machine";
     if (all == NULL) {
-        return ranks_no_memory(world);
+        return MPI_ERR_NO_MEM;
     }
+    *what = "MPI_Allgather";
     int code = MPI_Allgather(&mine, (int)sizeof mine, MPI_BYTE, all, (int)sizeof mine,
                              MPI_BYTE, machine);
     for (int r = 0; r < ranks; r++) {
@@ -168,22 +169,36 @@ static int share_processors(struct pccd_mpi *world, const MPI_Comm machine,
     free(all);
     uint32_t count = (uint32_t)CPU_COUNT(&mine) / (uint32_t)(equal > 0 ? equal : 1);
     *threads = count > 0 ? count : 1;
-    return ranks_mpi(&world->link, code, "MPI_Allgather");
+    return code;
+}
+
+static int count_threads(MPI_Comm comm, uint32_t *threads, const char **what)
+{
+    MPI_Comm machine;
+    *threads = 1;
+    *what = "MPI_Comm_split_type";
+    int code =
+        MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    if (code == MPI_SUCCESS) {
+        code = share_processors(machine, threads, what);
+        MPI_Comm_free(&machine);
+    }
+    return code;
+}
+
+int pccd_mpi_threads(MPI_Comm comm, uint32_t *threads)
+{
+    const char *what;
+    return count_threads(comm, threads, &what) == MPI_SUCCESS ? PCCD_OK : PCCD_E_SYSTEM;
 }
 
 static int choose_threads(struct pccd_mpi *world)
 {
-    MPI_Comm machine;
-    uint32_t threads = 1;
-    int code = MPI_Comm_split_type(world->link.comm, MPI_COMM_TYPE_SHARED, 0,
-                                   MPI_INFO_NULL, &machine);
-    int status = ranks_mpi(&world->link, code, "MPI_Comm_split_type");
-    if (status == PCCD_OK) {
-        status = share_processors(world, machine, &threads);
-        MPI_Comm_free(&machine);
-    }
+    const char *what;
+    uint32_t threads;
+    int code = count_threads(world->link.comm, &threads, &what);
     world->threads = world->threads > 0 ? world->threads : threads;
-    return status;
+    return ranks_mpi(&world->link, code, what);
 }
 
 static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
