@@ -28,8 +28,14 @@ ranks_sources = \
 mpi_program_sources = \
     client/mpi/program/check.c \
     client/mpi/program/commands.h \
+    client/mpi/program/deal.h client/mpi/program/deal_inside.h \
+    client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
     client/mpi/program/main.c \
-    client/mpi/program/together.c client/mpi/program/together.h
+    client/mpi/program/recordings.c client/mpi/program/recordings.h \
+    client/mpi/program/replay.c \
+    client/mpi/program/results.c client/mpi/program/results.h \
+    client/mpi/program/together.c client/mpi/program/together.h \
+    client/mpi/program/verify.c
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib
 
 EXTRA_DIST += client/mpi/README.md client/mpi/libpccd-mpi.map client/mpi/pccd_mpi.h client/mpi/example/cloth_mpi.c $(ranks_sources) \
@@ -53,7 +59,7 @@ EXTRA_libpccd_mpi_la_DEPENDENCIES = client/mpi/libpccd-mpi.map
 pccd_mpi_SOURCES = $(mpi_program_sources)
 pccd_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
     $(JANSSON_CFLAGS)
-pccd_mpi_LDADD = libranks.la libctl.la libclient.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
+pccd_mpi_LDADD = libranks.la libctl.la libclient.la liboracle.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
 
 # For mpirun; tests/mpi/mpi_check.sh runs it.
 check_PROGRAMS += client/mpi/example/cloth_mpi

@@ -49,7 +49,9 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     tap_skip pages__pccd_mpi_has_every_option "no --with-mpi"
 else
     # One rank needs no mpirun.
-    "$top_builddir/pccd-mpi" check --help 2>/dev/null | options | missing pccd-mpi.1.scd >"$log"
+    for command in check replay verify; do
+        "$top_builddir/pccd-mpi" $command --help 2>/dev/null | options
+    done | missing pccd-mpi.1.scd >"$log"
     [ ! -s "$log" ]
     # If it failed, an option of pccd-mpi would be described nowhere.
     tap_result $? pages__pccd_mpi_has_every_option "$log"

@@ -3,8 +3,9 @@
 
 mpi_test_sources = tests/mpi/misuse.c tests/mpi/same_as_one.c
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/ranks.sh
-TESTS += tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh
-dist_check_SCRIPTS += tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh
+mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh tests/mpi/recordings_check.sh
+TESTS += $(mpi_test_scripts)
+dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
 check_PROGRAMS += tests/mpi/misuse tests/mpi/same_as_one
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
@@ -26,7 +27,7 @@ mpi-check:
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
 	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 \
-	        TESTS='tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh' || exit 1; \
+	        TESTS='$(mpi_test_scripts)' || exit 1; \
 	    cd ../..; \
 	done
 clean-local: clean-mpi

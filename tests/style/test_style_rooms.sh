@@ -40,7 +40,7 @@ client/cpp          client/lib+
 client/ipc          client/lib+
 client/planner      client/lib+
 client/mpi          client/lib+ client/lib/foreign.h
-client/mpi/program  client/lib+ client/mpi+ client/tool proto/text client/ctl
+client/mpi/program  client/ctl client/record client/registry client/lib+ client/mpi+ client/tool proto/text
 client/examples     client/lib+
 client/mpi/example  client/lib+ client/mpi+ client/examples
 bench/scenes        tests/support
@@ -120,7 +120,7 @@ client/planner      ompl/geometric/SimpleSetup.h ompl/geometric/planners/rrt/RRT
 client/planner      ompl/util/RandomNumbers.h
 client/ctl          jansson.h png.h xxhash.h zlib.h
 client/mpi          mpi.h xxhash.h
-client/mpi/program  mpi.h
+client/mpi/program  jansson.h mpi.h
 client/mpi/example  mpi.h
 bench               omp.h
 bench/model         omp.h

@@ -58,7 +58,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 
 static const struct argp_child children[] = {
     {&check_options_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
-static const struct argp check_argp = {
+const struct argp program_argp_check = {
     .options = option_list,
     .parser = parse,
     .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
@@ -407,7 +407,7 @@ int program_check(int argc, char **argv)
     if (ask->paths == NULL) {
         return CTL_FAILED;
     }
-    int status = together_parse(&check_argp, argc, argv, &options);
+    int status = together_parse(&program_argp_check, argc, argv, &options);
     if (status == CTL_DONE) {
         status = run_check(&options);
     }

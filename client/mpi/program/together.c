@@ -8,14 +8,16 @@
 #include "together.h"
 
 #include <fcntl.h>
-#include <mpi.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "ctl.h"
 #include "pccd_types.h"
-#include "shown.h"
+
+#define PAUSE_NS     20000   /* between two looks for what was waited for: at first, */
+#define PAUSE_NS_MAX 1000000 /* and at most */
 
 int together_rank(void)
 {
@@ -31,13 +33,34 @@ int together_size(void)
     return size;
 }
 
+void together_wait(MPI_Request *request)
+{
+    struct timespec pause = {0, PAUSE_NS};
+    int is_there = 0;
+    MPI_Test(request, &is_there, MPI_STATUS_IGNORE);
+    while (!is_there) {
+        nanosleep(&pause, NULL);
+        pause.tv_nsec = pause.tv_nsec < PAUSE_NS_MAX ? 2 * pause.tv_nsec : PAUSE_NS_MAX;
+        MPI_Test(request, &is_there, MPI_STATUS_IGNORE);
+    }
+}
+
+void together_tell(void *what, size_t bytes)
+{
+    MPI_Request request;
+    MPI_Ibcast(what, (int)bytes, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    together_wait(&request);
+}
+
 int together_agree(int status, struct ctl_error *error)
 {
     struct {
         int status, rank;
     } mine = {status == PCCD_OK, together_rank()}, all;
     int verdict = status;
-    MPI_Allreduce(&mine, &all, 1, MPI_2INT, MPI_MINLOC, MPI_COMM_WORLD);
+    MPI_Request request;
+    MPI_Iallreduce(&mine, &all, 1, MPI_2INT, MPI_MINLOC, MPI_COMM_WORLD, &request);
+    together_wait(&request);
     if (all.status != 0) {
         return PCCD_OK;
     }
@@ -85,7 +108,7 @@ int together_parse(const struct argp *argp, int argc, char **argv, void *input)
 
 void together_complain(const struct ctl_error *error)
 {
-    if (together_is_root() && error->text[0] != '\0') {
-        fprintf(stderr, "pccd-mpi: %s\n", tool_shown(error->text));
+    if (together_is_root()) {
+        ctl_error_tell(error);
     }
 }

@@ -8,7 +8,9 @@
 #define PROGRAM_TOGETHER_H
 
 #include <argp.h>
+#include <mpi.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "error.h"
 
@@ -18,6 +20,12 @@ static inline bool together_is_root(void)
 {
     return together_rank() == 0;
 }
+
+/* Wait for something of MPI, without keeping a processor from those that compute, as
+ * MPI_Wait would. */
+void together_wait(MPI_Request *request);
+/* Collective: what the root has, to all. */
+void together_tell(void *what, size_t bytes);
 
 /* Collective: the status of the lowest rank that has one, and its text, which begins with
  * "rank N: " then. */

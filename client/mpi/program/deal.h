@@ -1,0 +1,54 @@
+/* deal.h - deals the items of a long work out to the ranks, on demand.
+ *
+ * An item is whatever one rank does by itself and has a number, such as a step of a
+ * recording. Each rank gets some numbers, all higher than those before, and asks for more
+ * before it has done them: of 100 items for two ranks 12 each, then fewer and fewer, in
+ * the end one. So nobody waits for long, whatever an item takes.
+ *
+ * Room:     client/mpi/program. May include: error.h.
+ * Does:     on the root deal, take the results and pass them on; compute there, too, in a
+ *           second thread, because a step takes longer than others should wait.
+ * Does not: know what an item is; files of results are results.h.
+ * Threads:  work->take and work->is_done run in the main thread of the root, which alone
+ *           calls MPI; work->compute in its second thread, in the only one elsewhere.
+ */
+#ifndef PROGRAM_DEAL_H
+#define PROGRAM_DEAL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "error.h"
+
+#define DEAL_NONE         UINT64_MAX
+#define DEAL_RESULT_BYTES 1024u /* at most */
+
+struct deal;
+
+struct deal_work {
+    uint64_t count;      /* of items, from 0; the same on every rank */
+    size_t result_bytes; /* of a result, which has no pointers */
+    void *context;
+    /* Root: whether an item need not be dealt: it is done already, or not wanted. */
+    bool (*is_done)(void *context, uint64_t item);
+    /* Root: a result has come. With *is_last no item above it is dealt any more. Errors
+     * end the work. */
+    int (*take)(void *context, uint64_t item, const void *result, bool *is_last,
+                struct ctl_error *error);
+    /* Every rank: deal_next and deal_put until DEAL_NONE. Errors end the work. */
+    int (*compute)(void *context, struct deal *deal, struct ctl_error *error);
+    /* Root: SIGINT or SIGTERM has come, as when another rank has died; say how far the
+     * work was. The program ends then, with all ranks. */
+    void (*interrupted)(void *context);
+};
+
+/* Collective: do all of it. Returns the same on every rank: PCCD_OK, or the error of the
+ * lowest rank that had one, whose text begins with "rank N: ". */
+int deal(const struct deal_work *work, struct ctl_error *error);
+
+/* In `compute`: the next item to do, or DEAL_NONE; its result, of result_bytes. */
+uint64_t deal_next(struct deal *deal);
+void deal_put(struct deal *deal, uint64_t item, const void *result);
+
+#endif

@@ -1,0 +1,104 @@
+/* deal_rank.c - items on the rank that computes them.
+ *
+ * Room:     client/mpi/program.
+ * Does:     ask for items one item before the last is begun; send results.
+ * Threads:  deal.h.
+ * Source:   deal.h; deal_root.c is the other side.
+ */
+#include "deal.h"
+
+#include <string.h>
+
+#include "deal_inside.h"
+#include "pccd_types.h"
+#include "together.h"
+
+void deal_tell(struct deal *deal, const struct deal_tell *tell)
+{
+    if (together_is_root()) {
+        deal_root_tell(deal, tell);
+    } else {
+        MPI_Send(tell, (int)sizeof *tell, MPI_BYTE, 0, DEAL_TAG_TELL, MPI_COMM_WORLD);
+    }
+}
+
+static void ask(struct deal *deal)
+{
+    const struct deal_tell tell = {.word = DEAL_ASK};
+    if (!together_is_root()) {
+        MPI_Irecv(&deal->coming, (int)sizeof deal->coming, MPI_BYTE, 0, DEAL_TAG_HAND,
+                  MPI_COMM_WORLD, &deal->request);
+    }
+    deal->is_asked = true;
+    deal_tell(deal, &tell);
+}
+
+/* Until the answer is there. */
+static void wait_for_hand(struct deal *deal)
+{
+    if (together_is_root()) {
+        deal_root_wait(deal);
+    } else {
+        together_wait(&deal->request);
+    }
+}
+
+uint64_t deal_next(struct deal *deal)
+{
+    if (deal->used == deal->hand.count) {
+        if (deal->is_over) {
+            return DEAL_NONE;
+        }
+        if (!deal->is_asked) {
+            ask(deal);
+        }
+        wait_for_hand(deal);
+        deal->is_asked = false;
+        deal->hand = deal->coming;
+        deal->used = 0;
+        deal->is_over = deal->hand.count == 0;
+        if (deal->is_over) {
+            return DEAL_NONE;
+        }
+    }
+    uint64_t item = deal->hand.items[deal->used++];
+    if (deal->used == deal->hand.count && !deal->is_asked) {
+        ask(deal); /* the answer comes while this item is computed */
+    }
+    return item;
+}
+
+void deal_put(struct deal *deal, uint64_t item, const void *result)
+{
+    struct deal_tell tell = {.word = DEAL_RESULT, .item = item};
+    memcpy(tell.with.result, result, deal->work->result_bytes);
+    deal_tell(deal, &tell);
+}
+
+/* After an error an answer may still come: it is waited for, its memory is ours. */
+static void end(struct deal *deal, int status, const struct ctl_error *error)
+{
+    struct deal_tell tell = {.word = DEAL_END, .status = status};
+    if (deal->is_asked) {
+        wait_for_hand(deal);
+    }
+    if (status != PCCD_OK) {
+        tell.with.error = *error;
+    }
+    deal_tell(deal, &tell);
+}
+
+int deal(const struct deal_work *work, struct ctl_error *error)
+{
+    struct deal deal = {.work = work, .request = MPI_REQUEST_NULL};
+    int verdict = PCCD_OK;
+    if (together_is_root()) {
+        verdict = deal_root(&deal, error);
+    } else {
+        int status = work->compute(work->context, &deal, error);
+        end(&deal, status, error);
+    }
+    together_tell(&verdict, sizeof verdict);
+    together_tell(error, sizeof *error);
+    return verdict;
+}

@@ -1,0 +1,99 @@
+/* recordings.h - the steps of recordings, each done by one of the ranks.
+ *
+ * An item (deal.h) is a step or a question about what is near: of two recordings with 10
+ * and 20 steps, item 12 is the third step of the second one. Each rank reads the files
+ * itself, so that only numbers and results go between ranks.
+ *
+ * Room:     client/mpi/program. May include: deal.h, results.h, play.h, play_options.h.
+ * Does:     open the recordings on all ranks, deal, write each result into a file if one
+ *           is asked for, and go on with a file that is there.
+ * Does not: know what is found of a step: replay.c and verify.c do.
+ * Threads:  as deal.h says: `step`, `near` and `skip` in the thread that computes.
+ */
+#ifndef PROGRAM_RECORDINGS_H
+#define PROGRAM_RECORDINGS_H
+
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "deal.h"
+#include "play.h"
+#include "play_options.h"
+#include "results.h"
+
+struct answers_asked;
+struct recording;
+struct recordings;
+
+/* What a command makes of each item: a result without pointers. */
+struct recordings_work {
+    const char *name;    /* of the command */
+    size_t result_bytes; /* at most DEAL_RESULT_BYTES */
+    void *context;
+    int (*step)(void *context, const struct play_step *step, void *result,
+                struct ctl_error *error);
+    int (*near)(void *context, const struct play_near *near, void *result,
+                struct ctl_error *error);
+    /* A step that is not repeated, because it had failed by chance. */
+    void (*skip)(void *context, const struct answers_asked *asked, void *result);
+    /* Whether no step after this one counts. */
+    bool (*is_last)(void *context, const void *result);
+    /* A line of the file of results, and back; false: it is none. NULL: no memory. */
+    json_t *(*line)(const void *result);
+    bool (*read)(const json_t *line, void *result);
+    /* What results depend on besides the recording; NULL: no memory. */
+    json_t *(*settings)(void *context);
+    /* The root: say what came of a recording, by recordings_result. */
+    int (*report)(void *context, const struct recordings *recordings,
+                  const struct recording *file, bool *is_right, struct ctl_error *error);
+};
+
+/* What a command line says; zero before. */
+struct recordings_options {
+    struct play_options play; /* takes_files is set */
+    const char *results;      /* NULL: no file */
+};
+extern const struct argp recordings_argp;
+void recordings_options_init(struct recordings_options *options);
+
+struct recording {
+    const char *path;
+    struct playing *playing;
+    struct play_summary summary;
+    uint64_t first, count; /* items */
+};
+
+struct recordings {
+    const struct recordings_options *options;
+    const struct recordings_work *work;
+    struct recording *files;
+    uint32_t file_count;
+    uint64_t count; /* items of all files */
+    /* On the root: results, and which items have one. */
+    unsigned char *all; /* [count] of work->result_bytes */
+    bool *is_there;     /* [count] */
+    struct results results;
+    uint64_t stop;    /* the least item behind which none counts */
+    uint64_t found;   /* results that were in the file */
+    uint64_t written; /* results of this run */
+    uint64_t last;    /* item of the last one */
+    bool has_last;
+    /* On the rank that computes. */
+    struct deal *deal;
+    struct recording *now;
+    uint64_t held;    /* an item that is dealt; DEAL_NONE: none */
+    bool is_begun;    /* and is being done */
+    uint32_t threads; /* of each step */
+};
+
+/* Collective: read the command line into `input`, of which `options` are a part; do all
+ * items; report. Returns an exit status, the same on every rank. `options` are given
+ * back. */
+int recordings_command(struct recordings_options *options, const struct argp *argp,
+                       int argc, char **argv, void *input,
+                       const struct recordings_work *work);
+/* On the root: the result of an item in a recording, from 0; NULL: it was not wanted. */
+const void *recordings_result(const struct recordings *recordings,
+                              const struct recording *file, uint64_t place);
+#endif

@@ -1,0 +1,214 @@
+/* verify.c - pccd-mpi verify.
+ *
+ * Room:     client/mpi/program.
+ * Does:     has the ranks check the answers of recordings by exact arithmetic; the root
+ *           reports as pccdctl verify does.
+ * Threads:  recordings.h.
+ * Source:   client/ctl/commands/cmd_verify.c.
+ */
+#include "verify.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "answers.h"
+#include "commands.h"
+#include "ctl.h"
+#include "recordings.h"
+#include "together.h"
+#include "verify_options.h"
+#include "verify_report.h"
+
+struct verification {
+    struct recordings_options options;
+    struct verify_options checks;
+};
+
+/* What came of a step or a question. */
+struct item {
+    uint64_t step;
+    bool is_wrong;
+    struct verify_counts counts;
+    struct verify_witness witness; /* of one that is wrong */
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct verification *verification = state->input;
+    (void)text;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &verification->checks;
+        state->child_inputs[1] = &verification->options;
+        return 0;
+    case ARGP_KEY_END:
+        verification->options.play.play.source =
+            verification->checks.repeats ? PLAY_DAEMON : PLAY_RECORDS;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {
+    {&verify_options_argp, 0, NULL, 0}, {&recordings_argp, 0, NULL, 0}, {0}};
+const struct argp program_argp_verify = {
+    .parser = parse,
+    .args_doc = "FILE...",
+    .doc =
+        "Check the answers of recordings by exact rational arithmetic, each step by one "
+        "of the ranks: every contact, and a sample of pairs that are not among them. "
+        "Output and exit status are those of pccdctl verify; every rank has to be able "
+        "to read the files.",
+    .children = children};
+
+/* ---- items ------------------------------------------------------------------------- */
+
+static int check(void *context, const struct play_step *step, void *result,
+                 struct ctl_error *error)
+{
+    const struct verification *verification = context;
+    struct item *item = result;
+    bool is_right = true;
+    item->step = step->number;
+    int status = verify_step(step, &verification->checks.settings, &item->counts,
+                             &item->witness, &is_right, error);
+    item->is_wrong = !is_right;
+    return status;
+}
+
+static int check_near(void *context, const struct play_near *near, void *result,
+                      struct ctl_error *error)
+{
+    struct item *item = result;
+    bool is_right = true;
+    (void)context;
+    item->step = near->number;
+    int status = verify_distances(near, &item->counts, &item->witness, &is_right, error);
+    item->is_wrong = !is_right;
+    return status;
+}
+
+/* It counts nowhere. */
+static void skip(void *context, const struct answers_asked *asked, void *result)
+{
+    struct item *item = result;
+    (void)context;
+    item->step = asked->step;
+}
+
+static bool is_last(void *context, const void *result)
+{
+    (void)context;
+    return ((const struct item *)result)->is_wrong;
+}
+
+static json_t *settings(void *context)
+{
+    const struct verify_options *checks = &((const struct verification *)context)->checks;
+    return json_pack("{s:I, s:I, s:I, s:b}", "sample",
+                     (json_int_t)checks->settings.sample, "contacts",
+                     (json_int_t)checks->settings.contacts_max, "seed",
+                     (json_int_t)checks->settings.seed, "repeat", checks->repeats);
+}
+
+static json_t *line(const void *result)
+{
+    const struct item *item = result;
+    json_t *object =
+        json_pack("{s:I, s:b}", "step", (json_int_t)item->step, "pass", !item->is_wrong);
+    json_t *counts = json_object();
+    bool ok = object != NULL && counts != NULL;
+    ok = ok && verify_counts_json(counts, &item->counts);
+    if (json_object_set_new(object, "counts", counts) != 0) { /* it takes counts */
+        ok = false;
+    }
+    if (ok && item->is_wrong) {
+        ok = json_object_set_new(object, "witness",
+                                 verify_witness_json(&item->witness)) == 0;
+    }
+    if (!ok) {
+        json_decref(object);
+        object = NULL;
+    }
+    return object;
+}
+
+static bool read_line(const json_t *object, void *result)
+{
+    struct item *item = result;
+    const json_t *pass = json_object_get(object, "pass");
+    const json_t *witness = json_object_get(object, "witness");
+    memset(item, 0, sizeof *item);
+    item->step = (uint64_t)json_integer_value(json_object_get(object, "step"));
+    item->is_wrong = json_is_false(pass);
+    return json_is_boolean(pass) &&
+           verify_counts_read(json_object_get(object, "counts"), &item->counts) &&
+           (!item->is_wrong || verify_witness_read(witness, &item->witness));
+}
+
+/* ---- the report -------------------------------------------------------------------- */
+
+static void add(struct verify_counts *sum, const struct verify_counts *counts)
+{
+    sum->steps += counts->steps;
+    sum->contacts += counts->contacts;
+    sum->possible += counts->possible;
+    sum->non_contacts += counts->non_contacts;
+    sum->unchecked += counts->unchecked;
+    sum->nears += counts->nears;
+    sum->near_records += counts->near_records;
+    sum->nears_unchecked += counts->nears_unchecked;
+}
+
+/* In the order of the file, up to the first that is wrong. */
+static int report(void *context, const struct recordings *recordings,
+                  const struct recording *file, bool *is_right, struct ctl_error *error)
+{
+    const struct verification *verification = context;
+    const struct verify_witness *witness = NULL;
+    struct verify_counts counts = {.steps = 0};
+    int status = PCCD_OK;
+    for (uint64_t i = 0; i < file->count && witness == NULL; i++) {
+        const struct item *item = recordings_result(recordings, file, i);
+        if (item != NULL) {
+            add(&counts, &item->counts);
+            witness = item->is_wrong ? &item->witness : NULL;
+        }
+    }
+    *is_right = witness == NULL;
+    if (*is_right) {
+        status = play_damage(file->playing, error);
+        status =
+            status == PCCD_OK ? verify_judge_counts(&counts, file->path, error) : status;
+    }
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (!verification->options.play.is_json) {
+        verify_print_text(&counts, witness);
+    } else if (!verify_print_json(&counts, witness)) {
+        return ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
+    }
+    return PCCD_OK;
+}
+
+int program_verify(int argc, char **argv)
+{
+    struct verification verification = {.checks = VERIFY_OPTIONS_INIT};
+    const struct recordings_work work = {.name = "verify",
+                                         .result_bytes = sizeof(struct item),
+                                         .context = &verification,
+                                         .step = check,
+                                         .near = check_near,
+                                         .skip = skip,
+                                         .is_last = is_last,
+                                         .line = line,
+                                         .read = read_line,
+                                         .settings = settings,
+                                         .report = report};
+    recordings_options_init(&verification.options);
+    verification.options.play.play.needs_records = true;
+    return recordings_command(&verification.options, &program_argp_verify, argc, argv,
+                              &verification, &work);
+}
