@@ -22,6 +22,7 @@ libctl_la_SOURCES = \
     client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
     client/ctl/check/player.c client/ctl/check/player.h \
     client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
+    client/ctl/check/report_line.c client/ctl/check/report_line.h \
     client/ctl/commands/cmd_check.c \
     client/ctl/commands/cmd_completion.c \
     client/ctl/commands/cmd_config.c \

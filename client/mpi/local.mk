@@ -27,9 +27,11 @@ ranks_sources = \
     client/mpi/world.c client/mpi/world.h
 mpi_program_sources = \
     client/mpi/program/check.c \
+    client/mpi/program/check_apart.c client/mpi/program/check_apart.h \
     client/mpi/program/commands.h \
     client/mpi/program/deal.h client/mpi/program/deal_inside.h \
     client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
+    client/mpi/program/items.c client/mpi/program/items.h \
     client/mpi/program/main.c \
     client/mpi/program/recordings.c client/mpi/program/recordings.h \
     client/mpi/program/replay.c \

@@ -214,13 +214,14 @@ struct motion {
     uint32_t number;
 };
 
-/* Move to `after`; the first time from where the object stands. */
+/* Move to `after`; the first time from where the object stands, unless it stands
+ * elsewhere. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct motion *motion = context;
     const struct check_run *run = motion->run;
     const struct ctl_mesh *after = motion->after;
-    return is_again
+    return is_again || run->is_apart
                ? pccd_step_x0x1(run->client, run->scene, run->object, motion->before->x,
                                 after->x, after->format, after->vertex_count,
                                 &run->settings, answer)

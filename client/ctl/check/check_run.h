@@ -27,6 +27,7 @@ struct check_run {
     struct pccd_step_settings settings;
     const struct ask_options *ask; /* the caller's: what to set of objects */
     uint32_t repeats;              /* timed runs after the first; 0: only the first */
+    bool is_apart; /* steps do not follow each other: each says where it begins */
     uint32_t scene, object;
     struct pccd_edge *edges;   /* ours, of the registered mesh; NULL unless asked for */
     struct report_mesh mesh;   /* mesh.settings is the caller's */

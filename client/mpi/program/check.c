@@ -11,22 +11,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check_apart.h"
 #include "check_options.h"
 #include "check_run.h"
 #include "clock.h"
 #include "commands.h"
 #include "coordinates.h"
 #include "ctl.h"
+#include "items.h"
 #include "pccd_mpi.h"
 #include "shown.h"
 #include "together.h"
 
-enum { OPTION_TIMEOUT = 256 + 16, OPTION_SHARES };
+enum { OPTION_TIMEOUT = 256 + 24, OPTION_SHARES, OPTION_DEAL };
 
 struct mpi_options {
     struct check_options check;
     struct pccd_mpi_options world;
     bool tells_shares;
+    bool is_dealt;
+    const char *results;
 };
 
 static const struct argp_option option_list[] = {
@@ -34,6 +38,8 @@ static const struct argp_option option_list[] = {
      "Give up waiting for another rank after MS milliseconds (default: 60000)", 0},
     {"shares", OPTION_SHARES, NULL, 0,
      "Tell on the standard error what each rank had in the last step", 0},
+    {"deal", OPTION_DEAL, NULL, 0,
+     "Have each step computed by one rank alone, many steps at a time", 0},
     {0},
 };
 
@@ -43,6 +49,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     switch (key) {
     case ARGP_KEY_INIT:
         state->child_inputs[0] = &options->check;
+        state->child_inputs[1] = &options->results;
         return 0;
     case OPTION_TIMEOUT:
         options->world.timeout_ms =
@@ -51,13 +58,27 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_SHARES:
         options->tells_shares = true;
         return 0;
+    case OPTION_DEAL:
+        options->is_dealt = true;
+        return 0;
+    case ARGP_KEY_END:
+        if (!options->is_dealt && options->results != NULL) {
+            tool_misused(state, "--results wants --deal");
+        }
+        if (options->is_dealt &&
+            (options->tells_shares || options->check.ask.csv != NULL)) {
+            tool_misused(state, "--deal excludes --contacts and --shares");
+        }
+        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
 }
 
-static const struct argp_child children[] = {
-    {&check_options_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&check_options_argp, 0, NULL, 0},
+                                             {&items_argp, 0, NULL, 0},
+                                             {&ctl_common_argp, 0, NULL, 0},
+                                             {0}};
 const struct argp program_argp_check = {
     .options = option_list,
     .parser = parse,
@@ -330,6 +351,23 @@ static int check_all(struct check *check, struct ctl_error *error)
     return status == PCCD_OK ? walk(check, error) : status;
 }
 
+/* All steps, each by one rank. */
+static int check_dealt(struct check *check, struct ctl_error *error)
+{
+    const struct ask_options *ask = &check->options->check.ask;
+    int status =
+        check_apart(&check->options->check, check->run.repeats, check->options->results,
+                    &check->run.mesh, check->steps, error);
+    if (status != PCCD_OK || ask->is_json || !together_is_root()) {
+        return status;
+    }
+    report_print_mesh(check->report, &check->run.mesh);
+    for (uint32_t i = 1; i < ask->path_count && ask->path_count > 2; i++) {
+        report_print_line(check->report, i, &check->steps[i - 1]);
+    }
+    return PCCD_OK;
+}
+
 static int report_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
@@ -378,7 +416,8 @@ static int run_check(const struct mpi_options *options)
                      : PCCD_OK;
     status = together_agree(status, &error);
     if (status == PCCD_OK) {
-        status = check_all(&check, &error);
+        status =
+            options->is_dealt ? check_dealt(&check, &error) : check_all(&check, &error);
     }
     if (status == PCCD_OK && options->tells_shares) {
         tell_shares(&check);

@@ -22,7 +22,7 @@
 #include "error.h"
 
 #define DEAL_NONE         UINT64_MAX
-#define DEAL_RESULT_BYTES 1024u /* at most */
+#define DEAL_RESULT_BYTES 1024u /* of a result, at most */
 
 struct deal;
 
@@ -37,6 +37,7 @@ struct deal_work {
     int (*take)(void *context, uint64_t item, const void *result, bool *is_last,
                 struct ctl_error *error);
     /* Every rank: deal_next and deal_put until DEAL_NONE. Errors end the work. */
+    void *compute_context;
     int (*compute)(void *context, struct deal *deal, struct ctl_error *error);
     /* Root: SIGINT or SIGTERM has come, as when another rank has died; say how far the
      * work was. The program ends then, with all ranks. */

@@ -95,7 +95,7 @@ int deal(const struct deal_work *work, struct ctl_error *error)
     if (together_is_root()) {
         verdict = deal_root(&deal, error);
     } else {
-        int status = work->compute(work->context, &deal, error);
+        int status = work->compute(work->compute_context, &deal, error);
         end(&deal, status, error);
     }
     together_tell(&verdict, sizeof verdict);

@@ -69,7 +69,7 @@ static void *compute(void *context)
     struct deal *deal = context;
     struct deal_tell tell = {.word = DEAL_END};
     struct ctl_error error = {.text = ""};
-    tell.status = deal->work->compute(deal->work->context, deal, &error);
+    tell.status = deal->work->compute(deal->work->compute_context, deal, &error);
     if (deal->is_asked) {
         deal_root_wait(deal);
     }

@@ -22,35 +22,23 @@
 
 /* ---- options ----------------------------------------------------------------------- */
 
-enum { OPTION_RESULTS = 256 + 16 };
-
-static const struct argp_option option_list[] = {
-    {"results", OPTION_RESULTS, "FILE", 0,
-     "Write what comes of each step as a line of JSON to FILE when it is done, and go on "
-     "with what is there already",
-     0},
-    {0},
-};
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct recordings_options *options = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &options->play;
-        return 0;
-    case OPTION_RESULTS:
-        options->results = text;
-        return 0;
-    default:
+    (void)text;
+    if (key != ARGP_KEY_INIT) {
         return ARGP_ERR_UNKNOWN;
     }
+    state->child_inputs[0] = &options->play;
+    state->child_inputs[1] = &options->results;
+    return 0;
 }
 
-static const struct argp_child children[] = {
-    {&play_files_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
-const struct argp recordings_argp = {
-    .options = option_list, .parser = parse, .children = children};
+static const struct argp_child children[] = {{&play_files_argp, 0, NULL, 0},
+                                             {&items_argp, 0, NULL, 0},
+                                             {&ctl_common_argp, 0, NULL, 0},
+                                             {0}};
+const struct argp recordings_argp = {.parser = parse, .children = children};
 
 void recordings_options_init(struct recordings_options *options)
 {
@@ -131,7 +119,7 @@ static int compute(void *context, struct deal *deal, struct ctl_error *error)
     return status;
 }
 
-/* ---- results on the root ----------------------------------------------------------- */
+/* ---- items ------------------------------------------------------------------------- */
 
 static const struct recording *file_of(const struct recordings *all, uint64_t item)
 {
@@ -148,97 +136,23 @@ static const struct answers_asked *asked_of(const struct recordings *all, uint64
     return &play_answers(file->playing)->asked[item - file->first];
 }
 
-static bool is_wanted(const struct recordings *all, uint64_t item)
+static bool is_wanted(void *context, uint64_t item)
 {
+    const struct recordings *all = context;
     return play_is_within(&all->options->play.play, asked_of(all, item)->step);
 }
 
-static bool is_done(void *context, uint64_t item)
+static bool is_last(void *context, const void *result)
 {
     const struct recordings *all = context;
-    return all->is_there[item] || item > all->stop || !is_wanted(all, item);
+    return all->work->is_last(all->work->context, result);
 }
 
-static void keep(struct recordings *all, uint64_t item, const void *result)
+static void describe(void *context, uint64_t item, char *text, size_t bytes)
 {
-    memcpy(all->all + item * all->work->result_bytes, result, all->work->result_bytes);
-    all->is_there[item] = true;
-    if (all->work->is_last(all->work->context, result) && item < all->stop) {
-        all->stop = item;
-    }
-}
-
-static int take(void *context, uint64_t item, const void *result, bool *is_last,
-                struct ctl_error *error)
-{
-    struct recordings *all = context;
-    if (all->results.fd >= 0) {
-        json_t *line = all->work->line(result);
-        int status = PCCD_E_NOMEM;
-        if (line != NULL &&
-            json_object_set_new(line, "item", json_integer((json_int_t)item)) == 0) {
-            status = results_append(&all->results, line, error);
-        } else {
-            (void)ctl_error_set(error, status, "no memory for a result");
-        }
-        json_decref(line);
-        if (status != PCCD_OK) {
-            return status;
-        }
-    }
-    keep(all, item, result);
-    all->written++;
-    all->last = item;
-    all->has_last = true;
-    *is_last = item == all->stop;
-    return PCCD_OK;
-}
-
-/* A line that an earlier run has written. */
-static int take_line(void *context, const json_t *line, struct ctl_error *error)
-{
-    struct recordings *all = context;
-    unsigned char result[DEAL_RESULT_BYTES] = {0};
-    const json_t *number = json_object_get(line, "item");
-    uint64_t item = (uint64_t)json_integer_value(number);
-    if (!json_is_integer(number) || item >= all->count ||
-        !all->work->read(line, result)) {
-        return ctl_error_set(error, PCCD_E_FORMAT, "it is no result of this command");
-    }
-    all->found += !all->is_there[item];
-    keep(all, item, result);
-    return PCCD_OK;
-}
-
-static uint64_t count_wanted(const struct recordings *all)
-{
-    uint64_t wanted = 0;
-    for (uint64_t i = 0; i < all->count; i++) {
-        wanted += is_wanted(all, i);
-    }
-    return wanted;
-}
-
-/* "step 7 of FILE was the last one, and 12 of 40 are done", to text[bytes]. */
-static void tell_progress(const struct recordings *all, char *text, size_t bytes)
-{
-    if (!all->has_last) {
-        (void)snprintf(text, bytes, "no step was done");
-        return;
-    }
-    (void)snprintf(text, bytes,
-                   "step %" PRIu64 " of %.300s was the last one, %" PRIu64 " of %" PRIu64
-                   " are %s",
-                   asked_of(all, all->last)->step, file_of(all, all->last)->path,
-                   all->found + all->written, count_wanted(all),
-                   all->results.fd >= 0 ? "written" : "done");
-}
-
-static void interrupted(void *context)
-{
-    char text[512];
-    tell_progress(context, text, sizeof text);
-    (void)ctl_complain("ended by a signal; %s", text);
+    const struct recordings *all = context;
+    (void)snprintf(text, bytes, "step %" PRIu64 " of %.300s", asked_of(all, item)->step,
+                   file_of(all, item)->path);
 }
 
 /* ---- opening ----------------------------------------------------------------------- */
@@ -297,7 +211,7 @@ static int judge_range(const struct recordings *all, struct ctl_error *error)
     const struct play_settings *settings = &all->options->play.play;
     bool is_range = settings->first > 1 || settings->last != 0;
     for (uint64_t i = 0; i < all->count && is_range; i++) {
-        is_range = !is_wanted(all, i);
+        is_range = !play_is_within(settings, asked_of(all, i)->step);
     }
     return is_range ? ctl_error_set(error, PCCD_E_INVAL,
                                     "%s: it holds no such step; the last one is %" PRIu64,
@@ -306,13 +220,12 @@ static int judge_range(const struct recordings *all, struct ctl_error *error)
                     : PCCD_OK;
 }
 
-/* Of which recordings, command and options the results are. */
-static json_t *head_of(const struct recordings *all)
+/* Recordings and options that results depend on. */
+static json_t *depends(void *context)
 {
+    const struct recordings *all = context;
     const struct play_settings *play = &all->options->play.play;
-    char version[32], sum[24];
-    (void)snprintf(version, sizeof version, "%d.%d.%d", PCCD_VERSION_MAJOR,
-                   PCCD_VERSION_MINOR, PCCD_VERSION_PATCH);
+    char sum[24];
     json_t *files = json_array();
     bool ok = files != NULL;
     for (uint32_t i = 0; i < all->file_count && ok; i++) {
@@ -327,62 +240,11 @@ static json_t *head_of(const struct recordings *all)
         json_decref(files);
         return NULL;
     }
-    return json_pack("{s:s, s:s, s:s, s:o, s:o}", "pccd-mpi", all->work->name, "version",
-                     version, "method", common_method_name(play->method), "settings",
-                     settings, "recordings", files);
-}
-
-/* A run that goes on says so. */
-static void tell_found(const struct recordings *all)
-{
-    if (all->found > 0) {
-        (void)ctl_complain("%s: %" PRIu64 " of %" PRIu64 " steps are there; going on",
-                           all->options->results, all->found, count_wanted(all));
-    }
-}
-
-static int open_results(struct recordings *all, struct ctl_error *error)
-{
-    all->all = calloc(all->count + 1, all->work->result_bytes);
-    all->is_there = calloc(all->count + 1, sizeof *all->is_there);
-    json_t *head = head_of(all);
-    int status = all->all == NULL || all->is_there == NULL || head == NULL
-                     ? ctl_error_set(error, PCCD_E_NOMEM, "no memory for the results")
-                     : PCCD_OK;
-    if (status == PCCD_OK && all->options->results != NULL) {
-        status = results_open(&all->results, all->options->results, head, take_line, all,
-                              error);
-    }
-    json_decref(head);
-    if (status == PCCD_OK) {
-        status = judge_range(all, error);
-    }
-    if (status == PCCD_OK) {
-        tell_found(all);
-    }
-    return status;
+    return json_pack("{s:s, s:o, s:o}", "method", common_method_name(play->method),
+                     "settings", settings, "recordings", files);
 }
 
 /* ---- all of it --------------------------------------------------------------------- */
-
-static int deal_items(struct recordings *all, struct ctl_error *error)
-{
-    const struct deal_work work = {.count = all->count,
-                                   .result_bytes = all->work->result_bytes,
-                                   .context = all,
-                                   .is_done = is_done,
-                                   .take = take,
-                                   .compute = compute,
-                                   .interrupted = interrupted};
-    int status = deal(&work, error);
-    if (status != PCCD_OK && together_is_root()) {
-        struct ctl_error why = *error;
-        char text[512];
-        tell_progress(all, text, sizeof text);
-        (void)ctl_error_set(error, status, "%.500s; %s", why.text, text);
-    }
-    return status;
-}
 
 /* What each rank has spent on answers, together on the root. */
 static void add_seconds(struct recordings *all)
@@ -397,11 +259,7 @@ static void add_seconds(struct recordings *all)
 static int run(struct recordings *recordings, const struct recordings_options *options,
                const struct recordings_work *work, struct ctl_error *error)
 {
-    *recordings = (struct recordings){.options = options,
-                                      .work = work,
-                                      .results = {.fd = -1},
-                                      .stop = UINT64_MAX,
-                                      .threads = 1};
+    *recordings = (struct recordings){.options = options, .work = work, .threads = 1};
     int status = pccd_mpi_threads(MPI_COMM_WORLD, &recordings->threads);
     if (status != PCCD_OK) {
         return ctl_error_set(error, status, "MPI has failed");
@@ -411,23 +269,32 @@ static int run(struct recordings *recordings, const struct recordings_options *o
         status = compare_files(recordings, error);
     }
     if (status == PCCD_OK) {
-        status = together_agree(
-            together_is_root() ? open_results(recordings, error) : PCCD_OK, error);
+        status = together_agree(judge_range(recordings, error), error);
     }
-    if (status == PCCD_OK) {
-        status = deal_items(recordings, error);
-        add_seconds(recordings);
+    if (status != PCCD_OK) {
+        return status;
     }
+    recordings->dealt_work = (struct items_work){.name = work->name,
+                                                 .count = recordings->count,
+                                                 .result_bytes = work->result_bytes,
+                                                 .context = recordings,
+                                                 .compute = compute,
+                                                 .is_wanted = is_wanted,
+                                                 .is_last = is_last,
+                                                 .line = work->line,
+                                                 .read = work->read,
+                                                 .depends = depends,
+                                                 .describe = describe};
+    status =
+        items_run(&recordings->items, &recordings->dealt_work, options->results, error);
+    add_seconds(recordings);
     return status;
 }
 
 const void *recordings_result(const struct recordings *recordings,
                               const struct recording *file, uint64_t place)
 {
-    uint64_t item = file->first + place;
-    return recordings->is_there[item] && is_wanted(recordings, item)
-               ? recordings->all + item * recordings->work->result_bytes
-               : NULL;
+    return items_result(&recordings->items, file->first + place);
 }
 
 static void close_all(struct recordings *recordings)
@@ -435,10 +302,8 @@ static void close_all(struct recordings *recordings)
     for (uint32_t i = 0; i < recordings->file_count; i++) {
         play_close(recordings->files[i].playing);
     }
-    results_close(&recordings->results);
+    items_deinit(&recordings->items);
     free(recordings->files);
-    free(recordings->all);
-    free(recordings->is_there);
 }
 
 /* ---- the command ------------------------------------------------------------------- */
@@ -455,7 +320,7 @@ static int report(const struct recordings *all, bool *is_right, struct ctl_error
         const struct recording *file = &all->files[i];
         struct play_settings settings = options->play;
         bool is_file_right = true;
-        if (file->first > all->stop) {
+        if (file->first > all->items.stop) {
             break;
         }
         if (all->file_count > 1 && !options->is_json) {
@@ -477,7 +342,7 @@ int recordings_command(struct recordings_options *options, const struct argp *ar
                        int argc, char **argv, void *input,
                        const struct recordings_work *work)
 {
-    struct recordings all = {.file_count = 0, .results = {.fd = -1}};
+    struct recordings all = {.file_count = 0};
     struct ctl_error error = {.text = ""};
     bool is_right = true;
     int status = together_parse(argp, argc, argv, input);

@@ -4,9 +4,8 @@
  * and 20 steps, item 12 is the third step of the second one. Each rank reads the files
  * itself, so that only numbers and results go between ranks.
  *
- * Room:     client/mpi/program. May include: deal.h, results.h, play.h, play_options.h.
- * Does:     open the recordings on all ranks, deal, write each result into a file if one
- *           is asked for, and go on with a file that is there.
+ * Room:     client/mpi/program. May include: items.h, play.h, play_options.h.
+ * Does:     open the recordings on all ranks, and have their items done.
  * Does not: know what is found of a step: replay.c and verify.c do.
  * Threads:  as deal.h says: `step`, `near` and `skip` in the thread that computes.
  */
@@ -17,10 +16,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "deal.h"
+#include "items.h"
 #include "play.h"
 #include "play_options.h"
-#include "results.h"
 
 struct answers_asked;
 struct recording;
@@ -70,15 +68,8 @@ struct recordings {
     struct recording *files;
     uint32_t file_count;
     uint64_t count; /* items of all files */
-    /* On the root: results, and which items have one. */
-    unsigned char *all; /* [count] of work->result_bytes */
-    bool *is_there;     /* [count] */
-    struct results results;
-    uint64_t stop;    /* the least item behind which none counts */
-    uint64_t found;   /* results that were in the file */
-    uint64_t written; /* results of this run */
-    uint64_t last;    /* item of the last one */
-    bool has_last;
+    struct items items;
+    struct items_work dealt_work;
     /* On the rank that computes. */
     struct deal *deal;
     struct recording *now;

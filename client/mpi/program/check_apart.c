@@ -1,0 +1,227 @@
+/* check_apart.c - the steps of a sequence, dealt.
+ *
+ * Room:     client/mpi/program.
+ * Does:     on each rank register the first frame with libpccd, then read the two frames
+ *           of each step that it is dealt, and ask for the step as pccdctl check does.
+ * Threads:  check_apart.h.
+ * Source:   items.h, client/ctl/check/check_run.h.
+ */
+#include "check_apart.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "check_run.h"
+#include "ctl.h"
+#include "items.h"
+#include "pccd_mpi.h"
+#include "report_line.h"
+#include "together.h"
+
+struct apart {
+    const struct check_options *options;
+    struct check_run run;
+    struct ctl_mesh first;      /* of all, which the others match */
+    struct ctl_mesh frames[2];  /* at the ends of the last step */
+    uint64_t end;               /* the file of frames[1]; 0: there is none yet */
+    uint64_t bytes, changed_ns; /* of all files, on the root */
+};
+
+/* ---- steps ------------------------------------------------------------------------- */
+
+/* Read a frame; in doubles, because the next one may be, and floats are doubles. */
+static int read_frame(struct apart *apart, uint64_t index, struct ctl_mesh *frame,
+                      struct ctl_error *error)
+{
+    char **paths = apart->options->ask.paths;
+    ctl_mesh_deinit(frame);
+    int status = ctl_mesh_read(paths[index], frame, error);
+    if (status == PCCD_OK && index > 0) {
+        status = ctl_mesh_match(&apart->first, paths[0], frame, paths[index], error);
+    }
+    if (status == PCCD_OK && frame->format == PCCD_FORMAT_F32) {
+        status = ctl_mesh_promote(frame, error);
+    }
+    return status;
+}
+
+/* Both ends of a step; the beginning is mostly the end of the one before. */
+static int read_ends(struct apart *apart, uint64_t item, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    if (apart->end != 0 && apart->end == item) {
+        struct ctl_mesh before = apart->frames[0];
+        apart->frames[0] = apart->frames[1];
+        apart->frames[1] = before;
+    } else {
+        status = read_frame(apart, item, &apart->frames[0], error);
+    }
+    apart->end = 0;
+    if (status == PCCD_OK) {
+        status = read_frame(apart, item + 1, &apart->frames[1], error);
+    }
+    apart->end = status == PCCD_OK ? item + 1 : 0;
+    return status;
+}
+
+static int compute(void *context, struct deal *deal, struct ctl_error *error)
+{
+    struct apart *apart = context;
+    const struct contacts_csv no_csv = {.file = NULL};
+    for (uint64_t item; (item = deal_next(deal)) != DEAL_NONE;) {
+        struct report_step step;
+        memset(&step, 0, sizeof step); /* all of it goes to the root */
+        int status = read_ends(apart, item, error);
+        if (status == PCCD_OK) {
+            status = check_run_step(&apart->run, &apart->frames[0], &apart->frames[1],
+                                    (uint32_t)item + 1, &no_csv, &step, error);
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        deal_put(deal, item, &step);
+    }
+    return PCCD_OK;
+}
+
+/* ---- results ----------------------------------------------------------------------- */
+
+static json_t *line(const void *result)
+{
+    return report_line(result);
+}
+
+static bool read_line(const json_t *object, void *result)
+{
+    return report_line_read(object, result);
+}
+
+static void describe(void *context, uint64_t item, char *text, size_t bytes)
+{
+    const struct apart *apart = context;
+    (void)snprintf(text, bytes, "step %" PRIu64 ", to %.300s,", item + 1,
+                   apart->options->ask.paths[item + 1]);
+}
+
+/* Files by size and time of change: to read all of them takes as long as the steps. */
+static int look_at_files(struct apart *apart, struct ctl_error *error)
+{
+    const struct ask_options *ask = &apart->options->ask;
+    for (uint32_t i = 0; i < ask->path_count; i++) {
+        struct stat info;
+        if (stat(ask->paths[i], &info) != 0) {
+            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s", ask->paths[i],
+                                 strerror(errno));
+        }
+        uint64_t changed =
+            (uint64_t)info.st_mtim.tv_sec * 1000000000u + (uint64_t)info.st_mtim.tv_nsec;
+        apart->bytes = apart->bytes * 31 + (uint64_t)info.st_size;
+        apart->changed_ns = apart->changed_ns * 31 + changed;
+    }
+    return PCCD_OK;
+}
+
+static json_t *depends(void *context)
+{
+    const struct apart *apart = context;
+    const struct pccd_step_settings *step = &apart->run.settings;
+    const struct pccd_scene_settings *scene = &apart->run.mesh.settings;
+    const struct pccd_object_settings *object = &apart->options->ask.object;
+    char sum[40], numbers[200];
+    (void)snprintf(sum, sizeof sum, "%016" PRIx64 "%016" PRIx64, apart->bytes,
+                   apart->changed_ns);
+    (void)snprintf(numbers, sizeof numbers, "%d %d %a %a %a %a %a %d %a %d", step->mode,
+                   (int)step->method, step->tolerance, step->separation, step->approach,
+                   object->radius, object->rest_distance, (int)object->rest_rings,
+                   scene->rebuild_ratio, (int)scene->quality);
+    return json_pack("{s:I, s:s, s:s, s:I, s:I, s:s}", "steps",
+                     (json_int_t)apart->options->ask.path_count - 1, "files", sum,
+                     "settings", numbers, "deadline", (json_int_t)step->deadline_ns,
+                     "repeat", (json_int_t)apart->run.repeats, "tuning",
+                     step->tuning != NULL ? step->tuning : "");
+}
+
+/* ---- all of it --------------------------------------------------------------------- */
+
+static int open_all(struct apart *apart, struct ctl_error *error)
+{
+    const struct check_options *options = apart->options;
+    const struct ctl_link link = {.url = (char[]){"direct:"},
+                                  .result_bytes = options->ask.link.result_bytes};
+    struct check_run *run = &apart->run;
+    int status = look_at_files(apart, error);
+    if (status == PCCD_OK) {
+        status = read_frame(apart, 0, &apart->first, error);
+    }
+    if (status == PCCD_OK && ctl_link_open(&link, &run->client) != CTL_DONE) {
+        status = ctl_error_set(error, PCCD_E_NODAEMON, "%s", "no connection");
+    }
+    return status == PCCD_OK ? check_run_begin(run, &apart->first, false, error) : status;
+}
+
+/* Every rank has files of the same sizes. */
+static int compare_files(const struct apart *apart, struct ctl_error *error)
+{
+    uint64_t its = apart->bytes;
+    together_tell(&its, sizeof its);
+    int status = its == apart->bytes ? PCCD_OK
+                                     : ctl_error_set(error, PCCD_E_STATE,
+                                                     "%s and what follows: other files "
+                                                     "than on rank 0",
+                                                     apart->options->ask.paths[0]);
+    return together_agree(status, error);
+}
+
+int check_apart(const struct check_options *options, uint32_t repeats,
+                const char *results, struct report_mesh *mesh, struct report_step *steps,
+                struct ctl_error *error)
+{
+    const struct ask_options *ask = &options->ask;
+    struct apart apart = {.options = options,
+                          .run = {.settings = check_step_settings(options),
+                                  .ask = ask,
+                                  .repeats = repeats,
+                                  .is_apart = true,
+                                  .mesh.settings = options->scene_settings}};
+    const struct items_work work = {.name = "check",
+                                    .count = ask->path_count - 1,
+                                    .result_bytes = sizeof(struct report_step),
+                                    .context = &apart,
+                                    .compute = compute,
+                                    .line = line,
+                                    .read = read_line,
+                                    .depends = depends,
+                                    .describe = describe};
+    struct items items = {.work = NULL};
+    uint32_t threads = 1;
+    int status = pccd_mpi_threads(MPI_COMM_WORLD, &threads);
+    if (apart.run.settings.threads == 0) {
+        apart.run.settings.threads = threads;
+    }
+    status = status == PCCD_OK ? open_all(&apart, error)
+                               : ctl_error_set(error, status, "MPI has failed");
+    status = together_agree(status, error);
+    if (status == PCCD_OK) {
+        status = compare_files(&apart, error);
+    }
+    if (status == PCCD_OK) {
+        status = items_run(&items, &work, results, error);
+    }
+    for (uint64_t i = 0; i < work.count && status == PCCD_OK && together_is_root(); i++) {
+        steps[i] = *(const struct report_step *)items_result(&items, i);
+        steps[i].from = ask->paths[i];
+        steps[i].to = ask->paths[i + 1];
+    }
+    *mesh = apart.run.mesh;
+    items_deinit(&items);
+    check_run_deinit(&apart.run);
+    pccd_close(apart.run.client);
+    ctl_mesh_deinit(&apart.first);
+    ctl_mesh_deinit(&apart.frames[0]);
+    ctl_mesh_deinit(&apart.frames[1]);
+    return status;
+}
