@@ -203,9 +203,10 @@ static void write_bounds(struct eng_near_memory *memory, const struct eng_scene 
         const struct eng_object *object = &scene->objects[(uint32_t)memory->order[i]];
         for (uint32_t v = 0; v < object->vertices.count; v++) {
             double least = bound_of(memory, object->vertices.first + v);
-            struct eng_vertex_bound bound = {.object = object->id,
-                                             .vertex = v,
-                                             .bound = fmin(least, settings->distance)};
+            double most = eng_mesh_has_foreign(object->mesh) ? INFINITY /* not known */
+                                                             : settings->distance;
+            struct eng_vertex_bound bound = {
+                .object = object->id, .vertex = v, .bound = fmin(least, most)};
             *to++ = bound.bound;
             sum += eng_hash_records(&bound, 1, sizeof bound);
             result->count++;

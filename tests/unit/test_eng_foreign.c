@@ -9,6 +9,7 @@
  */
 #include "eng_kit.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -228,6 +229,32 @@ static uint64_t near(const struct play *play, const struct eng_step_settings *se
     return counts[WHOLE];
 }
 
+/* A vertex is as far from others as the nearest of all that any scene knows of it; one
+ * that has the rest as foreign says infinity where it knows nothing. */
+static void check_bounds(const struct play *play,
+                         const struct eng_step_settings *settings)
+{
+    const struct eng_near_settings ask = {
+        .step = *settings, .what = PCCD_NEAR_VERTICES, .distance = 0.01, .end = 1};
+    struct eng_near_result result[SCENES];
+    const double *bounds[SCENES];
+    uint64_t unknown = 0;
+    for (uint32_t s = 0; s < SCENES; s++) {
+        memset(&result[s], 0, sizeof result[s]);
+        assert_int_equal(eng_near(play->scene[s], &ask, &result[s]), PCCD_OK);
+        assert_int_equal(result[s].count, OBJECTS * V);
+        bounds[s] = result[s].records;
+    }
+    for (uint32_t i = 0; i < OBJECTS * V; i++) {
+        double least = fmin(bounds[MINE][i], bounds[THEIRS][i]);
+        assert_true(fmin(least, ask.distance) == bounds[WHOLE][i]);
+        unknown += least > ask.distance;
+    }
+    assert_true(unknown > 0);
+    assert_true(fmax(result[MINE].distance_max, result[THEIRS].distance_max) >=
+                result[WHOLE].distance_max);
+}
+
 static void play_with(enum pccd_method method, uint32_t threads, double separation)
 {
     struct kit_random random = {2026 + threads};
@@ -245,6 +272,7 @@ static void play_with(enum pccd_method method, uint32_t threads, double separati
         found += step(&play, &settings);
         found += near(&play, &settings, PCCD_NEAR_PAIRS);
         found += near(&play, &settings, PCCD_NEAR_CROSSINGS);
+        check_bounds(&play, &settings);
     }
     assert_true(found > 1000);
     end(&play);

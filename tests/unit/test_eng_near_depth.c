@@ -214,6 +214,72 @@ static void depth__names_what_is_open(void **state)
     near_kit_end(&kit);
 }
 
+/* A box of which some vertices and edges are foreign, and perhaps the last face is
+ * missing. */
+static struct eng_mesh *part(struct box box, uint64_t own, bool is_open)
+{
+    struct eng_mesh *whole = boxes(&box, 1);
+    uint32_t corners[12][3];
+    eng_mesh_get_corners(whole, corners);
+    struct eng_mesh *mesh = kit_mesh((const double(*)[3])eng_mesh_vertices(whole), 8,
+                                     (const uint32_t(*)[3])corners, is_open ? 11 : 12);
+    assert_int_equal(eng_mesh_set_own(mesh, &own, &own), PCCD_OK);
+    eng_mesh_release(whole);
+    return mesh;
+}
+
+/* What two scenes say of which each has some vertices and edges as its own is together
+ * what one says. If it failed, ranks would count a vertex twice, or not at all. */
+static void depth__of_parts_is_that_of_their_own_vertices(void **state)
+{
+    static const uint64_t own[3] = {UINT64_MAX, 0x5a341, ~UINT64_C(0x5a341)};
+    static const struct box corner[2] = {{{0, 0, 0}, {2, 2, 2}, false},
+                                         {{1.5, 1.5, 1.5}, {4, 4, 4}, false}};
+    static const struct box bar[2] = {{{-8, -1, -1}, {8, 1, 1}, false},
+                                      {{-0.5, -9, -0.5}, {0.5, 9, 0.5}, false}};
+    uint64_t crossings[3];
+    struct eng_near_result result[3];
+    struct pccd_near records[3][4];
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        struct near_kit kit;
+        result[i] =
+            ask(&kit, part(corner[0], own[i], false), part(corner[1], own[i], false));
+        assert_true(result[i].count <= 4);
+        memcpy(records[i], result[i].records, result[i].count * sizeof records[0][0]);
+        near_kit_end(&kit);
+        crossings[i] =
+            ask(&kit, part(bar[0], own[i], false), part(bar[1], own[i], false)).crossings;
+        near_kit_end(&kit);
+    }
+    assert_int_equal(result[0].count, 2);
+    assert_int_equal(result[1].count, 1); /* vertex 0 of the second, not 7 of the first */
+    assert_int_equal(result[2].count, 1);
+    assert_memory_equal(&records[0][0], &records[2][0], sizeof records[0][0]);
+    assert_memory_equal(&records[0][1], &records[1][0], sizeof records[0][0]);
+    assert_true(crossings[1] > 0 && crossings[2] > 0);
+    assert_int_equal(crossings[1] + crossings[2], crossings[0]);
+}
+
+/* A part of a closed mesh has open edges; and a vertex within it may lie outside of the box
+ * of what is there. If it failed, ranks could not be asked how deep anything is. */
+static void depth__of_a_part_needs_only_what_rays_meet(void **state)
+{
+    static const double x[3][3] = {{4, 0, 0}, {4, 4, 0}, {4, 0, 4}};
+    static const uint32_t face[1][3] = {{0, 1, 2}};
+    const uint64_t all = UINT64_MAX;
+    const struct box inside = {{1, 1, 1}, {1.5, 1.5, 1.5}, false};
+    struct near_kit kit;
+    struct eng_mesh *mesh = kit_mesh(x, 3, face, 1);
+    (void)state;
+    assert_int_equal(eng_mesh_set_own(mesh, &all, &all), PCCD_OK);
+    struct eng_near_result result = ask(&kit, mesh, part(inside, all, true));
+    assert_int_equal(result.count, 8); /* a ray from each vertex passes it */
+    assert_int_equal(near_kit_record(&result, 0)->object_a, 2);
+    assert_true(near_kit_record(&result, 0)->d_lo == 3);
+    near_kit_end(&kit);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +290,8 @@ int main(void)
         cmocka_unit_test(depth__goes_by_the_winding_number),
         cmocka_unit_test(depth__counts_what_passes_through),
         cmocka_unit_test(depth__names_what_is_open),
+        cmocka_unit_test(depth__of_parts_is_that_of_their_own_vertices),
+        cmocka_unit_test(depth__of_a_part_needs_only_what_rays_meet),
     };
     return cmocka_run_group_tests_name("eng_near_depth", tests, NULL, NULL);
 }

@@ -218,8 +218,7 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
     }
 }
 
-/* The number of an edge, which the mesh has, by its vertices: they are in the order of
- * (higher, lower). */
+/* Edges are in the order of (higher, lower) vertex. */
 static uint32_t edge_number(const struct eng_mesh *mesh, uint64_t edge)
 {
     uint32_t from = 0;
@@ -234,6 +233,12 @@ static uint32_t edge_number(const struct eng_mesh *mesh, uint64_t edge)
         }
     }
     return from;
+}
+
+uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2])
+{
+    uint32_t points[2];
+    return edge_number(mesh, edge_of(ends, 0, points));
 }
 
 void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,

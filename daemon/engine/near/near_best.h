@@ -32,6 +32,9 @@ struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
                                  const uint32_t edge_a[2], uint32_t b,
                                  const uint32_t edge_b[2]);
 
+/* The number of an edge, which the mesh has, by its vertices in any order. */
+uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2]);
+
 struct eng_near_best {
     const struct eng_scene *scene;
     const double (*x)[3]; /* the scene's positions at the moment */

@@ -165,8 +165,8 @@ static int check_closed(const struct eng_near_objects *objects,
         const struct eng_object *object =
             &objects->scene->objects[objects->shares[i].object];
         struct eng_open_edge edge;
-        if (objects->shares[i].count > 0) {
-            continue; /* once an object */
+        if (objects->shares[i].count > 0 || eng_mesh_has_foreign(object->mesh)) {
+            continue; /* once an object; of a part others know */
         }
         int of_mesh = eng_mesh_is_closed(object->mesh, &edge);
         if (of_mesh == PCCD_E_NOMEM) {
@@ -397,12 +397,16 @@ static void perform_depth(struct eng_near_objects *objects,
         if (!scene->objects[b].mesh || !is_asked(objects, part->object, b)) {
             continue;
         }
-        const struct eng_bounds *bounds = bounds_of(objects, b);
+        /* Of a part of a surface, nothing is known of where the rest is. */
+        const struct eng_bounds *bounds =
+            eng_mesh_has_foreign(scene->objects[b].mesh) ? NULL : bounds_of(objects, b);
         worker->record.task_units++;
         for (uint32_t i = 0; i < 3 * part->count; i++) {
             const struct eng_face *of = &object->mesh->leaves[part->first + i / 3];
             uint32_t v = of->v[i % 3];
-            if ((of->owns & ENG_OWNS_VERTEX(i % 3)) != 0 && is_within(bounds, x[v]) &&
+            if ((of->owns & ENG_OWNS_VERTEX(i % 3)) != 0 &&
+                !eng_mesh_is_foreign(object->mesh, PCCD_TREE_VERTICES, v) &&
+                (bounds == NULL || is_within(bounds, x[v])) &&
                 !perform_vertex(search, worker, part->object, v, b, &face)) {
                 return;
             }

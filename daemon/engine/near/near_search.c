@@ -283,6 +283,16 @@ bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_
     return !search->is_stopped;
 }
 
+/* Does somebody else count a side of a face? */
+static bool is_foreign(const struct eng_near_search *search, int side,
+                       const struct eng_face *face, uint32_t k)
+{
+    const struct eng_mesh *mesh = search->scene->objects[search->faces[side].object].mesh;
+    const uint32_t ends[2] = {face->v[k], face->v[(k + 1) % 3]};
+    return eng_mesh_has_foreign(mesh) &&
+           eng_mesh_is_foreign(mesh, PCCD_TREE_EDGES, eng_near_edge_number(mesh, ends));
+}
+
 /* Of the edges that a face of one side owns, those that pass through a face of the
  * other. */
 static uint64_t count_crossings(struct eng_near_search *search, int side, uint32_t edges,
@@ -302,7 +312,8 @@ static uint64_t count_crossings(struct eng_near_search *search, int side, uint32
         if ((own->owns & ENG_OWNS_EDGE(k)) != 0) {
             memcpy(x[0], search->best.x[first[0] + own->v[k]], sizeof x[0]);
             memcpy(x[1], search->best.x[first[0] + own->v[(k + 1) % 3]], sizeof x[0]);
-            count += eng_distance_crosses(&search->distances, (const double(*)[3])x);
+            count += eng_distance_crosses(&search->distances, (const double(*)[3])x) &&
+                     !is_foreign(search, side, own, k);
         }
     }
     return count;

@@ -94,9 +94,10 @@ bool eng_mesh_is_committed(const struct eng_mesh *mesh);
 
 /* Of a committed mesh, once, before its first step: a bit for each vertex and each edge
  * that is its own. All others are *foreign*: pairs of which they are the first feature
- * are left out, because somebody else looks for them. What objects are asked two by two,
- * nearest and depth, knows nothing of it. PCCD_E_STATE: not committed, or done already;
- * PCCD_E_NOMEM. */
+ * are left out, because somebody else looks for them. So bounds of vertices are INFINITY
+ * where no pair is known; depth is that of own vertices, with the own edges that pass
+ * through faces, and the mesh counts as a part of a closed one. NEAREST knows nothing of
+ * it. PCCD_E_STATE: not committed, or done already; PCCD_E_NOMEM. */
 int eng_mesh_set_own(struct eng_mesh *mesh, const uint64_t *vertices,
                      const uint64_t *edges);
 
