@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "balance.h"
+#include "bounds.h"
+#include "limit.h"
 #include "records.h"
 #include "step_numbers.h"
 
@@ -20,9 +22,12 @@ struct totals {
     struct ranks_sums sums; /* but for toi_first */
     uint64_t verdicts[PCCD_VERDICT_NONE + 1];
     uint64_t incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT + 1];
-    uint64_t threads;
+    uint64_t threads, crossings;
     struct pccd_step_counters counters;
 };
+
+/* Of struct ranks_sums what is added up. */
+#define SUMS_WORDS ((int)(offsetof(struct ranks_sums, toi_first) / sizeof(uint64_t)))
 
 static bool is_thick(const struct pccd_mpi *world,
                      const struct pccd_step_settings *settings)
@@ -126,6 +131,22 @@ static int slowest(struct pccd_mpi *world, uint64_t *cut_ns, struct pccd_answer 
     return status;
 }
 
+/* Of an answer that is too long the first records stay; what is counted of them is
+ * counted anew. */
+static int shorten(struct pccd_mpi *world, struct totals *totals)
+{
+    int status = ranks_limit_keep(world);
+    if (status == PCCD_OK) {
+        ranks_records_sum(world, &totals->sums);
+        status = ranks_min_doubles(&world->link, &totals->sums.toi_first, 1);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, (uint64_t *)(void *)&totals->sums, SUMS_WORDS);
+    }
+    totals->incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT]++;
+    return status;
+}
+
 int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *settings,
                       uint64_t cut_ns, struct pccd_answer *answer)
 {
@@ -158,20 +179,80 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
         balance_note_times(world, answer->times.step, cut_ns);
     }
     totals.sums.toi_first = toi_first;
+    if (status == PCCD_OK && totals.sums.total > world->record_limit) {
+        status = shorten(world, &totals);
+    }
     write_answer(world, settings, &totals, answer);
     return status;
 }
 
-int ranks_answer_make_near(struct pccd_mpi *world, struct pccd_answer *answer)
+/* ---- what is near ----------------------------------------------------------------- */
+
+/* Of this rank's records. reach: the least distance, and the greatest, negative. */
+static void sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
+                     double reach[2])
 {
-    struct totals totals = {.threads = answer->threads, .counters = answer->counters};
+    ranks_records_sum_near(world, sums, &reach[0], &reach[1]);
+    sums->toi_first = 0;
+    reach[1] = -reach[1];
+}
+
+static int shorten_near(struct pccd_mpi *world, struct totals *totals, double reach[2])
+{
+    int status = ranks_limit_keep(world);
+    if (status == PCCD_OK) {
+        sum_near(world, &totals->sums, reach);
+        status = ranks_min_doubles(&world->link, reach, 2);
+    }
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, (uint64_t *)(void *)&totals->sums, SUMS_WORDS);
+    }
+    totals->incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT]++;
+    return status;
+}
+
+static void write_near(const struct pccd_near_settings *near, const struct totals *totals,
+                       const double reach[2], struct pccd_answer *answer)
+{
+    const struct ranks_sums *sums = &totals->sums;
+    memcpy(answer->counts, sums->counts, sizeof answer->counts);
+    answer->total = sums->total;
+    answer->distance_min = reach[0];
+    answer->distance_max = reach[1] < 0 ? -reach[1] : 0;
+    answer->incomplete = why_incomplete(totals);
+    answer->verdict =
+        near->what == PCCD_NEAR_CROSSINGS && answer->incomplete == PCCD_COMPLETE
+            ? verdict_of(totals, PCCD_MODE_ANY)
+            : PCCD_VERDICT_NONE;
+    answer->counters = totals->counters;
+    answer->threads = (uint32_t)totals->threads;
+    answer->crossings = near->what == PCCD_NEAR_DEPTH       ? totals->crossings
+                        : near->what == PCCD_NEAR_CROSSINGS ? sums->counts[PCCD_EF]
+                                                            : 0;
+    ranks_records_hash(sums, answer->hash);
+    if (near->what == PCCD_NEAR_NEAREST && near->gap > 0) {
+        answer->hash[0] = answer->hash[1] = 0;
+    }
+}
+
+int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settings *near,
+                           struct pccd_answer *answer)
+{
+    struct totals totals = {.threads = answer->threads,
+                            .counters = answer->counters,
+                            .crossings = answer->crossings};
     double reach[2], toi_first = 2;
     uint64_t cut_ns = 0;
-    ranks_records_sum_near(world, &totals.sums, &reach[0], &reach[1]);
-    totals.sums.toi_first = 0;
+    const double least = answer->distance_min;
+    if (near->what == PCCD_NEAR_VERTICES) { /* they are no records yet */
+        totals.sums = (struct ranks_sums){.total = 0};
+        reach[0] = least;
+        reach[1] = -answer->distance_max;
+    } else {
+        sum_near(world, &totals.sums, reach);
+    }
     totals.verdicts[answer->verdict] = 1;
     totals.incomplete[answer->incomplete] = 1;
-    reach[1] = -reach[1];
     int status = ranks_min_doubles(&world->link, reach, 2);
     if (status == PCCD_OK) {
         status = slowest(world, &cut_ns, answer, &toi_first);
@@ -180,21 +261,24 @@ int ranks_answer_make_near(struct pccd_mpi *world, struct pccd_answer *answer)
         status = ranks_sum(&world->link, (uint64_t *)(void *)&totals,
                            (int)(sizeof totals / sizeof(uint64_t)));
     }
-    memcpy(answer->counts, totals.sums.counts, sizeof answer->counts);
-    answer->total = totals.sums.total;
-    answer->distance_min = reach[0];
-    answer->distance_max = reach[1] < 0 ? -reach[1] : 0;
-    answer->crossings = totals.sums.counts[PCCD_EF];
-    answer->incomplete = why_incomplete(&totals);
-    answer->verdict = answer->what == PCCD_NEAR_CROSSINGS
-                          ? verdict_of(&totals, PCCD_MODE_ANY)
-                          : PCCD_VERDICT_NONE;
-    answer->counters = totals.counters;
-    answer->threads = (uint32_t)totals.threads;
-    ranks_records_hash(&totals.sums, answer->hash);
+    if (status == PCCD_OK && totals.sums.total > world->record_limit) {
+        status = shorten_near(world, &totals, reach);
+    }
+    write_near(near, &totals, reach, answer);
+    if (near->what == PCCD_NEAR_VERTICES && status == PCCD_OK) {
+        if (answer->incomplete == PCCD_COMPLETE) {
+            status = ranks_bounds_make(world, near, answer);
+        } else {
+            world->record_count = 0;
+            answer->distance_min = 2e18;
+            answer->distance_max = 0;
+        }
+    }
     answer->first = 0;
-    answer->count = world->record_count;
+    answer->count = world->has_bounds ? world->bound_count : world->record_count;
     answer->cursor = answer->total;
-    answer->near = world->record_count > 0 ? world->records : NULL;
+    answer->near = !world->has_bounds && answer->count > 0 ? world->records : NULL;
+    answer->vertex_bounds =
+        world->has_bounds && answer->count > 0 ? world->bound_values : NULL;
     return status;
 }

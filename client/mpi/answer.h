@@ -15,6 +15,7 @@
 int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *settings,
                       uint64_t cut_ns, struct pccd_answer *answer);
 /* The same of what is near. */
-int ranks_answer_make_near(struct pccd_mpi *world, struct pccd_answer *answer);
+int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settings *near,
+                           struct pccd_answer *answer);
 
 #endif

@@ -9,35 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "world.h"
-
-/* The place of a number in an ascending array; count: it is not there. */
-static uint32_t place_of(const uint32_t *numbers, uint32_t count, uint32_t number)
-{
-    uint32_t from = 0, end = count;
-    while (from < end) {
-        uint32_t middle = from + (end - from) / 2;
-        if (numbers[middle] < number) {
-            from = middle + 1;
-        } else {
-            end = middle;
-        }
-    }
-    return from < count && numbers[from] == number ? from : count;
-}
+#include "local.h"
 
 static void note_leaf(const struct ranks_leaf *leaf, struct ranks_local *local)
 {
     for (uint32_t k = 0; k < 3; k++) {
         if (leaf->side[k] != RANKS_NONE) {
             uint32_t a = leaf->v[k], b = leaf->v[(k + 1) % 3];
-            uint32_t *ends =
-                local->ends[place_of(local->edges, local->edge_count, leaf->side[k])];
+            uint32_t *ends = local->ends[ranks_place_of(local->edges, local->edge_count,
+                                                        leaf->side[k])];
             ends[0] = a < b ? a : b;
             ends[1] = a < b ? b : a;
         }
     }
-    uint32_t at = place_of(local->triangles, local->triangle_count, leaf->number);
+    uint32_t at = ranks_place_of(local->triangles, local->triangle_count, leaf->number);
     if (at < local->triangle_count) {
         memcpy(local->corners[at], leaf->v, sizeof leaf->v);
     }
@@ -82,7 +67,7 @@ int pccd_mpi_feature(struct pccd_mpi *world, uint32_t object, uint32_t points,
     uint32_t count = points == 1   ? local->vertex_count
                      : points == 2 ? local->edge_count
                                    : local->triangle_count;
-    uint32_t at = place_of(numbers, count, feature);
+    uint32_t at = ranks_place_of(numbers, count, feature);
     if (at == count) {
         return ranks_fail(&world->link, PCCD_E_INDEX,
                           "rank %d: feature %" PRIu32 " of object %" PRIu32

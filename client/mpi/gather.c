@@ -33,26 +33,42 @@ struct merge {
     int verdict; /* of `each` */
 };
 
-/* kind, object_a, feature_a, object_b, feature_b: where they stand in a record. */
-static void key_of(const char *record, bool is_pair, uint32_t key[5])
+/* What the records of this world's last answer are sorted by. */
+static void name_of(const struct pccd_mpi *world, const char *record,
+                    uint32_t name[RANKS_NAME_WORDS])
 {
-    uint32_t words[6];
-    memcpy(words, record, is_pair ? 5 * sizeof *words : 6 * sizeof *words);
-    key[0] = words[0];
-    memcpy(key + 1, words + (is_pair ? 1 : 2), 4 * sizeof *key);
+    if (world->has_bounds) {
+        const struct ranks_bound *bound = (const void *)record;
+        memset(name, 0, RANKS_NAME_WORDS * sizeof *name);
+        name[0] = bound->object;
+        name[1] = bound->vertex;
+    } else {
+        ranks_record_name(record, world->mode, name);
+    }
 }
 
-static bool is_before(const char *a, const char *b, bool is_pair)
+static bool is_before(const struct pccd_mpi *world, const char *a, const char *b)
 {
-    uint32_t one[5], other[5];
-    key_of(a, is_pair, one);
-    key_of(b, is_pair, other);
-    for (int k = 0; k < 5; k++) {
-        if (one[k] != other[k]) {
-            return one[k] < other[k];
-        }
-    }
-    return false;
+    uint32_t one[RANKS_NAME_WORDS], other[RANKS_NAME_WORDS];
+    name_of(world, a, one);
+    name_of(world, b, other);
+    return ranks_name_is_before(one, other);
+}
+
+static size_t bytes_of(const struct pccd_mpi *world)
+{
+    return world->has_bounds ? sizeof(struct ranks_bound)
+                             : ranks_record_bytes(world->mode);
+}
+
+static char *records_of(const struct pccd_mpi *world)
+{
+    return world->has_bounds ? (char *)world->bounds : world->records;
+}
+
+static uint64_t count_of(const struct pccd_mpi *world)
+{
+    return world->has_bounds ? world->bound_count : world->record_count;
 }
 
 /* Without a bound on the time: the root takes as long as `each` does. */
@@ -80,20 +96,20 @@ static int begin(struct ranks_link *link, bool sends, void *bytes, size_t count,
 static int serve(struct pccd_mpi *world, int root)
 {
     struct ranks_link *link = &world->link;
-    size_t record_bytes = ranks_record_bytes(world->mode);
+    size_t record_bytes = bytes_of(world);
     uint64_t sent = 0;
     MPI_Request request;
     int status = PCCD_OK;
-    while (sent < world->record_count && status == PCCD_OK) {
+    while (sent < count_of(world) && status == PCCD_OK) {
         char goes_on = 0;
         status = begin(link, false, &goes_on, 1, root, TAG_ASK, &request);
         status = status == PCCD_OK ? await(link, &request) : status;
         if (status != PCCD_OK || !goes_on) {
             break;
         }
-        uint64_t count = world->record_count - sent;
+        uint64_t count = count_of(world) - sent;
         count = count < CHUNK_RECORDS ? count : CHUNK_RECORDS;
-        status = begin(link, true, (char *)world->records + sent * record_bytes,
+        status = begin(link, true, records_of(world) + sent * record_bytes,
                        count * record_bytes, root, TAG_RECORDS, &request);
         status = status == PCCD_OK ? await(link, &request) : status;
         sent += count;
@@ -115,9 +131,8 @@ static int ask(struct merge *merge, int r, bool goes_on)
         return PCCD_OK;
     }
     if (r == link->rank) {
-        uint64_t at = merge->world->record_count - stream->left;
-        memcpy(stream->records,
-               (const char *)merge->world->records + at * merge->record_bytes,
+        uint64_t at = count_of(merge->world) - stream->left;
+        memcpy(stream->records, records_of(merge->world) + at * merge->record_bytes,
                count * merge->record_bytes);
     } else {
         MPI_Request request;
@@ -145,17 +160,25 @@ static void flush(struct merge *merge)
     merge->out_count = 0;
 }
 
+/* One more record; of bounds without their names. */
+static void put(struct merge *merge, const char *record)
+{
+    size_t bytes = merge->world->has_bounds ? sizeof(double) : merge->record_bytes;
+    const struct ranks_bound *bound = (const void *)record;
+    memcpy(merge->out + merge->out_count++ * bytes,
+           merge->world->has_bounds ? (const char *)&bound->bound : record, bytes);
+}
+
 /* The stream with the lowest record; -1: there is none. */
 static int lowest(const struct merge *merge)
 {
-    bool is_pair = merge->world->mode == PCCD_MODE_PAIRS;
     const char *best = NULL;
     int found = -1;
     for (int r = 0; r < merge->world->link.size; r++) {
         const struct stream *stream = &merge->streams[r];
         const char *record = stream->records + stream->at * merge->record_bytes;
         if (stream->at < stream->count &&
-            (best == NULL || is_before(record, best, is_pair))) {
+            (best == NULL || is_before(merge->world, record, best))) {
             best = record;
             found = r;
         }
@@ -172,8 +195,7 @@ static int merge_all(struct merge *merge)
     for (int r = lowest(merge); r >= 0 && status == PCCD_OK && merge->verdict == 0;
          r = lowest(merge)) {
         struct stream *stream = &merge->streams[r];
-        memcpy(merge->out + merge->out_count++ * merge->record_bytes,
-               stream->records + stream->at++ * merge->record_bytes, merge->record_bytes);
+        put(merge, stream->records + stream->at++ * merge->record_bytes);
         if (merge->out_count == CHUNK_RECORDS) {
             flush(merge);
         }
@@ -211,7 +233,7 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
 {
     struct ranks_link *link = &world->link;
     struct merge merge = {.world = world,
-                          .record_bytes = ranks_record_bytes(world->mode),
+                          .record_bytes = bytes_of(world),
                           .each = each,
                           .context = context};
     uint64_t *counts = ranks_array((uint64_t)link->size, sizeof *counts);
@@ -221,7 +243,7 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
     }
     status = ranks_agree(link, RANKS_GATHER, (uint64_t)root, status);
     if (status == PCCD_OK) {
-        status = ranks_tell_all(link, world->record_count, counts);
+        status = ranks_tell_all(link, count_of(world), counts);
     }
     if (status == PCCD_OK) {
         status = ranks_agree_on(link, link->rank == root ? make_streams(&merge, counts)

@@ -191,7 +191,7 @@ static int name(struct pccd_mpi *world, const struct ranks_object *object,
 /* corners[]: triangles, then free edges, then points: pack the latter two to arrays of
  * their own, in place behind the triangles. */
 static int put(struct pccd_mpi *world, struct ranks_object *object, const double (*x)[3],
-               const double *radii, uint32_t (*corners)[3])
+               const double *radii, uint32_t (*corners)[3], bool is_part)
 {
     const struct ranks_local *local = &object->local;
     uint32_t count = local->leaf_count, edge_count = 0, point_count = 0;
@@ -230,8 +230,8 @@ static int put(struct pccd_mpi *world, struct ranks_object *object, const double
                           "rank %d: its part of a mesh has other edges than the whole",
                           world->link.rank);
     }
-    if (object->ghost_count == 0) {
-        return PCCD_OK; /* all is its own */
+    if (!is_part) {
+        return PCCD_OK;
     }
     status = cli_foreign_own(world->client, object->local_mesh, local->owns_vertex,
                              local->owns_edge);
@@ -257,17 +257,26 @@ int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)
                : ranks_fail_local(world, status, "an object was not changed");
 }
 
+int ranks_local_register(struct pccd_mpi *world, struct ranks_object *object,
+                         const double (*x)[3], const double *radii, bool is_part)
+{
+    uint32_t(*corners)[3] = NULL;
+    int status = name(world, object, &corners);
+    if (status == PCCD_OK) {
+        status = put(world, object, x, radii, corners, is_part);
+    }
+    free(corners);
+    return status;
+}
+
 int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object)
 {
     double(*x)[3] = NULL, *radii = NULL;
-    uint32_t(*corners)[3] = NULL;
     int status = ranks_fetch_registered(world, object->mesh, object->local.vertices,
                                         object->local.vertex_count, &x, &radii);
     if (status == PCCD_OK) {
-        status = name(world, object, &corners);
-        if (status == PCCD_OK) {
-            status = put(world, object, (const double(*)[3])x, radii, corners);
-        }
+        status = ranks_local_register(world, object, (const double(*)[3])x, radii,
+                                      world->link.size > 1);
         if (status == PCCD_OK) {
             object->is_built = true;
             object->is_elsewhere = true;
@@ -277,6 +286,5 @@ int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object)
     }
     free(x);
     free(radii);
-    free(corners);
     return status;
 }

@@ -4,16 +4,24 @@
 
 ranks_sources = \
     client/mpi/answer.c client/mpi/answer.h \
+    client/mpi/apart.c client/mpi/apart.h \
     client/mpi/balance.c client/mpi/balance.h \
+    client/mpi/bounds.c client/mpi/bounds.h \
     client/mpi/boxes.c client/mpi/boxes.h \
     client/mpi/curve.c client/mpi/curve.h \
     client/mpi/cut.c client/mpi/cut.h \
+    client/mpi/depth.c \
     client/mpi/features.c \
     client/mpi/gather.c \
     client/mpi/ghosts.c client/mpi/ghosts.h \
+    client/mpi/limit.c client/mpi/limit.h \
     client/mpi/local.c client/mpi/local.h \
+    client/mpi/merge.c client/mpi/merge.h \
     client/mpi/meshes.c \
     client/mpi/motions.c client/mpi/motions.h \
+    client/mpi/near.c \
+    client/mpi/near_objects.c client/mpi/near_objects.h \
+    client/mpi/nearest.c \
     client/mpi/neighbours.c client/mpi/neighbours.h \
     client/mpi/objects.c \
     client/mpi/parts.c client/mpi/parts.h \
@@ -22,7 +30,8 @@ ranks_sources = \
     client/mpi/rank_sort.c client/mpi/rank_sort.h \
     client/mpi/records.c client/mpi/records.h \
     client/mpi/sides.c \
-    client/mpi/step.c \
+    client/mpi/spots.c client/mpi/spots.h \
+    client/mpi/step.c client/mpi/step.h \
     client/mpi/weigh.c client/mpi/weigh.h \
     client/mpi/world.c client/mpi/world.h
 mpi_program_sources = \

@@ -34,7 +34,8 @@ static int change_objects(struct pccd_mpi *world, struct ranks_mesh *before,
                                      .local_mesh = object->local_mesh,
                                      .settings = object->settings,
                                      .x = x,
-                                     .next = next};
+                                     .next = next,
+                                     .begun = (const double(*)[3])x};
         struct ranks_object *old = malloc(sizeof *old);
         if (old != NULL) {
             *old = *object;

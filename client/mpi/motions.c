@@ -115,6 +115,7 @@ static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
                           world->link.rank, motion->object);
     }
     if (object->to == (const double(*)[3])object->x) {
+        object->begun = (const double(*)[3])object->x; /* what it was is written over */
         memcpy(object->next, object->x, bytes);
         object->to = (const double(*)[3])object->next;
     }
@@ -144,6 +145,17 @@ static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
                                 world->link.rank, motion->object);
 }
 
+int ranks_motions_check(struct pccd_mpi *world, const struct pccd_motion *motions,
+                        uint32_t motion_count)
+{
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < motion_count && status == PCCD_OK; i++) {
+        status =
+            check_motion(world, &motions[i], ranks_find_object(world, motions[i].object));
+    }
+    return status;
+}
+
 int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions,
                        uint32_t motion_count)
 {
@@ -153,10 +165,9 @@ int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions
         object->from = object->to = (const double(*)[3])object->x;
     }
     for (uint32_t i = 0; i < motion_count && status == PCCD_OK; i++) {
-        struct ranks_object *object = ranks_find_object(world, motions[i].object);
-        status = check_motion(world, &motions[i], object);
-        if (status == PCCD_OK && motions[i].count > 0) {
-            status = take_motion(world, &motions[i], object);
+        if (motions[i].count > 0) {
+            status = take_motion(world, &motions[i],
+                                 ranks_find_object(world, motions[i].object));
         }
     }
     return status;

@@ -39,6 +39,7 @@ static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
         return ranks_no_memory(world);
     }
     memcpy(made->x, mesh->x, bytes - sizeof *mesh->x);
+    made->begun = (const double(*)[3])made->x;
     made->mesh = mesh;
     made->settings = settings_at_first();
     int status = ranks_local_put_nothing(world, &made->local_mesh);

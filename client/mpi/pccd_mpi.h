@@ -16,7 +16,8 @@
  *
  * Every function with a world is collective: all ranks call it, in the same order. Only
  * pccd_mpi_error_text and pccd_mpi_feature are not. What says "the same on every rank" is
- * compared first. All ranks get the same status; after an error nothing has changed, and
+ * compared first. All ranks get the same status; after an error nothing has changed, but
+ * that objects which were to move count as if they had stood still in the last step.
  * pccd_mpi_error_text names the rank and what was wrong. Three errors end a world, so
  * that every later call but pccd_mpi_close fails with E_STATE: E_TIMEOUT, a rank did not
  * come; E_SYSTEM, MPI itself failed; and E_NOMEM, where it left things half done. When a
@@ -56,6 +57,9 @@ struct pccd_mpi_options {
     uint32_t threads;      /* of a rank's steps; 0: its processors, divided by the ranks
                               of the machine that may run on the same ones */
     uint64_t result_bytes; /* of the memory for a page of records; 0 = 64 MiB */
+    uint64_t record_limit; /* records of an answer that are kept, of all ranks together,
+                              the first in order; 0 = 16 Mi, as in one process. The same
+                              on every rank */
 };
 
 /* Open a world for the ranks of `comm`, of which the library makes a communicator of its
@@ -132,19 +136,20 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer);
 
-/* pccd_ask_near for the whole scene, where its last step ended; if any rank gives
- * motions, the objects move first, and it is answered for where they begin or end.
- * `settings` is the same on every rank: `what` is PCCD_NEAR_PAIRS or PCCD_NEAR_CROSSINGS
- * (E_INVAL else), `end` 1 unless there are motions. answer: near and count are this
- * rank's records; counts, crossings, verdict, distance_min, distance_max and hash are of
- * the whole. The answer of the last step is gone. Errors: those of pccd_ask_near. */
+/* pccd_ask_near for the whole scene, where its last step ended or began; if any rank
+ * gives motions, the objects move first, and it is answered for where they begin or end.
+ * `settings` is the same on every rank. answer: near and count are this rank's records,
+ * by the ranks that have their first features; all other numbers are of the whole, as for
+ * a step. Of VERTICES vertex_bounds[count] are those of the vertices that this rank owns:
+ * of all objects by increasing handle (or of object_a), each in the order of its part.
+ * The answer of the last step is gone. Errors: those of pccd_ask_near. */
 int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer);
 
 /* All records of the last answer in canonical order, to `each` on rank `root`, some
  * thousands at a time: of struct pccd_pair in mode pairs, of struct pccd_near for what is
- * near, else of struct pccd_contact.
+ * near, of double for bounds of vertices, else of struct pccd_contact.
  * `each` is called on `root` alone, and returns 0 to go on. */
 typedef int (*pccd_mpi_records_fn)(void *context, const void *records, uint64_t count);
 int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,

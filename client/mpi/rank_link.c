@@ -178,6 +178,7 @@ struct head {
 #define HEAD_WORDS ((int)(sizeof(struct head) / sizeof(uint64_t)))
 
 static const char *const call_names[] = {
+    [RANKS_OPEN] = "pccd_mpi_open",
     [RANKS_MESH_PUT] = "pccd_mpi_mesh_put",
     [RANKS_MESH_DESTROY] = "pccd_mpi_mesh_destroy",
     [RANKS_ADD] = "pccd_mpi_add",

@@ -39,6 +39,7 @@ int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
 /* What is done in the whole of a call; names of calls, for the message of one that is out
  * of order. */
 enum ranks_call {
+    RANKS_OPEN,
     RANKS_MESH_PUT,
     RANKS_MESH_DESTROY,
     RANKS_ADD,

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "kinds.h"
+#include "local.h"
 
 /* In this file: a record of a length that the compiler knows takes few instructions. */
 #define XXH_INLINE_ALL
@@ -83,19 +84,26 @@ static bool translate(struct pccd_mpi *world, struct reader *reader, uint32_t ki
                       uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
                       uint32_t *feature_b)
 {
-    static const uint32_t of_crossings[2] = {2, 3};
-    const uint32_t *points =
-        kind < PCCD_KIND_COUNT ? common_kinds[kind].points : of_crossings;
+    const uint32_t *points = common_kinds[kind].points;
     reader->a = object_of(world, object_a, reader->a);
     reader->b = object_of(world, object_b, reader->b);
     const struct ranks_local *local = &reader->a->local;
     /* The first feature of every kind is a vertex or an edge. */
-    if (!has_bit(points[0] == 1 ? local->owns_vertex : local->owns_edge, *feature_a)) {
-        return false;
-    }
+    bool is_own =
+        has_bit(points[0] == 1 ? local->owns_vertex : local->owns_edge, *feature_a);
     *feature_a = number_of(local, points[0], *feature_a);
     *feature_b = number_of(&reader->b->local, points[1], *feature_b);
-    return true;
+    return is_own;
+}
+
+bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record)
+{
+    const struct ranks_local *local = &ranks_find_object(world, record->object_a)->local;
+    bool is_vertex = common_kinds[record->kind].points[0] == 1;
+    const uint32_t *numbers = is_vertex ? local->vertices : local->edges;
+    uint32_t count = is_vertex ? local->vertex_count : local->edge_count;
+    uint32_t at = ranks_place_of(numbers, count, record->feature_a);
+    return at < count && has_bit(is_vertex ? local->owns_vertex : local->owns_edge, at);
 }
 
 static int make_room(struct pccd_mpi *world, uint64_t more, size_t record_bytes)
@@ -114,27 +122,76 @@ static int make_room(struct pccd_mpi *world, uint64_t more, size_t record_bytes)
     return PCCD_OK;
 }
 
+int ranks_records_reserve(struct pccd_mpi *world, uint64_t more)
+{
+    return make_room(world, more, ranks_record_bytes(world->mode));
+}
+
+int ranks_record_compare(const void *a, const void *b)
+{
+    uint32_t one[RANKS_NAME_WORDS], other[RANKS_NAME_WORDS];
+    ranks_record_name(a, PCCD_MODE_ALL, one);
+    ranks_record_name(b, PCCD_MODE_ALL, other);
+    return ranks_name_is_before(one, other) ? -1 : ranks_name_is_before(other, one);
+}
+
+void ranks_records_sort(struct pccd_near *records, uint64_t count)
+{
+    if (count > 1) {
+        qsort(records, count, sizeof *records, ranks_record_compare);
+    }
+}
+
+/* Room for strays: as many as there are records in a page. */
+static int make_stray_room(struct pccd_mpi *world, uint64_t more)
+{
+    uint64_t wanted = world->stray_count + more;
+    if (wanted <= world->stray_capacity) {
+        return PCCD_OK;
+    }
+    struct pccd_near *strays =
+        realloc(world->strays, (wanted + wanted / 2) * sizeof *strays);
+    if (strays == NULL) {
+        return ranks_no_memory(world);
+    }
+    world->strays = strays;
+    world->stray_capacity = wanted + wanted / 2;
+    return PCCD_OK;
+}
+
 /* Of 64 bytes, like contacts. */
-static void take_near(struct pccd_mpi *world, const struct pccd_answer *page)
+static int take_near(struct pccd_mpi *world, const struct pccd_answer *page)
 {
     struct reader reader = {NULL, NULL};
-    for (uint64_t i = 0; i < page->count; i++) {
+    int status = world->is_merged ? make_stray_room(world, page->count) : PCCD_OK;
+    for (uint64_t i = 0; i < page->count && status == PCCD_OK; i++) {
         struct pccd_near *to = (struct pccd_near *)world->records + world->record_count;
         *to = page->near[i];
-        world->record_count += translate(world, &reader, to->kind, to->object_a,
-                                         &to->feature_a, to->object_b, &to->feature_b);
+        if (translate(world, &reader, to->kind, to->object_a, &to->feature_a,
+                      to->object_b, &to->feature_b)) {
+            world->record_count++;
+        } else if (world->is_merged) {
+            world->strays[world->stray_count++] = *to;
+        }
     }
+    return status;
 }
 
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
 {
     struct reader reader = {NULL, NULL};
-    int status = make_room(world, page->count, ranks_record_bytes(world->mode));
+    size_t bytes = world->has_bounds ? sizeof(double) : ranks_record_bytes(world->mode);
+    int status = make_room(world, page->count, bytes);
     if (status != PCCD_OK) {
         return status;
     }
     if (page->near != NULL) {
-        take_near(world, page);
+        status = take_near(world, page);
+    }
+    if (page->vertex_bounds != NULL) {
+        memcpy((double *)world->records + world->record_count, page->vertex_bounds,
+               page->count * sizeof(double));
+        world->record_count += page->count;
     }
     for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
         struct pccd_contact *to =
@@ -149,7 +206,17 @@ int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
         world->record_count += translate(world, &reader, to->kind, to->object_a,
                                          &to->feature_a, to->object_b, &to->feature_b);
     }
-    return PCCD_OK;
+    return status;
+}
+
+void ranks_record_name(const char *record, enum pccd_mode mode,
+                       uint32_t name[RANKS_NAME_WORDS])
+{
+    bool is_pair = mode == PCCD_MODE_PAIRS; /* else it has flags behind the kind */
+    uint32_t words[6];
+    memcpy(words, record, is_pair ? 5 * sizeof *words : 6 * sizeof *words);
+    name[0] = words[0];
+    memcpy(name + 1, words + (is_pair ? 1 : 2), 4 * sizeof *name);
 }
 
 double ranks_records_limit(const struct pccd_mpi *world)
@@ -219,5 +286,15 @@ void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sum
             carry(sums->hash);
         }
     }
+    carry(sums->hash);
+}
+
+void ranks_bounds_sum(const struct ranks_bound *bounds, uint64_t count,
+                      struct ranks_sums *sums)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        add_hash(sums->hash, XXH3_128bits(&bounds[i], sizeof bounds[i]));
+    }
+    sums->total += count;
     carry(sums->hash);
 }

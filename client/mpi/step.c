@@ -4,8 +4,10 @@
  * Does:     let all ranks know what moves; choose ghosts where those at hand may not do;
  *           send positions; let libpccd compute; put the answer together.
  * Threads:  one.
- * Source:   pccd_mpi.h.
+ * Source:   pccd_mpi.h, step.h.
  */
+#include "step.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +16,9 @@
 #include "clock.h"
 #include "cut.h"
 #include "ghosts.h"
+#include "merge.h"
 #include "motions.h"
+#include "near_objects.h"
 #include "places.h"
 #include "records.h"
 #include "weigh.h"
@@ -27,16 +31,8 @@ enum {
     ROWS = 3
 };
 
-/* What a step needs for its time. */
-struct moment {
-    uint8_t *bytes; /* [ROWS][object_count] */
-    const double (**given)[3];
-    double (**local)[3];
-    struct pccd_step_settings settings;
-    const struct pccd_near_settings *near; /* NULL: it is a step */
-};
-
-static uint8_t *row(const struct pccd_mpi *world, const struct moment *moment, int which)
+static uint8_t *row(const struct pccd_mpi *world, const struct ranks_moment *moment,
+                    int which)
 {
     return moment->bytes + (size_t)which * world->object_count;
 }
@@ -76,45 +72,88 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
 
 /* ---- ghosts ----------------------------------------------------------------------- */
 
-/* Each rank says of each object what it knows, and hears of all. */
-static int look_at_motions(struct pccd_mpi *world, struct moment *moment)
+/* What this rank knows of each object. */
+static void look(const struct pccd_mpi *world, struct ranks_moment *moment)
 {
-    uint32_t objects = world->object_count;
-    moment->bytes = calloc((size_t)objects * ROWS + 1, 1);
-    moment->given = calloc((size_t)objects + 1, sizeof *moment->given);
-    moment->local = calloc((size_t)objects + 1, sizeof *moment->local);
-    int status = moment->bytes == NULL || moment->given == NULL || moment->local == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
-    status = ranks_agree_on(&world->link, status);
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+    for (uint32_t o = 0; o < world->object_count; o++) {
         const struct ranks_object *object = world->objects[o];
-        row(world, moment, MOVES)[o] = object->to != (const double(*)[3])object->x;
-        row(world, moment, STARTS)[o] = object->from != (const double(*)[3])object->x;
+        bool moves = object->to != (const double(*)[3])object->x;
+        bool starts = object->from != (const double(*)[3])object->x;
+        row(world, moment, MOVES)[o] = moves;
+        row(world, moment, STARTS)[o] = starts;
         row(world, moment, MISSES)[o] =
-            (!world->is_covered || row(world, moment, MOVES)[o] ||
-             row(world, moment, STARTS)[o]) &&
-            ranks_ghosts_miss(object);
+            (!world->is_covered || moves || starts) && ranks_ghosts_miss(object);
     }
-    return status == PCCD_OK
-               ? ranks_max_bytes(&world->link, moment->bytes, (int)(objects * ROWS))
-               : status;
+    moment->bytes[(size_t)ROWS * world->object_count] = moment->motion_count > 0;
 }
 
-static int choose_ghosts(struct pccd_mpi *world, const struct moment *moment)
+/* At rest a step began where the last one did; else what no motion has stands still. */
+static void begin_at(struct pccd_mpi *world, bool at_rest)
 {
-    bool misses = !world->is_covered || world->reach < moment->settings.separation;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        struct ranks_object *object = world->objects[o];
+        if (at_rest) {
+            object->from = object->begun;
+        } else if (object->to == (const double(*)[3])object->x) {
+            object->from = object->to;
+        }
+    }
+}
+
+static void forget_begins(struct pccd_mpi *world, const struct ranks_moment *moment)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        if (row(world, moment, MOVES)[o]) {
+            world->objects[o]->begun = (const double(*)[3])world->objects[o]->x;
+        }
+    }
+}
+
+/* Each rank takes its motions, says of each object what it knows, and hears of all. */
+static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
+{
+    struct ranks_link *link = &world->link;
+    size_t bytes = (size_t)ROWS * world->object_count;
+    bool is_at_begin = moment->near != NULL && moment->near->end == 0;
+    int status = ranks_motions_take(world, moment->motions, moment->motion_count);
+    if (is_at_begin && moment->motion_count == 0) {
+        begin_at(world, true);
+    }
+    look(world, moment);
+    status = ranks_agree_on(link, status);
+    if (link->broken == PCCD_OK) {
+        int heard = ranks_max_bytes(link, moment->bytes, (int)bytes + 1);
+        status = status == PCCD_OK ? heard : status;
+    }
+    moment->is_still = moment->near != NULL && moment->bytes[bytes] == 0;
+    if (is_at_begin && !moment->is_still) {
+        begin_at(world, false);
+    }
+    return status;
+}
+
+static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *moment)
+{
+    bool misses = false;
     for (uint32_t o = 0; o < world->object_count; o++) {
         misses = misses || row(world, moment, MISSES)[o];
     }
-    return misses ? ranks_ghosts_choose(world, moment->settings.separation) : PCCD_OK;
+    return misses;
+}
+
+static int choose_ghosts(struct pccd_mpi *world, const struct ranks_moment *moment)
+{
+    bool is_far = world->reach < moment->settings.separation;
+    return !world->is_covered || is_far || has_misses(world, moment)
+               ? ranks_ghosts_choose(world, moment->settings.separation)
+               : PCCD_OK;
 }
 
 /* ---- computing -------------------------------------------------------------------- */
 
 /* A frame with a segment for each object that is sent and has leaves here: the places for
  * its positions. */
-static int begin_frame(struct pccd_mpi *world, const struct moment *moment,
+static int begin_frame(struct pccd_mpi *world, const struct ranks_moment *moment,
                        struct pccd_frame *frame, double (**x0)[3], double (**x1)[3])
 {
     uint64_t bytes = 0;
@@ -150,7 +189,7 @@ static int begin_frame(struct pccd_mpi *world, const struct moment *moment,
 }
 
 /* Positions of all that moves, or that libpccd has elsewhere, to the frame. */
-static int send_positions(struct pccd_mpi *world, struct moment *moment,
+static int send_positions(struct pccd_mpi *world, struct ranks_moment *moment,
                           struct pccd_frame *frame)
 {
     uint32_t objects = world->object_count;
@@ -209,15 +248,22 @@ static int take_pages(struct pccd_mpi *world, struct pccd_answer *answer)
     }
 }
 
-static int compute(struct pccd_mpi *world, const struct moment *moment,
+static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
                    struct pccd_frame *frame, struct pccd_answer *answer)
 {
     uint64_t step = 0;
-    world->record_count = 0;
-    world->mode = moment->settings.mode;
-    int status = moment->near != NULL
-                     ? pccd_frame_commit_near(frame, moment->near, &step)
-                     : pccd_frame_commit(frame, &moment->settings, &step);
+    int status = PCCD_OK;
+    if (moment->near != NULL) {
+        struct pccd_near_settings all = *moment->near;
+        all.object_a = all.object_b = 0; /* bounds are of all that is near */
+        if (frame->segment_count == 0) {
+            all.end =
+                1; /* here both are where it stands; libpccd thinks of its last step */
+        }
+        status = pccd_frame_commit_near(frame, &all, &step);
+    } else {
+        status = pccd_frame_commit(frame, &moment->settings, &step);
+    }
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
     }
@@ -225,42 +271,42 @@ static int compute(struct pccd_mpi *world, const struct moment *moment,
                              : ranks_fail_local(world, status, "the step failed");
 }
 
-/* The step was made: what moved is there now. */
-static void move_on(struct pccd_mpi *world)
+/* The step was made: what moved is there now. is_known: libpccd has it there, too. */
+static void move_on(struct pccd_mpi *world, const struct ranks_moment *moment,
+                    bool is_known)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
         struct ranks_object *object = world->objects[o];
+        bool starts = object->from != (const double(*)[3])object->x;
         if (object->to == (const double(*)[3])object->next) {
             double(*before)[3] = object->x;
             object->x = object->next;
             object->next = before;
+            object->begun = (const double(*)[3])(starts ? object->start : before);
+        } else if (!moment->is_still) {
+            object->begun = (const double(*)[3])object->x;
         }
-        object->is_elsewhere = false;
+        object->is_elsewhere = !is_known && (object->is_elsewhere || !moment->is_still);
     }
 }
 
-static int step(struct pccd_mpi *world, struct moment *moment, struct pccd_answer *answer)
+/* The scene is cut, if that is due or it never was. */
+static int cut(struct pccd_mpi *world, const struct ranks_moment *moment)
 {
-    struct pccd_frame frame;
     int status = PCCD_OK;
-    uint64_t begin_ns = common_now_ns(), cut_ns = 0;
-    bool is_cut = !world->is_cut || balance_wants_cut(world);
-    world->link.sent_bytes = 0;
-    if (is_cut && world->is_covered) {
+    if (world->is_covered) {
         status = ranks_weigh(world, moment->settings.separation);
     }
-    if (is_cut && status == PCCD_OK) {
-        status = ranks_cut(world);
-    }
-    if (status == PCCD_OK) {
-        status = look_at_motions(world, moment);
-    }
-    if (status == PCCD_OK) {
-        status = choose_ghosts(world, moment);
-    }
-    if (is_cut) {
-        cut_ns = common_now_ns() - begin_ns;
-    }
+    return status == PCCD_OK ? ranks_cut(world) : status;
+}
+
+/* libpccd computes, in each rank for what is there. */
+static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
+                       uint64_t begin_ns, bool is_cut, struct pccd_answer *answer)
+{
+    struct pccd_frame frame;
+    int status = choose_ghosts(world, moment);
+    uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
     if (status == PCCD_OK) {
         status = send_positions(world, moment, &frame);
     }
@@ -268,30 +314,83 @@ static int step(struct pccd_mpi *world, struct moment *moment, struct pccd_answe
         return status;
     }
     status = ranks_agree_on(&world->link, compute(world, moment, &frame, answer));
+    if (status == PCCD_OK && world->is_merged) {
+        status = ranks_merge(world);
+    }
     if (status == PCCD_OK) {
         status = moment->near != NULL
-                     ? ranks_answer_make_near(world, answer)
+                     ? ranks_answer_make_near(world, moment->near, answer)
                      : ranks_answer_make(world, &moment->settings, cut_ns, answer);
     }
     if (status != PCCD_OK) { /* some ranks may have moved on */
-        world->record_count = 0;
         for (uint32_t o = 0; o < world->object_count; o++) {
             world->objects[o]->is_elsewhere = true;
         }
+    }
+    return status;
+}
+
+static int make(struct pccd_mpi *world, struct ranks_moment *moment,
+                struct pccd_answer *answer)
+{
+    bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
+    uint64_t begin_ns = common_now_ns();
+    world->link.sent_bytes = 0;
+    world->record_count = world->bound_count = world->stray_count = 0;
+    world->is_merged = moment->near != NULL && moment->near->what == PCCD_NEAR_FEATURES;
+    world->mode = moment->near != NULL ? PCCD_MODE_ALL : moment->settings.mode;
+    world->has_bounds = moment->near != NULL && moment->near->what == PCCD_NEAR_VERTICES;
+    int status = take_motions(world, moment);
+    bool is_cut = !world->is_cut || (is_of_leaves && balance_wants_cut(world));
+    if (is_cut && status == PCCD_OK) {
+        status = cut(world, moment);
+    }
+    if (status == PCCD_OK) {
+        status = is_of_leaves ? ask_libpccd(world, moment, begin_ns, is_cut, answer)
+                              : ranks_near_of_objects(world, moment->near, answer);
+    }
+    if (status != PCCD_OK) {
+        world->record_count = world->bound_count = 0;
+        forget_begins(world, moment);
         return status;
     }
-    move_on(world);
+    if (!is_of_leaves && !moment->is_still && has_misses(world, moment)) {
+        world->is_covered = false; /* they were not needed; whoever needs them looks */
+    }
+    move_on(world, moment, is_of_leaves);
     return PCCD_OK;
 }
 
-/* All ranks agree: make it, and let the caller have what it knows of the answer. */
-static int make(struct pccd_mpi *world, struct moment *moment, struct pccd_answer *answer)
+static void moment_deinit(struct ranks_moment *moment)
 {
-    struct pccd_answer made = PCCD_ANSWER_INIT;
-    int status = step(world, moment, &made);
     free(moment->bytes);
     free((void *)moment->given);
     free((void *)moment->local);
+}
+
+static int moment_init(struct pccd_mpi *world, struct ranks_moment *moment)
+{
+    size_t objects = world->object_count;
+    moment->bytes = calloc(objects * ROWS + 1, 1);
+    moment->given = calloc(objects + 1, sizeof *moment->given);
+    moment->local = calloc(objects + 1, sizeof *moment->local);
+    return moment->bytes == NULL || moment->given == NULL || moment->local == NULL
+               ? ranks_no_memory(world)
+               : ranks_motions_check(world, moment->motions, moment->motion_count);
+}
+
+int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t hash,
+                      int status, struct ranks_moment *moment, struct pccd_answer *answer)
+{
+    struct pccd_answer made = PCCD_ANSWER_INIT;
+    if (status == PCCD_OK) {
+        status = moment_init(world, moment);
+    }
+    status = ranks_agree(&world->link, call, hash, status);
+    if (status == PCCD_OK) {
+        status = make(world, moment, &made);
+    }
+    moment_deinit(moment);
     if (status == PCCD_OK) {
         size_t bytes = answer->struct_bytes;
         memcpy(answer, &made, bytes == 0 || bytes > sizeof made ? sizeof made : bytes);
@@ -304,66 +403,8 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer)
 {
-    struct moment moment = {.bytes = NULL};
+    struct ranks_moment moment = {.motions = motions, .motion_count = motion_count};
     uint64_t hash = 0;
     int status = read_settings(world, settings, &moment.settings, &hash);
-    if (status == PCCD_OK) {
-        status = ranks_motions_take(world, motions, motion_count);
-    }
-    status = ranks_agree(&world->link, RANKS_STEP, hash, status);
-    return status == PCCD_OK ? make(world, &moment, answer) : status;
-}
-
-static int read_near(struct pccd_mpi *world, const struct pccd_near_settings *asked,
-                     struct pccd_near_settings *settings, uint64_t *hash)
-{
-    size_t bytes = asked->struct_bytes;
-    *settings = (struct pccd_near_settings)PCCD_NEAR_SETTINGS_INIT;
-    memcpy(settings, asked,
-           bytes == 0 || bytes > sizeof *settings ? sizeof *settings : bytes);
-    settings->struct_bytes = sizeof *settings;
-    *hash = ranks_hash(2, &settings->what, sizeof settings->what);
-    *hash = ranks_hash(*hash, &settings->distance, sizeof settings->distance);
-    *hash = ranks_hash(*hash, &settings->end, sizeof settings->end);
-    *hash = ranks_hash(*hash, &settings->threads, sizeof settings->threads);
-    *hash = ranks_hash(*hash, &settings->deadline_ns, sizeof settings->deadline_ns);
-    *hash = ranks_hash(*hash, &settings->method, sizeof settings->method);
-    settings->threads = settings->threads > 0 ? settings->threads : world->threads;
-    if (settings->what != PCCD_NEAR_PAIRS && settings->what != PCCD_NEAR_CROSSINGS) {
-        return ranks_fail(
-            &world->link, PCCD_E_INVAL,
-            "over ranks only pairs and crossings are answered of what is near");
-    }
-    if (settings->what == PCCD_NEAR_PAIRS && !(settings->distance >= 0)) {
-        return ranks_fail(&world->link, PCCD_E_INVAL, "a negative distance, or none");
-    }
-    return settings->distance <= 1e18
-               ? PCCD_OK
-               : ranks_fail(&world->link, PCCD_E_LIMIT, "a distance beyond 1e18");
-}
-
-int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
-                  uint32_t motion_count, const struct pccd_near_settings *settings,
-                  struct pccd_answer *answer)
-{
-    struct pccd_near_settings near;
-    struct moment moment = {.near = &near};
-    uint64_t hash = 0;
-    uint8_t moves = motion_count > 0;
-    int status = read_near(world, settings, &near, &hash);
-    if (status == PCCD_OK) {
-        status = ranks_motions_take(world, motions, motion_count);
-    }
-    status = ranks_agree(&world->link, RANKS_NEAR, hash, status);
-    if (status == PCCD_OK) {
-        status = ranks_max_bytes(&world->link, &moves, 1);
-    }
-    if (status == PCCD_OK && near.end == 0 && !moves) {
-        return ranks_fail(&world->link, PCCD_E_INVAL,
-                          "over ranks it is not known where the last step began");
-    }
-    if (near.what == PCCD_NEAR_PAIRS) {
-        moment.settings.separation = near.distance;
-    }
-    return status == PCCD_OK ? make(world, &moment, answer) : status;
+    return ranks_moment_make(world, RANKS_STEP, hash, status, &moment, answer);
 }

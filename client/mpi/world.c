@@ -7,10 +7,13 @@
  */
 #include "world.h"
 
+#include <inttypes.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "proto_limits.h"
 
 #define TIMEOUT_MS_DEFAULT 60000
 #define TIMEOUT_MS_MAX     3600000
@@ -99,6 +102,7 @@ void ranks_mesh_free(struct ranks_mesh *mesh)
         free(mesh->x);
         free(mesh->radii);
         free(mesh->places);
+        free(mesh->numbers);
         free(mesh->leaves);
         free(mesh);
     }
@@ -217,6 +221,17 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
                              : ranks_fail_local(world, status, "no scene of libpccd");
 }
 
+/* A rank may have all that is kept. */
+static int raise_limit(struct pccd_mpi *world)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%" PRIu64, world->record_limit);
+    int status = pccd_config_set(world->client, "contacts-max", text);
+    return status == PCCD_OK
+               ? PCCD_OK
+               : ranks_fail_local(world, status, "record_limit is not accepted");
+}
+
 static int open_world(struct pccd_mpi *world, MPI_Comm comm,
                       const struct pccd_mpi_options *options)
 {
@@ -233,7 +248,10 @@ static int open_world(struct pccd_mpi *world, MPI_Comm comm,
     if (status == PCCD_OK) {
         status = connect_direct(world, options->result_bytes);
     }
-    return ranks_agree_on(link, status);
+    if (status == PCCD_OK && world->record_limit > PROTO_CONTACTS_PER_STEP) {
+        status = raise_limit(world);
+    }
+    return ranks_agree(link, RANKS_OPEN, world->record_limit, status);
 }
 
 int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
@@ -264,6 +282,8 @@ int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
         opened->link.timeout_ms = TIMEOUT_MS_MAX;
     }
     opened->threads = asked.threads;
+    opened->record_limit =
+        asked.record_limit > 0 ? asked.record_limit : PROTO_CONTACTS_PER_STEP;
     opened->share.imbalance = 1;
     int status = open_world(opened, comm, &asked);
     if (status != PCCD_OK) {
@@ -290,6 +310,9 @@ void pccd_mpi_close(struct pccd_mpi *world)
     free((void *)world->meshes);
     free(world->ignored);
     free(world->records);
+    free(world->strays);
+    free(world->bounds);
+    free(world->bound_values);
     ranks_plan_deinit(&world->plan);
     pccd_close(world->client);
     /* Of a broken one somebody is missing, who would be waited for. */

@@ -15,6 +15,8 @@
  * In each rank libpccd has, of each object, a mesh of the own leaves and the ghosts, all
  * sorted by the numbers of the whole. So what is lower there is lower in the whole, and
  * orientation, order and numbers of a record are those of one process.
+ *
+ * More than 200 lines: all that a rank keeps is in one place.
  */
 #ifndef RANKS_WORLD_H
 #define RANKS_WORLD_H
@@ -44,6 +46,8 @@ struct ranks_place {
     uint32_t index;
 };
 
+enum ranks_closed { RANKS_MESH_NOT_KNOWN, RANKS_CLOSED_MESH, RANKS_OPEN_MESH };
+
 struct ranks_mesh {
     uint32_t handle;
     bool is_gone; /* destroyed; kept while objects are made of it */
@@ -60,6 +64,10 @@ struct ranks_mesh {
     /* the directory of vertices span * rank to span * (rank + 1) - 1 */
     uint32_t span;
     struct ranks_place *places;
+    uint32_t *numbers;        /* of given vertices; NULL until somebody asks (bounds.c) */
+    enum ranks_closed closed; /* depth.c */
+    uint32_t open[4]; /* the first edge that shows that it is not: its ends, and how often
+                         faces run from the first to the second and back */
     /* As they were given. The first object takes them, the last one gives its own
      * back. */
     struct ranks_leaf *leaves;
@@ -90,6 +98,8 @@ struct ranks_object {
     double (*start)[3];
     const double (*from)[3];
     const double (*to)[3];
+    /* Where the last step began: x where it stood still, else `start` or `next`. */
+    const double (*begun)[3];
     uint64_t
         *written; /* a bit for each given vertex that the step moves; NULL: none yet */
     /* Given vertices: low, high; ghosts are right while both ends of a step are in there.
@@ -124,6 +134,13 @@ struct ranks_pair {
     uint32_t a, b; /* objects that ignore each other */
 };
 
+/* The bound of a vertex, as it is hashed. */
+struct ranks_bound {
+    uint32_t object; /* handle */
+    uint32_t vertex; /* number of the whole */
+    double bound;
+};
+
 struct pccd_mpi {
     struct ranks_link link;
     struct pccd_client *client;
@@ -144,6 +161,14 @@ struct pccd_mpi {
     enum pccd_mode mode;
     void *records;
     uint64_t record_count, record_capacity;
+    uint64_t record_limit; /* of all ranks together */
+    bool is_merged; /* it has features that other ranks may have found, too (merge.h) */
+    struct pccd_near *strays; /* what was found here and is not this rank's */
+    uint64_t stray_count, stray_capacity;
+    bool has_bounds; /* it has bounds of vertices in the place of records (bounds.h) */
+    struct ranks_bound *bounds;
+    double *bound_values;
+    uint64_t bound_count;
     struct pccd_mpi_share share;
     /* How long the last cut took, and what was lost since because some ranks waited. */
     uint64_t cut_ns;

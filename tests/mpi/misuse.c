@@ -197,6 +197,70 @@ static int no_object(void)
     return pccd_mpi_remove(test.world, 77);
 }
 
+/* The last rank asks something else. */
+static int ask_near(enum pccd_near_what what, enum pccd_near_what of_last, double last)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    settings.what = test.is_last ? of_last : what;
+    settings.distance = test.is_last ? last : 0.5;
+    return pccd_mpi_near(test.world, NULL, 0, &settings, &answer);
+}
+
+static int near_distance(void)
+{
+    return ask_near(PCCD_NEAR_VERTICES, PCCD_NEAR_VERTICES, 0.25);
+}
+
+static int near_kind(void)
+{
+    return ask_near(PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES, 0.5);
+}
+
+static int near_negative(void)
+{
+    return ask_near(PCCD_NEAR_NEAREST, PCCD_NEAR_NEAREST, -1);
+}
+
+static int near_far(void)
+{
+    return ask_near(PCCD_NEAR_FEATURES, PCCD_NEAR_FEATURES, 2e18);
+}
+
+/* An object that there is not, as all ranks say: before anything is exchanged. */
+static int near_object(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    settings.what = PCCD_NEAR_DEPTH;
+    settings.object_b = 77;
+    return pccd_mpi_near(test.world, NULL, 0, &settings, &answer);
+}
+
+/* The triangles are one mesh, which is open, and a second object of it is beside it. */
+static int near_open(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    uint32_t other = 0;
+    settings.what = PCCD_NEAR_DEPTH;
+    if (pccd_mpi_add(test.world, test.mesh, &other) != PCCD_OK) {
+        stop("no second object");
+    }
+    int status = pccd_mpi_near(test.world, NULL, 0, &settings, &answer);
+    char text[256];
+    snprintf(text, sizeof text, "%s", pccd_mpi_error_text(test.world));
+    if (strstr(text,
+               "1 of its faces run along the edge from vertex 0 to 1, and 0 back") ==
+        NULL) {
+        stop("another text");
+    }
+    if (pccd_mpi_remove(test.world, other) != PCCD_OK) {
+        stop("it does not go");
+    }
+    return status;
+}
+
 static const struct mistake {
     const char *name;
     int (*make)(void);
@@ -214,6 +278,14 @@ static const struct mistake {
     {"index", bad_index, PCCD_E_INDEX, "rank %d: triangle 0 names vertex 60"},
     {"not-finite", not_finite, PCCD_E_NOTFINITE, "rank %d: a position"},
     {"no-object", no_object, PCCD_E_HANDLE, "there is no object 77"},
+    {"near-distance", near_distance, PCCD_E_INVAL,
+     "rank %d gave other arguments to pccd_mpi_near"},
+    {"near-kind", near_kind, PCCD_E_INVAL,
+     "rank %d gave other arguments to pccd_mpi_near"},
+    {"near-negative", near_negative, PCCD_E_INVAL, "distance is negative"},
+    {"near-far", near_far, PCCD_E_LIMIT, "distance is beyond 1e+18"},
+    {"near-object", near_object, PCCD_E_HANDLE, "object_b 77 is not in the scene"},
+    {"near-open", near_open, PCCD_E_INVAL, "is not closed"},
 };
 
 /* The same status and sentence on every rank, and a world as before. */

@@ -49,6 +49,7 @@ static struct {
     struct prng prng; /* the same on every rank */
     bool has_failed;
     uint64_t steps, nears, records;
+    uint64_t answered[PCCD_NEAR_COUNT]; /* questions that had records */
 } test;
 
 static void stop(const char *what)
@@ -468,9 +469,20 @@ static bool same_double(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
+/* Mode first: one process may find more than it keeps before it knows what comes first,
+ * where each rank has room enough. */
+static bool is_crowded_out(const struct pccd_answer *one)
+{
+    return one->mode == PCCD_MODE_FIRST && !one->is_near &&
+           one->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
+}
+
 static void compare_answers(const struct pccd_answer *a, const struct pccd_answer *b)
 {
     char text[512];
+    if (is_crowded_out(a)) {
+        return;
+    }
     if (a->total == b->total && memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
         a->possible == b->possible && a->initial == b->initial &&
         a->inside == b->inside && a->crowded == b->crowded &&
@@ -504,13 +516,38 @@ static struct pccd_step_settings choose_settings(void)
     return settings;
 }
 
+static void forget_all_motions(void)
+{
+    while (test.memory_count > 0) {
+        free(test.memory[--test.memory_count]);
+    }
+    test.motion_count = test.one_motion_count = 0;
+}
+
+/* All records of the ranks, beside those of one process. */
+static void compare_all_records(const struct pccd_answer *one, size_t record_bytes)
+{
+    struct comparison comparison = {.record_bytes = record_bytes, .count = one->count};
+    comparison.records = one->is_near && one->what == PCCD_NEAR_VERTICES
+                             ? (const char *)one->vertex_bounds
+                         : one->is_near          ? (const char *)one->near
+                         : one->contacts != NULL ? (const char *)one->contacts
+                                                 : (const char *)one->pairs;
+    must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
+    if (test.rank == 0) {
+        if (!is_crowded_out(one) &&
+            (comparison.differs || comparison.at != comparison.count)) {
+            fail(one->is_near ? "the records of what is near differ"
+                              : "the records differ");
+        }
+        pccd_answer_release(test.one, (struct pccd_answer *)(uintptr_t)one);
+    }
+}
+
 static void step(void)
 {
     struct pccd_step_settings settings = choose_settings();
     struct pccd_answer answer = PCCD_ANSWER_INIT, one = PCCD_ANSWER_INIT;
-    struct comparison comparison = {.record_bytes = settings.mode == PCCD_MODE_PAIRS
-                                                        ? sizeof(struct pccd_pair)
-                                                        : sizeof(struct pccd_contact)};
     int status =
         pccd_mpi_step(test.world, test.motions, test.motion_count, &settings, &answer);
     test.steps++;
@@ -524,60 +561,103 @@ static void step(void)
             fail("a step has another status");
         }
         compare_answers(&one, &answer);
-        comparison.records =
-            one.contacts != NULL ? (const char *)one.contacts : (const char *)one.pairs;
-        comparison.count = one.count;
     }
-    must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
-    if (test.rank == 0) {
-        if (comparison.differs || comparison.at != comparison.count) {
-            fail("the records differ");
-        }
-        pccd_answer_release(test.one, &one);
-    }
-    while (test.memory_count > 0) {
-        free(test.memory[--test.memory_count]);
-    }
-    test.motion_count = test.one_motion_count = 0;
+    compare_all_records(&one, settings.mode == PCCD_MODE_PAIRS
+                                  ? sizeof(struct pccd_pair)
+                                  : sizeof(struct pccd_contact));
+    forget_all_motions();
 }
 
-/* What is near where the last step ended, or where motions lead. */
-static void ask_near(void)
+static struct pccd_near_settings choose_question(void)
 {
     struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
-    struct pccd_answer answer = PCCD_ANSWER_INIT, one = PCCD_ANSWER_INIT;
-    struct comparison comparison = {.record_bytes = sizeof(struct pccd_near)};
-    settings.what = chance(0.7) ? PCCD_NEAR_PAIRS : PCCD_NEAR_CROSSINGS;
+    settings.what = (enum pccd_near_what)prng_below(&test.prng, PCCD_NEAR_COUNT);
     settings.distance = chance(0.2) ? 0 : prng_between(&test.prng, 0, 0.1);
+    if (chance(0.3)) { /* what is exactly so far apart is within it */
+        settings.distance = ldexp(1, -(int)prng_below(&test.prng, 8));
+    }
+    if (settings.what == PCCD_NEAR_NEAREST && chance(0.5)) {
+        settings.distance = INFINITY;
+    }
+    settings.gap = settings.what == PCCD_NEAR_NEAREST && chance(0.1) ? 0.01 : 0;
+    settings.end = chance(0.7);
+    settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;
-    must(pccd_mpi_near(test.world, NULL, 0, &settings, &answer), "near");
+    const struct actor *a = random_actor(), *b = random_actor();
+    settings.object_a = a != NULL && chance(0.3) ? a->object : 0;
+    settings.object_b = b != NULL && chance(0.3) ? b->object : 0;
+    return settings;
+}
+
+/* One process and ranks say the same, but for records. */
+static bool is_same_question(const struct pccd_answer *a, const struct pccd_answer *b)
+{
+    return a->total == b->total && a->verdict == b->verdict && a->what == b->what &&
+           a->is_near == b->is_near && a->incomplete == b->incomplete &&
+           memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
+           memcmp(a->hash, b->hash, sizeof a->hash) == 0 &&
+           a->crossings == b->crossings && a->method == b->method &&
+           same_double(a->distance_min, b->distance_min) &&
+           same_double(a->distance_max, b->distance_max);
+}
+
+/* With a gap, the pair of two objects may be another one, farther by at most that. */
+static bool is_within_gap(const struct pccd_near_settings *settings,
+                          const struct pccd_answer *a, const struct pccd_answer *b)
+{
+    return a->total == b->total && a->incomplete == b->incomplete &&
+           fabs(a->distance_min - b->distance_min) <= settings->gap * 1.001 &&
+           fabs(a->distance_max - b->distance_max) <= settings->gap * 1.001;
+}
+
+static void compare_questions(const struct pccd_near_settings *settings,
+                              const struct pccd_answer *one,
+                              const struct pccd_answer *answer)
+{
+    if (settings->gap > 0 ? !is_within_gap(settings, one, answer)
+                          : !is_same_question(one, answer)) {
+        printf("# %d within %.17g at %u: total %" PRIu64 " and %" PRIu64
+               ", verdict %d and %d, incomplete %d and %d, crossings %" PRIu64
+               " and %" PRIu64 ", from %.17g and %.17g to %.17g and %.17g, hash %" PRIx64
+               " and %" PRIx64 "\n",
+               (int)settings->what, settings->distance, settings->end, one->total,
+               answer->total, (int)one->verdict, (int)answer->verdict,
+               (int)one->incomplete, (int)answer->incomplete, one->crossings,
+               answer->crossings, one->distance_min, answer->distance_min,
+               one->distance_max, answer->distance_max, one->hash[1], answer->hash[1]);
+        fail("what is near differs");
+    }
+}
+
+/* What is near where the last step ended or began, or where motions lead. */
+static void ask_near(void)
+{
+    const struct pccd_near_settings settings = choose_question();
+    struct pccd_answer answer = PCCD_ANSWER_INIT, one = PCCD_ANSWER_INIT;
+    int status =
+        pccd_mpi_near(test.world, test.motions, test.motion_count, &settings, &answer);
     test.nears++;
     test.records += answer.total;
     if (test.rank == 0) {
-        one_must(pccd_ask_near(test.one, test.scene, NULL, 0, &settings, &one), "near");
-        if (one.total != answer.total || one.verdict != answer.verdict ||
-            memcmp(one.counts, answer.counts, sizeof one.counts) != 0 ||
-            memcmp(one.hash, answer.hash, sizeof one.hash) != 0 ||
-            one.crossings != answer.crossings || one.what != answer.what ||
-            !answer.is_near || !same_double(one.distance_min, answer.distance_min) ||
-            !same_double(one.distance_max, answer.distance_max)) {
-            printf("# %d: total %" PRIu64 " and %" PRIu64 ", verdict %d and %d, "
-                   "crossings %" PRIu64 " and %" PRIu64 ", from %g and %g to %g and %g\n",
-                   (int)settings.what, one.total, answer.total, (int)one.verdict,
-                   (int)answer.verdict, one.crossings, answer.crossings, one.distance_min,
-                   answer.distance_min, one.distance_max, answer.distance_max);
-            fail("what is near differs");
+        int one_status = pccd_ask_near(test.one, test.scene, test.one_motions,
+                                       test.one_motion_count, &settings, &one);
+        test.answered[settings.what] += one_status == PCCD_OK && one.total > 0;
+        if (status != one_status) {
+            printf("# %d, ranks: %s; one process: %s\n", (int)settings.what,
+                   pccd_mpi_error_text(test.world), pccd_error_text(test.one));
+            fail("a question has another status");
+        } else if (status == PCCD_OK) {
+            compare_questions(&settings, &one, &answer);
         }
-        comparison.records = (const char *)one.near;
-        comparison.count = one.count;
     }
-    must(pccd_mpi_gather(test.world, 0, compare_records, &comparison), "gather");
-    if (test.rank == 0) {
-        if (comparison.differs || comparison.at != comparison.count) {
-            fail("the records of what is near differ");
-        }
+    if (status == PCCD_OK && settings.gap > 0) {
         pccd_answer_release(test.one, &one);
+    } else if (status == PCCD_OK) {
+        compare_all_records(&one, settings.what == PCCD_NEAR_VERTICES
+                                      ? sizeof(double)
+                                      : sizeof(struct pccd_near));
     }
+    forget_all_motions();
 }
 
 static void perform(const struct play_act *act)
@@ -604,8 +684,12 @@ static void perform(const struct play_act *act)
         break;
     case PLAY_STEP:
         ignore_some();
-        step();
-        if (chance(0.4)) {
+        if (chance(0.2)) { /* it moves what a step would have moved */
+            ask_near();
+        } else {
+            step();
+        }
+        while (chance(0.5)) {
             ask_near();
         }
         actor = random_actor();
@@ -675,18 +759,111 @@ static void perform_hairpins(uint32_t pins)
     free(act.x1);
 }
 
+/* A box of `cells` squares along each side, cut into triangles; its corners are where
+ * those of others may be, too. */
+static void make_box(uint32_t cells, const double at[3], double size,
+                     struct play_act *act)
+{
+    uint32_t row = cells + 1;
+    act->vertex_count = row * row * row; /* those within are in no triangle */
+    act->triangle_count = 12 * cells * cells;
+    act->x0 = need(act->vertex_count * sizeof *act->x0);
+    act->triangles = need(act->triangle_count * sizeof *act->triangles);
+    for (uint32_t v = 0; v < act->vertex_count; v++) {
+        const uint32_t place[3] = {v % row, v / row % row, v / row / row};
+        for (int k = 0; k < 3; k++) {
+            act->x0[v][k] = at[k] + size * place[k] / cells;
+        }
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < 6 * cells * cells; i++) {
+        uint32_t axis = i % 3, side = i / 3 % 2, u = i / 6 % cells, w = i / 6 / cells;
+        const uint32_t steps[3] = {1, row, row * row};
+        uint32_t along = steps[(axis + 1) % 3], across = steps[(axis + 2) % 3];
+        uint32_t corner = side * cells * steps[axis] + u * along + w * across;
+        uint32_t quad[4] = {corner, corner + along, corner + along + across,
+                            corner + across};
+        for (uint32_t half = 0; half < 2; half++, count++) {
+            act->triangles[count][0] = quad[0];
+            act->triangles[count][side ? 1 : 2] = quad[1 + half];
+            act->triangles[count][side ? 2 : 1] = quad[2 + half];
+        }
+    }
+}
+
+/* Boxes that stand in each other, move and turn, some of them open: depth has vertices
+ * inside, on the surface, and beside it with the same coordinates. */
+static void perform_boxes(uint32_t triangles)
+{
+    uint32_t count = 2 + (uint32_t)prng_below(&test.prng, 4);
+    uint32_t most = (uint32_t)sqrt(triangles / 12.0) + 1;
+    struct play_act acts[8];
+    for (uint32_t i = 0; i < count; i++) {
+        struct whole whole = {.act = &acts[i]};
+        double at[3];
+        for (int k = 0; k < 3; k++) { /* on a grid, often */
+            at[k] = chance(0.5) ? 0.25 * (double)prng_below(&test.prng, 5)
+                                : prng_between(&test.prng, 0, 1);
+        }
+        acts[i] = (struct play_act){.what = PLAY_X1};
+        make_box(1 + (uint32_t)prng_below(&test.prng, most), at,
+                 chance(0.5) ? 1 : prng_between(&test.prng, 0.2, 1), &acts[i]);
+        acts[i].triangle_count -= chance(0.1);
+        acts[i].x1 = need(acts[i].vertex_count * sizeof *acts[i].x1);
+        test.actors[i].mesh = test.actors[i].one_mesh = 0;
+        put(&test.actors[i], &whole, true);
+        test.actors[i].is_there = true;
+    }
+    for (uint32_t s = 0; s < STEPS; s++) {
+        for (uint32_t i = 0; i < count; i++) {
+            double by[3], blur = chance(0.5) ? 0.01 : 0;
+            for (int k = 0; k < 3; k++) {
+                by[k] = chance(0.5) ? 0.125 * ((double)prng_below(&test.prng, 3) - 1) : 0;
+            }
+            for (uint32_t v = 0; v < acts[i].vertex_count; v++) {
+                for (int k = 0; k < 3; k++) {
+                    acts[i].x1[v][k] =
+                        acts[i].x0[v][k] + by[k] + prng_between(&test.prng, 0, blur);
+                }
+            }
+            if (chance(0.7)) {
+                move(&test.actors[i], &acts[i]);
+                memcpy(acts[i].x0, acts[i].x1, acts[i].vertex_count * sizeof *acts[i].x0);
+            }
+        }
+        ignore_some();
+        chance(0.5) ? step() : ask_near();
+        for (int q = 0; q < 4; q++) {
+            ask_near();
+        }
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        free(acts[i].x0);
+        free(acts[i].x1);
+        free(acts[i].triangles);
+    }
+}
+
 static void perform_play(uint32_t triangles)
 {
     test.prng.state = test.seed;
-    must(pccd_mpi_open(MPI_COMM_WORLD, NULL, &test.world), "open");
+    struct pccd_mpi_options of_world = {.struct_bytes = sizeof of_world};
+    of_world.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
+    must(pccd_mpi_open(MPI_COMM_WORLD, &of_world, &test.world), "open");
     if (test.rank == 0) {
         const struct pccd_options options = {.struct_bytes = sizeof options,
                                              .url = "direct:"};
+        char limit[32];
+        snprintf(limit, sizeof limit, "%" PRIu64,
+                 of_world.record_limit > 0 ? of_world.record_limit : 1u << 24);
         one_must(pccd_connect(&options, &test.one), "connect");
+        one_must(pccd_config_set(test.one, "contacts-max", limit), "limit");
         one_must(pccd_scene_create(test.one, NULL, &test.scene), "scene");
     }
     if (chance(0.1)) {
         perform_hairpins(triangles / 5 + 1);
+    } else if (chance(0.3)) {
+        perform_boxes(triangles);
     } else {
         perform_any(triangles);
     }
@@ -717,8 +894,12 @@ int main(int argc, char **argv)
     }
     if (test.rank == 0) {
         printf("# %d ranks: %" PRIu64 " steps, %" PRIu64 " questions, %" PRIu64
-               " records, seed %" PRIu64 "\n",
+               " records, seed %" PRIu64 "; answered, of each kind:",
                test.size, test.steps, test.nears, test.records, seed);
+        for (int what = 0; what < PCCD_NEAR_COUNT; what++) {
+            printf(" %" PRIu64, test.answered[what]);
+        }
+        printf("\n");
     }
     MPI_Finalize();
     return failed;

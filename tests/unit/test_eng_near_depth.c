@@ -261,8 +261,8 @@ static void depth__of_parts_is_that_of_their_own_vertices(void **state)
     assert_int_equal(crossings[1] + crossings[2], crossings[0]);
 }
 
-/* A part of a closed mesh has open edges; and a vertex within it may lie outside of the box
- * of what is there. If it failed, ranks could not be asked how deep anything is. */
+/* A part of a closed mesh has open edges; and a vertex within it may lie outside of the
+ * box of what is there. If it failed, ranks could not be asked how deep anything is. */
 static void depth__of_a_part_needs_only_what_rays_meet(void **state)
 {
     static const double x[3][3] = {{4, 0, 0}, {4, 4, 0}, {4, 0, 4}};
