@@ -8,33 +8,22 @@
  */
 #include "completion.h"
 
-#include <argp.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "ctl.h"
-
-struct row {
-    const char *name;
-    const char *text;
-    const struct argp *argp;
-};
-
-static const struct row rows[] = {
-#define ROW(name, text) {#name, text, &ctl_argp_##name},
-    CTL_COMMANDS(ROW)
-#undef ROW
-};
-#define ROW_COUNT (sizeof rows / sizeof rows[0])
+#include "shown.h"
 
 /* ---- the walk ---------------------------------------------------------------------- */
 
-typedef void (*option_fn)(FILE *to, const struct row *row,
+typedef void (*option_fn)(FILE *to, const struct completion *of,
+                          const struct completion_row *row,
                           const struct argp_option *option);
 
 /* Every option of a command, those of its children and of theirs. They nest as they are
  * written, a few deep. */
-static void each_option(FILE *to, const struct row *row, const struct argp *argp,
+static void each_option(FILE *to, const struct completion *of,
+                        const struct completion_row *row, const struct argp *argp,
                         option_fn print)
 {
     for (const struct argp_option *option = argp->options;
@@ -42,12 +31,12 @@ static void each_option(FILE *to, const struct row *row, const struct argp *argp
          (option->name != NULL || option->key != 0 || option->doc != NULL);
          option++) {
         if (option->name != NULL) {
-            print(to, row, option);
+            print(to, of, row, option);
         }
     }
     for (const struct argp_child *child = argp->children;
          child != NULL && child->argp != NULL; child++) {
-        each_option(to, row, child->argp, print);
+        each_option(to, of, row, child->argp, print);
     }
 }
 
@@ -114,8 +103,11 @@ static void print_text_zsh(FILE *to, const char *text)
 
 /* ---- bash -------------------------------------------------------------------------- */
 
-static void bash_name(FILE *to, const struct row *row, const struct argp_option *option)
+static void bash_name(FILE *to, const struct completion *of,
+                      const struct completion_row *row, const struct argp_option *option)
 {
+    (void)of;
+
     (void)row;
     fprintf(to, " --%s", option->name);
     if (is_short(option)) {
@@ -123,8 +115,11 @@ static void bash_name(FILE *to, const struct row *row, const struct argp_option 
     }
 }
 
-static void bash_value(FILE *to, const struct row *row, const struct argp_option *option)
+static void bash_value(FILE *to, const struct completion *of,
+                       const struct completion_row *row, const struct argp_option *option)
 {
+    (void)of;
+
     if (option->arg == NULL) {
         return;
     }
@@ -141,11 +136,11 @@ static void bash_value(FILE *to, const struct row *row, const struct argp_option
     }
 }
 
-void completion_print_bash(FILE *to)
+static void print_bash(FILE *to, const struct completion *of)
 {
-    fputs("# pccdctl: completion for bash, printed by pccdctl completion bash.\n"
-          "_pccdctl()\n{\n"
-          "    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}\n"
+    fprintf(to, "# %s: completion for bash, printed by %s completion bash.\n_%s()\n{\n",
+            of->program, of->program, of->program);
+    fputs("    local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}\n"
           "    local command=${COMP_WORDS[1]} words= files= nothing=\n"
           "    COMPREPLY=()\n"
           "    if [ \"$cur\" = = ]; then\n        cur=\n"
@@ -154,45 +149,49 @@ void completion_print_bash(FILE *to)
           "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
           "        COMPREPLY=($(compgen -W 'help --help --version",
           to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        fprintf(to, " %s", rows[i].name);
+    for (size_t i = 0; i < of->row_count; i++) {
+        fprintf(to, " %s", of->rows[i].name);
     }
     fputs("' -- \"$cur\"))\n        return\n    fi\n"
           "    case $command:$prev in\n",
           to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        each_option(to, &rows[i], rows[i].argp, bash_value);
+    for (size_t i = 0; i < of->row_count; i++) {
+        each_option(to, of, &of->rows[i], of->rows[i].argp, bash_value);
     }
     fputs("    esac\n    if [ -n \"$nothing\" ]; then\n        return\n    fi\n"
           "    if [ -z \"$words$files\" ]; then\n        case $command in\n"
           "        help) words='",
           to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        fprintf(to, " %s", rows[i].name);
+    for (size_t i = 0; i < of->row_count; i++) {
+        fprintf(to, " %s", of->rows[i].name);
     }
     fputs("' ;;\n", to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        fprintf(to, "        %s) words='", rows[i].name);
-        if (has_words(rows[i].argp->args_doc)) {
-            print_words(to, rows[i].argp->args_doc);
+    for (size_t i = 0; i < of->row_count; i++) {
+        fprintf(to, "        %s) words='", of->rows[i].name);
+        if (has_words(of->rows[i].argp->args_doc)) {
+            print_words(to, of->rows[i].argp->args_doc);
         }
-        each_option(to, &rows[i], rows[i].argp, bash_name);
-        fprintf(to, " --help'%s ;;\n", is_file(rows[i].argp->args_doc) ? " files=1" : "");
+        each_option(to, of, &of->rows[i], of->rows[i].argp, bash_name);
+        fprintf(to, " --help'%s ;;\n",
+                is_file(of->rows[i].argp->args_doc) ? " files=1" : "");
     }
     fputs("        esac\n    fi\n"
           "    case $cur in\n    -*) files= ;;\n"
           "    *) [ -z \"$files\" ] || { COMPREPLY=($(compgen -f -- \"$cur\")); return; "
           "} ;;\n"
           "    esac\n"
-          "    COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n}\n"
-          "complete -o filenames -F _pccdctl pccdctl\n",
+          "    COMPREPLY=($(compgen -W \"$words\" -- \"$cur\"))\n}\n",
           to);
+    fprintf(to, "complete -o filenames -F _%s %s\n", of->program, of->program);
 }
 
 /* ---- zsh --------------------------------------------------------------------------- */
 
-static void zsh_option(FILE *to, const struct row *row, const struct argp_option *option)
+static void zsh_option(FILE *to, const struct completion *of,
+                       const struct completion_row *row, const struct argp_option *option)
 {
+    (void)of;
+
     (void)row;
     fprintf(to, "            '--%s%s[", option->name, option->arg != NULL ? "=" : "");
     print_text_zsh(to, option->doc);
@@ -207,15 +206,15 @@ static void zsh_option(FILE *to, const struct row *row, const struct argp_option
     fputs("' \\\n", to);
 }
 
-void completion_print_zsh(FILE *to)
+static void print_zsh(FILE *to, const struct completion *of)
 {
-    fputs("#compdef pccdctl\n"
-          "# pccdctl: completion for zsh, printed by pccdctl completion zsh.\n"
-          "_pccdctl() {\n    local -a commands\n    commands=(\n",
-          to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        fprintf(to, "        '%s:", rows[i].name);
-        print_text_zsh(to, rows[i].text);
+    fprintf(to,
+            "#compdef %s\n# %s: completion for zsh, printed by %s completion zsh.\n"
+            "_%s() {\n    local -a commands\n    commands=(\n",
+            of->program, of->program, of->program, of->program);
+    for (size_t i = 0; i < of->row_count; i++) {
+        fprintf(to, "        '%s:", of->rows[i].name);
+        print_text_zsh(to, of->rows[i].text);
         fputs("'\n", to);
     }
     fputs("        'help:explain a command'\n    )\n"
@@ -224,10 +223,10 @@ void completion_print_zsh(FILE *to)
           "    local command=${words[2]}\n    shift words\n    (( CURRENT-- ))\n"
           "    case $command in\n    help) _describe command commands ;;\n",
           to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        const char *arguments = rows[i].argp->args_doc;
-        fprintf(to, "    %s)\n        _arguments \\\n", rows[i].name);
-        each_option(to, &rows[i], rows[i].argp, zsh_option);
+    for (size_t i = 0; i < of->row_count; i++) {
+        const char *arguments = of->rows[i].argp->args_doc;
+        fprintf(to, "    %s)\n        _arguments \\\n", of->rows[i].name);
+        each_option(to, of, &of->rows[i], of->rows[i].argp, zsh_option);
         fputs("            '--help[tell how it is used]'", to);
         if (has_words(arguments)) {
             fputs(" \\\n            '1:what:(", to);
@@ -238,14 +237,17 @@ void completion_print_zsh(FILE *to)
         }
         fputs("\n        ;;\n", to);
     }
-    fputs("    esac\n}\n_pccdctl \"$@\"\n", to);
+    fprintf(to, "    esac\n}\n_%s \"$@\"\n", of->program);
 }
 
 /* ---- fish -------------------------------------------------------------------------- */
 
-static void fish_option(FILE *to, const struct row *row, const struct argp_option *option)
+static void fish_option(FILE *to, const struct completion *of,
+                        const struct completion_row *row,
+                        const struct argp_option *option)
 {
-    fprintf(to, "complete -c pccdctl -n '__fish_seen_subcommand_from %s' -l %s",
+
+    fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from %s' -l %s", of->program,
             row->name, option->name);
     if (is_short(option)) {
         fprintf(to, " -s %c", option->key);
@@ -262,27 +264,29 @@ static void fish_option(FILE *to, const struct row *row, const struct argp_optio
     fputs("'\n", to);
 }
 
-void completion_print_fish(FILE *to)
+static void print_fish(FILE *to, const struct completion *of)
 {
-    fputs("# pccdctl: completion for fish, printed by pccdctl completion fish.\n"
-          "complete -c pccdctl -f\n"
-          "complete -c pccdctl -n __fish_use_subcommand -a help -d 'explain a command'\n",
-          to);
-    fputs("complete -c pccdctl -n '__fish_seen_subcommand_from help' -a '", to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        fprintf(to, "%s%s", i > 0 ? " " : "", rows[i].name);
+    const char *name = of->program;
+    fprintf(to,
+            "# %s: completion for fish, printed by %s completion fish.\n"
+            "complete -c %s -f\n"
+            "complete -c %s -n __fish_use_subcommand -a help -d 'explain a command'\n",
+            name, name, name, name);
+    fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from help' -a '", name);
+    for (size_t i = 0; i < of->row_count; i++) {
+        fprintf(to, "%s%s", i > 0 ? " " : "", of->rows[i].name);
     }
     fputs("'\n", to);
-    for (size_t i = 0; i < ROW_COUNT; i++) {
-        const char *arguments = rows[i].argp->args_doc;
-        fprintf(to, "complete -c pccdctl -n __fish_use_subcommand -a %s -d '",
-                rows[i].name);
-        print_text_fish(to, rows[i].text);
+    for (size_t i = 0; i < of->row_count; i++) {
+        const char *arguments = of->rows[i].argp->args_doc;
+        fprintf(to, "complete -c %s -n __fish_use_subcommand -a %s -d '", name,
+                of->rows[i].name);
+        print_text_fish(to, of->rows[i].text);
         fputs("'\n", to);
-        each_option(to, &rows[i], rows[i].argp, fish_option);
+        each_option(to, of, &of->rows[i], of->rows[i].argp, fish_option);
         if (has_words(arguments) || is_file(arguments)) {
-            fprintf(to, "complete -c pccdctl -n '__fish_seen_subcommand_from %s' ",
-                    rows[i].name);
+            fprintf(to, "complete -c %s -n '__fish_seen_subcommand_from %s' ", name,
+                    of->rows[i].name);
         }
         if (has_words(arguments)) {
             fputs("-a '", to);
@@ -292,4 +296,39 @@ void completion_print_fish(FILE *to)
             fputs("-F\n", to);
         }
     }
+}
+
+/* ---- the command ------------------------------------------------------------------- */
+
+static const char *const shell_names[] = {"bash", "zsh", "fish"};
+static void (*const printers[])(FILE *to, const struct completion *of) = {
+    print_bash, print_zsh, print_fish};
+
+error_t completion_parse(int key, char *text, struct argp_state *state)
+{
+    int *shell = state->input;
+    switch (key) {
+    case ARGP_KEY_ARG:
+        if (state->arg_num > 0) {
+            tool_misused(state, "one shell at a time");
+        }
+        *shell = ctl_argument_name(state, text, shell_names, 3);
+        return 0;
+    case ARGP_KEY_NO_ARGS:
+        tool_misused(state, "for which shell: bash, zsh or fish?");
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+int completion_command(const struct completion *of, const struct argp *argp, int argc,
+                       char **argv)
+{
+    int shell = 0;
+    if (argp_parse(argp, argc, argv, 0, NULL, &shell) != 0) {
+        return CTL_USAGE;
+    }
+    printers[shell](stdout, of);
+    return CTL_DONE;
 }

@@ -1,4 +1,4 @@
-/* client/ctl/completion.h - completes the commands and options of pccdctl in a shell.
+/* client/ctl/completion.h - completes the commands and options of a program in a shell.
  *
  * Room:     client/ctl. May include: the C library.
  * Does:     walk the table of commands and their tables of options, which also make
@@ -11,10 +11,27 @@
 #ifndef CTL_COMPLETION_H
 #define CTL_COMPLETION_H
 
+#include <argp.h>
+#include <stddef.h>
 #include <stdio.h>
 
-void completion_print_bash(FILE *to);
-void completion_print_zsh(FILE *to);
-void completion_print_fish(FILE *to);
+/* A command: its name, what it does, and its options. */
+struct completion_row {
+    const char *name;
+    const char *text;
+    const struct argp *argp;
+};
+
+struct completion {
+    const char *program;
+    const struct completion_row *rows;
+    size_t row_count;
+};
+
+/* The command "completion" of a program, whose table of options has this parser, and
+ * "bash|zsh|fish" as its argument. Returns an exit status. */
+error_t completion_parse(int key, char *text, struct argp_state *state);
+int completion_command(const struct completion *of, const struct argp *argp, int argc,
+                       char **argv);
 
 #endif

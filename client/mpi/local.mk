@@ -38,6 +38,7 @@ mpi_program_sources = \
     client/mpi/program/check.c \
     client/mpi/program/check_apart.c client/mpi/program/check_apart.h \
     client/mpi/program/commands.h \
+    client/mpi/program/completion.c \
     client/mpi/program/deal.h client/mpi/program/deal_inside.h \
     client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
     client/mpi/program/items.c client/mpi/program/items.h \
@@ -71,6 +72,18 @@ pccd_mpi_SOURCES = $(mpi_program_sources)
 pccd_mpi_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -iquote $(top_srcdir)/client/mpi $(MPI_CPPFLAGS) \
     $(JANSSON_CFLAGS)
 pccd_mpi_LDADD = libranks.la libctl.la libclient.la liboracle.la $(MPI_LIBS) $(JANSSON_LIBS) $(LIBM)
+
+# Completion, as of pccdctl.
+mpi_completion = client/mpi/program/completion
+bashcompletion_DATA += $(mpi_completion)/pccd-mpi
+zshcompletion_DATA += $(mpi_completion)/_pccd-mpi
+fishcompletion_DATA += $(mpi_completion)/pccd-mpi.fish
+$(mpi_completion)/pccd-mpi: pccd-mpi$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion bash >$@
+$(mpi_completion)/_pccd-mpi: pccd-mpi$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion zsh >$@
+$(mpi_completion)/pccd-mpi.fish: pccd-mpi$(EXEEXT)
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion fish >$@
 
 # For mpirun; tests/mpi/mpi_check.sh runs it.
 check_PROGRAMS += client/mpi/example/cloth_mpi

@@ -36,6 +36,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
+    tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
@@ -161,6 +162,19 @@ ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" >"$work/out" 2>"$log"
     ranks 2 "$top_builddir/pccd-mpi" check --help >"$work/out" 2>"$log" &&
     [ "$(grep -c '^Usage:' "$work/out")" -eq 1 ]
 tap_result $? mpi__check_of_usage_says_what_pccdctl_says "$log"
+
+# If it failed, a shell would complete nothing, or make would need MPI to run.
+words() { # WORD...: what completes the last one
+    COMP_WORDS=(pccd-mpi "$@")
+    COMP_CWORD=$#
+    _pccd-mpi
+    printf '%s\n' "${COMPREPLY[@]}"
+}
+"$top_builddir/pccd-mpi" completion bash >"$work/words" 2>"$log" &&
+    # shellcheck source=/dev/null
+    . "$work/words" && [ "$(words rep)" = replay ] && [ "$(words verify --sa)" = --sample ] &&
+    [ "$(words check --method pa)" = paper ]
+tap_result $? mpi__completion_knows_commands_and_options "$log"
 
 # If one failed, a real scene would have another answer over ranks.
 for scene in $scenes; do

@@ -14,7 +14,8 @@
 #define PROGRAM_COMMANDS(X)                                                              \
     X(check, "find the contacts between two or more frames of a mesh")                   \
     X(replay, "repeat recordings and compare every answer")                              \
-    X(verify, "check the answers of recordings by exact arithmetic")
+    X(verify, "check the answers of recordings by exact arithmetic")                     \
+    X(completion, "print what a shell needs to complete commands and options")
 
 #define PROGRAM_PROTOTYPE(name, text)                                                    \
     int program_##name(int argc, char **argv);                                           \

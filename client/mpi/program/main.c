@@ -7,8 +7,10 @@
  * Source:   commands.h.
  */
 #include <mpi.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "commands.h"
 #include "ctl.h"
@@ -31,11 +33,15 @@ static void finish(void)
 int main(int argc, char **argv)
 {
     int given = 0;
+    bool needs_mpi = argc < 2 || strcmp(argv[1], "completion") != 0;
     ctl_name_program("pccd-mpi");
-    if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS) {
+    if (needs_mpi &&
+        MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS) {
         return ctl_complain("MPI does not start");
     }
-    (void)atexit(finish);
+    if (needs_mpi) {
+        (void)atexit(finish);
+    }
     const struct ctl_program program = {
         .name = "pccd-mpi",
         .usage = "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
@@ -46,6 +52,6 @@ int main(int argc, char **argv)
                   "usage; 4 after any other error.\n",
         .commands = commands,
         .command_count = sizeof commands / sizeof commands[0],
-        .is_mute = !together_is_root()};
+        .is_mute = needs_mpi && !together_is_root()};
     return ctl_dispatch(&program, CTL_PROGRAM_VERSION("pccd-mpi"), argc, argv);
 }
