@@ -52,7 +52,7 @@ done
 
 # The program of README.md, which its commands compile; cc is the compiler of this build.
 awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$top_srcdir/README.md" >game.c
-mkdir "$work/bin" && printf '#!/bin/sh\nexec %s "$@"\n' "${CC-cc}" >"$work/bin/cc" &&
+mkdir "$work/bin" && printf '#!/bin/sh\nexec %s "$@"\n' "${CC:-$(command -v cc)}" >"$work/bin/cc" &&
     chmod +x "$work/bin/cc"
 PATH=$work/bin:$PATH
 
