@@ -197,22 +197,25 @@ static void take_part(const struct whole *whole, struct actor *actor,
             points[point_count++] = whole->points[i];
         }
     }
-    *part =
-        (struct pccd_mpi_part){.struct_bytes = sizeof *part,
-                               .vertex_total = act->vertex_count,
-                               .triangle_total = act->triangle_count,
-                               .vertex_count = actor->owned_count,
-                               .vertices = vertices.manner == 1 ? NULL : actor->owned,
-                               .format = PCCD_FORMAT_F64,
-                               .x = x,
-                               .radii = radii,
-                               .triangle_count = count,
-                               .edge_count = edge_count,
-                               .point_count = point_count,
-                               .triangles = (const uint32_t *)corners,
-                               .triangle_numbers = triangles.manner == 1 ? NULL : numbers,
-                               .edges = (const uint32_t *)edges,
-                               .points = points};
+    if (triangles.manner == 1) {
+        free(numbers);
+        numbers = NULL;
+    }
+    *part = (struct pccd_mpi_part){.struct_bytes = sizeof *part,
+                                   .vertex_total = act->vertex_count,
+                                   .triangle_total = act->triangle_count,
+                                   .vertex_count = actor->owned_count,
+                                   .vertices = vertices.manner == 1 ? NULL : actor->owned,
+                                   .format = PCCD_FORMAT_F64,
+                                   .x = x,
+                                   .radii = radii,
+                                   .triangle_count = count,
+                                   .edge_count = edge_count,
+                                   .point_count = point_count,
+                                   .triangles = (const uint32_t *)corners,
+                                   .triangle_numbers = numbers,
+                                   .edges = (const uint32_t *)edges,
+                                   .points = points};
 }
 
 static void free_part(const struct pccd_mpi_part *part, const struct whole *whole)
