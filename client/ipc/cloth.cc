@@ -175,7 +175,7 @@ struct our_way : way {
     const char *name() const override { return "pccd"; }
     void near(const world &w, const MatrixXd &x, ipc::NormalCollisions &set) override
     {
-        set.build(w.mesh, x, dhat, 0, &broad_phase);
+        broad_phase.build_collisions(set, w.mesh, x, dhat);
     }
     double part(const world &w, const MatrixXd &x, const MatrixXd &x1) override
     {

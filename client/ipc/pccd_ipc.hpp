@@ -6,14 +6,14 @@
  * Does:     give ipc-toolkit the candidates that it asks its broad phases for, from
  *           hierarchies that stay between calls; tell which part of a step has no
  *           collision; tell whether a mesh passes through itself.
- * Does not: compute barriers, or decide what is active. ipc-toolkit does so with its own
+ * Does not: compute barriers, or decide what is active. That is by ipc-toolkit's own
  *           arithmetic and its own rule for near-parallel edges.
  * Threads:  an object belongs to one thread at a time; pccd has threads of its own.
  *
  * More than 200 lines: one class is all of it, to be read from top to bottom.
  *
  *     pccd::ipc_broad_phase broad_phase;                      // once for a mesh
- *     collisions.build(mesh, x, dhat, dmin, &broad_phase);    // ipc::NormalCollisions
+ *     broad_phase.build_collisions(collisions, mesh, x, dhat, dmin);
  *     double a = broad_phase.collision_free_stepsize(mesh, x, x1, dmin);
  *
  * As long as the edges and faces stay the same, only positions travel. They are doubles
@@ -26,6 +26,10 @@
 
 #include <ipc/broad_phase/lbvh.hpp>
 #include <ipc/candidates/candidates.hpp>
+#include <ipc/collisions/normal/normal_collisions.hpp>
+#include <ipc/distance/edge_edge.hpp>
+#include <ipc/distance/edge_edge_mollifier.hpp>
+#include <ipc/distance/point_triangle.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -140,6 +144,40 @@ public:
     }
 
     // ---- what takes the place of ipc-toolkit's functions --------------------------
+
+    // The same set as to.build(mesh, vertices, dhat, dmin, this) makes, by ipc-toolkit's
+    // own distances and rule for near-parallel edges, but what belongs together is
+    // sorted, not looked up in tables. For sets of the type IPC of meshes without loose
+    // vertices and without planes; for others it calls that.
+    void build_collisions(::ipc::NormalCollisions &to, const ::ipc::CollisionMesh &mesh,
+                          matrix vertices, const double dhat, const double dmin = 0)
+    {
+        if (to.collision_set_type() != ::ipc::NormalCollisions::CollisionSetType::IPC ||
+            to.enable_shape_derivatives() || mesh.num_codim_vertices() > 0 ||
+            !mesh.planes.empty() || vertices.cols() != 3 || mesh.num_edges() == 0) {
+            to.build(mesh, vertices, dhat, dmin, this);
+            return;
+        }
+        can_vertices_collide = mesh.can_collide;
+        build(vertices, mesh.edges(), mesh.faces(), .5 * (dhat + dmin));
+        if (!state_->records) {
+            ask();
+        }
+        to.clear();
+        merging all{mesh, to, x0_, (dhat + dmin) * (dhat + dmin), dmin, {}, {}};
+        walk(PCCD_VF, [&](std::uint32_t v, std::uint32_t f) {
+            if (may_meet(can_vertices_collide, few{{v}, 1}, corners(f))) {
+                all.add(static_cast<int>(v), corners(f), static_cast<int>(f));
+            }
+        });
+        walk(PCCD_EE, [&](std::uint32_t a, std::uint32_t b) {
+            const ::ipc::index_t i = state_->edge_ids[a], j = state_->edge_ids[b];
+            if (i >= 0 && j >= 0 && may_meet(can_vertices_collide, ends(a), ends(b))) {
+                all.add(std::min(i, j), std::max(i, j));
+            }
+        });
+        all.finish();
+    }
 
     // A part a of the way from vertices_t0 to vertices_t1: on all of [0, a] every pair is
     // farther apart than min_distance, in the exact sense, and so it is at each
@@ -434,6 +472,109 @@ private:
             }
         }
     }
+
+    // ---- normal collisions --------------------------------------------------------
+
+    // Makes a set of pairs, as ipc::NormalCollisionsBuilder does.
+    struct merging {
+        struct part {
+            std::uint64_t key; // the two features
+            double weight;
+            bool operator<(const part &o) const { return key < o.key; }
+        };
+        using point = Eigen::Vector3d;
+
+        const ::ipc::CollisionMesh &mesh;
+        ::ipc::NormalCollisions &to;
+        const row_matrix &x;
+        double active; // squared distances below it
+        double dmin;
+        std::vector<part> vv, ev;
+
+        point at(int i) const { return point(x(i, 0), x(i, 1), x(i, 2)); }
+        point rest(int i) const { return mesh.rest_positions().row(i).transpose(); }
+        void add_vv(int a, int b, double weight)
+        {
+            vv.push_back({key_of(std::min(a, b), std::max(a, b)), weight});
+        }
+        static std::uint64_t key_of(int a, int b)
+        {
+            return std::uint64_t(std::uint32_t(a)) << 32 | std::uint32_t(b);
+        }
+
+        void add(int v, const few &corner, int f)
+        {
+            const int c[3] = {int(corner.v[0]), int(corner.v[1]), int(corner.v[2])};
+            const point p = at(v), p0 = at(c[0]), p1 = at(c[1]), p2 = at(c[2]);
+            const auto type = ::ipc::point_triangle_distance_type(p, p0, p1, p2);
+            if (::ipc::point_triangle_distance(p, p0, p1, p2, type) >= active) {
+                return;
+            }
+            const double weight =
+                to.use_area_weighting() ? .25 * mesh.vertex_area(std::size_t(v)) : 1;
+            const int number = static_cast<int>(type); // corners, edges, inside
+            if (number < 3) {
+                add_vv(v, c[number], weight);
+            } else if (number < 6) {
+                ev.push_back({key_of(mesh.faces_to_edges()(f, number - 3), v), weight});
+            } else {
+                to.fv_collisions.emplace_back(f, v, weight, none());
+                to.fv_collisions.back().dmin = dmin;
+            }
+        }
+        void add(int a, int b)
+        {
+            const Eigen::MatrixXi &e = mesh.edges();
+            const int i[4] = {e(a, 0), e(a, 1), e(b, 0), e(b, 1)};
+            const point p0 = at(i[0]), p1 = at(i[1]), p2 = at(i[2]), p3 = at(i[3]);
+            const auto type = ::ipc::edge_edge_distance_type(p0, p1, p2, p3);
+            if (::ipc::edge_edge_distance(p0, p1, p2, p3, type) >= active) {
+                return;
+            }
+            const double eps = ::ipc::edge_edge_mollifier_threshold(
+                rest(i[0]), rest(i[1]), rest(i[2]), rest(i[3]));
+            const double weight = to.use_area_weighting()
+                                      ? .25 * (mesh.edge_area(std::size_t(a)) +
+                                               mesh.edge_area(std::size_t(b)))
+                                      : 1;
+            const int number =
+                static_cast<int>(type); // pairs of ends, an end and an edge
+            if (number == 8 || ::ipc::edge_edge_cross_squarednorm(p0, p1, p2, p3) < eps) {
+                to.ee_collisions.emplace_back(a, b, eps, weight, none(), type);
+                to.ee_collisions.back().dmin = dmin;
+            } else if (number < 4) {
+                add_vv(i[number / 2], i[2 + number % 2], weight);
+            } else if (number < 6) {
+                ev.push_back({key_of(a, i[number - 2]), weight});
+            } else {
+                ev.push_back({key_of(b, i[number - 6]), weight});
+            }
+        }
+        static const Eigen::SparseVector<double> &none()
+        {
+            static const Eigen::SparseVector<double> empty;
+            return empty;
+        }
+        template <class List> void put(std::vector<part> &parts, List &list) const
+        {
+            std::sort(parts.begin(), parts.end());
+            for (std::size_t i = 0, next; i < parts.size(); i = next) {
+                double weight = 0;
+                for (next = i; next < parts.size() && parts[next].key == parts[i].key;
+                     next++) {
+                    weight += parts[next].weight;
+                }
+                list.emplace_back(int(parts[i].key >> 32),
+                                  int(std::uint32_t(parts[i].key)), weight, none());
+                list.back().dmin = dmin;
+            }
+        }
+        void finish()
+        {
+            put(vv, to.vv_collisions);
+            put(ev, to.ev_collisions);
+        }
+    };
 
     // ---- how far ------------------------------------------------------------------
 

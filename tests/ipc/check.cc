@@ -78,8 +78,8 @@ struct shape {
     }
 };
 
-// side x side squares of length h, wavy by `wave`.
-shape sheet(int side, double h, double wave)
+// side x side squares of length h, wavy by `wave`, cut along one or the other diagonal.
+shape sheet(int side, double h, double wave, bool is_other = false)
 {
     shape made;
     for (int i = 0; i <= side; i++) {
@@ -90,8 +90,8 @@ shape sheet(int side, double h, double wave)
     for (int i = 0; i < side; i++) {
         for (int k = 0; k < side; k++) {
             const int a = i * (side + 1) + k, b = a + side + 1;
-            made.faces.push_back({{a, b, a + 1}});
-            made.faces.push_back({{b, b + 1, a + 1}});
+            made.faces.push_back({{a, b, is_other ? b + 1 : a + 1}});
+            made.faces.push_back({{is_other ? a : b, b + 1, a + 1}});
         }
     }
     return made;
@@ -287,15 +287,21 @@ ipc::Candidates theirs_of(const test_scene &s, double dmin)
 bool has_equal_sets(pccd::ipc_broad_phase &ours, const test_scene &s, double dmin,
                     bool has_areas, set_type type, std::size_t *size)
 {
-    ipc::NormalCollisions sets[2];
+    ipc::NormalCollisions sets[3];
     for (ipc::NormalCollisions &set : sets) {
         set.set_use_area_weighting(has_areas);
         set.set_collision_set_type(type);
     }
-    sets[0].build(s.mesh, s.x0, s.dhat, dmin, &ours);
-    sets[1].build(theirs_of(s, dmin), s.mesh, s.x0, s.dhat, dmin);
-    *size += sets[1].size();
-    return is_equal(sets_of(sets[0]), sets_of(sets[1]));
+    sets[0].build(theirs_of(s, dmin), s.mesh, s.x0, s.dhat, dmin);
+    sets[1].build(s.mesh, s.x0, s.dhat, dmin, &ours);
+    ours.build_collisions(sets[2], s.mesh, s.x0, s.dhat, dmin);
+    *size += sets[0].size();
+    bool has_dmin = true;
+    for (std::size_t i = 0; i < sets[2].size(); i++) {
+        has_dmin &= sets[2][i].dmin == dmin;
+    }
+    return has_dmin && is_equal(sets_of(sets[1]), sets_of(sets[0])) &&
+           is_equal(sets_of(sets[2]), sets_of(sets[0]));
 }
 
 // ---- exact truth ----------------------------------------------------------------------
@@ -510,8 +516,12 @@ void check_residence(const std::vector<test_scene> &all)
     }
     tell(is_same, "mesh__stays_while_its_topology_does");
     bool is_right = true;
+    std::vector<test_scene> others = all;
+    shape cut = sheet(5, .2, 0, true); // as many vertices, other edges and faces
+    cut.add(sheet(5, .2, 0, true), {0, 0, .05});
+    others.insert(others.begin() + 1, scene_of("cut", cut, 0, 0, {0, 0, 0}));
     for (int i = 0; i < 2; i++) {
-        for (const test_scene &other : all) {
+        for (const test_scene &other : others) {
             is_right &= has_equal_sets(ours, other, 0, false, set_type::IPC, &size);
         }
     }
