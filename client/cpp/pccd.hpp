@@ -671,6 +671,186 @@ private:
     }
 };
 
+// ---- batches: steps of many scenes by one request -------------------------------------
+
+// What moves in a scene, as a part of a batch: all of an object.
+inline pccd_batch_part part_of(const scene &scene, const object &object,
+                               pccd_format format, pccd_batch_way way = PCCD_BATCH_X1)
+{
+    pccd_batch_part part{};
+    part.scene = scene.id();
+    part.object = object.id();
+    part.count = object.vertex_count();
+    part.format = format;
+    part.way = way;
+    return part;
+}
+// A scene in which nothing moves.
+inline pccd_batch_part still(const scene &scene)
+{
+    pccd_batch_part part{};
+    part.scene = scene.id();
+    return part;
+}
+
+// What came of all scenes, in the order of the batch. It is given back with this handle.
+class batch_answer {
+public:
+    batch_answer(batch_answer &&other) noexcept
+        : link_(std::move(other.link_)),
+          data_(std::exchange(other.data_, pccd_batch_answer{}))
+    {
+    }
+    batch_answer &operator=(batch_answer &&other) noexcept
+    {
+        if (this != &other) {
+            reset();
+            link_ = std::move(other.link_);
+            data_ = std::exchange(other.data_, pccd_batch_answer{});
+        }
+        return *this;
+    }
+    batch_answer(const batch_answer &) = delete;
+    batch_answer &operator=(const batch_answer &) = delete;
+    ~batch_answer() { reset(); }
+
+    // All that is known of it: failed, incomplete, total, batch_ns, ...
+    const pccd_batch_answer *operator->() const noexcept { return &data_; }
+    const pccd_batch_answer &data() const noexcept { return data_; }
+    // What came of each; scenes that failed say so themselves.
+    view<const pccd_scene_answer> scenes() const noexcept
+    {
+        return {data_.scenes, static_cast<std::size_t>(data_.count)};
+    }
+    // The records of scene i that came with the answer: one of these has them.
+    view<const pccd_contact> contacts(std::size_t i) const noexcept
+    {
+        return page(pccd_batch_contacts(&data_, i), i);
+    }
+    view<const pccd_pair> pairs(std::size_t i) const noexcept
+    {
+        return page(pccd_batch_pairs(&data_, i), i);
+    }
+
+private:
+    friend class batch;
+    friend class client;
+    explicit batch_answer(detail::shared_client link) : link_(std::move(link)), data_{}
+    {
+        data_.struct_bytes = sizeof data_;
+    }
+    template <class T> view<const T> page(const T *records, std::size_t i) const noexcept
+    {
+        return {records, records ? static_cast<std::size_t>(data_.scenes[i].count) : 0};
+    }
+    void reset() noexcept
+    {
+        if (link_) {
+            pccd_batch_release(link_.get(), &data_);
+        }
+        link_.reset();
+    }
+
+    detail::shared_client link_;
+    pccd_batch_answer data_;
+};
+
+// Which scenes are stepped together, and what moves in each.
+class batch {
+public:
+    // Where the positions of each part are: [count][3] of its format, of a rigid one
+    // double[12].
+    using places = view<const void *const>;
+
+    batch(batch &&other) noexcept
+        : link_(std::move(other.link_)), made_(std::exchange(other.made_, nullptr)),
+          part_count_(other.part_count_)
+    {
+    }
+    batch &operator=(batch &&other) noexcept
+    {
+        if (this != &other) {
+            reset();
+            link_ = std::move(other.link_);
+            made_ = std::exchange(other.made_, nullptr);
+            part_count_ = other.part_count_;
+        }
+        return *this;
+    }
+    batch(const batch &) = delete;
+    batch &operator=(const batch &) = delete;
+    ~batch() { reset(); }
+
+    // For the calls of pccd_batch.h that this header does not have.
+    pccd_batch *get() const noexcept { return made_; }
+    std::uint32_t scene_count() const noexcept { return pccd_batch_scenes(made_); }
+
+    // Submit and wait. x0 is needed if a part has both ends; places of others are not
+    // looked at there.
+    result<batch_answer> try_step(places x1, places x0 = {},
+                                  const pccd_step_settings &settings = {})
+    {
+        batch_answer answer(link_);
+        if (!is_whole(x1, x0)) {
+            return bad_places();
+        }
+        const int status = pccd_batch_step(made_, x0.empty() ? nullptr : x0.data(),
+                                           x1.data(), &settings, &answer.data_);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return answer;
+    }
+    batch_answer step(places x1, places x0 = {}, const pccd_step_settings &settings = {})
+    {
+        return try_step(x1, x0, settings).value();
+    }
+    // Submit; take the answer by client::wait_batch. Returns the first scene's step.
+    result<std::uint64_t> try_submit(places x1, places x0 = {},
+                                     const pccd_step_settings &settings = {})
+    {
+        std::uint64_t step = 0;
+        if (!is_whole(x1, x0)) {
+            return bad_places();
+        }
+        const int status = pccd_batch_submit(made_, x0.empty() ? nullptr : x0.data(),
+                                             x1.data(), &settings, &step);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return step;
+    }
+    std::uint64_t submit(places x1, places x0 = {},
+                         const pccd_step_settings &settings = {})
+    {
+        return try_submit(x1, x0, settings).value();
+    }
+
+private:
+    friend class client;
+    batch(detail::shared_client link, pccd_batch *made, std::size_t part_count)
+        : link_(std::move(link)), made_(made), part_count_(part_count)
+    {
+    }
+    bool is_whole(places x1, places x0) const
+    {
+        return x1.size() == part_count_ && (x0.empty() || x0.size() == part_count_);
+    }
+    static error bad_places()
+    {
+        return error(PCCD_E_INVAL, "each part of the batch needs a place of positions");
+    }
+    void reset() noexcept
+    {
+        pccd_batch_destroy(std::exchange(made_, nullptr));
+        link_.reset();
+    }
+
+    detail::shared_client link_;
+    pccd_batch *made_;
+    std::size_t part_count_;
+};
+
 // ---- clients --------------------------------------------------------------------------
 
 // A connection to a daemon, which is started if none is running.
@@ -745,6 +925,45 @@ public:
     {
         answer answer(link_);
         const int status = pccd_poll(get(), &answer.data_);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return answer;
+    }
+
+    // The parts of one scene stand one behind the other.
+    result<batch> try_make_batch(view<const pccd_batch_part> parts)
+    {
+        pccd_batch *made = nullptr;
+        const int status = pccd_batch_create(
+            get(), parts.data(), static_cast<std::uint32_t>(parts.size()), &made);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return batch(link_, made, parts.size());
+    }
+    batch make_batch(view<const pccd_batch_part> parts)
+    {
+        return try_make_batch(parts).value();
+    }
+    // As wait and try_poll, for batches; each leaves the answers of the others alone.
+    result<batch_answer> try_wait_batch(std::uint64_t step, int timeout_ms = -1)
+    {
+        batch_answer answer(link_);
+        const int status = pccd_batch_wait(get(), step, timeout_ms, &answer.data_);
+        if (status != PCCD_OK) {
+            return detail::last(link_, status);
+        }
+        return answer;
+    }
+    batch_answer wait_batch(std::uint64_t step, int timeout_ms = -1)
+    {
+        return try_wait_batch(step, timeout_ms).value();
+    }
+    result<batch_answer> try_poll_batch()
+    {
+        batch_answer answer(link_);
+        const int status = pccd_batch_poll(get(), &answer.data_);
         if (status != PCCD_OK) {
             return detail::last(link_, status);
         }

@@ -97,6 +97,58 @@ void check_step(pccd::client &client)
     tell(thick->initial > 0 && thick->safe_step == 0, "radius__is_of_the_next_step");
 }
 
+// If one failed, many small worlds would be told another thing than each by itself.
+void check_batch(pccd::client &client)
+{
+    pccd::mesh mesh = client.make_mesh({two, faces});
+    std::vector<pccd::scene> scenes;
+    std::vector<pccd::object> objects;
+    std::vector<pccd_batch_part> parts;
+    std::vector<std::vector<vec3>> ends;
+    std::vector<const void *> x1, x0(5, two.data());
+    for (int i = 0; i < 5; i++) {
+        scenes.push_back(client.make_scene());
+        objects.push_back(scenes.back().add(mesh));
+        parts.push_back(i == 4 ? pccd::still(scenes.back())
+                               : pccd::part_of(scenes.back(), objects.back(),
+                                               PCCD_FORMAT_F64,
+                                               i == 3 ? PCCD_BATCH_X0X1 : PCCD_BATCH_X1));
+        ends.push_back(moved(i % 2 == 0 ? -2 : -.5));
+    }
+    ends[3][5].x = std::numeric_limits<double>::infinity();
+    for (const std::vector<vec3> &end : ends) {
+        x1.push_back(end.data());
+    }
+    pccd::batch batch = client.make_batch(parts);
+    pccd::batch other = std::move(batch);
+    for (int i = 0; i < 200; i++) { // many more than answers that may wait
+        other.step(x0, x0);
+    }
+    const pccd::batch_answer found = other.step(x1, x0);
+    bool is_right = other.scene_count() == 5 && found->count == 5 && found->failed == 1 &&
+                    found.scenes()[3].status == PCCD_E_NOTFINITE;
+    const std::size_t contacts[5] = {1, 0, 1, 0, 0};
+    for (std::size_t i = 0; i < 5; i++) {
+        is_right &= found.contacts(i).size() == contacts[i] && found.pairs(i).empty();
+    }
+    const pccd::answer single = scenes[0].step(pccd::between(objects[0], two, ends[0]));
+    tell(is_right && std::memcmp(found.scenes()[0].hash, single->hash, 16) == 0,
+         "batch__answers_each_scene_as_by_itself");
+
+    pccd::step_settings settings;
+    settings.mode = PCCD_MODE_PAIRS;
+    const std::uint64_t step = other.submit(x1, x0, settings);
+    const pccd::batch_answer pairs = client.wait_batch(step);
+    tell(pairs->step == step && pairs.pairs(0).size() == pairs.scenes()[0].count &&
+             pairs.contacts(0).empty() && !pairs.pairs(0).empty() &&
+             client.try_poll_batch().status() == PCCD_E_AGAIN,
+         "batch__is_waited_for");
+    x1.pop_back();
+    tell(other.try_step(x1, x0).status() == PCCD_E_INVAL &&
+             client.try_make_batch({}).status() == PCCD_E_INVAL,
+         "batch__that_is_not_whole_is_told");
+}
+
 // If one failed, positions would have to be copied into another container first.
 void check_positions(pccd::client &client)
 {
@@ -217,6 +269,7 @@ void check_errors(pccd::client &client)
 void check_all(pccd::client client)
 {
     check_step(client);
+    check_batch(client);
     check_positions(client);
     check_ownership(client);
     check_errors(client);
