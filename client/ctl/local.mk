@@ -65,6 +65,7 @@ libctl_la_SOURCES = \
     client/ctl/mesh/stl.c \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
     client/ctl/near/near_csv.c client/ctl/near/near_csv.h \
+    client/ctl/near/near_options.c client/ctl/near/near_options.h \
     client/ctl/near/near_report.c client/ctl/near/near_report.h \
     client/ctl/near/near_run.c client/ctl/near/near_run.h \
     client/ctl/observe/columns.c client/ctl/observe/columns.h \

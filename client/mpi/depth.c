@@ -139,7 +139,7 @@ static int check_closed(const struct ranks_pairing *pairing)
     }
     const uint32_t *open = wrong->mesh->open;
     return ranks_fail(&world->link, PCCD_E_INVAL,
-                      "the mesh of object %" PRIu32 " is not closed: %" PRIu32
+                      "the mesh of object 0x%" PRIx32 " is not closed: %" PRIu32
                       " of its faces run along the edge from vertex %" PRIu32
                       " to %" PRIu32 ", and %" PRIu32 " back",
                       wrong->handle, open[2], open[0], open[1], open[3]);

@@ -43,9 +43,11 @@ mpi_program_sources = \
     client/mpi/program/deal_rank.c client/mpi/program/deal_root.c \
     client/mpi/program/items.c client/mpi/program/items.h \
     client/mpi/program/main.c \
+    client/mpi/program/near.c \
     client/mpi/program/recordings.c client/mpi/program/recordings.h \
     client/mpi/program/replay.c \
     client/mpi/program/results.c client/mpi/program/results.h \
+    client/mpi/program/slices.c client/mpi/program/slices.h \
     client/mpi/program/together.c client/mpi/program/together.h \
     client/mpi/program/verify.c
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib

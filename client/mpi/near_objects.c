@@ -65,7 +65,8 @@ static int check_triangles(const struct ranks_pairing *pairing)
     return wrong == NULL
                ? PCCD_OK
                : ranks_fail(&world->link, PCCD_E_INVAL,
-                            "the mesh of object %" PRIu32 " has free edges or points: %s "
+                            "the mesh of object 0x%" PRIx32
+                            " has free edges or points: %s "
                             "is answered for meshes of triangles alone",
                             wrong->handle,
                             pairing->near->what == PCCD_NEAR_DEPTH ? "depth" : "nearest");

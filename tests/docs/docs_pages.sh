@@ -49,7 +49,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     tap_skip pages__pccd_mpi_has_every_option "no --with-mpi"
 else
     # One rank needs no mpirun.
-    for command in check replay verify completion; do
+    for command in check near replay verify completion; do
         "$top_builddir/pccd-mpi" $command --help 2>/dev/null | options
     done | missing pccd-mpi.1.scd >"$log"
     [ ! -s "$log" ]

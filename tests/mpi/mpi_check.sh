@@ -37,6 +37,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
+    tap_skip mpi__near_of_files_says_what_pccdctl_says "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
     tap_end
     exit
@@ -137,6 +138,53 @@ if [ $status -eq 0 ]; then
     status=$?
 fi
 tap_result $status mpi__check_of_files_says_what_pccdctl_says "$log"
+
+# A box whose corners are at LOW and HIGH along each axis.
+box() { # LOW HIGH
+    awk -v low="$1" -v high="$2" 'BEGIN {
+        print "ply\nformat ascii 1.0\nelement vertex 8"
+        print "property double x\nproperty double y\nproperty double z"
+        print "element face 12\nproperty list uchar int vertex_indices\nend_header"
+        for (i = 0; i < 8; i++)
+            print (i % 2 ? high : low), (int(i / 2) % 2 ? high : low), (i >= 4 ? high : low)
+        split("0 2 1 1 2 3 4 5 6 5 7 6 0 1 4 1 5 4 2 6 3 3 6 7 0 4 2 2 4 6 1 3 5 3 7 5", v)
+        for (i = 1; i <= 36; i += 3)
+            print 3, v[i], v[i + 1], v[i + 2]
+    }'
+}
+box 0 2 >"$work/b0.ply"
+box 1.5 3 >"$work/b1.ply"
+box 1.25 1.75 >"$work/b2.ply"
+box 4 5 >"$work/b3.ply"
+
+# same_near RANKS ARGUMENT...
+same_near() {
+    local count=$1
+    shift
+    "$PCCDCTL" near --url direct: --json --csv "$work/one.csv" "$@" >"$work/one.json" 2>"$log" &&
+        ranks "$count" "$top_builddir/pccd-mpi" near --json --csv "$work/ranks.csv" "$@" \
+            >"$work/ranks.json" 2>>"$log" &&
+        cmp "$work/one.csv" "$work/ranks.csv" >>"$log" 2>&1 &&
+        [ "$(wc -l <"$work/one.csv")" -gt 1 ] &&
+        diff <(told "$work/one.json") <(told "$work/ranks.json") >>"$log" 2>&1 &&
+        diff <(grep -o '^ *"[a-z_]*":' "$work/one.json") \
+            <(grep -o '^ *"[a-z_]*":' "$work/ranks.json") >>"$log" 2>&1
+    local status=$?
+    [ $status -eq 0 ] || echo "near, $count ranks: $*" >>"$log"
+    return $status
+}
+
+# If it failed, a user of pccd-mpi near would read something else than one of pccdctl near.
+same_near 3 --distance 0.5 "$work"/f[01].ply &&
+    same_near 2 --what features --distance 0.5 --thickness 0.1 "$work"/f[01].ply &&
+    same_near 3 --what vertices --distance 0.5 "$work"/b[0-3].ply &&
+    same_near 3 --what nearest "$work"/b[0-3].ply &&
+    same_near 2 --what crossings "$work"/b[0-3].ply "$work/f2.ply" &&
+    same_near 3 --what depth "$work"/b[0-3].ply &&
+    # A text as pccdctl's, with the file.
+    ! ranks 2 "$top_builddir/pccd-mpi" near --what depth "$work"/[bf]0.ply >"$work/out" 2>"$log" &&
+    grep -q '^pccd-mpi: .*the mesh of .*/f0.ply has free edges or points' "$log"
+tap_result $? mpi__near_of_files_says_what_pccdctl_says "$log"
 
 # If it failed, a file that one rank cannot read would hang the others, or be read without it.
 # Each rank has a folder of its own here, and the last one lacks a file.

@@ -111,8 +111,7 @@ static void show_page(void *context, const struct pccd_answer *page)
     question->page(question->context, page);
 }
 
-/* The daemon names objects by handles, of which a user of files has never heard. */
-static void name_files(const struct near_run *near, struct ctl_error *error)
+void near_run_name_files(const struct near_run *near, struct ctl_error *error)
 {
     for (uint32_t i = 0; i < near->object_count; i++) {
         struct ctl_error named = {.text = ""};
@@ -139,7 +138,7 @@ int near_run_ask(struct near_run *near,
                                   .context = &question};
     int status = check_run_repeat(&near->run, &ask, 1, &near->step, error);
     if (status != PCCD_OK) {
-        name_files(near, error);
+        near_run_name_files(near, error);
     }
     return status;
 }

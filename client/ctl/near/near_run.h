@@ -6,7 +6,7 @@
  *           every page.
  * Does not: print (near_report.h, near_csv.h).
  * Threads:  one.
- * Source:   used by cmd_near.c.
+ * Source:   used by cmd_near.c; pccd-mpi puts and asks by itself.
  */
 #ifndef CTL_NEAR_RUN_H
 #define CTL_NEAR_RUN_H
@@ -43,6 +43,9 @@ int near_run_begin(struct near_run *near, bool with_edges, struct ctl_error *err
 int near_run_ask(struct near_run *near,
                  void (*page)(void *context, const struct pccd_answer *page),
                  void *context, struct ctl_error *error);
+/* The library names objects by handles, of which a user of files has never heard: by the
+ * names of their files instead. */
+void near_run_name_files(const struct near_run *near, struct ctl_error *error);
 /* The object of that handle: its place among the files; object_count: none. */
 uint32_t near_run_place(const struct near_run *near, uint32_t handle);
 void near_run_deinit(struct near_run *near);

@@ -21,6 +21,7 @@
 #include "items.h"
 #include "pccd_mpi.h"
 #include "shown.h"
+#include "slices.h"
 #include "together.h"
 
 enum { OPTION_TIMEOUT = 256 + 24, OPTION_SHARES, OPTION_DEAL };
@@ -89,12 +90,6 @@ const struct argp program_argp_check = {
            "to read the files. --quality and --rebuild-ratio change nothing here.",
     .children = children};
 
-/* Of `count` things, the first of rank r. */
-static uint32_t slice(uint32_t count, int r)
-{
-    return (uint32_t)((uint64_t)count * (uint32_t)r / (uint32_t)together_size());
-}
-
 /* Everything that lives while the frames are walked through. */
 struct check {
     const struct mpi_options *options;
@@ -102,7 +97,7 @@ struct check {
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
     uint32_t object;
-    uint32_t first, count; /* vertices of this rank */
+    struct slice slice; /* vertices of this rank */
     struct ctl_mesh before, after;
     struct report_step *steps; /* [path_count - 1] */
     uint32_t number;           /* of the step, from 1 */
@@ -146,35 +141,9 @@ static const char *positions(const struct ctl_mesh *mesh, uint32_t first)
     return (const char *)mesh->x + (size_t)first * common_vertex_bytes(mesh->format);
 }
 
-/* The number of an edge's vertices is asked of libpccd, on the root. */
-static int find_edges(struct check *check, struct ctl_error *error)
-{
-    const struct pccd_options options = {
-        .struct_bytes = sizeof options, .url = "direct:", .no_keep = true};
-    struct pccd_client *client = NULL;
-    uint32_t mesh = 0;
-    struct pccd_mesh_info info;
-    int status = pccd_connect(&options, &client);
-    if (status == PCCD_OK) {
-        status = check_run_put_mesh(client, &check->before, &mesh, &info);
-    }
-    if (status == PCCD_OK) {
-        check->run.edges =
-            malloc(((size_t)info.edge_count + 1) * sizeof(struct pccd_edge));
-        status = check->run.edges == NULL
-                     ? PCCD_E_NOMEM
-                     : pccd_mesh_edges(client, mesh, check->run.edges, info.edge_count);
-    }
-    if (status != PCCD_OK) {
-        (void)ctl_error_set(error, status, "edges: %s", pccd_status_text(status));
-    }
-    pccd_close(client);
-    return status;
-}
-
 static int open_csv(struct check *check, struct ctl_error *error)
 {
-    int status = find_edges(check, error);
+    int status = slices_find_edges(&check->before, &check->run.edges, error);
     if (status != PCCD_OK) {
         return status;
     }
@@ -193,32 +162,6 @@ static int open_csv(struct check *check, struct ctl_error *error)
 
 /* ---- steps ------------------------------------------------------------------------ */
 
-/* Each rank gives its slice of everything. */
-static int put_mesh(struct check *check, uint32_t *mesh, struct ctl_error *error)
-{
-    const struct ctl_mesh *all = &check->before;
-    int rank = together_rank();
-    uint32_t triangle = slice(all->triangle_count, rank);
-    uint32_t edge = slice(all->edge_count, rank), point = slice(all->point_count, rank);
-    check->first = slice(all->vertex_count, rank);
-    check->count = slice(all->vertex_count, rank + 1) - check->first;
-    const struct pccd_mpi_part part = {
-        .struct_bytes = sizeof part,
-        .vertex_total = all->vertex_count,
-        .triangle_total = all->triangle_count,
-        .vertex_count = check->count,
-        .format = all->format,
-        .x = positions(all, check->first),
-        .triangle_count = slice(all->triangle_count, rank + 1) - triangle,
-        .edge_count = slice(all->edge_count, rank + 1) - edge,
-        .point_count = slice(all->point_count, rank + 1) - point,
-        .triangles = all->triangles ? all->triangles[triangle] : NULL,
-        .edges = all->edges ? all->edges[edge] : NULL,
-        .points = all->points ? all->points + point : NULL};
-    int status = pccd_mpi_mesh_put(check->world, &part, mesh, &check->run.mesh.info);
-    return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
-}
-
 static int begin(struct check *check, struct ctl_error *error)
 {
     const struct pccd_object_settings *object = &check->options->check.ask.object;
@@ -226,7 +169,9 @@ static int begin(struct check *check, struct ctl_error *error)
     uint64_t begin_ns = common_now_ns();
     int status = check_run_times(&check->run, error);
     if (status == PCCD_OK) {
-        status = put_mesh(check, &mesh, error);
+        status = slices_put_mesh(check->world, &check->before, &mesh,
+                                 &check->run.mesh.info, &check->slice);
+        status = status == PCCD_OK ? status : fail(check, status, error);
     }
     if (status != PCCD_OK) {
         return status;
@@ -246,10 +191,10 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     const struct check *check = context;
     const struct pccd_motion motion = {
         .object = check->object,
-        .count = check->count,
+        .count = check->slice.count,
         .format = check->after.format,
-        .x0 = is_again ? positions(&check->before, check->first) : NULL,
-        .x1 = positions(&check->after, check->first)};
+        .x0 = is_again ? positions(&check->before, check->slice.first) : NULL,
+        .x1 = positions(&check->after, check->slice.first)};
     int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
     answer->contacts = NULL;
     answer->pairs = NULL;

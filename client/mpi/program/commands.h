@@ -13,6 +13,7 @@
 /* X(name, "what it does"), in the order of the help text. */
 #define PROGRAM_COMMANDS(X)                                                              \
     X(check, "find the contacts between two or more frames of a mesh")                   \
+    X(near, "tell what is near: pairs, nearest, crossings, depth")                       \
     X(replay, "repeat recordings and compare every answer")                              \
     X(verify, "check the answers of recordings by exact arithmetic")                     \
     X(completion, "print what a shell needs to complete commands and options")

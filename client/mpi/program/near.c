@@ -1,0 +1,225 @@
+/* near.c - pccd-mpi near.
+ *
+ * Room:     client/mpi/program.
+ * Does:     reads meshes, each an object, of which each rank keeps a slice; has what is
+ *           near told by all ranks; the root reports as pccdctl near does.
+ * Threads:  one.
+ * Source:   client/ctl/commands/cmd_near.c.
+ */
+#include <stdlib.h>
+
+#include "clock.h"
+#include "commands.h"
+#include "ctl.h"
+#include "near_csv.h"
+#include "near_options.h"
+#include "near_report.h"
+#include "near_run.h"
+#include "pccd_mpi.h"
+#include "slices.h"
+#include "together.h"
+
+enum { OPTION_TIMEOUT = 256 + 24 };
+
+struct mpi_near_options {
+    struct near_options near;
+    struct pccd_mpi_options world;
+};
+
+static const struct argp_option option_list[] = {
+    {"timeout", OPTION_TIMEOUT, "MS", 0,
+     "Give up waiting for another rank after MS milliseconds (default: 60000)", 0},
+    {0},
+};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    struct mpi_near_options *options = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &options->near;
+        return 0;
+    case OPTION_TIMEOUT:
+        options->world.timeout_ms =
+            (int)ctl_option_count(state, "timeout", text, 1, 3600000);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {
+    {&near_options_argp, 0, NULL, 0}, {&ctl_common_argp, 0, NULL, 0}, {0}};
+const struct argp program_argp_near = {
+    .options = option_list,
+    .parser = parse,
+    .args_doc = "MESH [MESH...]",
+    .doc = "Tell what is near where meshes stand, by all ranks of an MPI program. Files, "
+           "options, output and exit status are those of pccdctl near; every rank has to "
+           "be able to read the files.",
+    .children = children};
+
+struct asking {
+    struct near_run near; /* its client stays NULL */
+    struct pccd_mpi *world;
+    struct near_csv csv;
+    uint64_t written; /* records that are in the CSV */
+};
+
+static int fail(const struct asking *asking, int status, struct ctl_error *error)
+{
+    status = ctl_error_set(error, status, "%s", pccd_mpi_error_text(asking->world));
+    near_run_name_files(&asking->near, error);
+    return status;
+}
+
+static int add_object(struct asking *asking, struct near_object *object,
+                      struct ctl_error *error)
+{
+    const struct pccd_object_settings *settings = &asking->near.run.ask->object;
+    struct slice slice;
+    uint32_t mesh = 0;
+    int status =
+        slices_put_mesh(asking->world, &object->mesh, &mesh, &object->info, &slice);
+    if (status == PCCD_OK) {
+        status = pccd_mpi_add(asking->world, mesh, &object->handle);
+    }
+    if (status == PCCD_OK && settings->what != 0) {
+        status = pccd_mpi_object_set(asking->world, object->handle, settings);
+    }
+    return status == PCCD_OK ? PCCD_OK : fail(asking, status, error);
+}
+
+static int add_objects(struct asking *asking, struct ctl_error *error)
+{
+    struct near_run *near = &asking->near;
+    uint64_t begin_ns = common_now_ns();
+    int status = check_run_times(&near->run, error);
+    for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
+        status = add_object(asking, &near->objects[i], error);
+    }
+    near->run.mesh.build_ms = (double)(common_now_ns() - begin_ns) / 1e6;
+    return status;
+}
+
+/* On the root: the CSV has vertices of edges. */
+static int open_csv(struct asking *asking, struct ctl_error *error)
+{
+    struct near_run *near = &asking->near;
+    int status = PCCD_OK;
+    for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
+        status =
+            slices_find_edges(&near->objects[i].mesh, &near->objects[i].edges, error);
+    }
+    return status == PCCD_OK ? near_csv_open(&asking->csv, error) : status;
+}
+
+/* What check_run_repeat asks for: the answer without its records, which stay here until
+ * the next question. */
+static int ask_once(void *context, bool is_again, struct pccd_answer *answer)
+{
+    const struct asking *asking = context;
+    (void)is_again;
+    int status = pccd_mpi_near(asking->world, NULL, 0, &asking->near.settings, answer);
+    answer->near = NULL;
+    answer->vertex_bounds = NULL;
+    answer->count = 0;
+    return status;
+}
+
+static int write_records(void *context, const void *records, uint64_t count)
+{
+    struct asking *asking = context;
+    struct pccd_answer page = {.count = count, .first = asking->written};
+    if (asking->near.settings.what == PCCD_NEAR_VERTICES) {
+        page.vertex_bounds = records;
+    } else {
+        page.near = records;
+    }
+    near_csv_page(&asking->csv, &page);
+    asking->written += count;
+    return 0;
+}
+
+static int ask(struct asking *asking, struct ctl_error *error)
+{
+    const struct check_ask question = {
+        .once = ask_once, .failed = "it was not answered", .context = asking};
+    int status =
+        check_run_repeat(&asking->near.run, &question, 1, &asking->near.step, error);
+    if (status != PCCD_OK) {
+        return pccd_mpi_error_text(asking->world)[0] != '\0' ? fail(asking, status, error)
+                                                             : status;
+    }
+    if (asking->near.run.ask->csv != NULL) {
+        status = pccd_mpi_gather(asking->world, 0, write_records, asking);
+    }
+    return status == PCCD_OK ? PCCD_OK : fail(asking, status, error);
+}
+
+static int ask_all(struct asking *asking, const struct mpi_near_options *options,
+                   struct ctl_error *error)
+{
+    const struct ask_options *asked = &options->near.ask;
+    struct pccd_mpi_options world = options->world;
+    int status = together_agree(
+        near_run_read(&asking->near, asked->paths, asked->path_count, error), error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    world.result_bytes = asked->link.result_bytes;
+    status = pccd_mpi_open(MPI_COMM_WORLD, &world, &asking->world);
+    if (status != PCCD_OK) {
+        return ctl_error_set(error, status, "%s", pccd_mpi_error_text(NULL));
+    }
+    status = add_objects(asking, error);
+    if (status == PCCD_OK && asked->csv != NULL) {
+        status =
+            together_agree(together_is_root() ? open_csv(asking, error) : PCCD_OK, error);
+    }
+    return status == PCCD_OK ? ask(asking, error) : status;
+}
+
+static int run_near(const struct mpi_near_options *options)
+{
+    const struct ask_options *asked = &options->near.ask;
+    struct ctl_error error = {.text = ""};
+    struct asking asking = {
+        .near = {.run = {.ask = asked,
+                         .repeats = asked->has_repeats ? asked->repeats : 1},
+                 .settings = near_options_settings(&options->near)},
+        .csv = {.path = asked->csv}};
+    FILE *to = ask_report_to(asked);
+    asking.csv.near = &asking.near;
+    int status = ask_all(&asking, options, &error);
+    if (status == PCCD_OK && together_is_root() && !asked->is_json) {
+        near_report_print(to, &asking.near);
+    } else if (status == PCCD_OK && together_is_root() &&
+               !near_report_json(to, &asking.near)) {
+        status =
+            ctl_error_set(&error, PCCD_E_SYSTEM, "the JSON report could not be written");
+    }
+    int closed = near_csv_close(&asking.csv, status == PCCD_OK, &error);
+    status = status == PCCD_OK ? closed : status;
+    together_complain(&error);
+    pccd_mpi_close(asking.world);
+    near_run_deinit(&asking.near);
+    return (int)ctl_exit_of(status, true);
+}
+
+int program_near(int argc, char **argv)
+{
+    struct mpi_near_options options = {.near.settings = PCCD_NEAR_SETTINGS_INIT,
+                                       .world.struct_bytes = sizeof options.world};
+    struct ask_options *asked = &options.near.ask;
+    asked->paths = malloc((size_t)argc * sizeof *asked->paths);
+    if (asked->paths == NULL) {
+        return CTL_FAILED;
+    }
+    int status = together_parse(&program_argp_near, argc, argv, &options);
+    if (status == CTL_DONE) {
+        status = run_near(&options);
+    }
+    ask_options_deinit(asked);
+    return status;
+}
