@@ -350,7 +350,7 @@ void print(const simulation &s, int steps)
 
 int main(int argc, char **argv)
 {
-    int threads = 1, side = 60, steps = 40;
+    int threads = 1, side = 30, steps = 16;
     for (int i = 1; i < argc; i++) {
         const bool has_value = i + 1 < argc;
         if (std::strcmp(argv[i], "--smoke") == 0) {
