@@ -648,6 +648,36 @@ std::size_t missing(const test_scene &s, const data_scene &names,
     return lacking;
 }
 
+// Steps in which all stays farther apart than half of the least distance to begin with.
+// If it failed, a simulation of a real scene would go through something, or stop early.
+void check_recorded_step(const test_scene &s)
+{
+    pccd::ipc_broad_phase ours;
+    ours.conservative_rescaling = 1;
+    ipc::NormalCollisions set;
+    ours.build_collisions(set, s.mesh, s.x0, s.dhat);
+    const double r = .5 * std::sqrt(set.compute_minimum_distance(s.mesh, s.x0));
+    const double a = ours.collision_free_stepsize(s.mesh, s.x0, s.x1, r);
+    ipc::LBVH lbvh;
+    ipc::Candidates pairs;
+    pairs.build(s.mesh, s.x0, s.x1, .5 * r, &lbvh);
+    const double theirs =
+        pairs.compute_collision_free_stepsize(s.mesh, s.x0, s.x1, r, ipc::AdditiveCCD());
+    bool is_right = a >= theirs - 2e-6 && a < 1;
+    const MatrixXd safe = s.x0 + a * (s.x1 - s.x0);
+    pairs.build(s.mesh, s.x0, safe, .5 * r + 1e-12, &lbvh);
+    const bool is_checked = a > 0 && pairs.size() < 100000; // it takes a while for each
+    for (std::size_t i = 0; is_checked && i < pairs.ee_candidates.size(); i++) {
+        is_right &= !meets(pairs.ee_candidates[i], 2, s.x0, safe, s.mesh, r);
+    }
+    for (std::size_t i = 0; is_checked && i < pairs.fv_candidates.size(); i++) {
+        is_right &= !meets(pairs.fv_candidates[i], 1, s.x0, safe, s.mesh, r);
+    }
+    std::printf("# r %g: %.9g, additive CCD %.9g; of %zu pairs %s\n", r, a, theirs,
+                pairs.size(), is_checked ? "all were looked at" : "none was looked at");
+    tell(is_right, "recorded__step_is_safe_in_" + s.name);
+}
+
 void check_recorded(const data_scene &names)
 {
     const std::string name = names.name;
@@ -655,6 +685,7 @@ void check_recorded(const data_scene &names)
     if (!read_recorded(names, &s)) {
         skip("recorded__has_equal_sets_in_" + name, "the recorded scenes are not here");
         skip("recorded__candidates_have_the_truth_of_" + name, "likewise");
+        skip("recorded__step_is_safe_in_" + name, "likewise");
         return;
     }
     pccd::ipc_broad_phase ours;
@@ -671,6 +702,7 @@ void check_recorded(const data_scene &names)
     // If it failed, what truly meets there would never be tested.
     tell(lacking == 0 && true_count > 0,
          "recorded__candidates_have_the_truth_of_" + name);
+    check_recorded_step(s);
 }
 
 } // namespace

@@ -20,7 +20,7 @@ fi
 log=$(mktemp) || exit 99
 trap 'rm -f "$log"' EXIT
 
-timeout 300 "$top_builddir/tests/ipc/check" >"$log" 2>&1
+timeout 500 "$top_builddir/tests/ipc/check" >"$log" 2>&1
 status=$?
 while read -r line; do
     case $line in
