@@ -90,7 +90,9 @@ static int add_begins(struct drive_pieces *pieces, const struct registry_scene *
 {
     uint32_t told = pieces->count, next = 0;
     int status = PCCD_OK;
-    qsort(pieces->items, told, sizeof *pieces->items, compare_pieces);
+    if (told > 0) {
+        qsort(pieces->items, told, sizeof *pieces->items, compare_pieces);
+    }
     if (!is_sound(pieces, scene)) {
         return PCCD_OK;
     }
