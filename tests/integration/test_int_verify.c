@@ -364,17 +364,20 @@ static void verify__passes_what_is_right(void **state)
 }
 
 /* If this failed, a vertex that nothing uses, beside a point with a thickness, would be
- * taken for a point, and a right answer be called wrong. */
+ * taken for a point, or an edge with equal ends would not, and a right answer be called
+ * wrong. Vertex 1 is unused; 2 is a point by such an edge, and meets 3. */
 static void verify__takes_an_unused_vertex_for_no_point(void **state)
 {
-    static const double x[3][3] = {{0, 0, 0}, {0.01, 0, 0}, {5, 0, 0}};
-    static const uint32_t points[2] = {0, 2};
+    static const double x[4][3] = {{0, 0, 0}, {0.01, 0, 0}, {5, 0, 0}, {5, 0, 0.1}};
+    static const uint32_t points[2] = {0, 3}, edge[2] = {2, 2};
     const struct pccd_mesh_data data = {.struct_bytes = sizeof data,
                                         .x = x,
                                         .format = PCCD_FORMAT_F64,
-                                        .vertex_count = 3,
+                                        .vertex_count = 4,
                                         .points = points,
-                                        .point_count = 2};
+                                        .edges = edge,
+                                        .point_count = 2,
+                                        .edge_count = 1};
     const struct pccd_object_settings thick = {.what = PCCD_OBJECT_RADIUS, .radius = 0.1};
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_client *client = NULL;
@@ -389,12 +392,13 @@ static void verify__takes_an_unused_vertex_for_no_point(void **state)
     assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
     assert_int_equal(pccd_object_set(client, scene, object, &thick), 0);
     assert_int_equal(
-        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 3, NULL, &answer),
+        pccd_step_x0x1(client, scene, object, x, x, PCCD_FORMAT_F64, 4, NULL, &answer),
         0);
-    assert_int_equal(answer.total, 0);
+    assert_int_equal(answer.total, 1);
+    assert_int_equal(answer.counts[PCCD_VV], 1);
     pccd_close(client);
     assert_int_equal(run_ctl("verify", "", forged, said), 0);
-    assert_non_null(strstr(said, "PASS: 1 step,"));
+    assert_non_null(strstr(said, "PASS: 1 step, 1 contact "));
 }
 
 /* If this failed, a daemon with a wrong answer would be trusted. */

@@ -128,6 +128,10 @@ static void mark_free(struct registry_mesh *mesh, const uint32_t (*sides)[2],
     for (uint32_t i = 0; i < mesh->named_point_count; i++) {
         mesh->is_free_vertex[mesh->named_points[i]] = 1;
     }
+    for (uint32_t i = 0; i < mesh->named_edge_count; i++) {
+        const uint32_t *edge = mesh->named_edges[i];
+        mesh->is_free_vertex[edge[0]] |= edge[0] == edge[1]; /* it names a point */
+    }
     for (uint64_t i = 0; i < 3 * (uint64_t)mesh->triangle_count; i++) {
         mesh->is_free_vertex[mesh->triangles[i / 3][i % 3]] = 0;
     }
