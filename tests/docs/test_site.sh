@@ -34,7 +34,7 @@ unpack() { # FILE FOLDER
 if [ -n "$python" ]; then
     mkdir "$work/bin" && ln -s "$(command -v "$python")" "$work/bin/python3"
 fi
-for recipe in cloth edge bake replay share; do
+for recipe in index cloth edge bake replay share; do
     # If it failed, a reader would type it and be let down.
     name=site__recipe_${recipe}_works_as_written
     if [ -z "$python" ]; then
@@ -42,6 +42,7 @@ for recipe in cloth edge bake replay share; do
         continue
     fi
     mkdir "$work/$recipe" "$work/$recipe/run" && unpack "$site/$recipe.md" "$work/$recipe"
+    sed -i -E '/^(\.\/bootstrap|make|export) /d' "$work/$recipe/commands" # of an installation
     if [ ! -s "$top_builddir/client/inspect/page.html" ]; then
         sed -i '/^pccdctl inspect /d' "$work/$recipe/commands"
     fi
@@ -55,7 +56,8 @@ says() { grep -q -- "$2" "$work/$1/log" || { echo "$1 does not say: $2" && retur
 # If it failed, the text of a recipe would promise what its reader does not see.
 if [ -n "$python" ]; then
     {
-        says cloth '^100 frames, 0 edges pass through a face$' &&
+        says index '^vf,3,0,1,2,0[.]\(5\|49\)' && [ -s "$work/index/hit.png" ] &&
+            says cloth '^100 frames, 0 edges pass through a face$' &&
             says edge '^free: the whole turn' && says edge '^not proved: piece 8 of 8 ' &&
             sed 's/ 8$/ 32/' "$work/edge/edge.py" >"$work/more.py" &&
             "$python" "$work/more.py" 90 | grep -F 'with 0.30 mm to spare' &&
