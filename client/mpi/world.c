@@ -35,10 +35,12 @@ int ranks_fail_local(struct pccd_mpi *world, int status, const char *what)
                       text[0] != '\0' ? text : pccd_status_text(status));
 }
 
-/* FNV-1a. */
+/* FNV-1a. From a small number, a first byte that is equal to it would lead to 0, and all
+ * zeros behind it would be lost. */
 uint64_t ranks_hash(uint64_t hash, const void *bytes, size_t count)
 {
     const unsigned char *at = bytes;
+    hash ^= 0xcbf29ce484222325u;
     for (size_t i = 0; i < count; i++) {
         hash = (hash ^ at[i]) * 0x100000001b3u;
     }
