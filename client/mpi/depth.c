@@ -480,6 +480,44 @@ static int ask(const struct search *search, struct ranks_apart *apart)
     return status;
 }
 
+/* Is anything known to be around a vertex? */
+static bool is_inside(const struct ranks_apart *inside, uint32_t handle, uint32_t vertex)
+{
+    uint64_t from = 0, end = inside->count;
+    while (from < end) {
+        uint64_t middle = from + (end - from) / 2;
+        const struct pccd_near *record = &inside->records[middle];
+        if (record->object_a < handle ||
+            (record->object_a == handle && record->feature_a < vertex)) {
+            from = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return from < inside->count && inside->records[from].object_a == handle &&
+           inside->records[from].feature_a == vertex;
+}
+
+/* The second question is about vertices that are inside; edges have been counted. */
+static void leave_out_answered(struct search *search, const struct ranks_apart *inside)
+{
+    uint64_t kept = 0;
+    for (uint64_t i = 0; i < search->leaf_count; i++) {
+        struct ranks_visitor leaf = search->leaves[i];
+        uint32_t handle = search->pairing->world->objects[leaf.object]->handle;
+        uint32_t owns = 0;
+        for (uint32_t k = 0; k < 3 && !leaf.is_ghost; k++) {
+            uint32_t bit = leaf.leaf.owns & RANKS_OWNS_CORNER(k);
+            owns |= bit != 0 && is_inside(inside, handle, leaf.leaf.v[k]) ? bit : 0;
+        }
+        leaf.leaf.owns = owns;
+        if (leaf.is_ghost || owns != 0) {
+            search->leaves[kept++] = leaf;
+        }
+    }
+    search->leaf_count = kept;
+}
+
 int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
 {
     struct pccd_mpi *world = pairing->world;
@@ -501,9 +539,11 @@ int ranks_depth(const struct ranks_pairing *pairing, struct ranks_apart *apart)
                            &search.leaves, &search.leaf_count, &any);
     }
     if (status == PCCD_OK && any) {
+        leave_out_answered(&search, &inside);
         status = ask(&search, apart);
         if (status == PCCD_OK) {
             ranks_apart_add(apart, &inside);
+            apart->answer.crossings = inside.answer.crossings;
         }
     } else if (status == PCCD_OK) {
         *apart = inside;

@@ -34,6 +34,10 @@ struct search {
     uint32_t mine_count;
     struct bound *bounds; /* ascending */
     uint64_t bound_count;
+    /* Of the own spot that is looked at and each other object: how far they are apart at
+     * most, and which of the two has the lower handle. */
+    double *row;
+    bool *is_lower;
 };
 
 static void search_deinit(struct search *search)
@@ -42,6 +46,8 @@ static void search_deinit(struct search *search)
     free(search->all);
     free(search->first);
     free(search->bounds);
+    free(search->row);
+    free(search->is_lower);
 }
 
 /* ---- distances of boxes ------------------------------------------------------------ */
@@ -197,19 +203,26 @@ static uint32_t find_targets(const struct search *search, const struct ranks_spo
     for (uint64_t i = begin; i < end; i++) {
         const struct ranks_spot *other = &search->all[i];
         bool is_there = i >= search->first[r] && i < search->first[r + 1];
-        bool is_lower = ranks_is_lower(world, other->object, mine->object);
-        double distance = -1;
-        if (other->object != mine->object && (is_lower ? is_there : stays)) {
-            distance = is_lower ? bound_of(search, other->object, mine->object)
-                                : bound_of(search, mine->object, other->object);
-        }
-        if (distance >= 0 &&
+        double distance = search->row[other->object];
+        if (distance >= 0 && (search->is_lower[other->object] ? is_there : stays) &&
             is_within(square_between(mine->low, mine->high, other->low, other->high),
                       distance)) {
             targets[count++] = (struct target){other, distance};
         }
     }
     return count;
+}
+
+/* The row of an object. */
+static void look_up(const struct search *search, uint32_t object)
+{
+    const struct pccd_mpi *world = search->pairing->world;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        search->is_lower[o] = ranks_is_lower(world, o, object);
+        search->row[o] = o == object           ? -1
+                         : search->is_lower[o] ? bound_of(search, o, object)
+                                               : bound_of(search, object, o);
+    }
 }
 
 static bool is_near_any(const struct ranks_visitor *leaf, const struct target *targets,
@@ -235,6 +248,9 @@ static uint64_t choose_for(const struct search *search, int r, struct target *ta
     uint64_t count = 0;
     for (uint32_t i = 0; i < search->mine_count; i++) {
         const struct ranks_spot *mine = &search->mine[i];
+        if (i == 0 || mine->object != mine[-1].object) {
+            look_up(search, mine->object);
+        }
         uint32_t target_count = find_targets(search, mine, r, targets);
         for (uint32_t k = 0; k < mine->count && target_count > 0; k++) {
             ranks_visitor_make(search->pairing, mine->object, mine->begin + k, &leaf);
@@ -250,15 +266,17 @@ static uint64_t choose_for(const struct search *search, int r, struct target *ta
 }
 
 /* Collective: the leaves that this rank compares. */
-static int exchange(const struct search *search, struct ranks_visitor **in,
-                    uint64_t *in_count)
+static int exchange(struct search *search, struct ranks_visitor **in, uint64_t *in_count)
 {
     struct pccd_mpi *world = search->pairing->world;
     int size = world->link.size;
     uint64_t *first = ranks_array(2 * ((uint64_t)size + 1), sizeof *first), count = 0;
     struct target *targets = ranks_array(search->first[size], sizeof *targets);
     struct ranks_visitor *out = NULL;
-    bool is_short = first == NULL || targets == NULL;
+    search->row = ranks_array(world->object_count, sizeof *search->row);
+    search->is_lower = ranks_array(world->object_count, sizeof *search->is_lower);
+    bool is_short = first == NULL || targets == NULL || search->row == NULL ||
+                    search->is_lower == NULL;
     for (int pass = 0; pass < 2 && !is_short; pass++, count = 0) {
         for (int r = 0; r < size; r++) {
             first[r] = count;
@@ -348,7 +366,7 @@ static void keep_judged(const struct pccd_mpi *world, struct ranks_apart *apart)
 /* ---- all of it --------------------------------------------------------------------- */
 
 /* However far away and however thick: the nearest of what is here. */
-static int find_here(const struct search *search, struct ranks_apart *found)
+static int find_here(struct search *search, struct ranks_apart *found)
 {
     struct ranks_visitor *leaves = NULL;
     struct pccd_near_settings near;

@@ -48,6 +48,7 @@ static struct {
     uint32_t memory_count;
     struct prng prng; /* the same on every rank */
     bool has_failed;
+    uint64_t record_limit; /* of the play; 0: as many as ever */
     uint64_t steps, nears, records;
     uint64_t answered[PCCD_NEAR_COUNT]; /* questions that had records */
 } test;
@@ -507,6 +508,17 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
     fail(text);
 }
 
+/* While the one process answers, the limit of the play is its own; it shares it with all
+ * clients of direct: in this rank. */
+static void limit_one(bool is_on)
+{
+    char limit[32];
+    if (test.record_limit > 0) {
+        snprintf(limit, sizeof limit, "%" PRIu64, is_on ? test.record_limit : 1u << 24);
+        one_must(pccd_config_set(test.one, "contacts-max", limit), "limit");
+    }
+}
+
 static struct pccd_step_settings choose_settings(void)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
@@ -556,8 +568,10 @@ static void step(void)
     test.steps++;
     test.records += answer.total;
     if (test.rank == 0) {
+        limit_one(true);
         int one_status = pccd_step(test.one, test.scene, test.one_motions,
                                    test.one_motion_count, &settings, &one);
+        limit_one(false);
         if (status != one_status) {
             printf("# ranks: %s; one process: %s\n", pccd_mpi_error_text(test.world),
                    pccd_error_text(test.one));
@@ -642,8 +656,10 @@ static void ask_near(void)
     test.nears++;
     test.records += answer.total;
     if (test.rank == 0) {
+        limit_one(true);
         int one_status = pccd_ask_near(test.one, test.scene, test.one_motions,
                                        test.one_motion_count, &settings, &one);
+        limit_one(false);
         test.answered[settings.what] += one_status == PCCD_OK && one.total > 0;
         if (status != one_status) {
             printf("# %d, ranks: %s; one process: %s\n", (int)settings.what,
@@ -851,16 +867,13 @@ static void perform_play(uint32_t triangles)
 {
     test.prng.state = test.seed;
     struct pccd_mpi_options of_world = {.struct_bytes = sizeof of_world};
-    of_world.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
+    test.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
+    of_world.record_limit = test.record_limit;
     must(pccd_mpi_open(MPI_COMM_WORLD, &of_world, &test.world), "open");
     if (test.rank == 0) {
         const struct pccd_options options = {.struct_bytes = sizeof options,
                                              .url = "direct:"};
-        char limit[32];
-        snprintf(limit, sizeof limit, "%" PRIu64,
-                 of_world.record_limit > 0 ? of_world.record_limit : 1u << 24);
         one_must(pccd_connect(&options, &test.one), "connect");
-        one_must(pccd_config_set(test.one, "contacts-max", limit), "limit");
         one_must(pccd_scene_create(test.one, NULL, &test.scene), "scene");
     }
     if (chance(0.1)) {
