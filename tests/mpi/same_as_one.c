@@ -50,6 +50,7 @@ static struct {
     bool has_failed;
     uint64_t record_limit; /* of the play; 0: as many as ever */
     uint64_t steps, nears, records;
+    uint64_t cut_short;                 /* by a deadline */
     uint64_t answered[PCCD_NEAR_COUNT]; /* questions that had records */
 } test;
 
@@ -481,6 +482,12 @@ static bool is_crowded_out(const struct pccd_answer *one)
            one->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
 }
 
+/* Whatever was found by then. */
+static bool is_cut_short(const struct pccd_answer *answer)
+{
+    return answer->incomplete == PCCD_INCOMPLETE_DEADLINE;
+}
+
 static void compare_answers(const struct pccd_answer *a, const struct pccd_answer *b)
 {
     char text[512];
@@ -528,6 +535,7 @@ static struct pccd_step_settings choose_settings(void)
     settings.threads = 1;
     settings.separation = chance(0.3) ? prng_between(&test.prng, 0, 0.02) : 0;
     settings.approach = chance(0.3) ? 0.5 : 0;
+    settings.deadline_ns = chance(0.03) ? 1 : 0; /* it has passed at once */
     return settings;
 }
 
@@ -577,11 +585,18 @@ static void step(void)
                    pccd_error_text(test.one));
             fail("a step has another status");
         }
-        compare_answers(&one, &answer);
+        if (settings.deadline_ns == 0) {
+            compare_answers(&one, &answer);
+        }
     }
-    compare_all_records(&one, settings.mode == PCCD_MODE_PAIRS
-                                  ? sizeof(struct pccd_pair)
-                                  : sizeof(struct pccd_contact));
+    if (settings.deadline_ns == 0) {
+        compare_all_records(&one, settings.mode == PCCD_MODE_PAIRS
+                                      ? sizeof(struct pccd_pair)
+                                      : sizeof(struct pccd_contact));
+    } else {
+        test.cut_short += is_cut_short(&answer);
+        pccd_answer_release(test.one, &one);
+    }
     forget_all_motions();
 }
 
@@ -600,6 +615,7 @@ static struct pccd_near_settings choose_question(void)
     settings.end = chance(0.7);
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;
+    settings.deadline_ns = chance(0.03) ? 1 : 0;
     const struct actor *a = random_actor(), *b = random_actor();
     settings.object_a = a != NULL && chance(0.3) ? a->object : 0;
     settings.object_b = b != NULL && chance(0.3) ? b->object : 0;
@@ -665,11 +681,12 @@ static void ask_near(void)
             printf("# %d, ranks: %s; one process: %s\n", (int)settings.what,
                    pccd_mpi_error_text(test.world), pccd_error_text(test.one));
             fail("a question has another status");
-        } else if (status == PCCD_OK) {
+        } else if (status == PCCD_OK && settings.deadline_ns == 0) {
             compare_questions(&settings, &one, &answer);
         }
     }
-    if (status == PCCD_OK && settings.gap > 0) {
+    test.cut_short += is_cut_short(&answer);
+    if (status == PCCD_OK && (settings.gap > 0 || settings.deadline_ns > 0)) {
         pccd_answer_release(test.one, &one);
     } else if (status == PCCD_OK) {
         compare_all_records(&one, settings.what == PCCD_NEAR_VERTICES
@@ -915,7 +932,7 @@ int main(int argc, char **argv)
         for (int what = 0; what < PCCD_NEAR_COUNT; what++) {
             printf(" %" PRIu64, test.answered[what]);
         }
-        printf("\n");
+        printf("; cut short: %" PRIu64 "\n", test.cut_short);
     }
     MPI_Finalize();
     return failed;
