@@ -454,9 +454,10 @@ void eng_wide_work_begin(struct eng_worker *worker)
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
         work->sieves[kind].narrows = eng_near_narrows(worker->settings->near);
     }
-    for (enum pccd_kind kind = 0; kind < PCCD_KIND_COUNT; kind++) {
-        bool in_time =
-            worker->settings->mode != PCCD_MODE_PAIRS && !worker->settings->near;
+    for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        bool in_time = kind < PCCD_KIND_COUNT &&
+                       worker->settings->mode != PCCD_MODE_PAIRS &&
+                       !worker->settings->near;
         work->join.jobs[kind][0].in_time = in_time;
         for (uint32_t level = 1; level < ENG_WIDE_LEVELS_MAX; level++) {
             work->join.jobs[kind][level].in_time =
