@@ -316,14 +316,15 @@ static void forget_far(const struct pccd_mpi *world, struct choice *choice)
 
 /* ---- those that came -------------------------------------------------------------- */
 
-/* A number that other ghosts do not have. */
-static uint64_t hash_of(const struct ranks_leaf *ghosts, uint32_t count)
+/* Are these the ghosts that the object has? The same leaf has the same number. */
+static bool has_ghosts(const struct ranks_object *object, const struct ranks_leaf *ghosts,
+                       uint32_t count)
 {
-    uint64_t hash = count + 1;
-    for (uint32_t i = 0; i < count; i++) {
-        hash = ranks_hash(hash, &ghosts[i].number, sizeof ghosts[i].number);
+    bool is_same = count == object->ghost_count;
+    for (uint32_t i = 0; i < count && is_same; i++) {
+        is_same = ghosts[i].number == object->ghosts[i].number;
     }
-    return hash;
+    return is_same;
 }
 
 /* Those of one object that came, and its neighbours, each once and by their numbers. */
@@ -354,9 +355,7 @@ static int settle_object(struct pccd_mpi *world, struct ranks_object *object,
                                              : object->neighbours[at - came_count];
         }
     }
-    uint64_t hash = hash_of(ghosts, each);
-    object->is_built = object->is_built && hash == object->ghosts_hash;
-    object->ghosts_hash = hash;
+    object->is_built = object->is_built && has_ghosts(object, ghosts, each);
     free(object->ghosts);
     free(keys);
     object->ghosts = ghosts;

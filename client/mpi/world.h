@@ -116,9 +116,8 @@ struct ranks_object {
     uint64_t neighbour_count;
     uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
-    uint64_t ghosts_hash; /* of their numbers, to see whether others come */
-    bool is_built;        /* libpccd has the mesh of `own` and `ghosts` */
-    bool is_elsewhere;    /* libpccd has it elsewhere than at x, on every rank */
+    bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */
+    bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
 };
 
 /* Who gets what: given vertices that go to each rank, and local ones that come. Sorted by
