@@ -504,15 +504,18 @@ int drive_step(struct drive *drive, const struct record_frame *frame, const uint
     return take_answer(drive, frame->scene, step, status, collects, error);
 }
 
-int drive_near(struct drive *drive, const struct record_near *near, const uint8_t *slot,
-               bool collects, struct ctl_error *error)
+int drive_near(struct drive *drive, const struct registry *world,
+               const struct record_near *near, const uint8_t *slot, bool collects,
+               struct ctl_error *error)
 {
-    /* Where nothing moves, only the end can be asked for: another end is refused. */
-    bool is_told = near->segment_count > 0 || near->end == 1;
+    /* Where the last movement began, a daemon does not know that has not seen it, or was
+     * only told where things are. */
+    bool repeats = near->segment_count == 0 && near->end == 0 && drive->knows_no_begin;
     struct drive_pieces pieces;
     uint64_t step = 0;
-    int status = drive_pieces_make(&pieces, is_told ? drive->stands : NULL, near->scene,
-                                   near->segment_count, slot, error);
+    int status = repeats ? drive_pieces_repeat(&pieces, world, near->scene, error)
+                         : drive_pieces_make(&pieces, drive->stands, near->scene,
+                                             near->segment_count, slot, error);
     if (status != PCCD_OK) {
         return status;
     }

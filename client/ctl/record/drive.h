@@ -20,6 +20,7 @@ struct drive {
     /* Where everything stands, once the daemon has not seen a step (the caller's to set):
      * then each step says where it begins. NULL: the daemon has seen all. */
     const struct registry *stands;
+    bool knows_no_begin;       /* of a scene's last movement; the caller's to set, too */
     struct pccd_answer answer; /* of the last step: numbers; no records */
     void *records;             /* ours: those that were collected */
     uint64_t record_count;
@@ -38,9 +39,10 @@ int drive_follow(struct drive *drive, const struct registry *world,
  * `collects`, all its records, page by page. */
 int drive_step(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                bool collects, struct ctl_error *error);
-/* The same of a question about what is near. */
-int drive_near(struct drive *drive, const struct record_near *near, const uint8_t *slot,
-               bool collects, struct ctl_error *error);
+/* The same of a question about what is near, in a world that stands where it is asked. */
+int drive_near(struct drive *drive, const struct registry *world,
+               const struct record_near *near, const uint8_t *slot, bool collects,
+               struct ctl_error *error);
 /* The same of a step of another client: it only moves what it moves. */
 int drive_move(struct drive *drive, const struct record_frame *frame, const uint8_t *slot,
                struct ctl_error *error);

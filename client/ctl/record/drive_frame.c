@@ -59,7 +59,7 @@ static int add_standing(struct drive_pieces *pieces, const struct registry_objec
                                                   .first = first,
                                                   .count = end - first},
                                       .begin = (const double(*)[3])object->x1 + first,
-                                      .stands = true};
+                                      .end = (const double(*)[3])object->x1 + first};
     return first < end ? add_piece(pieces, &piece, error) : PCCD_OK;
 }
 
@@ -144,6 +144,32 @@ int drive_pieces_make(struct drive_pieces *pieces, const struct registry *world,
     return status;
 }
 
+int drive_pieces_repeat(struct drive_pieces *pieces, const struct registry *world,
+                        uint32_t scene, struct ctl_error *error)
+{
+    const struct registry_scene *known = registry_scene(world, scene);
+    int status = PCCD_OK;
+    *pieces = (struct drive_pieces){.items = NULL};
+    for (uint32_t o = 0; known != NULL && o < known->object_count && status == PCCD_OK;
+         o++) {
+        const struct registry_object *object = &known->objects[o];
+        const struct drive_piece piece = {
+            .segment = {.object = object->handle,
+                        .kind = RECORD_X0X1,
+                        .format = PCCD_FORMAT_F64,
+                        .count = object->mesh->vertex_count},
+            .begin = (const double(*)[3])object->x0,
+            .end = (const double(*)[3])object->x1};
+        if (object->placing != REGISTRY_AS_REGISTERED) {
+            status = add_piece(pieces, &piece, error);
+        }
+    }
+    if (status != PCCD_OK) {
+        drive_pieces_deinit(pieces);
+    }
+    return status;
+}
+
 void drive_pieces_deinit(struct drive_pieces *pieces)
 {
     free(pieces->items);
@@ -181,8 +207,8 @@ static int frame_begun(struct pccd_frame *frame, const struct drive_piece *piece
         return status;
     }
     memcpy(to0, piece->begin, bytes);
-    if (piece->stands) {
-        memcpy(to1, piece->begin, bytes);
+    if (piece->end != NULL) {
+        memcpy(to1, piece->end, bytes);
     } else {
         copy_end(segment, slot + segment->offset1, to1);
     }

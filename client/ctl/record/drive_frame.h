@@ -25,7 +25,7 @@ struct drive_piece {
     struct record_segment segment;
     const double (*begin)[3]; /* [count] of the segment: where they begin; NULL: as the
                                  segment says */
-    bool stands;              /* and they end there, too */
+    const double (*end)[3];   /* likewise, where they end */
 };
 
 /* All zero: nothing moves. */
@@ -41,6 +41,9 @@ struct drive_pieces {
 int drive_pieces_make(struct drive_pieces *pieces, const struct registry *world,
                       uint32_t scene, uint32_t count, const uint8_t *slot,
                       struct ctl_error *error);
+/* The last movement of a scene once more, for who asks where it began. */
+int drive_pieces_repeat(struct drive_pieces *pieces, const struct registry *world,
+                        uint32_t scene, struct ctl_error *error);
 void drive_pieces_deinit(struct drive_pieces *pieces);
 
 /* A frame with them; there is one at least. Errors: those of pccd_frame_begin and of the

@@ -77,6 +77,7 @@ static void note_missed(struct playing *playing)
 {
     if (playing->drive.is_begun) {
         playing->drive.stands = &playing->world;
+        playing->drive.knows_no_begin = true;
     }
 }
 
@@ -90,6 +91,7 @@ static int begin_drive(struct playing *playing, struct ctl_error *error)
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", ""); /* it has been told */
     }
     playing->summary->daemon_pid = pccd_daemon_pid(playing->drive.client);
+    playing->drive.knows_no_begin = playing->place > 1; /* it is told where things are */
     return drive_begin(&playing->drive, &playing->world, error);
 }
 
@@ -132,7 +134,8 @@ static int ask_again(struct playing *playing, const struct record_view *view,
     }
     uint64_t begin_ns = common_now_ns();
     int status = frame != NULL ? drive_step(&playing->drive, frame, slot, collects, error)
-                               : drive_near(&playing->drive, near, slot, collects, error);
+                               : drive_near(&playing->drive, &playing->world, near, slot,
+                                            collects, error);
     playing->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
     *found = (struct found){.records = NULL};
     if (status == PCCD_OK && collects && drive->answer.status == PCCD_OK) {
@@ -429,13 +432,14 @@ static bool has_moved(const struct playing *playing, const struct answers_asked 
     return status == PCCD_OK;
 }
 
-/* Whether the item that comes need not be read: others compute it and the next one, which
- * moves the same vertices. */
+/* Whether the item that comes need not be read: others compute it and the two that follow,
+ * which move the same vertices. The last of these begins where the one before ends. */
 static bool is_passed(const struct playing *playing)
 {
     const struct answers_asked *asked = playing->answers.asked + playing->place;
-    return playing->place + 2 < playing->next_place && asked[0].moves != 0 &&
-           asked[0].moves == asked[1].moves && has_moved(playing, &asked[1]);
+    return playing->place + 3 < playing->next_place && asked[0].moves != 0 &&
+           asked[0].moves == asked[1].moves && asked[0].moves == asked[2].moves &&
+           has_moved(playing, &asked[1]) && has_moved(playing, &asked[2]);
 }
 
 /* The next chunk, as record_reader_next gives it. Where others compute most items, these
