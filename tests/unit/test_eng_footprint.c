@@ -143,7 +143,30 @@ static void footprint__of_wide_is_as_promised(void **state)
     assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
 }
 
-/* The same of the paper's method, whose hierarchies are made by the first step. */
+/* If it failed, a rank of which most of its part has gone to others would keep the memory
+ * of all that it once had. */
+static void footprint__of_wide_follows_a_scene_that_shrinks(void **state)
+{
+    (void)state;
+    struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    struct kit_random random = {43};
+    struct cloth cloth;
+    cloth_init(&cloth);
+    step(&cloth, PCCD_METHOD_WIDE, PCCD_MODE_ALL, &random);
+    uint64_t before = eng_wide_bytes(eng_wide_of(cloth.scene));
+    for (uint32_t i = 1; i < SHEETS; i++) {
+        assert_int_equal(eng_scene_remove(cloth.scene, cloth.objects[i]), PCCD_OK);
+    }
+    settings.method = PCCD_METHOD_WIDE;
+    eng_stage_begin(cloth.scene);
+    assert_int_equal(eng_step(cloth.scene, &settings, &result), PCCD_OK);
+    assert_true(eng_wide_bytes(eng_wide_of(cloth.scene)) < before / 2);
+    eng_scene_free(cloth.scene);
+    assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
+}
+
+/* What is promised of wide, of paper; the first step makes its hierarchies. */
 static void footprint__of_paper_is_as_promised(void **state)
 {
     (void)state;
@@ -205,6 +228,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(footprint__of_wide_is_as_promised),
+        cmocka_unit_test(footprint__of_wide_follows_a_scene_that_shrinks),
         cmocka_unit_test(footprint__of_paper_is_as_promised),
         cmocka_unit_test(footprint__does_not_follow_the_candidates),
     };

@@ -164,13 +164,32 @@ static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
     return first;
 }
 
+/* Has an array of that capacity room, and not by far too much? Large ones are not kept
+ * for what went away: a rank whose part of a scene shrinks needs its memory elsewhere. */
+#define SLOTS_KEPT (1u << 15)
+static bool fits(uint32_t count, uint32_t capacity, uint32_t kept_anyway)
+{
+    return count <= capacity && (capacity <= kept_anyway || count >= capacity / 2);
+}
+
+/* Instead of one that does not fit. Of less, no array has less from now on, whichever of
+ * them can be made smaller. */
+static uint32_t other_capacity(uint32_t *capacity, uint32_t count)
+{
+    if (count > *capacity) {
+        return round_up(eng_array_grown(*capacity, count), ENG_WIDE);
+    }
+    *capacity = round_up(count, ENG_WIDE);
+    return *capacity;
+}
+
 static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t count)
 {
     struct eng_wide_tree *tree = &wide->trees[kind];
-    if (count <= tree->slot_capacity) {
+    if (fits(count, tree->slot_capacity, SLOTS_KEPT)) {
         return PCCD_OK;
     }
-    uint32_t capacity = round_up(eng_array_grown(tree->slot_capacity, count), ENG_WIDE);
+    uint32_t capacity = other_capacity(&tree->slot_capacity, count);
     int status = PCCD_OK;
     if (kind == PCCD_TREE_VERTICES) {
         status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
@@ -193,10 +212,10 @@ static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t co
 
 static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
 {
-    if (count <= tree->block_capacity) {
+    if (fits(count, tree->block_capacity, SLOTS_KEPT / ENG_WIDE)) {
         return PCCD_OK;
     }
-    uint32_t capacity = eng_array_grown(tree->block_capacity, count);
+    uint32_t capacity = other_capacity(&tree->block_capacity, count);
     int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
     if (status == PCCD_OK) {
         status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
