@@ -1,18 +1,21 @@
 # tests/mpi/local.mk - one scene over the ranks of an MPI program. Without --with-mpi the
 # scripts skip their cases by name.
 
-mpi_test_sources = tests/mpi/misuse.c tests/mpi/same_as_one.c
+mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh tests/mpi/recordings_check.sh
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
-check_PROGRAMS += tests/mpi/misuse tests/mpi/same_as_one
+check_PROGRAMS += tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
 mpi_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/tests/support $(MPI_CPPFLAGS)
 tests_mpi_same_as_one_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_same_as_one_LDADD = libpccd-mpi.la libpccd.la libtestscenes.la $(MPI_LIBS) $(LIBM)
+tests_mpi_large_SOURCES = tests/mpi/large.c
+tests_mpi_large_CPPFLAGS = $(mpi_test_cppflags)
+tests_mpi_large_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 tests_mpi_misuse_SOURCES = tests/mpi/misuse.c
 tests_mpi_misuse_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_misuse_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS)
@@ -30,6 +33,13 @@ mpi-check:
 	        TESTS='$(mpi_test_scripts)' || exit 1; \
 	    cd ../..; \
 	done
+# 24 million triangles, which no rank has all of, on four ranks within 16 GiB: that much memory,
+# and some minutes.
+MPI_LARGE = 4 tests/mpi/large 2450 3 16384
+.PHONY: mpi-large
+mpi-large: tests/mpi/large libpccd-direct.la
+	PCCD_MPI='$(with_mpi)' MPIEXEC='$(MPIEXEC)' RANKS_SECONDS=3600 PCCD_DIRECT=$(abs_builddir)/.libs/libpccd-direct.so.0 \
+	    bash -c '. $(top_srcdir)/tests/mpi/ranks.sh && ranks $(MPI_LARGE)'
 clean-local: clean-mpi
 .PHONY: clean-mpi
 clean-mpi:

@@ -1,0 +1,204 @@
+/* large.c - a scene that no rank has all of: how much memory it takes.
+ *
+ * Room:     client/mpi, from outside.
+ * Does:     let each rank make some rows of a rippling sheet and of another one that
+ *           comes down on it; step; say what was the most that each rank had at a time,
+ *           while it registered its part, in the first step and in later ones.
+ * Threads:  one.
+ *
+ *     mpirun -n R large SIDE STEPS [LIMIT]
+ *
+ * Each sheet has SIDE * SIDE squares of two triangles; edges are 1 / SIDE long, and go a
+ * fortieth of that in a step. LIMIT: MB of all ranks together that are too many.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pccd_mpi.h"
+
+#define SHEETS 2
+#define PARTS  3 /* registration, first step, later steps */
+
+static int rank, ranks;
+
+static void must(struct pccd_mpi *world, int status)
+{
+    if (status != 0) {
+        fprintf(stderr, "wrong: %s\n", pccd_mpi_error_text(world));
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+}
+
+/* Most memory of the process, in MB, since the last call; it begins anew. */
+static double peak_mb(void)
+{
+    char line[256];
+    double kb = 0;
+    FILE *status = fopen("/proc/self/status", "r");
+    while (status != NULL && fgets(line, sizeof line, status) != NULL) {
+        if (strncmp(line, "VmHWM:", 6) == 0) {
+            kb = strtod(line + 6, NULL);
+        }
+    }
+    if (status != NULL) {
+        fclose(status);
+    }
+    FILE *clear = fopen("/proc/self/clear_refs", "w");
+    if (clear != NULL) {
+        fputs("5", clear);
+        fclose(clear);
+    }
+    return kb / 1024;
+}
+
+/* Of `side` rows of squares those of this rank; the last one has the last row of
+ * vertices, too. */
+struct rows {
+    uint32_t side, first, count, vertex_rows;
+};
+
+static struct rows rows_of(uint32_t side)
+{
+    struct rows rows = {.side = side};
+    rows.first = (uint32_t)((uint64_t)side * (uint32_t)rank / (uint32_t)ranks);
+    rows.count =
+        (uint32_t)((uint64_t)side * ((uint32_t)rank + 1) / (uint32_t)ranks) - rows.first;
+    rows.vertex_rows = rows.count + (rank + 1 == ranks);
+    return rows;
+}
+
+/* Where the vertices are at a time, in steps: the lower sheet ripples, the upper one
+ * comes down on its crests. */
+static void place(const struct rows *rows, int sheet, double time, double (*x)[3])
+{
+    double size = 1.0 / rows->side, went = time * size / 40;
+    for (uint32_t i = 0; i < rows->vertex_rows; i++) {
+        for (uint32_t k = 0; k <= rows->side; k++, x++) {
+            double u = k * size, v = (rows->first + i) * size;
+            (*x)[0] = u + sheet * size / 3;
+            (*x)[1] = v + sheet * size / 3;
+            (*x)[2] = sheet == 0 ? 4 * size * sin(40 * (u + v)) + went
+                                 : 4 * size + size / 30 - went;
+        }
+    }
+}
+
+static void name(const struct rows *rows, uint32_t (*triangle)[3])
+{
+    uint32_t width = rows->side + 1;
+    for (uint32_t i = rows->first; i < rows->first + rows->count; i++) {
+        for (uint32_t k = 0; k < rows->side; k++) {
+            uint32_t a = i * width + k;
+            const uint32_t two[2][3] = {{a, a + 1, a + width},
+                                        {a + 1, a + width + 1, a + width}};
+            memcpy(triangle, two, sizeof two);
+            triangle += 2;
+        }
+    }
+}
+
+static uint32_t register_sheet(struct pccd_mpi *world, const struct rows *rows,
+                               const double (*x)[3])
+{
+    uint32_t side = rows->side, mesh = 0, object = 0;
+    uint32_t(*triangles)[3] = malloc(2 * (size_t)rows->count * side * sizeof *triangles);
+    if (triangles == NULL) {
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    name(rows, triangles);
+    const struct pccd_mpi_part part = {.vertex_total = (side + 1) * (side + 1),
+                                       .triangle_total = 2 * side * side,
+                                       .vertex_count = rows->vertex_rows * (side + 1),
+                                       .format = PCCD_FORMAT_F64,
+                                       .x = x,
+                                       .triangle_count = 2 * rows->count * side,
+                                       .triangles = (const uint32_t *)triangles};
+    must(world, pccd_mpi_mesh_put(world, &part, &mesh, NULL));
+    free(triangles);
+    must(world, pccd_mpi_add(world, mesh, &object));
+    return object;
+}
+
+/* What all ranks had, by the root. Returns the most of all together. */
+static double report(struct pccd_mpi *world, const struct rows *rows,
+                     const double peaks[PARTS], const struct pccd_answer *answer)
+{
+    struct pccd_mpi_share share = {.struct_bytes = sizeof share};
+    double sums[PARTS], most = 0;
+    double(*all)[PARTS] = calloc((size_t)ranks, sizeof *all);
+    must(world, all == NULL ? PCCD_E_NOMEM : pccd_mpi_get_share(world, &share));
+    MPI_Gather(peaks, PARTS, MPI_DOUBLE, all, PARTS, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+    MPI_Allreduce(peaks, sums, PARTS, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    for (int part = 0; part < PARTS; part++) {
+        most = sums[part] > most ? sums[part] : most;
+    }
+    for (int r = 0; r < ranks && rank == 0; r++) {
+        printf("rank %d: most MB %.0f while registering, %.0f in the first step, "
+               "%.0f later\n",
+               r, all[r][0], all[r][1], all[r][2]);
+    }
+    if (rank == 0) {
+        printf("%d ranks, %llu triangles, most MB of all ranks %.0f, imbalance %.3f, "
+               "%llu contacts, hash %016llx%016llx\n",
+               ranks, 4ull * rows->side * rows->side, most, share.imbalance,
+               (unsigned long long)answer->total, (unsigned long long)answer->hash[0],
+               (unsigned long long)answer->hash[1]);
+    }
+    free(all);
+    return most;
+}
+
+int main(int argc, char **argv)
+{
+    struct pccd_mpi *world = NULL;
+    struct pccd_motion motions[SHEETS];
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    double peaks[PARTS] = {0}, most;
+
+    MPI_Init(&argc, &argv);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    if (argc < 3) {
+        fprintf(stderr, "usage: large SIDE STEPS [LIMIT]\n");
+        return 2;
+    }
+    const struct rows rows = rows_of((uint32_t)strtoul(argv[1], NULL, 10));
+    const long steps = strtol(argv[2], NULL, 10);
+    const double limit = argc > 3 ? strtod(argv[3], NULL) : INFINITY;
+    const uint32_t count = rows.vertex_rows * (rows.side + 1);
+    double(*x)[3] = malloc(((size_t)count + 1) * sizeof *x);
+    if (x == NULL) {
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    const struct pccd_mpi_options options = {.struct_bytes = sizeof options,
+                                             .timeout_ms = 1800000};
+    must(world, pccd_mpi_open(MPI_COMM_WORLD, &options, &world));
+    for (int sheet = 0; sheet < SHEETS; sheet++) {
+        place(&rows, sheet, 0, x);
+        motions[sheet] = (struct pccd_motion){.object = register_sheet(world, &rows, x),
+                                              .count = count,
+                                              .format = PCCD_FORMAT_F64};
+    }
+    free(x);
+    peaks[0] = peak_mb();
+    double(*ends)[3] = malloc(((size_t)count + 1) * SHEETS * sizeof *ends);
+    if (ends == NULL) {
+        MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    for (long step = 1; step <= steps; step++) {
+        for (int sheet = 0; sheet < SHEETS; sheet++) {
+            motions[sheet].x1 = ends + (size_t)sheet * count;
+            place(&rows, sheet, (double)step, ends + (size_t)sheet * count);
+        }
+        must(world, pccd_mpi_step(world, motions, SHEETS, NULL, &answer));
+        double peak = peak_mb(), *to = &peaks[step == 1 ? 1 : 2];
+        *to = peak > *to ? peak : *to;
+    }
+    most = report(world, &rows, peaks, &answer);
+    pccd_mpi_close(world);
+    free(ends);
+    MPI_Finalize();
+    return answer.total == 0 || most > limit;
+}
