@@ -116,25 +116,37 @@ int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object)
     return PCCD_OK;
 }
 
+/* Leaves of which the corners are sorted at a time: each time all vertices are gone
+ * through, so that it is an eighth of them at least. */
+static uint32_t corners_at_a_time(uint32_t count)
+{
+    uint32_t eighth = count / 8 + 1;
+    return eighth < 1u << 14 ? 1u << 14 : eighth;
+}
+
 int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
                         const struct ranks_leaf *leaves, uint32_t count,
                         uint32_t (*at)[3])
 {
-    uint64_t corners = 3 * (uint64_t)count;
-    struct ranks_key *keys = ranks_array(2 * corners, sizeof *keys);
+    uint32_t each = corners_at_a_time(count);
+    struct ranks_key *keys =
+        ranks_array(6 * (uint64_t)(each < count ? each : count), sizeof *keys);
     if (keys == NULL) {
         return ranks_no_memory(world);
     }
-    for (uint64_t i = 0; i < corners; i++) {
-        keys[i] = (struct ranks_key){leaves[i / 3].v[i % 3], i};
-    }
-    struct ranks_key *sorted = ranks_sort(keys, keys + corners, corners);
-    uint32_t v = 0;
-    for (uint64_t i = 0; i < corners; i++) {
-        while (local->vertices[v] != sorted[i].key) {
-            v++;
+    for (uint32_t first = 0; first < count; first += each) {
+        uint64_t corners = 3 * (uint64_t)(count - first < each ? count - first : each);
+        for (uint64_t i = 0; i < corners; i++) {
+            keys[i] = (struct ranks_key){leaves[first + i / 3].v[i % 3], i};
         }
-        at[sorted[i].value / 3][sorted[i].value % 3] = v;
+        const struct ranks_key *sorted = ranks_sort(keys, keys + corners, corners);
+        uint32_t v = 0;
+        for (uint64_t i = 0; i < corners; i++) {
+            while (local->vertices[v] != sorted[i].key) {
+                v++;
+            }
+            at[first + sorted[i].value / 3][sorted[i].value % 3] = v;
+        }
     }
     free(keys);
     return PCCD_OK;

@@ -8,6 +8,7 @@
  */
 #include "step.h"
 
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -147,6 +148,14 @@ static int choose_ghosts(struct pccd_mpi *world, const struct ranks_moment *mome
     return !world->is_covered || is_far || has_misses(world, moment)
                ? ranks_ghosts_choose(world, moment->settings.separation)
                : PCCD_OK;
+}
+
+/* What a cut took for its time is much, and would stay with the process. */
+static void give_back(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 /* ---- computing -------------------------------------------------------------------- */
@@ -306,6 +315,9 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
 {
     struct pccd_frame frame;
     int status = choose_ghosts(world, moment);
+    if (is_cut) {
+        give_back();
+    }
     uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
     if (status == PCCD_OK) {
         status = send_positions(world, moment, &frame);

@@ -36,7 +36,6 @@ struct way {
 
 struct item {
     float box[6]; /* all over the step */
-    struct way way;
     const struct ranks_leaf *of;
     uint32_t object;
     uint32_t leaf; /* of its own leaves; RANKS_NONE: a ghost */
@@ -133,14 +132,31 @@ static int add_items(struct pccd_mpi *world, uint32_t o, const struct path *path
         items[i].leaf = is_own ? i : RANKS_NONE;
         items[i].of = is_own ? &object->own[i] : &object->ghosts[i - object->own_count];
         memcpy(items[i].v, corners[i], sizeof items[i].v);
-        items[i].way = way_of(path, corners[i], 3);
+        struct way way = way_of(path, corners[i], 3);
         for (int k = 0; k < 3; k++) {
-            items[i].box[k] = fminf(items[i].way.low[0][k], items[i].way.low[1][k]);
-            items[i].box[k + 3] = fmaxf(items[i].way.high[0][k], items[i].way.high[1][k]);
+            items[i].box[k] = fminf(way.low[0][k], way.low[1][k]);
+            items[i].box[k + 3] = fmaxf(way.high[0][k], way.high[1][k]);
         }
     }
     free(corners);
     return status;
+}
+
+/* items[i] becomes items[order[i].value], in place: cycle by cycle. */
+static void put_in_order(struct item *items, struct ranks_key *order, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        struct item first = items[i];
+        uint64_t at = i;
+        while (order[at].value != i) {
+            uint64_t from = order[at].value;
+            items[at] = items[from];
+            order[at].value = at;
+            at = from;
+        }
+        items[at] = first;
+        order[at].value = at;
+    }
 }
 
 static int sort_items(struct pccd_mpi *world, struct tree *tree)
@@ -148,10 +164,7 @@ static int sort_items(struct pccd_mpi *world, struct tree *tree)
     float whole[6];
     double low[3], high[3];
     struct ranks_key *keys = ranks_array(2 * tree->count, sizeof *keys);
-    struct item *sorted = ranks_array(tree->count, sizeof *sorted);
-    if (keys == NULL || sorted == NULL) {
-        free(keys);
-        free(sorted);
+    if (keys == NULL) {
         return ranks_no_memory(world);
     }
     ranks_box_begin(whole);
@@ -169,13 +182,9 @@ static int sort_items(struct pccd_mpi *world, struct tree *tree)
                                   0.5 * ((double)box[2] + (double)box[5])};
         keys[i] = (struct ranks_key){ranks_curve_place(middle, low, high), i};
     }
-    const struct ranks_key *order = ranks_sort(keys, keys + tree->count, tree->count);
-    for (uint64_t i = 0; i < tree->count; i++) {
-        sorted[i] = tree->items[order[i].value];
-    }
+    put_in_order(tree->items, ranks_sort(keys, keys + tree->count, tree->count),
+                 tree->count);
     free(keys);
-    free(tree->items);
-    tree->items = sorted;
     return PCCD_OK;
 }
 
@@ -284,6 +293,7 @@ static bool passes(const struct path *path_a, const uint32_t *a, uint32_t a_coun
 
 /* Features of a leaf that belong to it; an edge as its two ends. */
 struct features {
+    struct way way; /* of the leaf */
     uint32_t vertex_count, edge_count;
     struct way vertices[3], edges[3];
     uint32_t vertex[3], ends[3][2], number[3];
@@ -293,6 +303,7 @@ static void list_features(const struct tree *tree, const struct item *item,
                           struct features *features)
 {
     const struct path *path = &tree->paths[item->object];
+    features->way = way_of(path, item->v, 3);
     features->vertex_count = features->edge_count = 0;
     for (uint32_t k = 0; k < 3; k++) {
         const uint32_t ends[2] = {item->v[k], item->v[(k + 1) % 3]};
@@ -312,7 +323,8 @@ static void list_features(const struct tree *tree, const struct item *item,
 
 /* Vertices of an item with the face of another. */
 static uint32_t count_vertices(const struct tree *tree, const struct item *item,
-                               const struct features *mine, const struct item *other)
+                               const struct features *mine, const struct item *other,
+                               const struct way *way)
 {
     const struct path *path = &tree->paths[item->object];
     uint32_t count = 0;
@@ -320,7 +332,7 @@ static uint32_t count_vertices(const struct tree *tree, const struct item *item,
         uint32_t v = mine->vertex[i];
         bool is_joined = item->object == other->object &&
                          (v == other->v[0] || v == other->v[1] || v == other->v[2]);
-        count += !is_joined && ways_meet(&mine->vertices[i], &other->way) &&
+        count += !is_joined && ways_meet(&mine->vertices[i], way) &&
                  passes(path, &v, 1, &tree->paths[other->object], other->v);
     }
     return count;
@@ -360,12 +372,13 @@ static uint32_t count_pairs(const struct pccd_mpi *world, const struct tree *tre
 {
     const struct ranks_object *object = world->objects[other->object];
     uint32_t count = 0;
-    if (!ways_meet(&item->way, &other->way) ||
+    const struct way way = way_of(&tree->paths[other->object], other->v, 3);
+    if (!ways_meet(&mine->way, &way) ||
         !ranks_may_meet(world, item->object, other->object)) {
         return 0;
     }
     if (other->of->number < object->mesh->triangle_total) {
-        count += count_vertices(tree, item, mine, other);
+        count += count_vertices(tree, item, mine, other, &way);
     }
     if (item->object == other->object ||
         world->objects[item->object]->handle < object->handle) {

@@ -119,8 +119,8 @@ client/planner      arm.hpp pccd_motion.hpp cstdio cstdlib cstring ompl/base/spa
 client/planner      ompl/geometric/SimpleSetup.h ompl/geometric/planners/rrt/RRTConnect.h
 client/planner      ompl/util/RandomNumbers.h
 client/ctl          jansson.h png.h xxhash.h zlib.h
-client/mpi          mpi.h xxhash.h
-client/mpi/program  jansson.h mpi.h
+client/mpi          malloc.h mpi.h xxhash.h
+client/mpi/program  jansson.h malloc.h mpi.h
 client/mpi/example  mpi.h
 bench               omp.h
 bench/model         omp.h

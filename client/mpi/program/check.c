@@ -7,6 +7,7 @@
  * Source:   client/ctl/commands/cmd_check.c.
  */
 #include <inttypes.h>
+#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +17,9 @@
 #include "check_run.h"
 #include "clock.h"
 #include "commands.h"
-#include "coordinates.h"
 #include "ctl.h"
 #include "items.h"
+#include "part.h"
 #include "pccd_mpi.h"
 #include "shown.h"
 #include "slices.h"
@@ -97,8 +98,7 @@ struct check {
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
     uint32_t object;
-    struct slice slice; /* vertices of this rank */
-    struct ctl_mesh before, after;
+    struct part before, after;
     struct report_step *steps; /* [path_count - 1] */
     uint32_t number;           /* of the step, from 1 */
     FILE *report;
@@ -115,15 +115,12 @@ static int fail(const struct check *check, int status, struct ctl_error *error)
 static int read_after(struct check *check, uint32_t index, struct ctl_error *error)
 {
     char **paths = check->options->check.ask.paths;
-    int status = ctl_mesh_read(paths[index], &check->after, error);
-    if (status == PCCD_OK) {
-        status = ctl_mesh_match(&check->before, paths[index - 1], &check->after,
-                                paths[index], error);
-    }
-    if (status == PCCD_OK && check->before.format != check->after.format) {
-        status = ctl_mesh_promote(&check->before, error);
+    int status =
+        part_read(paths[index], &check->before, paths[index - 1], &check->after, error);
+    if (status == PCCD_OK && check->before.slice.format != check->after.slice.format) {
+        status = ctl_mesh_promote(&check->before.slice, error);
         if (status == PCCD_OK) {
-            status = ctl_mesh_promote(&check->after, error);
+            status = ctl_mesh_promote(&check->after.slice, error);
         }
     }
     return together_agree(status, error);
@@ -131,33 +128,29 @@ static int read_after(struct check *check, uint32_t index, struct ctl_error *err
 
 static void keep_frame(struct check *check)
 {
-    ctl_mesh_deinit(&check->before);
+    part_deinit(&check->before);
     check->before = check->after;
-    check->after = (struct ctl_mesh){0};
+    check->after = (struct part){.slice = {0}};
 }
 
-static const char *positions(const struct ctl_mesh *mesh, uint32_t first)
-{
-    return (const char *)mesh->x + (size_t)first * common_vertex_bytes(mesh->format);
-}
-
+/* Names of features are those of the whole mesh, which the root reads once more. */
 static int open_csv(struct check *check, struct ctl_error *error)
 {
-    int status = slices_find_edges(&check->before, &check->run.edges, error);
-    if (status != PCCD_OK) {
-        return status;
+    struct ctl_mesh whole = {0};
+    int status = ctl_mesh_read(check->options->check.ask.paths[0], &whole, error);
+    if (status == PCCD_OK) {
+        status = slices_find_edges(&whole, &check->run.edges, error);
     }
-    size_t bytes = ((size_t)check->before.triangle_count + 1) * 3 * sizeof(uint32_t);
-    uint32_t(*triangles)[3] = malloc(bytes);
-    if (triangles == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
+    if (status == PCCD_OK) {
+        check->csv.triangles = (const uint32_t(*)[3])whole.triangles;
+        whole.triangles = NULL; /* it is the CSV's now */
+        check->csv.edges = check->run.edges;
+        check->csv.has_step = check->options->check.ask.path_count > 2;
+        check->csv.path = check->options->check.ask.csv;
+        status = contacts_csv_open(&check->csv, error);
     }
-    memcpy(triangles, check->before.triangles, bytes - 3 * sizeof(uint32_t));
-    check->csv.triangles = (const uint32_t(*)[3])triangles;
-    check->csv.edges = check->run.edges;
-    check->csv.has_step = check->options->check.ask.path_count > 2;
-    check->csv.path = check->options->check.ask.csv;
-    return contacts_csv_open(&check->csv, error);
+    ctl_mesh_deinit(&whole);
+    return status;
 }
 
 /* ---- steps ------------------------------------------------------------------------ */
@@ -168,15 +161,14 @@ static int begin(struct check *check, struct ctl_error *error)
     uint32_t mesh = 0;
     uint64_t begin_ns = common_now_ns();
     int status = check_run_times(&check->run, error);
-    if (status == PCCD_OK) {
-        status = slices_put_mesh(check->world, &check->before, &mesh,
-                                 &check->run.mesh.info, &check->slice);
-        status = status == PCCD_OK ? status : fail(check, status, error);
-    }
     if (status != PCCD_OK) {
         return status;
     }
-    status = pccd_mpi_add(check->world, mesh, &check->object);
+    const struct pccd_mpi_part part = part_to_put(&check->before);
+    status = pccd_mpi_mesh_put(check->world, &part, &mesh, &check->run.mesh.info);
+    if (status == PCCD_OK) {
+        status = pccd_mpi_add(check->world, mesh, &check->object);
+    }
     if (status == PCCD_OK && object->what != 0) {
         status = pccd_mpi_object_set(check->world, check->object, object);
     }
@@ -189,12 +181,11 @@ static int begin(struct check *check, struct ctl_error *error)
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct check *check = context;
-    const struct pccd_motion motion = {
-        .object = check->object,
-        .count = check->slice.count,
-        .format = check->after.format,
-        .x0 = is_again ? positions(&check->before, check->slice.first) : NULL,
-        .x1 = positions(&check->after, check->slice.first)};
+    const struct pccd_motion motion = {.object = check->object,
+                                       .count = check->after.slice.vertex_count,
+                                       .format = check->after.slice.format,
+                                       .x0 = is_again ? check->before.slice.x : NULL,
+                                       .x1 = check->after.slice.x};
     int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
     answer->contacts = NULL;
     answer->pairs = NULL;
@@ -266,8 +257,8 @@ static int walk(struct check *check, struct ctl_error *error)
 static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    int status =
-        together_agree(ctl_mesh_read(ask->paths[0], &check->before, error), error);
+    int status = together_agree(
+        part_read(ask->paths[0], NULL, NULL, &check->before, error), error);
     if (status == PCCD_OK) {
         status = read_after(check, 1, error);
     }
@@ -375,8 +366,8 @@ static int run_check(const struct mpi_options *options)
     together_complain(&error);
     check_run_deinit(&check.run);
     pccd_mpi_close(check.world);
-    ctl_mesh_deinit(&check.before);
-    ctl_mesh_deinit(&check.after);
+    part_deinit(&check.before);
+    part_deinit(&check.after);
     free((void *)(uintptr_t)check.csv.triangles);
     free(check.steps);
     return (int)ctl_exit_of(status, true);
@@ -387,6 +378,9 @@ int program_check(int argc, char **argv)
     struct mpi_options options = {.check.settings = PCCD_STEP_SETTINGS_INIT,
                                   .world.struct_bytes = sizeof options.world};
     struct ask_options *ask = &options.check.ask;
+#ifdef __GLIBC__ /* as the daemon does: what is freed goes back */
+    (void)mallopt(M_MMAP_THRESHOLD, 256 << 10);
+#endif
     ask->paths = malloc((size_t)argc * sizeof *ask->paths);
     if (ask->paths == NULL) {
         return CTL_FAILED;

@@ -13,8 +13,7 @@
 #include "coordinates.h"
 #include "together.h"
 
-/* Of `count` things, the first of rank r. */
-static uint32_t first_of(uint32_t count, int r)
+uint32_t slices_first(uint32_t count, int r)
 {
     return (uint32_t)((uint64_t)count * (uint32_t)r / (uint32_t)together_size());
 }
@@ -23,11 +22,11 @@ int slices_put_mesh(struct pccd_mpi *world, const struct ctl_mesh *mesh, uint32_
                     struct pccd_mesh_info *info, struct slice *slice)
 {
     int rank = together_rank();
-    uint32_t triangle = first_of(mesh->triangle_count, rank);
-    uint32_t edge = first_of(mesh->edge_count, rank);
-    uint32_t point = first_of(mesh->point_count, rank);
-    slice->first = first_of(mesh->vertex_count, rank);
-    slice->count = first_of(mesh->vertex_count, rank + 1) - slice->first;
+    uint32_t triangle = slices_first(mesh->triangle_count, rank);
+    uint32_t edge = slices_first(mesh->edge_count, rank);
+    uint32_t point = slices_first(mesh->point_count, rank);
+    slice->first = slices_first(mesh->vertex_count, rank);
+    slice->count = slices_first(mesh->vertex_count, rank + 1) - slice->first;
     const struct pccd_mpi_part part = {
         .struct_bytes = sizeof part,
         .vertex_total = mesh->vertex_count,
@@ -36,9 +35,9 @@ int slices_put_mesh(struct pccd_mpi *world, const struct ctl_mesh *mesh, uint32_
         .format = mesh->format,
         .x = (const char *)mesh->x +
              (size_t)slice->first * common_vertex_bytes(mesh->format),
-        .triangle_count = first_of(mesh->triangle_count, rank + 1) - triangle,
-        .edge_count = first_of(mesh->edge_count, rank + 1) - edge,
-        .point_count = first_of(mesh->point_count, rank + 1) - point,
+        .triangle_count = slices_first(mesh->triangle_count, rank + 1) - triangle,
+        .edge_count = slices_first(mesh->edge_count, rank + 1) - edge,
+        .point_count = slices_first(mesh->point_count, rank + 1) - point,
         .triangles = mesh->triangles ? mesh->triangles[triangle] : NULL,
         .edges = mesh->edges ? mesh->edges[edge] : NULL,
         .points = mesh->points ? mesh->points + point : NULL};

@@ -11,6 +11,9 @@
 #include "meshfile.h"
 #include "pccd_mpi.h"
 
+/* Of `count` things, the first of rank r. */
+uint32_t slices_first(uint32_t count, int r);
+
 /* Vertices of a rank: `count` of them, from `first`. */
 struct slice {
     uint32_t first, count;
