@@ -432,8 +432,9 @@ static bool has_moved(const struct playing *playing, const struct answers_asked 
     return status == PCCD_OK;
 }
 
-/* Whether the item that comes need not be read: others compute it and the two that follow,
- * which move the same vertices. The last of these begins where the one before ends. */
+/* Whether the item that comes need not be read: others compute it and the two that
+ * follow, which move the same vertices. The last of these begins where the one before
+ * ends. */
 static bool is_passed(const struct playing *playing)
 {
     const struct answers_asked *asked = playing->answers.asked + playing->place;
