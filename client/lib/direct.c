@@ -19,6 +19,7 @@
 #include "folder.h"
 #include "foreign.h"
 #include "proto_direct.h"
+#include "recorder.h"
 
 #define WHY_BYTES (CLI_TEXT_BYTES / 2)
 
@@ -151,6 +152,11 @@ int cli_foreign_own(struct pccd_client *client, uint32_t mesh, const uint64_t *v
         return cli_fail(client, PCCD_E_STATE, "only direct: knows foreign features");
     }
     int status = client->direct.host->own(client->direct.line, mesh, vertices, edges);
+    if (status == 0 && client->recorder != NULL && !client->recorder->has_ended) {
+        (void)cli_record_stop_because(client, PCCD_E_STATE,
+                                      "it ends where a mesh became a part of another "
+                                      "process's: its answers cannot be repeated alone");
+    }
     return status == 0 ? 0
                        : cli_fail(client, status, "mesh 0x%x: its foreign features: %s",
                                   mesh, pccd_status_text(status));

@@ -13,7 +13,8 @@
 
 /* With the url direct:, of a mesh that pccd_mesh_put has just put, before its first step;
  * once. A bit for each vertex, vertices[i / 64] >> i % 64 & 1, and one for each edge
- * (pccd_mesh_edges). Copied. PCCD_E_HANDLE, PCCD_E_STATE, PCCD_E_NOMEM. */
+ * (pccd_mesh_edges). Copied. A recording of the client ends here, as nobody could repeat
+ * the answers. PCCD_E_HANDLE, PCCD_E_STATE, PCCD_E_NOMEM. */
 __attribute__((visibility("default"))) int cli_foreign_own(struct pccd_client *client,
                                                            uint32_t mesh,
                                                            const uint64_t *vertices,
