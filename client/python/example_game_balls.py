@@ -106,7 +106,7 @@ def main():
         cloth = Body(client, scene, mesh, x, triangles, mass)
         mesh = client.mesh_create(round_x, round_triangles)  # the balls share it
         balls = [Body(client, scene, mesh,
-                      round_x + (0.08 * i - 0.15, 0.1 - 0.05 * i, 0.3 * i),
+                      round_x + (0.05 * i - 0.1, 0.07 - 0.03 * i, 0.3 * i),
                       round_triangles)
                  for i in (1, 2, 3)]
         bodies = {body.handle: body for body in [cloth, *balls]}
