@@ -21,13 +21,15 @@ command -v patchelf >/dev/null || complain "needs patchelf (Debian: patchelf)"
 
 mkdir -p "$into/libs" "$into/licenses"
 cp -L "$build"/python/pccd/*.py "$build/python/pccd/py.typed" "$into"
-for file in libpccd.so.0 libpccd-direct.so.0; do
-    cp -L "$build/.libs/$file" "$into"
+for file in libpccd.so.0 libpccd-direct.so.0 libpccd-mpi.so.0; do
+    # The last one only where it was built; MPI itself is the user's.
+    [ "$file" = libpccd-mpi.so.0 ] && [ ! -e "$build/.libs/$file" ] ||
+        cp -L "$build/.libs/$file" "$into"
 done
 cp -L "$build/pccdd" "$into"
 
 # What is loaded with them, but for the C library, which comes with the system.
-for file in "$into"/libpccd*.so.0 "$into/pccdd"; do
+for file in "$into"/libpccd{,-direct}.so.0 "$into/pccdd"; do
     ldd "$file" | awk '$2 == "=>" { print $3 }'
 done | sort -u | grep -vE '/(ld-linux[^/]*|lib(c|m|dl|rt|pthread|gcc_s))\.so\.[0-9]+$' |
     while read -r library; do
@@ -39,7 +41,7 @@ done | sort -u | grep -vE '/(ld-linux[^/]*|lib(c|m|dl|rt|pthread|gcc_s))\.so\.[0
     done
 for file in "$into"/libpccd*.so.0 "$into/pccdd"; do
     strip --strip-unneeded "$file"
-    patchelf --set-rpath '$ORIGIN/libs' "$file"
+    patchelf --set-rpath '$ORIGIN/libs:$ORIGIN' "$file"
 done
 for file in "$into"/libs/*; do
     patchelf --set-rpath '$ORIGIN' "$file"

@@ -12,6 +12,7 @@ python_module = \
     client/python/module/frame.py \
     client/python/module/library.py \
     client/python/module/memory.py \
+    client/python/module/mpi.py \
     client/python/module/observe.py \
     client/python/module/py.typed \
     client/python/module/scenes.py \

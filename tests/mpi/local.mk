@@ -2,8 +2,9 @@
 # scripts skip their cases by name.
 
 mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c
-EXTRA_DIST += $(mpi_test_sources) tests/mpi/ranks.sh
-mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh tests/mpi/recordings_check.sh
+EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
+mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
+    tests/mpi/python_check.sh tests/mpi/recordings_check.sh
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI

@@ -21,7 +21,8 @@ from .abi import Quality, Share, Status, Tree
 from .answer import Answer
 from .library import PccdError, failure, lib
 from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, format_of,
-                     pack_indices, pack_vertices, refusal, u32, with_size)
+                     object_settings, pack_indices, pack_vertices, refusal, u32,
+                     with_size)
 
 SLICE_MS = 200  # of a wait: between two, Python sees to signals
 
@@ -195,17 +196,7 @@ class Scenes:
         """Set those of ObjectSettings that are given, for steps submitted from then on,
         and return all of them. E_HANDLE, E_VERSION; E_ACCESS: the object is another
         client's."""
-        settings = with_size(abi.pccd_object_settings())
-        for name, value in attributes.items():
-            if name not in ObjectSettings._fields:
-                raise TypeError(f"an object has no attribute {name}")
-            if value is None:
-                continue
-            is_real = isinstance(getattr(settings, name), float)
-            setattr(settings, name, value if is_real else int(value))
-            if getattr(settings, name) != value:  # cut off, or NaN
-                raise refusal(Status.E_INVAL, f"{name} is {value}")
-            settings.what |= 1 << ObjectSettings._fields.index(name)
+        settings = object_settings(attributes)
         if settings.what:
             self._check(lib.pccd_object_set(self._handle, u32("scene", scene),
                                             u32("object", object), byref(settings)))

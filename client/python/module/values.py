@@ -136,6 +136,22 @@ class StepSettings:
         return StepSettings, dataclasses.astuple(self)
 
 
+def object_settings(attributes: Dict[str, Any]) -> abi.pccd_object_settings:
+    """Those of ObjectSettings that are given and not None, for the library."""
+    made: abi.pccd_object_settings = with_size(abi.pccd_object_settings())
+    for name, value in attributes.items():
+        if name not in ObjectSettings._fields:
+            raise TypeError(f"an object has no attribute {name}")
+        if value is None:
+            continue
+        is_real = isinstance(getattr(made, name), float)
+        setattr(made, name, value if is_real else int(value))
+        if getattr(made, name) != value:  # cut off, or NaN
+            raise refusal(Status.E_INVAL, f"{name} is {value}")
+        made.what |= 1 << ObjectSettings._fields.index(name)
+    return made
+
+
 def near_settings(what: int = NearWhat.PAIRS, distance: float = 0.0, end: int = 1,
                   gap: float = 0.0, object_a: int = 0, object_b: int = 0,
                   method: int = Method.DEFAULT, threads: int = 0, tuning: str = "",
