@@ -51,6 +51,7 @@ site: $(dist_man_MANS)
 	@for python in '$(PYTHON3)' /usr/bin/python3; do \
 	    "$$python" -c 'import markdown' 2>/dev/null || continue; \
 	    command -v mandoc >/dev/null || break; \
+	    rm -rf site; \
 	    exec "$$python" $(srcdir)/client/man/site/make_site.py '$(abs_top_srcdir)' \
 	        '$(abs_top_builddir)' '$(abs_top_builddir)/site'; \
 	done; echo 'make site needs mandoc and python3-markdown' >&2; exit 1

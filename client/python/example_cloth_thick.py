@@ -57,6 +57,15 @@ def push(x, end, contacts, triangles, edges, cloth):
     end += 1.5 * total / np.maximum(count, 1.5)
 
 
+def is_clear(client, scene):
+    """Nothing is nearer than the thicknesses say, and nothing crosses."""
+    found = 0
+    for what in (pccd.NearWhat.PAIRS, pccd.NearWhat.CROSSINGS):
+        with client.near(scene, what) as answer:
+            found += answer.total + int(answer.incomplete)
+    return found == 0
+
+
 def main():
     frames = int(sys.argv[1]) if len(sys.argv) > 1 else 60
     flat, triangles = sheet()
@@ -92,11 +101,9 @@ def main():
             _, answer = client.step_safe(scene, moves, [reached])
             answer.release()
             x[:] = reached
-            for what in (pccd.NearWhat.PAIRS, pccd.NearWhat.CROSSINGS):
-                with client.near(scene, what) as answer:
-                    if answer.total or answer.incomplete:
-                        print(f"frame {frame}: {answer.total} pairs")
-                        return 1
+            if not is_clear(client, scene):
+                print(f"frame {frame}: something is too near")
+                return 1
     print(f"{frames} frames, {met} contacts, nothing is nearer than {2 * THICK}")
     return 0 if met else 1
 

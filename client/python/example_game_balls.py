@@ -2,7 +2,7 @@
 """example_game_balls.py - a game's loop: three balls fall into a cloth that hangs by its
 corners, and nothing passes through anything.
 
-Room:     client/python. Imports pccd, numpy and the example beside it.
+Room:     client/python. Imports pccd, numpy and the examples beside it.
 Does:     as examples/game_balls.c: move all as if nothing were in the way, ask what
           meets, answer each contact by an impulse along its normal, ask again; then go as
           far as is safe. Balls do not turn. After each frame it looks whether anything is
@@ -17,6 +17,7 @@ import numpy as np
 
 import pccd
 from example_cloth_near import SIDE, relax, sheet
+from example_cloth_thick import is_clear
 
 RINGS, ROUND = 8, 12  # of a ball
 SIZE = 0.12  # radius of a ball; the cloth has sides of 1
@@ -130,11 +131,9 @@ def main():
             answer.release()
             for body in bodies.values():
                 body.x[:] = body.reached
-            for what in (pccd.NearWhat.PAIRS, pccd.NearWhat.CROSSINGS):
-                with client.near(scene, what) as answer:
-                    if answer.total or answer.incomplete:
-                        print(f"frame {frame}: {answer.total} pairs")
-                        return 1
+            if not is_clear(client, scene):
+                print(f"frame {frame}: something is too near")
+                return 1
     print(f"{frames} frames, {met} contacts, nothing is nearer than {2 * THICK}")
     return 0 if met else 1
 

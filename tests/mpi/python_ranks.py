@@ -51,6 +51,7 @@ def main():
         assert comm.allreduce(ours.count) == ours.total
         assert all(len(world.feature(whole, 1, c["feature_a"])) == 1
                    for c in ours.contacts if c["kind"] == pccd.Kind.VF)
+        contacts = ours.contacts.copy()
         records = world.gather(root=0)
         assert (records is None) == (comm.rank != 0)
         assert records is None or np.array_equal(
@@ -60,6 +61,8 @@ def main():
             near = world.near(what, 0.05 if what != ask[2] else 0)
             with client.near(one, what, 0.05 if what != ask[2] else 0) as said:
                 assert near.hash == said.hash and near.total == said.total, what
+        # Records of an answer are there after other calls.
+        assert np.array_equal(ours.contacts, contacts)
         assert world.share().own > 0
         # A mistake of one rank is told to all of them.
         try:

@@ -150,8 +150,7 @@ class Site:
             file.write(page)
 
     def make(self):
-        shutil.rmtree(self.to, ignore_errors=True)
-        os.makedirs(self.to)
+        os.makedirs(self.to, exist_ok=True)
         links = []
         for _, path, name, title in self.pages:
             def lead(match, path=path, name=name):

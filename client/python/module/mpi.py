@@ -99,26 +99,26 @@ _mpi = _load()
 
 
 class Answer(_Answer):
-    """As pccd.Answer. Its records are this rank's, in canonical order, and are gone with
-    the next call of the world; all numbers but count are those of the whole answer."""
+    """As pccd.Answer. Its records are this rank's, in canonical order, and a copy: the
+    library frees its own at the next call. All numbers but count are those of the whole
+    answer."""
+
+    _copied: NDArray[Any]
 
     @property
     def records(self) -> NDArray[Any]:
-        """(count,) of CONTACT, PAIR, NEAR or float64, read-only."""
-        dtype, address = self._dtype(), _address(self)
-        if not address or not self.count:
-            return np.empty(0, dtype)
-        return _array(address, dtype, self.count)
+        """(count,) of CONTACT, PAIR, NEAR or float64."""
+        return self._copied
 
     def release(self) -> None:
         """Nothing is to be released."""
 
 
-def _array(address: int, dtype: Any, count: int) -> NDArray[Any]:
+def _copy(address: Optional[int], dtype: Any, count: int) -> NDArray[Any]:
+    if not address or not count:
+        return np.empty(0, dtype)
     memory = (ctypes.c_char * (count * dtype.itemsize)).from_address(address)
-    made = np.frombuffer(memory, dtype)
-    made.flags.writeable = False
-    return made
+    return np.frombuffer(memory, dtype).copy()
 
 
 class World:
@@ -224,6 +224,7 @@ class World:
         structs = None if motions is None else motions._structs
         self._check(call(self._handle, structs, count, settings, byref(answer)))
         self._of = answer._dtype()
+        answer._copied = _copy(_address(answer), self._of, answer.count)
         return answer
 
     def gather(self, root: int = 0) -> Optional[NDArray[Any]]:
@@ -232,7 +233,7 @@ class World:
         pages: List[NDArray[Any]] = [np.empty(0, self._of)]
 
         def take(_context: Any, records: int, count: int) -> int:
-            pages.append(_array(records, self._of, count).copy())
+            pages.append(_copy(records, self._of, count))
             return 0
 
         self._check(_mpi.pccd_mpi_gather(self._handle, root, _each(take), None))
