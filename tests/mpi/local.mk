@@ -30,7 +30,7 @@ mpi-check:
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
-	    $(MAKE) && $(MAKE) check PCCD_MPI_ALL=1 \
+	    $(MAKE) && RANKS_SECONDS=1800 $(MAKE) check PCCD_MPI_ALL=1 \
 	        TESTS='$(mpi_test_scripts)' || exit 1; \
 	    cd ../..; \
 	done

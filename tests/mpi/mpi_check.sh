@@ -49,7 +49,11 @@ fi
 plays=12
 [ "$all" = 0 ] || plays=150
 for count in $counts; do
-    [ "$count" -lt 8 ] || [ "$all" = 1 ] || plays=6 # eight ranks take their time on two processors
+    # Eight ranks take their time on two processors: those of MPICH do not sleep while they wait.
+    if [ "$count" -eq 8 ]; then
+        [ "$all" = 0 ] && plays=6
+        [ "$all$PCCD_MPI" = 1mpich ] && plays=15
+    fi
     ranks "$count" "$top_builddir/tests/mpi/same_as_one" $plays 60 "$((1000 * count))" >"$log" 2>&1
     tap_result $? "mpi__plays_of_${count}_ranks_are_those_of_one_process" "$log"
 done

@@ -3,10 +3,10 @@
 #
 # Room:     client/mpi, from outside.
 # Does:     make three network namespaces on a bridge, in a network and a mount namespace that
-#           end with the test; have Open MPI start a rank in each, as on three machines, and
-#           perform random plays, which compare with one process.
-# Needs:    a build with --with-mpi=openmpi, ip, and the right to make namespaces; else it is
-#           skipped by name.
+#           end with the test; have MPI start a rank in each, as on three machines, and perform
+#           random plays, which compare with one process.
+# Needs:    a build with --with-mpi, ip, and the right to make namespaces; else it is skipped
+#           by name.
 
 set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}"
@@ -18,7 +18,11 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-mpi-XXXXXX") || exit 99
 trap 'rm -rf "$work"' EXIT
 log=$work/log
 plays=4
-[ "${PCCD_MPI_ALL:-0}" = 0 ] || plays=60
+export RANKS_SECONDS=100
+if [ "${PCCD_MPI_ALL:-0}" != 0 ]; then
+    plays=60
+    RANKS_SECONDS=300
+fi
 
 # What runs inside: it makes the networks, then starts a rank in each. Exit status 77: it may
 # not.
@@ -32,19 +36,30 @@ for i in 1 2 3; do
         ip -n "rank$i" address add "10.77.0.$i/24" dev wire &&
         ip -n "rank$i" link set wire up && ip -n "rank$i" link set lo up || exit 77
 done
-# Open MPI calls it in the place of ssh: AGENT HOST COMMAND...
+# MPI calls it in the place of ssh: AGENT [OPTION]... HOST COMMAND...
 cat >/run/agent <<'AGENT'
 #!/bin/bash
-host=$1
+while [ "${1#-}" != "$1" ]; do shift; done
+name=rank${1##*[.k]} # rank2 and 10.77.0.2 are the same
 shift
-exec ip netns exec "$host" unshare -u bash -c "hostname $host; $*"
+exec ip netns exec "$name" unshare -u bash -c "hostname $name; $*"
 AGENT
 chmod +x /run/agent
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-unshare -u bash -c 'hostname starter && exec timeout -k 5 100 "$@"' sh \
-    "$MPIEXEC" --mca plm_rsh_agent /run/agent --mca btl tcp,self \
-    --mca btl_tcp_if_include 10.77.0.0/24 --mca oob_tcp_if_include 10.77.0.0/24 \
-    --mca mpi_yield_when_idle 1 -H rank1,rank2,rank3 -n 3 "$@" || exit 1
+if [ "$PCCD_MPI" = openmpi ]; then
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    set -- --mca plm_rsh_agent /run/agent --mca btl tcp,self \
+        --mca btl_tcp_if_include 10.77.0.0/24 --mca oob_tcp_if_include 10.77.0.0/24 \
+        --mca mpi_yield_when_idle 1 -H rank1,rank2,rank3 -n 3 "$@"
+else
+    export UCX_TLS=tcp,self UCX_NET_DEVICES=wire
+    set -- -launcher ssh -launcher-exec /run/agent -localhost 10.77.0.100 \
+        -hosts 10.77.0.1,10.77.0.2,10.77.0.3 -n 3 "$@"
+fi
+unshare -u bash -c 'hostname starter && exec timeout -k 5 "$@"' sh \
+    "$RANKS_SECONDS" "$MPIEXEC" "$@" || status=$?
+# MPICH 4.0 over UCX 1.13, as Debian 12 has them, may wait for ever in MPI_Finalize, also in a
+# program that only adds up numbers. All answers have been compared then.
+[ "${status:-0}" -eq 0 ] || { [ "$PCCD_MPI" = mpich ] && [ "$status" -eq 124 ]; } || exit 1
 # All of it went over the bridge: more than starting the ranks takes.
 bytes=$(cat /sys/class/net/at2/statistics/rx_bytes 2>/dev/null ||
     ip -s link show at2 | awk '/RX:/ { getline; print $1 }')
@@ -52,8 +67,8 @@ echo "rank 2 has sent $bytes bytes"
 [ "$bytes" -gt 100000 ]
 END
 
-if [ "${PCCD_MPI:-no}" != openmpi ]; then
-    tap_skip "$name" "no --with-mpi=openmpi"
+if [ "${PCCD_MPI:-no}" = no ]; then
+    tap_skip "$name" "no --with-mpi"
 elif ! command -v ip >/dev/null; then
     tap_skip "$name" "no ip (iproute2)"
 else
@@ -64,7 +79,8 @@ else
         tap_skip "$name" "this user may not make networks"
     else
         # If it failed, ranks on several machines could answer otherwise than on one.
-        tap_result $status "$name" "$log"
+        [ $status -eq 0 ] && grep -q '^# 3 ranks: ' "$log"
+        tap_result $? "$name" "$log"
     fi
 fi
 tap_end

@@ -925,7 +925,7 @@ int main(int argc, char **argv)
         failed = test.has_failed;
         MPI_Bcast(&failed, 1, MPI_INT, 0, MPI_COMM_WORLD);
     }
-    if (test.rank == 0) {
+    if (test.rank == 0 && !failed) {
         printf("# %d ranks: %" PRIu64 " steps, %" PRIu64 " questions, %" PRIu64
                " records, seed %" PRIu64 "; answered, of each kind:",
                test.size, test.steps, test.nears, test.records, seed);
@@ -933,6 +933,7 @@ int main(int argc, char **argv)
             printf(" %" PRIu64, test.answered[what]);
         }
         printf("; cut short: %" PRIu64 "\n", test.cut_short);
+        fflush(stdout);
     }
     MPI_Finalize();
     return failed;
