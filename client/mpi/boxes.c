@@ -1,7 +1,8 @@
 /* boxes.c - boxes around leaves.
  *
  * Room:     client/mpi.
- * Does:     cut the own leaves of each object into runs of equal length.
+ * Does:     cut the own leaves of each object into runs of equal length, and where the
+ *           curve jumps.
  * Threads:  one.
  * Source:   boxes.h.
  */
@@ -12,7 +13,8 @@
 #include "local.h"
 #include "places.h"
 
-#define BLOCKS_MAX       4096u /* of a rank, and one more for each object */
+#define BLOCKS_MAX       4096u /* of a rank, and one more for each object and jump */
+#define JUMPS_MAX        4096u
 #define BLOCK_LEAVES_MIN 16u
 
 void ranks_boxes_deinit(struct ranks_boxes *boxes)
@@ -84,22 +86,46 @@ static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *objec
     return status;
 }
 
+/* How far apart two boxes are along the axis along which they are farthest apart. */
+static float gap_between(const float a[6], const float b[6])
+{
+    float gap = 0;
+    for (int k = 0; k < 3; k++) {
+        gap = fmaxf(gap, fmaxf(a[k] - b[k + 3], b[k] - a[k + 3]));
+    }
+    return gap;
+}
+
+static float side_of(const float box[6])
+{
+    return fmaxf(box[3] - box[0], fmaxf(box[4] - box[1], box[5] - box[2]));
+}
+
+/* Where the curve leaves the scene and comes back elsewhere, a box around both places would
+ * be as large as the jump, and meet whatever lies in between. */
 static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
                         struct ranks_boxes *boxes)
 {
     uint64_t size = leaf_count / BLOCKS_MAX + 1;
+    uint32_t jumps = 0;
     size = size < BLOCK_LEAVES_MIN ? BLOCK_LEAVES_MIN : size;
     for (uint32_t o = 0; o < world->object_count; o++) {
         uint32_t count = world->objects[o]->own_count;
-        for (uint32_t begin = 0; begin < count; begin += (uint32_t)size) {
-            struct ranks_block *block = &boxes->blocks[boxes->block_count++];
-            block->object = o;
-            block->begin = begin;
-            block->count = count - begin < size ? count - begin : (uint32_t)size;
-            ranks_box_begin(block->box);
-            for (uint32_t i = 0; i < block->count; i++) {
-                ranks_box_add(block->box, boxes->boxes[boxes->first[o] + begin + i]);
+        struct ranks_block *block = NULL;
+        for (uint32_t i = 0; i < count; i++) {
+            const float *box = boxes->boxes[boxes->first[o] + i];
+            bool jumps_here = block != NULL && block->count < size && jumps < JUMPS_MAX &&
+                              gap_between(block->box, box) > side_of(block->box);
+            if (block == NULL || block->count == size || jumps_here) {
+                block = &boxes->blocks[boxes->block_count++];
+                block->object = o;
+                block->begin = i;
+                block->count = 0;
+                ranks_box_begin(block->box);
+                jumps += jumps_here;
             }
+            block->count++;
+            ranks_box_add(block->box, box);
         }
     }
 }
@@ -116,8 +142,9 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *wa
         count += world->objects[o]->own_count;
     }
     boxes->boxes = ranks_array(count, sizeof *boxes->boxes);
-    boxes->blocks = ranks_array(BLOCKS_MAX + objects + count / BLOCK_LEAVES_MIN,
-                                sizeof *boxes->blocks);
+    boxes->blocks =
+        ranks_array(BLOCKS_MAX + JUMPS_MAX + objects + count / BLOCK_LEAVES_MIN,
+                    sizeof *boxes->blocks);
     if (boxes->first == NULL || boxes->boxes == NULL || boxes->blocks == NULL) {
         return ranks_no_memory(world);
     }

@@ -39,8 +39,11 @@ static void transpose(uint32_t x[3])
 uint64_t ranks_curve_place(const double x[3], const double low[3], const double high[3])
 {
     uint32_t cell[3];
+    double size = 0;
     for (int k = 0; k < 3; k++) {
-        double size = high[k] - low[k];
+        size = high[k] - low[k] > size ? high[k] - low[k] : size;
+    }
+    for (int k = 0; k < 3; k++) {
         double at = size > 0 ? (x[k] - low[k]) / size * (1u << BITS) : 0;
         cell[k] = at >= (1u << BITS) - 1 ? (1u << BITS) - 1 : at > 0 ? (uint32_t)at : 0;
     }
