@@ -10,13 +10,14 @@
 #ifndef PROTO_DIRECT_H
 #define PROTO_DIRECT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 2u
+#define PROTO_DIRECT_VERSION 3u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -51,6 +52,12 @@ struct proto_direct {
      * 0, PCCD_E_HANDLE, PCCD_E_STATE, PCCD_E_NOMEM or PCCD_E_DISCONNECTED. [owner] */
     int (*own)(struct proto_direct_inbox *line, uint32_t mesh, const uint64_t *vertices,
                const uint64_t *edges);
+
+    /* For libpccd-mpi, too: while a message of the client's is handled, is_stopped(asked)
+     * is asked every few microseconds by the thread that brought it; true ends what is
+     * computed, as a cancel does. NULL: nobody is asked. [owner] */
+    void (*watch)(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
+                  void *asked);
 
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);

@@ -162,6 +162,15 @@ int cli_foreign_own(struct pccd_client *client, uint32_t mesh, const uint64_t *v
                                   mesh, pccd_status_text(status));
 }
 
+int cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *asked)
+{
+    if (client->direct.line == NULL) {
+        return cli_fail(client, PCCD_E_STATE, "only direct: asks while it computes");
+    }
+    client->direct.host->watch(client->direct.line, is_stopped, asked);
+    return 0;
+}
+
 int cli_direct_descriptor(const struct pccd_client *client)
 {
     return client->direct.host->descriptor(client->direct.line);

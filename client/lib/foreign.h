@@ -4,10 +4,13 @@
  * Does:     tell the service in this process which features of a mesh are its own. All
  *           others are foreign: pairs of which such a one is the first feature are left
  *           out of steps and of what is near, because another process looks for them.
+ *           And let that process end a step that this one computes.
  * Threads:  [owner].
  */
 #ifndef CLI_FOREIGN_H
 #define CLI_FOREIGN_H
+
+#include <stdbool.h>
 
 #include "pccd.h"
 
@@ -19,5 +22,13 @@ __attribute__((visibility("default"))) int cli_foreign_own(struct pccd_client *c
                                                            uint32_t mesh,
                                                            const uint64_t *vertices,
                                                            const uint64_t *edges);
+
+/* With the url direct:, while the client's steps and questions are computed,
+ * is_stopped(asked) is asked by the thread that called, every few microseconds as a rule,
+ * so it looks itself how long ago it did more than that. True ends the step as
+ * pccd_cancel does: PCCD_INCOMPLETE_CANCELLED. is_stopped must not call libpccd. NULL:
+ * nobody is asked any more. PCCD_E_STATE: it is another url. */
+__attribute__((visibility("default"))) int
+cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *asked);
 
 #endif

@@ -43,7 +43,9 @@
 #define NS_PER_MS   1000000u
 
 struct proto_direct_inbox {
-    struct srv_conn conn; /* first */
+    struct srv_conn conn;            /* first */
+    bool (*is_stopped)(void *asked); /* NULL: nobody is asked */
+    void *asked;
 };
 
 /* Whose turn it is: everything below, and all that the service has. */
@@ -433,7 +435,7 @@ static int open_line(struct proto_direct_inbox **line, char text[PROTO_DIRECT_TE
                        "PCCD_CPU=%s: there is no such instruction set here", cpu);
         return PCCD_E_INVAL;
     }
-    struct proto_direct_inbox *made = malloc(sizeof *made);
+    struct proto_direct_inbox *made = calloc(1, sizeof *made);
     if (made == NULL || srv_inbox_init(&made->conn) != 0) {
         free(made);
         return refuse(text, PCCD_E_NOMEM, "no memory for a client");
@@ -459,8 +461,11 @@ static int send_message(struct proto_direct_inbox *line, const void *message,
     }
     take_turn();
     the_service->metrics.counters.messages++;
+    the_service->is_stopped = line->is_stopped;
+    the_service->asked = line->asked;
     srv_dispatch(line->conn.session, message, bytes);
     work_off(the_service);
+    the_service->is_stopped = NULL;
     do_due();
     end_turn();
     return 0;
@@ -538,6 +543,13 @@ static int tell_own(struct proto_direct_inbox *line, uint32_t mesh,
     return status;
 }
 
+static void watch_line(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
+                       void *asked)
+{
+    line->is_stopped = is_stopped;
+    line->asked = asked;
+}
+
 static void close_line(struct proto_direct_inbox *line)
 {
     if (is_forked) {
@@ -571,6 +583,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .receive = receive_message,
                                              .descriptor = descriptor_of,
                                              .own = tell_own,
+                                             .watch = watch_line,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;
 }

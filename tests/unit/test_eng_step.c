@@ -358,6 +358,44 @@ static void step__early_ends_say_why(void **state)
     free(contacts);
 }
 
+struct asked {
+    pthread_t thread; /* that called */
+    bool was_other;
+    uint32_t times, stop_at;
+};
+
+static bool count_questions(void *context)
+{
+    struct asked *asked = context;
+    asked->was_other |= pthread_equal(asked->thread, pthread_self()) == 0;
+    return ++asked->times >= asked->stop_at;
+}
+
+/* If it failed: libpccd-mpi would call MPI from a thread that must not, or a step would
+ * not end for what another rank has found. */
+static void step__only_the_caller_is_asked_and_can_stop(void **state)
+{
+    struct fixture *f = *state;
+    const uint64_t total = run(f, PCCD_MODE_ALL).count;
+    for (uint32_t threads = 1; threads <= 4; threads += 3) {
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        struct asked asked = {.thread = pthread_self(), .stop_at = UINT32_MAX};
+        settings.threads = threads;
+        settings.team_always = true;
+        settings.is_stopped = count_questions;
+        settings.asked = &asked;
+        struct eng_step_result result = run_with(f, &settings);
+        assert_int_equal(result.incomplete, PCCD_COMPLETE);
+        assert_true(asked.times > 0 && !asked.was_other);
+        asked.stop_at = asked.times = 0;
+        result = run_with(f, &settings);
+        assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CANCELLED);
+        /* The other threads may have been done. */
+        assert_true(result.count < total || threads > 1);
+        assert_false(asked.was_other);
+    }
+}
+
 /* Triangles with coordinates of every magnitude, for which each pair takes long. */
 static struct eng_scene *hostile_scene(struct kit_random *random)
 {
@@ -610,6 +648,7 @@ int main(void)
         cmocka_unit_test(step__first_is_found_whatever_is_found_before),
         TEST(step__tolerance_narrows_brackets_only),
         TEST(step__early_ends_say_why),
+        TEST(step__only_the_caller_is_asked_and_can_stop),
         cmocka_unit_test(step__deadline_is_seen_between_slow_tests),
         cmocka_unit_test(step__empty_scene_and_single_object_have_no_contacts),
         cmocka_unit_test(step__one_object_meets_itself),

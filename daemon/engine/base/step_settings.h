@@ -65,6 +65,11 @@ struct eng_step_settings {
     double tolerance;     /* of toi_hi - toi, 1e-12 .. 1; default 1e-6 */
     uint64_t deadline_ns; /* CLOCK_MONOTONIC; 0 = none */
     const atomic_bool *cancel; /* set by any thread to stop the step; may be NULL */
+    /* Asked where `cancel` is looked at, by the calling thread alone: true stops the step
+     * as cancelled. So the caller may look where no other thread may. Some microseconds
+     * lie between two questions, as a rule. NULL: nobody is asked. */
+    bool (*is_stopped)(void *asked);
+    void *asked;
     /* Records kept at most: of more, the first in canonical order (mode first: of those
      * that may have been the earliest then), and the answer is incomplete. */
     uint64_t contact_max;
@@ -93,7 +98,7 @@ struct eng_step_settings {
 
 #define ENG_STEP_SETTINGS_DEFAULT                                                        \
     {                                                                                    \
-        PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, 16u << 20,                 \
+        PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, NULL, NULL, 16u << 20,     \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
             NULL, NULL, 0, NULL, false, false, 0, 0, NULL, NULL                          \

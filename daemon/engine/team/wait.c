@@ -71,6 +71,9 @@ bool eng_wait_moment(struct eng_wait *wait)
     uint64_t now_ns = common_now_ns();
     if (now_ns >= wait->next_ns) {
         wait->next_ns = now_ns + LOOK_NS;
+        if (wait->worker) {
+            eng_worker_ask(wait->worker);
+        }
         if (eng_seat_lend(wait->affinity, wait->thread, wait->team_count, now_ns,
                           &wait->look)) {
             wait->spin_end_ns = now_ns; /* it has our processor when we sleep */

@@ -1,8 +1,8 @@
 /* daemon/engine/team/worker.c - what one thread of a step owns.
  *
  * Room:     engine.
- * Does:     begin a step, watch clock and cancel flag, share the bound on time, account
- *           for time without work.
+ * Does:     begin a step, watch clock and cancel flag, ask the caller, share the bound on
+ *           time, account for time without work.
  * Threads:  [team]; a worker belongs to one thread.
  */
 #include "worker.h"
@@ -70,6 +70,8 @@ void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settin
     atomic_init(&stop->meeting.arrived, 0);
     atomic_init(&stop->meeting.round, 0);
     stop->cancel = settings->cancel;
+    stop->is_stopped = settings->is_stopped;
+    stop->asked = settings->asked;
     stop->deadline_ns = settings->deadline_ns;
     atomic_init(&stop->reason, PCCD_COMPLETE);
     atomic_init(&stop->stopped, false);
@@ -107,10 +109,19 @@ static void look_at_bound(struct eng_worker *worker)
     }
 }
 
-/* Set the stop if there is a reason, `ns` from now. */
-static void look_for_reason(struct eng_stop *stop, uint64_t ns)
+/* The first thread of a team is the one that called. */
+static bool is_cancelled(const struct eng_worker *worker)
 {
-    if (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) {
+    const struct eng_stop *stop = worker->stop;
+    return (stop->cancel && atomic_load_explicit(stop->cancel, memory_order_relaxed)) ||
+           (stop->is_stopped && worker->thread == 0 && stop->is_stopped(stop->asked));
+}
+
+/* Set the stop if there is a reason, `ns` from now. */
+static void look_for_reason(struct eng_worker *worker, uint64_t ns)
+{
+    struct eng_stop *stop = worker->stop;
+    if (is_cancelled(worker)) {
         stop_for(stop, PCCD_INCOMPLETE_CANCELLED);
     } else if (stop->deadline_ns != 0 && common_now_ns() + ns >= stop->deadline_ns) {
         stop_for(stop, PCCD_INCOMPLETE_DEADLINE);
@@ -122,7 +133,7 @@ bool eng_worker_should_stop(struct eng_worker *worker)
     struct eng_stop *stop = worker->stop;
     look_at_bound(worker);
     if (!eng_stop_is_set(stop)) {
-        look_for_reason(stop, 0);
+        look_for_reason(worker, 0);
     }
     return eng_stop_is_set(stop);
 }
@@ -131,9 +142,17 @@ bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns)
 {
     struct eng_stop *stop = worker->stop;
     if (!eng_stop_is_set(stop)) {
-        look_for_reason(stop, ns);
+        look_for_reason(worker, ns);
     }
     return atomic_load_explicit(&stop->reason, memory_order_relaxed) != PCCD_COMPLETE;
+}
+
+void eng_worker_ask(struct eng_worker *worker)
+{
+    struct eng_stop *stop = worker->stop;
+    if (stop->is_stopped && !eng_stop_is_set(stop) && is_cancelled(worker)) {
+        stop_for(stop, PCCD_INCOMPLETE_CANCELLED);
+    }
 }
 
 void eng_worker_give_up(struct eng_worker *worker)

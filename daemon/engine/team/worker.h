@@ -36,6 +36,8 @@ struct eng_meeting {
 struct eng_stop {
     struct eng_meeting meeting;
     const atomic_bool *cancel;
+    bool (*is_stopped)(void *asked); /* of the settings */
+    void *asked;
     uint64_t deadline_ns;
     atomic_int reason;   /* enum pccd_incomplete, set by the worker that saw it */
     atomic_bool stopped; /* by deadline, cancel or a proved contact in mode any */
@@ -105,12 +107,16 @@ double eng_stop_time_bound(const struct eng_stop *stop);
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings);
 
-/* Should the worker stop? Looks at the clock and at the cancel flag. */
+/* Should the worker stop? Looks at the clock and at the cancel flag; the first thread
+ * also asks whoever is to be asked. */
 bool eng_worker_should_stop(struct eng_worker *worker);
 
 /* The same for one that is about to do what cannot be stopped and takes `ns`. True only
  * for a deadline or a cancel. */
 bool eng_worker_is_late(struct eng_worker *worker, uint64_t ns);
+
+/* The worker waits for others: the first thread asks whoever is to be asked. */
+void eng_worker_ask(struct eng_worker *worker);
 
 /* When a slice of the trace begins; 0 without a trace, so that nobody asks the clock. */
 static inline uint64_t eng_worker_slice(const struct eng_worker *worker)

@@ -150,6 +150,8 @@ struct eng_step_settings srv_stepping_settings(struct srv_request *request)
                            : asked.threads;
     settings.deadline_ns = end_of(request, asked.deadline_ns);
     settings.cancel = &request->job.cancel;
+    settings.is_stopped = request->session->service->is_stopped;
+    settings.asked = request->session->service->asked;
     settings.contact_max = options->contacts_max;
     settings.brief = srv_request_state(request) == SRV_REQUEST_BRIEF;
     settings.affinity =

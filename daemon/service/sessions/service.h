@@ -54,6 +54,10 @@ struct srv_service {
     bool is_pinned;         /* threads of steps are put on them; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
+    /* Whether the client whose message is handled wants no more: asked by the thread that
+     * computes; NULL: nobody is asked. */
+    bool (*is_stopped)(void *asked);
+    void *asked;
     struct srv_timer *linger; /* runs while sessions wait for their clients (linger.h) */
     uint32_t waiting_count;   /* of these */
     struct srv_deadlines deadlines; /* of requests */
