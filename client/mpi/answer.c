@@ -23,6 +23,7 @@ struct totals {
     uint64_t verdicts[PCCD_VERDICT_NONE + 1];
     uint64_t incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT + 1];
     uint64_t threads, crossings;
+    uint64_t said; /* struct ranks_stop */
     struct pccd_step_counters counters;
 };
 
@@ -50,8 +51,12 @@ static enum pccd_verdict verdict_of(const struct totals *totals, enum pccd_mode 
                                                  : PCCD_VERDICT_NO;
 }
 
-static enum pccd_incomplete why_incomplete(const struct totals *totals)
+static enum pccd_incomplete why_incomplete(const struct totals *totals,
+                                           enum pccd_mode mode)
 {
+    if (verdict_of(totals, mode) == PCCD_VERDICT_YES) {
+        return PCCD_COMPLETE; /* decided, whatever was left to do */
+    }
     for (uint32_t i = PCCD_INCOMPLETE_CONTACT_LIMIT; i > 0; i--) {
         if (totals->incomplete[i] > 0) {
             return (enum pccd_incomplete)i;
@@ -88,7 +93,7 @@ static void write_answer(const struct pccd_mpi *world,
     answer->inside = sums->inside;
     answer->toi_first = answer->mode == PCCD_MODE_PAIRS ? 2 : sums->toi_first;
     answer->verdict = verdict_of(totals, answer->mode);
-    answer->incomplete = why_incomplete(totals);
+    answer->incomplete = why_incomplete(totals, answer->mode);
     answer->crowded = is_thick(world, settings) && answer->mode != PCCD_MODE_ANY &&
                       sums->initial + sums->inside > sums->total / 2;
     answer->counters = totals->counters;
@@ -147,10 +152,20 @@ static int shorten(struct pccd_mpi *world, struct totals *totals)
     return status;
 }
 
+/* Has each rank done all its work? Else what it did says nothing of how it lies. */
+static bool is_whole(const struct totals *totals)
+{
+    return totals->verdicts[PCCD_VERDICT_YES] == 0 &&
+           totals->incomplete[PCCD_INCOMPLETE_DEADLINE] == 0 &&
+           totals->incomplete[PCCD_INCOMPLETE_CANCELLED] == 0;
+}
+
 int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *settings,
                       uint64_t cut_ns, struct pccd_answer *answer)
 {
-    struct totals totals = {.threads = answer->threads, .counters = answer->counters};
+    struct totals totals = {.threads = answer->threads,
+                            .said = world->stop.said,
+                            .counters = answer->counters};
     int status = PCCD_OK;
     if (answer->mode == PCCD_MODE_FIRST) {
         double limit = ranks_records_limit(world);
@@ -173,9 +188,12 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
                            (int)(sizeof totals / sizeof(uint64_t)));
     }
     if (status == PCCD_OK) {
+        status = ranks_stop_settle(&world->stop, totals.said);
+    }
+    if (status == PCCD_OK && is_whole(&totals)) {
         status = balance_tell(world);
     }
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && (is_whole(&totals) || cut_ns > 0)) {
         balance_note_times(world, answer->times.step, cut_ns);
     }
     totals.sums.toi_first = toi_first;
@@ -219,7 +237,7 @@ static void write_near(const struct pccd_near_settings *near, const struct total
     answer->total = sums->total;
     answer->distance_min = reach[0];
     answer->distance_max = reach[1] < 0 ? -reach[1] : 0;
-    answer->incomplete = why_incomplete(totals);
+    answer->incomplete = why_incomplete(totals, PCCD_MODE_ALL);
     answer->verdict =
         near->what == PCCD_NEAR_CROSSINGS && answer->incomplete == PCCD_COMPLETE
             ? verdict_of(totals, PCCD_MODE_ANY)
@@ -239,6 +257,7 @@ int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settin
                            struct pccd_answer *answer)
 {
     struct totals totals = {.threads = answer->threads,
+                            .said = world->stop.said,
                             .counters = answer->counters,
                             .crossings = answer->crossings};
     double reach[2], toi_first = 2;
@@ -260,6 +279,9 @@ int ranks_answer_make_near(struct pccd_mpi *world, const struct pccd_near_settin
     if (status == PCCD_OK) {
         status = ranks_sum(&world->link, (uint64_t *)(void *)&totals,
                            (int)(sizeof totals / sizeof(uint64_t)));
+    }
+    if (status == PCCD_OK) {
+        status = ranks_stop_settle(&world->stop, totals.said);
     }
     if (status == PCCD_OK && totals.sums.total > world->record_limit) {
         status = shorten_near(world, &totals, reach);

@@ -344,8 +344,10 @@ int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
         status = fetch_radii(world, apart, radii);
     }
     if (status == PCCD_OK) {
+        ranks_stop_open(&world->stop);
         status = ranks_agree_on(&world->link,
                                 ask_in_scene(world, near, has_radii, radii, apart));
+        ranks_stop_close(&world->stop);
     }
     for (uint32_t o = 0; o < world->object_count && radii != NULL; o++) {
         free(radii[o]);

@@ -76,11 +76,8 @@ static int check_triangles(const struct ranks_pairing *pairing)
 
 void ranks_ask_rest(const struct ranks_pairing *pairing, struct pccd_near_settings *near)
 {
-    uint64_t now_ns = common_now_ns();
     *near = *pairing->near;
-    if (pairing->end_ns != 0) {
-        near->deadline_ns = pairing->end_ns > now_ns ? pairing->end_ns - now_ns : 1;
-    }
+    near->deadline_ns = ranks_stop_rest(&pairing->world->stop);
 }
 
 void ranks_visitor_make(const struct ranks_pairing *pairing, uint32_t object,
@@ -193,7 +190,6 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
     struct ranks_apart apart = {.count = 0};
     struct ranks_pairing pairing = {.world = world, .near = near};
     uint64_t begin_ns = common_now_ns();
-    pairing.end_ns = near->deadline_ns > 0 ? begin_ns + near->deadline_ns : 0;
     pairing.x = calloc((size_t)world->object_count + 1, sizeof *pairing.x);
     int status = pairing.x == NULL ? ranks_no_memory(world) : check_triangles(&pairing);
     status = ranks_agree_on(&world->link, status);

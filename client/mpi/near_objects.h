@@ -27,7 +27,6 @@ int ranks_near_of_objects(struct pccd_mpi *world, const struct pccd_near_setting
 struct ranks_pairing {
     struct pccd_mpi *world;
     const struct pccd_near_settings *near;
-    uint64_t end_ns; /* of the deadline; 0: none */
     double (**x)[3]; /* [object_count]: of local vertices */
 };
 

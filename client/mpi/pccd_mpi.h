@@ -12,16 +12,17 @@
  *           url direct:, keep each contact once, and add up.
  * Does not: start ranks or carry bytes: MPI does.
  * Threads:  one thread of a rank at a time, the one that may call MPI: with more than one
- *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED.
+ *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED. Any
+ *           other thread may call pccd_mpi_cancel meanwhile, which does not call MPI.
  *
  * Every function with a world is collective: all ranks call it, in the same order. Only
- * pccd_mpi_error_text and pccd_mpi_feature are not. What says "the same on every rank" is
- * compared first. All ranks get the same status; after an error nothing has changed, but
- * that objects which were to move count as if they had stood still in the last step.
- * pccd_mpi_error_text names the rank and what was wrong. Three errors end a world, so
- * that every later call but pccd_mpi_close fails with E_STATE: E_TIMEOUT, a rank did not
- * come; E_SYSTEM, MPI itself failed; and E_NOMEM, where it left things half done. When a
- * rank dies, MPI ends the others as well, as a rule.
+ * pccd_mpi_cancel, pccd_mpi_error_text and pccd_mpi_feature are not. What says "the same
+ * on every rank" is compared first. All ranks get the same status; after an error nothing
+ * has changed, but that objects which were to move count as if they had stood still in
+ * the last step. pccd_mpi_error_text names the rank and what was wrong. Three errors end
+ * a world, so that every later call but pccd_mpi_close fails with E_STATE: E_TIMEOUT, a
+ * rank did not come; E_SYSTEM, MPI itself failed; and E_NOMEM, where it left things half
+ * done. When a rank dies, MPI ends the others as well, as a rule.
  *
  *     struct pccd_mpi *world;
  *     pccd_mpi_open(MPI_COMM_WORLD, NULL, &world);
@@ -130,8 +131,10 @@ int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t obj
  * toi_first, safe_step, verdict, hash. Times are those of the slowest rank; counters and
  * threads are sums. A record is kept by the rank that has its first feature.
  *
- * With a deadline each rank ends its own part; an incomplete answer has what was found.
- * Errors: those of pccd_step. */
+ * In mode any the first rank that proves a contact ends the step of all. deadline_ns
+ * begins when the last rank has come. To cut the scene, and to choose ghosts and make
+ * meshes of them, cannot end early: the ranks look at the deadline after each. When a
+ * step has ended early, everything has moved. Errors: those of pccd_step. */
 int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer);
@@ -146,6 +149,13 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
 int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer);
+
+/* End the pccd_mpi_step or pccd_mpi_near that this rank is in, on all ranks, as soon as a
+ * deadline would; one rank is enough. If anything was left to do, the answer is
+ * incomplete: PCCD_INCOMPLETE_CANCELLED. While this rank is in no such call, nothing
+ * happens, nor to a later one; nor to NULL. Any thread, while another is in the call,
+ * also in a signal handler; it does not wait. The world must not be closed meanwhile. */
+void pccd_mpi_cancel(struct pccd_mpi *world);
 
 /* All records of the last answer in canonical order, to `each` on rank `root`, some
  * thousands at a time: of struct pccd_pair in mode pairs, of struct pccd_near for what is
@@ -171,7 +181,8 @@ struct pccd_mpi_share {
     uint64_t ghost_vertices;
     uint64_t sent_bytes; /* by this rank, in the last step */
     uint64_t work;       /* counted, of this rank, in the last step */
-    double imbalance;    /* largest work of a rank over the mean; 1 if there was none */
+    double imbalance;    /* largest work of a rank over the mean, of the last step
+                            that did not end early; 1 if there was none */
     uint64_t cuts;       /* how often the scene was cut anew so far */
     uint64_t searches;   /* how often ghosts were chosen so far */
 };

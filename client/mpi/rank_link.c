@@ -75,6 +75,9 @@ int ranks_wait(struct ranks_link *link, MPI_Request *requests, int count)
             done++;
             continue;
         }
+        if (link->meanwhile != NULL) {
+            link->meanwhile(link->context);
+        }
         uint64_t waited_ns = common_now_ns() - begin_ns;
         if (waited_ns > limit_ns) {
             link->broken = PCCD_E_TIMEOUT;

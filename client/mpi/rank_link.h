@@ -29,6 +29,10 @@ struct ranks_link {
     int broken; /* 0, or the status of every later call */
     uint64_t sent_bytes;
     uint64_t calls; /* collective ones so far */
+    /* Called again and again while this rank waits for others; must not wait. NULL: there
+     * is nothing else to do. */
+    void (*meanwhile)(void *context);
+    void *context;
     char text[RANKS_TEXT_BYTES];
 };
 

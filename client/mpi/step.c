@@ -2,7 +2,8 @@
  *
  * Room:     client/mpi.
  * Does:     let all ranks know what moves; choose ghosts where those at hand may not do;
- *           send positions; let libpccd compute; put the answer together.
+ *           send positions; let libpccd compute; put the answer together; look whether
+ *           that is to end early.
  * Threads:  one.
  * Source:   pccd_mpi.h, step.h.
  */
@@ -74,7 +75,7 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
 /* ---- ghosts ----------------------------------------------------------------------- */
 
 /* What this rank knows of each object. */
-static void look(const struct pccd_mpi *world, struct ranks_moment *moment)
+static void look(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
         const struct ranks_object *object = world->objects[o];
@@ -85,7 +86,9 @@ static void look(const struct pccd_mpi *world, struct ranks_moment *moment)
         row(world, moment, MISSES)[o] =
             (!world->is_covered || moves || starts) && ranks_ghosts_miss(object);
     }
-    moment->bytes[(size_t)ROWS * world->object_count] = moment->motion_count > 0;
+    uint8_t *of_all = moment->bytes + (size_t)ROWS * world->object_count;
+    of_all[0] = moment->motion_count > 0;
+    of_all[1] = (uint8_t)ranks_stop_reason(&world->stop);
 }
 
 /* At rest a step began where the last one did; else what no motion has stands still. */
@@ -123,10 +126,12 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
     look(world, moment);
     status = ranks_agree_on(link, status);
     if (link->broken == PCCD_OK) {
-        int heard = ranks_max_bytes(link, moment->bytes, (int)bytes + 1);
+        int heard = ranks_max_bytes(link, moment->bytes, (int)bytes + 2);
         status = status == PCCD_OK ? heard : status;
     }
     moment->is_still = moment->near != NULL && moment->bytes[bytes] == 0;
+    moment->stopped = (enum pccd_incomplete)moment->bytes[bytes + 1];
+    world->stop.is_set |= moment->stopped == PCCD_INCOMPLETE_CANCELLED;
     if (is_at_begin && !moment->is_still) {
         begin_at(world, false);
     }
@@ -142,12 +147,14 @@ static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *
     return misses;
 }
 
-static int choose_ghosts(struct pccd_mpi *world, const struct ranks_moment *moment)
+static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     bool is_far = world->reach < moment->settings.separation;
-    return !world->is_covered || is_far || has_misses(world, moment)
-               ? ranks_ghosts_choose(world, moment->settings.separation)
-               : PCCD_OK;
+    if (world->is_covered && !is_far && !has_misses(world, moment)) {
+        return PCCD_OK;
+    }
+    int status = ranks_ghosts_choose(world, moment->settings.separation);
+    return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
 /* What a cut took for its time is much, and would stay with the process. */
@@ -257,27 +264,43 @@ static int take_pages(struct pccd_mpi *world, struct pccd_answer *answer)
     }
 }
 
-static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
-                   struct pccd_frame *frame, struct pccd_answer *answer)
+static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
+                  struct pccd_frame *frame, struct pccd_answer *answer)
 {
     uint64_t step = 0;
     int status = PCCD_OK;
     if (moment->near != NULL) {
         struct pccd_near_settings all = *moment->near;
         all.object_a = all.object_b = 0; /* bounds are of all that is near */
+        all.deadline_ns = ranks_stop_rest(&world->stop);
         if (frame->segment_count == 0) {
             all.end =
                 1; /* here both are where it stands; libpccd thinks of its last step */
         }
         status = pccd_frame_commit_near(frame, &all, &step);
     } else {
-        status = pccd_frame_commit(frame, &moment->settings, &step);
+        struct pccd_step_settings settings = moment->settings;
+        settings.deadline_ns = ranks_stop_rest(&world->stop);
+        status = pccd_frame_commit(frame, &settings, &step);
     }
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
     }
-    return status == PCCD_OK ? take_pages(world, answer)
+    return status == PCCD_OK ? PCCD_OK
                              : ranks_fail_local(world, status, "the step failed");
+}
+
+static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
+                   struct pccd_frame *frame, struct pccd_answer *answer)
+{
+    int status = commit(world, moment, frame, answer);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    if (answer->verdict == PCCD_VERDICT_YES && moment->near == NULL) {
+        ranks_stop_say(&world->stop);
+    }
+    return take_pages(world, answer);
 }
 
 /* The step was made: what moved is there now. is_known: libpccd has it there, too. */
@@ -300,13 +323,54 @@ static void move_on(struct pccd_mpi *world, const struct ranks_moment *moment,
 }
 
 /* The scene is cut, if that is due or it never was. */
-static int cut(struct pccd_mpi *world, const struct ranks_moment *moment)
+static int cut(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     int status = PCCD_OK;
     if (world->is_covered) {
         status = ranks_weigh(world, moment->settings.separation);
     }
-    return status == PCCD_OK ? ranks_cut(world) : status;
+    if (status == PCCD_OK) {
+        status = ranks_cut(world);
+    }
+    return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
+}
+
+static int make_answer(struct pccd_mpi *world, const struct ranks_moment *moment,
+                       uint64_t cut_ns, struct pccd_answer *answer)
+{
+    return moment->near != NULL
+               ? ranks_answer_make_near(world, moment->near, answer)
+               : ranks_answer_make(world, &moment->settings, cut_ns, answer);
+}
+
+/* All ranks know that the call ends: libpccd counts the step, and is not told what moves.
+ * Whatever it still says, of what stood in its last step, is no answer. */
+static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *moment,
+                          uint64_t begin_ns, uint64_t cut_ns, struct pccd_answer *answer)
+{
+    struct pccd_frame frame;
+    struct pccd_answer said = PCCD_ANSWER_INIT;
+    world->stop.is_set = true;
+    int status = pccd_frame_begin(world->client, world->scene, 0, 0, &frame);
+    status = status == PCCD_OK ? commit(world, moment, &frame, &said)
+                               : ranks_fail_local(world, status, "no frame of libpccd");
+    status = ranks_agree_on(&world->link, status);
+    *answer = (struct pccd_answer){.mode = moment->settings.mode,
+                                   .method = said.method,
+                                   .incomplete = moment->stopped,
+                                   .verdict = PCCD_VERDICT_NONE,
+                                   .toi_first = 2,
+                                   .number = said.number,
+                                   .threads = said.threads,
+                                   .times.step = common_now_ns() - begin_ns,
+                                   .is_near = said.is_near,
+                                   .what = said.what,
+                                   .distance_min = 2e18};
+    if (status == PCCD_OK) {
+        pccd_answer_release(world->client, &said);
+        status = make_answer(world, moment, cut_ns, answer);
+    }
+    return status;
 }
 
 /* libpccd computes, in each rank for what is there. */
@@ -319,25 +383,53 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
         give_back();
     }
     uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
+    if (status == PCCD_OK && moment->stopped != PCCD_COMPLETE) {
+        return answer_nothing(world, moment, begin_ns, cut_ns, answer);
+    }
     if (status == PCCD_OK) {
         status = send_positions(world, moment, &frame);
     }
     if (status != PCCD_OK) {
         return status;
     }
+    ranks_stop_open(&world->stop);
     status = ranks_agree_on(&world->link, compute(world, moment, &frame, answer));
+    ranks_stop_close(&world->stop);
     if (status == PCCD_OK && world->is_merged) {
         status = ranks_merge(world);
     }
     if (status == PCCD_OK) {
-        status = moment->near != NULL
-                     ? ranks_answer_make_near(world, moment->near, answer)
-                     : ranks_answer_make(world, &moment->settings, cut_ns, answer);
+        status = make_answer(world, moment, cut_ns, answer);
     }
     if (status != PCCD_OK) { /* some ranks may have moved on */
         for (uint32_t o = 0; o < world->object_count; o++) {
             world->objects[o]->is_elsewhere = true;
         }
+    }
+    return status;
+}
+
+/* Questions about two objects find out whether they are allowed, whenever they end. */
+static int answer_by(struct pccd_mpi *world, struct ranks_moment *moment,
+                     uint64_t begin_ns, struct pccd_answer *answer)
+{
+    bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
+    bool is_stopped = is_of_leaves && moment->stopped != PCCD_COMPLETE;
+    bool is_cut =
+        !is_stopped && (!world->is_cut || (is_of_leaves && balance_wants_cut(world)));
+    int status = is_cut ? cut(world, moment) : PCCD_OK;
+    if (status != PCCD_OK) {
+        return status;
+    }
+    uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
+    is_stopped = is_of_leaves && moment->stopped != PCCD_COMPLETE;
+    if (is_of_leaves && !is_stopped) {
+        return ask_libpccd(world, moment, begin_ns, is_cut, answer);
+    }
+    status = is_stopped ? answer_nothing(world, moment, begin_ns, cut_ns, answer)
+                        : ranks_near_of_objects(world, moment->near, answer);
+    if (status == PCCD_OK && !moment->is_still && has_misses(world, moment)) {
+        world->is_covered = false; /* they were not needed; whoever needs them looks */
     }
     return status;
 }
@@ -353,24 +445,20 @@ static int make(struct pccd_mpi *world, struct ranks_moment *moment,
     world->mode = moment->near != NULL ? PCCD_MODE_ALL : moment->settings.mode;
     world->has_bounds = moment->near != NULL && moment->near->what == PCCD_NEAR_VERTICES;
     int status = take_motions(world, moment);
-    bool is_cut = !world->is_cut || (is_of_leaves && balance_wants_cut(world));
-    if (is_cut && status == PCCD_OK) {
-        status = cut(world, moment);
+    if (status == PCCD_OK) {
+        status = answer_by(world, moment, begin_ns, answer);
     }
     if (status == PCCD_OK) {
-        status = is_of_leaves ? ask_libpccd(world, moment, begin_ns, is_cut, answer)
-                              : ranks_near_of_objects(world, moment->near, answer);
+        move_on(world, moment, is_of_leaves && moment->stopped == PCCD_COMPLETE);
+        return PCCD_OK;
     }
-    if (status != PCCD_OK) {
-        world->record_count = world->bound_count = 0;
-        forget_begins(world, moment);
-        return status;
+    world->record_count = world->bound_count = 0;
+    forget_begins(world, moment);
+    if (world->link.broken == PCCD_OK) {
+        int settled = ranks_stop_settle_alone(&world->stop);
+        status = settled == PCCD_OK ? status : settled;
     }
-    if (!is_of_leaves && !moment->is_still && has_misses(world, moment)) {
-        world->is_covered = false; /* they were not needed; whoever needs them looks */
-    }
-    move_on(world, moment, is_of_leaves);
-    return PCCD_OK;
+    return status;
 }
 
 static void moment_deinit(struct ranks_moment *moment)
@@ -383,7 +471,7 @@ static void moment_deinit(struct ranks_moment *moment)
 static int moment_init(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     size_t objects = world->object_count;
-    moment->bytes = calloc(objects * ROWS + 1, 1);
+    moment->bytes = calloc(objects * ROWS + 2, 1);
     moment->given = calloc(objects + 1, sizeof *moment->given);
     moment->local = calloc(objects + 1, sizeof *moment->local);
     return moment->bytes == NULL || moment->given == NULL || moment->local == NULL
@@ -395,11 +483,15 @@ int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t has
                       int status, struct ranks_moment *moment, struct pccd_answer *answer)
 {
     struct pccd_answer made = PCCD_ANSWER_INIT;
+    ranks_stop_begin(&world->stop);
     if (status == PCCD_OK) {
         status = moment_init(world, moment);
     }
     status = ranks_agree(&world->link, call, hash, status);
     if (status == PCCD_OK) {
+        ranks_stop_limit(&world->stop, moment->near != NULL
+                                           ? moment->near->deadline_ns
+                                           : moment->settings.deadline_ns);
         status = make(world, moment, &made);
     }
     moment_deinit(moment);

@@ -17,7 +17,9 @@ struct ranks_moment {
     struct pccd_step_settings settings;
     const struct pccd_near_settings *near; /* NULL: it is a step */
     bool is_still;                         /* a question, and no rank gave motions */
-    uint8_t *bytes;                        /* what all ranks know of objects: step.c */
+    /* Why all ranks know that it ends before libpccd was asked; else PCCD_COMPLETE. */
+    enum pccd_incomplete stopped;
+    uint8_t *bytes; /* what all ranks know of objects: step.c */
     const double (**given)[3];
     double (**local)[3];
 };

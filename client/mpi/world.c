@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "foreign.h"
 #include "proto_limits.h"
 
 #define TIMEOUT_MS_DEFAULT 60000
@@ -219,6 +220,9 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
     if (status == PCCD_OK) {
         status = pccd_scene_create(world->client, NULL, &world->scene);
     }
+    if (status == PCCD_OK) {
+        status = cli_foreign_watch(world->client, ranks_stop_look, &world->stop);
+    }
     return status == PCCD_OK ? PCCD_OK
                              : ranks_fail_local(world, status, "no scene of libpccd");
 }
@@ -247,6 +251,9 @@ static int open_world(struct pccd_mpi *world, MPI_Comm comm,
     MPI_Comm_rank(link->comm, &link->rank);
     MPI_Comm_size(link->comm, &link->size);
     int status = choose_threads(world);
+    if (status == PCCD_OK) {
+        status = ranks_stop_init(&world->stop, link);
+    }
     if (status == PCCD_OK) {
         status = connect_direct(world, options->result_bytes);
     }
@@ -317,11 +324,19 @@ void pccd_mpi_close(struct pccd_mpi *world)
     free(world->bound_values);
     ranks_plan_deinit(&world->plan);
     pccd_close(world->client);
+    ranks_stop_deinit(&world->stop);
     /* Of a broken one somebody is missing, who would be waited for. */
     if (world->link.comm != MPI_COMM_NULL && world->link.broken == PCCD_OK) {
         MPI_Comm_free(&world->link.comm);
     }
     free(world);
+}
+
+void pccd_mpi_cancel(struct pccd_mpi *world)
+{
+    if (world != NULL) {
+        ranks_stop_cancel(&world->stop);
+    }
 }
 
 const char *pccd_mpi_error_text(const struct pccd_mpi *world)

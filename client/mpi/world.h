@@ -26,6 +26,7 @@
 
 #include "pccd_mpi.h"
 #include "rank_link.h"
+#include "rank_stop.h"
 
 #define RANKS_NONE UINT32_MAX
 
@@ -142,6 +143,7 @@ struct ranks_bound {
 
 struct pccd_mpi {
     struct ranks_link link;
+    struct ranks_stop stop; /* of steps and of what is near */
     struct pccd_client *client;
     uint32_t scene;
     uint32_t threads;

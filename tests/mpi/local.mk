@@ -1,14 +1,15 @@
 # tests/mpi/local.mk - one scene over the ranks of an MPI program. Without --with-mpi the
 # scripts skip their cases by name.
 
-mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c
+mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c \
+    tests/mpi/stop.c
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
     tests/mpi/python_check.sh tests/mpi/recordings_check.sh
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
-check_PROGRAMS += tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one
+check_PROGRAMS += tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one tests/mpi/stop
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
 mpi_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/tests/support $(MPI_CPPFLAGS)
@@ -20,6 +21,9 @@ tests_mpi_large_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 tests_mpi_misuse_SOURCES = tests/mpi/misuse.c
 tests_mpi_misuse_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_misuse_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS)
+tests_mpi_stop_SOURCES = tests/mpi/stop.c
+tests_mpi_stop_CPPFLAGS = $(mpi_test_cppflags)
+tests_mpi_stop_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) -lpthread
 endif
 
 # All of it, by both MPIs, each in a build of its own.

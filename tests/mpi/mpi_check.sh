@@ -20,6 +20,7 @@ counts='1 2 3 4 8'
 mistakes='order totals mode settings two-owners no-owner two-triangles no-triangle index
     not-finite no-object near-distance near-kind near-negative near-far near-object near-open
     absent'
+ends='yes deadline cancel turns'
 scenes='cloth-funnel cloth-ball n-body-simulation'
 work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-mpi-XXXXXX") || exit 99
 trap 'rm -rf "$work"' EXIT
@@ -28,6 +29,9 @@ log=$work/log
 if [ "${PCCD_MPI:-no}" = no ]; then
     for count in $counts; do
         tap_skip "mpi__plays_of_${count}_ranks_are_those_of_one_process" "no --with-mpi"
+    done
+    for what in $ends; do
+        tap_skip "mpi__${what}_ends_a_call_on_all_ranks" "no --with-mpi"
     done
     for mistake in $mistakes dies; do
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
@@ -56,6 +60,15 @@ for count in $counts; do
     fi
     ranks "$count" "$top_builddir/tests/mpi/same_as_one" $plays 60 "$((1000 * count))" >"$log" 2>&1
     tap_result $? "mpi__plays_of_${count}_ranks_are_those_of_one_process" "$log"
+done
+
+# If one failed, ranks would go on with what nobody needs any more; or a message of one call would
+# end another one, or be waited for in vain.
+turns=300
+[ "$all" = 0 ] || turns=1500
+for what in $ends; do
+    ranks 3 "$top_builddir/tests/mpi/stop" "$what" $turns >"$log" 2>&1
+    tap_result $? "mpi__${what}_ends_a_call_on_all_ranks" "$log"
 done
 
 # If one failed, a mistake of one rank would hang the others, or end a world that could go on.

@@ -1,0 +1,70 @@
+/* rank_stop.h - ends a step or a question on all ranks before it is done.
+ *
+ * Room:     client/mpi. May include: rank_link.h, pccd_types.h.
+ * Does:     know why a call ends early: it was cancelled, its deadline passed, or another
+ *           rank has said that it needs nothing more; let the others know.
+ * Threads:  one, but for ranks_stop_cancel.
+ *
+ * Who says "stop" sends an empty message to each other rank, once in a call at most. The
+ * others look for one while they compute, and while they wait for those who do: between
+ * ranks_stop_open and ranks_stop_close, with an agreement of all ranks in between
+ * (ranks_agree_on). So a rank that has computed its part can still say it. Afterwards
+ * nobody does, the ranks add up how many have, and each takes what it has not seen: no
+ * message is left for the next call.
+ */
+#ifndef RANKS_STOP_H
+#define RANKS_STOP_H
+
+#include <stdatomic.h>
+
+#include "rank_link.h"
+
+struct ranks_stop {
+    struct ranks_link *link;
+    atomic_bool is_cancelled; /* since the call began */
+    uint64_t end_ns;          /* of the deadline; 0: none */
+    bool is_open;
+    bool is_set;           /* this rank ends the call: it was cancelled, or told to */
+    uint64_t said;         /* 1: it has told the others */
+    uint64_t heard;        /* messages of others, in this call */
+    uint64_t next_ns;      /* when to look for one */
+    uint32_t asked;        /* how often it was, by libpccd */
+    MPI_Request *requests; /* [2 * link->size] */
+    int request_count;     /* of messages that are being sent */
+};
+
+/* PCCD_E_NOMEM. */
+int ranks_stop_init(struct ranks_stop *stop, struct ranks_link *link);
+void ranks_stop_deinit(struct ranks_stop *stop);
+
+/* Any thread: end the call that this rank is in, if any; not one that begins later. */
+void ranks_stop_cancel(struct ranks_stop *stop);
+
+/* In this rank alone: a call that may be ended begins; all ranks have come, and it has
+ * that long from now (0: for ever). */
+void ranks_stop_begin(struct ranks_stop *stop);
+void ranks_stop_limit(struct ranks_stop *stop, uint64_t deadline_ns);
+
+/* In this rank alone: why the call is to end, PCCD_COMPLETE if it is not. The greatest of
+ * all ranks is that of all. */
+enum pccd_incomplete ranks_stop_reason(struct ranks_stop *stop);
+/* Collective. */
+int ranks_stop_agree(struct ranks_stop *stop, enum pccd_incomplete *reason);
+/* Of the time that the call has, in ns; 0: for ever. Of none, the least. */
+uint64_t ranks_stop_rest(const struct ranks_stop *stop);
+
+/* In this rank alone: libpccd computes from here on; all ranks have. */
+void ranks_stop_open(struct ranks_stop *stop);
+void ranks_stop_close(struct ranks_stop *stop);
+/* For cli_foreign_watch: is the call to end? asked: struct ranks_stop. Cheap: it looks
+ * for messages a thousand times a second at most. */
+bool ranks_stop_look(void *asked);
+/* While it is open: the others need not go on. */
+void ranks_stop_say(struct ranks_stop *stop);
+
+/* Collective, after it was closed for the last time in a call; `said` is the sum of
+ * stop->said of all ranks. The second one adds up itself. */
+int ranks_stop_settle(struct ranks_stop *stop, uint64_t said);
+int ranks_stop_settle_alone(struct ranks_stop *stop);
+
+#endif
