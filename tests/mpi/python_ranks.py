@@ -2,10 +2,13 @@
 
 Room:     tests/mpi. Run by mpirun, with mpi4py; all ranks end with 1 if one is wrong.
 Does:     a sheet falls on a pyramid, each rank has some rows of it: the hash, counts and
-          gathered records of steps and questions are those of a client of direct:.
+          gathered records of steps and questions are those of a client of direct:; a
+          second thread cancels.
 """
 
 import sys
+import threading
+import time
 
 import numpy as np
 from mpi4py import MPI
@@ -64,6 +67,26 @@ def main():
         # Records of an answer are there after other calls.
         assert np.array_equal(ours.contacts, contacts)
         assert world.share().own > 0
+        # Before a call nothing is there to be cancelled; then a thread of the last rank
+        # cancels while that waits for the first one.
+        world.cancel()
+        assert world.step(motions).incomplete == 0
+        ended = threading.Event()
+
+        def cancel():
+            while not ended.wait(0.01):
+                world.cancel()
+
+        thread = threading.Thread(target=cancel)
+        if comm.rank == comm.size - 1:
+            thread.start()
+        elif comm.rank == 0:
+            time.sleep(0.2)
+        why = world.step(motions).incomplete
+        ended.set()
+        if comm.rank == comm.size - 1:
+            thread.join()
+        assert comm.size == 1 or why == pccd.Incomplete.CANCELLED, why
         # A mistake of one rank is told to all of them.
         try:
             world.step(motions, pccd.StepSettings(separation=float(comm.rank)))

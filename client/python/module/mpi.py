@@ -3,7 +3,8 @@
 Room:     client/python. May import: abi, answer, frame, library, values, numpy; mpi4py,
           which has to be of the MPI that libpccd-mpi was built for.
 Does:     the calls of pccd_mpi.h, with numpy arrays.
-Threads:  one; every call but close and feature is collective.
+Threads:  one, but for cancel, which is for any; every call but close, feature and cancel
+          is collective.
 
     from mpi4py import MPI
     import pccd.mpi
@@ -78,7 +79,7 @@ def _load() -> Any:
     world, handle = c_void_p, c_uint32
     for name, parameters in {
             "open": [_comm, POINTER(_Options), POINTER(c_void_p)], "close": [world],
-            "error_text": [world],
+            "error_text": [world], "cancel": [world],
             "mesh_put": [world, POINTER(_Part), POINTER(handle), c_void_p],
             "mesh_destroy": [world, handle], "add": [world, handle, POINTER(handle)],
             "remove": [world, handle], "object_set": [world, handle, c_void_p],
@@ -90,7 +91,7 @@ def _load() -> Any:
             "get_share": [world, POINTER(RankShare)]}.items():
         function = getattr(library, "pccd_mpi_" + name)
         function.argtypes, function.restype = parameters, c_int
-    library.pccd_mpi_close.restype = None
+    library.pccd_mpi_close.restype = library.pccd_mpi_cancel.restype = None
     library.pccd_mpi_error_text.restype = c_char_p
     return library
 
@@ -217,6 +218,12 @@ class World:
         """What is near in the whole scene; arguments as of Client.near."""
         return self._ask(_mpi.pccd_mpi_near, motions,
                          byref(near_settings(what, distance, **settings)))
+
+    def cancel(self) -> None:
+        """From another thread: end the step or question that this rank is in, on all
+        ranks; incomplete is CANCELLED if anything was left to do. While this rank is in
+        none, nothing happens."""
+        _mpi.pccd_mpi_cancel(self._handle)
 
     def _ask(self, call: Any, motions: Optional[Motions], settings: Any) -> Answer:
         answer: Answer = with_size(Answer())
