@@ -20,6 +20,11 @@ const uint16_t *eng_wide_foreign_marks(const struct eng_wide *wide, enum pccd_ki
     return tree->has_own && may_be_first ? tree->own + tree->first[level] : NULL;
 }
 
+static bool is_own(const uint16_t *own, uint32_t slot)
+{
+    return own[slot / ENG_WIDE] >> slot % ENG_WIDE & 1u;
+}
+
 uint32_t eng_wide_foreign_keep(const struct eng_wide *wide, enum pccd_kind kind,
                                uint32_t *a, uint32_t *b, uint32_t count)
 {
@@ -30,11 +35,16 @@ uint32_t eng_wide_foreign_keep(const struct eng_wide *wide, enum pccd_kind kind,
         return count;
     }
     for (uint32_t i = 0; i < count; i++) {
-        bool is_a = eng_wide_key_of(wide, tree, a[i]) < eng_wide_key_of(wide, tree, b[i]);
-        uint32_t first = is_a ? a[i] : b[i];
+        bool is_own_a = is_own(own, a[i]), is_own_b = is_own(own, b[i]);
+        bool stays = is_own_a;
+        if (is_own_a != is_own_b) { /* of few; their keys are far apart in memory */
+            bool is_a =
+                eng_wide_key_of(wide, tree, a[i]) < eng_wide_key_of(wide, tree, b[i]);
+            stays = is_a == is_own_a;
+        }
         a[kept] = a[i];
         b[kept] = b[i];
-        kept += own[first / ENG_WIDE] >> first % ENG_WIDE & 1u;
+        kept += stays;
     }
     return kept;
 }
