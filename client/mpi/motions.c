@@ -24,32 +24,43 @@ static void transform(const double m[12], const double x[3], double out[3])
     }
 }
 
-static void copy_run(const struct pccd_motion *motion, const void *from,
+/* One vertex of a motion. */
+static void copy_vertex(const struct pccd_motion *motion, const void *from, uint32_t i,
+                        double out[3])
+{
+    if (motion->format == PCCD_FORMAT_F64) {
+        memcpy(out, (const double *)from + 3 * (size_t)i, 3 * sizeof *out);
+    } else {
+        const float *in = (const float *)from + 3 * (size_t)i;
+        out[0] = (double)in[0];
+        out[1] = (double)in[1];
+        out[2] = (double)in[2];
+    }
+}
+
+/* The vertices of a motion, by m or from `from`. Are all coordinates finite, and none
+ * beyond 1e18? */
+static bool copy_run(const struct pccd_motion *motion, const void *from,
                      const double m[12], const double (*registered)[3], double (*to)[3])
 {
+    bool is_good = true;
     for (uint32_t i = 0; i < motion->count; i++) {
         double *out = to[motion->first + i];
         if (m != NULL) {
             transform(m, registered[motion->first + i], out);
-        } else if (motion->format == PCCD_FORMAT_F64) {
-            memcpy(out, (const double *)from + 3 * (size_t)i, 3 * sizeof *out);
         } else {
-            const float *in = (const float *)from + 3 * (size_t)i;
-            out[0] = (double)in[0];
-            out[1] = (double)in[1];
-            out[2] = (double)in[2];
+            copy_vertex(motion, from, i, out);
         }
+        is_good &= fabs(out[0]) <= COORDINATE_MAX && fabs(out[1]) <= COORDINATE_MAX &&
+                   fabs(out[2]) <= COORDINATE_MAX;
     }
+    return is_good;
 }
 
-static bool is_finite(const double (*x)[3], uint32_t first, uint32_t count)
+/* Does it say where every given vertex is? Then nothing of the last step stays. */
+static bool is_of_all(const struct pccd_motion *motion, const struct ranks_object *object)
 {
-    for (uint64_t i = 3 * (uint64_t)first; i < 3 * ((uint64_t)first + count); i++) {
-        if (!(fabs(((const double *)x)[i]) <= COORDINATE_MAX)) {
-            return false;
-        }
-    }
-    return true;
+    return motion->count == object->mesh->vertex_count;
 }
 
 static int check_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
@@ -116,12 +127,13 @@ static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
     }
     if (object->to == (const double(*)[3])object->x) {
         object->begun = (const double(*)[3])object->x; /* what it was is written over */
-        memcpy(object->next, object->x, bytes);
+        if (!is_of_all(motion, object)) {
+            memcpy(object->next, object->x, bytes);
+        }
         object->to = (const double(*)[3])object->next;
     }
-    copy_run(motion, motion->x1, motion->m1, (const double(*)[3])object->mesh->x,
-             object->next);
-    bool is_good = is_finite(object->to, motion->first, motion->count);
+    bool is_good = copy_run(motion, motion->x1, motion->m1,
+                            (const double(*)[3])object->mesh->x, object->next);
     if (motion->x0 != NULL || motion->m0 != NULL) {
         if (object->start == NULL) {
             object->start =
@@ -131,12 +143,13 @@ static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
             return ranks_no_memory(world);
         }
         if (object->from == (const double(*)[3])object->x) {
-            memcpy(object->start, object->x, bytes);
+            if (!is_of_all(motion, object)) {
+                memcpy(object->start, object->x, bytes);
+            }
             object->from = (const double(*)[3])object->start;
         }
-        copy_run(motion, motion->x0, motion->m0, (const double(*)[3])object->mesh->x,
-                 object->start);
-        is_good = is_good && is_finite(object->from, motion->first, motion->count);
+        is_good &= copy_run(motion, motion->x0, motion->m0,
+                            (const double(*)[3])object->mesh->x, object->start);
     }
     return is_good ? PCCD_OK
                    : ranks_fail(&world->link, PCCD_E_NOTFINITE,

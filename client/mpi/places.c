@@ -300,16 +300,72 @@ int ranks_plan_make(struct pccd_mpi *world)
 
 /* ---- a step ----------------------------------------------------------------------- */
 
-/* How many vertices go to, or come from, each rank: first[size + 1]. */
-static void count_sent(const uint64_t *cells, const double (*const *given)[3], int size,
-                       uint32_t objects, uint64_t *first)
+/* How many vertices go to, or come from, each other rank: first[size + 1]. */
+static void count_sent(const struct ranks_link *link, const uint64_t *cells,
+                       const double (*const *given)[3], uint32_t objects, uint64_t *first)
 {
     first[0] = 0;
-    for (int r = 0; r < size; r++) {
+    for (int r = 0; r < link->size; r++) {
         first[r + 1] = first[r];
-        for (uint32_t o = 0; o < objects; o++) {
+        for (uint32_t o = 0; o < objects && r != link->rank; o++) {
             const uint64_t *cell = cells + (uint64_t)r * objects + o;
             first[r + 1] += given[o] != NULL ? cell[1] - cell[0] : 0;
+        }
+    }
+}
+
+/* Memory for all that may be on its way, the first time. */
+static int make_buffers(struct pccd_mpi *world)
+{
+    struct ranks_plan *plan = &world->plan;
+    const uint64_t cells = (uint64_t)world->link.size * plan->object_count;
+    const uint64_t own = (uint64_t)world->link.rank * plan->object_count;
+    if (plan->out_x == NULL) {
+        uint64_t kept = plan->out_first[own + plan->object_count] - plan->out_first[own];
+        plan->out_x = ranks_array(plan->out_first[cells] - kept, sizeof *plan->out_x);
+    }
+    if (plan->in_x == NULL) {
+        uint64_t kept = plan->in_first[own + plan->object_count] - plan->in_first[own];
+        plan->in_x = ranks_array(plan->in_first[cells] - kept, sizeof *plan->in_x);
+    }
+    return plan->out_x == NULL || plan->in_x == NULL ? ranks_no_memory(world) : PCCD_OK;
+}
+
+/* What other ranks need, one rank after the other. */
+static void pack(const struct ranks_link *link, const struct ranks_plan *plan,
+                 const double (*const *given)[3])
+{
+    uint32_t objects = plan->object_count;
+    double(*out)[3] = plan->out_x;
+    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects; cell++) {
+        const double(*x)[3] = given[cell % objects];
+        if (x == NULL || cell / objects == (uint64_t)link->rank) {
+            continue;
+        }
+        for (uint64_t i = plan->out_first[cell]; i < plan->out_first[cell + 1]; i++) {
+            memcpy(*out++, x[plan->out[i]], sizeof *out);
+        }
+    }
+}
+
+/* What has come, and what this rank has itself, to its place. */
+static void unpack(const struct ranks_link *link, const struct ranks_plan *plan,
+                   const double (*const *given)[3], double (*const *local)[3])
+{
+    uint32_t objects = plan->object_count;
+    const double(*in)[3] = (const double(*)[3])plan->in_x;
+    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects; cell++) {
+        const double(*x)[3] = given[cell % objects];
+        double(*to)[3] = local[cell % objects];
+        const uint32_t *place = plan->in + plan->in_first[cell];
+        const uint32_t *from = plan->out + plan->out_first[cell];
+        uint64_t count = plan->in_first[cell + 1] - plan->in_first[cell];
+        bool is_here = cell / objects == (uint64_t)link->rank;
+        for (uint64_t i = 0; x != NULL && is_here && i < count; i++) {
+            memcpy(to[place[i]], x[from[i]], sizeof *to);
+        }
+        for (uint64_t i = 0; x != NULL && !is_here && i < count; i++) {
+            memcpy(to[place[i]], *in++, sizeof *to);
         }
     }
 }
@@ -318,53 +374,29 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
                     double (*const *local)[3])
 {
     struct ranks_link *link = &world->link;
-    const struct ranks_plan *plan = &world->plan;
+    struct ranks_plan *plan = &world->plan;
     uint32_t objects = plan->object_count;
-    uint64_t cells = (uint64_t)link->size * objects;
-    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    double(*out)[3] = NULL, (*in)[3] = NULL;
-    int status = PCCD_OK;
     bool any = false;
     for (uint32_t o = 0; o < objects; o++) {
         any = any || given[o] != NULL;
     }
     if (!any) {
-        free(first);
         return PCCD_OK;
     }
-    if (first != NULL) {
-        count_sent(plan->out_first, given, link->size, objects, first);
-        count_sent(plan->in_first, given, link->size, objects, first + link->size + 1);
-        out = ranks_array(first[link->size], sizeof *out);
-        in = ranks_array(first[2 * link->size + 1], sizeof *in);
-    }
-    if (first == NULL || out == NULL || in == NULL) {
-        status = ranks_no_memory(world);
-    }
+    uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
+    int status = first == NULL ? ranks_no_memory(world) : make_buffers(world);
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        uint64_t at = 0;
-        for (uint64_t cell = 0; cell < cells; cell++) {
-            const double(*x)[3] = given[cell % objects];
-            for (uint64_t i = plan->out_first[cell]; x && i < plan->out_first[cell + 1];
-                 i++) {
-                memcpy(out[at++], x[plan->out[i]], sizeof *out);
-            }
-        }
-        status = ranks_swap(link, sizeof *out, out, first, in, first + link->size + 1);
+        uint64_t *first_in = first + link->size + 1;
+        count_sent(link, plan->out_first, given, objects, first);
+        count_sent(link, plan->in_first, given, objects, first_in);
+        pack(link, plan, given);
+        status = ranks_swap(link, sizeof *plan->out_x, plan->out_x, first, plan->in_x,
+                            first_in);
     }
     if (status == PCCD_OK) {
-        uint64_t at = 0;
-        for (uint64_t cell = 0; cell < cells; cell++) {
-            uint32_t o = (uint32_t)(cell % objects);
-            for (uint64_t i = plan->in_first[cell];
-                 given[o] && i < plan->in_first[cell + 1]; i++) {
-                memcpy(local[o][plan->in[i]], in[at++], sizeof *in);
-            }
-        }
+        unpack(link, plan, given, local);
     }
     free(first);
-    free(out);
-    free(in);
     return status;
 }

@@ -129,6 +129,8 @@ void ranks_plan_deinit(struct ranks_plan *plan)
     free(plan->in_first);
     free(plan->out);
     free(plan->in);
+    free(plan->out_x);
+    free(plan->in_x);
     *plan = (struct ranks_plan){.object_count = 0};
 }
 

@@ -128,6 +128,9 @@ struct ranks_plan {
     uint64_t *out_first, *in_first; /* [size * object_count + 1] */
     uint32_t *out;                  /* given vertex of that object */
     uint32_t *in;                   /* local vertex of that object */
+    /* Positions on their way to other ranks and from them, at one end of a step: memory
+     * that steps do not ask for again. */
+    double (*out_x)[3], (*in_x)[3];
 };
 
 struct ranks_pair {
