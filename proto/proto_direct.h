@@ -59,6 +59,11 @@ struct proto_direct {
     void (*watch)(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
                   void *asked);
 
+    /* What lies so many bytes from the start of the client's result region, as the
+     * service sees it: the client's own view of it cannot be written to. NULL: there is
+     * no such byte. For libpccd-mpi. [owner] */
+    void *(*results)(struct proto_direct_inbox *line, uint64_t offset);
+
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);
 };

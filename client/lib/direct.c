@@ -171,6 +171,18 @@ int cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), vo
     return 0;
 }
 
+void *cli_foreign_records(struct pccd_client *client, const struct pccd_answer *answer)
+{
+    const void *records =
+        answer->contacts != NULL ? (const void *)answer->contacts : answer->pairs;
+    uintptr_t base = (uintptr_t)client->ring.result.base;
+    if (client->direct.line == NULL || records == NULL || (uintptr_t)records < base ||
+        (uintptr_t)records - base >= client->ring.result.bytes) {
+        return NULL;
+    }
+    return client->direct.host->results(client->direct.line, (uintptr_t)records - base);
+}
+
 int cli_direct_descriptor(const struct pccd_client *client)
 {
     return client->direct.host->descriptor(client->direct.line);

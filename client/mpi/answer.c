@@ -167,12 +167,13 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
                             .said = world->stop.said,
                             .counters = answer->counters};
     int status = PCCD_OK;
+    ranks_records_told(world, answer, &totals.sums);
     if (answer->mode == PCCD_MODE_FIRST) {
         double limit = ranks_records_limit(world);
         status = ranks_min_doubles(&world->link, &limit, 1);
         ranks_records_drop_later(world, limit);
+        ranks_records_sum(world, &totals.sums);
     }
-    ranks_records_sum(world, &totals.sums);
     totals.verdicts[answer->verdict] = 1;
     totals.incomplete[answer->incomplete] = 1;
     double toi_first = totals.sums.toi_first;

@@ -80,9 +80,9 @@ int ranks_merge(struct pccd_mpi *world)
         uint64_t room = world->record_count + own_count;
         world->record_count =
             merge(world->records, world->record_count, own, own_count, merged);
-        free(world->records);
-        world->records = merged;
-        world->record_capacity = room * sizeof *merged;
+        free(world->copied);
+        world->records = world->copied = merged;
+        world->copied_bytes = room * sizeof *merged;
         merged = NULL;
     }
     free(own);

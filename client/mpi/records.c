@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "foreign.h"
 #include "kinds.h"
 #include "local.h"
 
@@ -17,34 +18,55 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-/* A hash of 128 bits, added up in words of 32 so that sums over ranks do not overflow. */
-static void add_hash(uint64_t sum[4], XXH128_hash_t hash)
+/* Records that are looked at together: the nearest cache holds them. */
+#define PIECE 64u
+
+/* A sum of hashes, of which only 128 bits count. */
+typedef unsigned __int128 hash_sum;
+
+static void add_hash(hash_sum *sum, XXH128_hash_t hash)
 {
-    sum[0] += hash.low64 & UINT32_MAX;
-    sum[1] += hash.low64 >> 32;
-    sum[2] += hash.high64 & UINT32_MAX;
-    sum[3] += hash.high64 >> 32;
+    *sum += (hash_sum)hash.high64 << 64 | hash.low64;
 }
 
-static void carry(uint64_t sum[4])
+static void add_contacts(hash_sum *sum, const struct pccd_contact *contacts,
+                         uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        add_hash(sum, XXH3_128bits(&contacts[i], sizeof contacts[i]));
+    }
+}
+
+static void add_pairs(hash_sum *sum, const struct pccd_pair *pairs, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        add_hash(sum, XXH3_128bits(&pairs[i], sizeof pairs[i]));
+    }
+}
+
+/* In words of 32 bits, so that sums over ranks do not overflow. */
+static void add_words(uint64_t words[4], hash_sum sum)
 {
     for (int i = 0; i < 4; i++) {
-        if (i < 3) {
-            sum[i + 1] += sum[i] >> 32;
-        }
-        sum[i] &= UINT32_MAX;
+        words[i] += (uint32_t)(sum >> 32 * i);
     }
+}
+
+static hash_sum sum_of(const uint64_t words[4])
+{
+    hash_sum sum = 0;
+    for (int i = 0; i < 4; i++) {
+        sum += (hash_sum)words[i] << 32 * i;
+    }
+    return sum;
 }
 
 void ranks_records_hash(const struct ranks_sums *sums, uint64_t hash[2])
 {
-    uint64_t sum[4];
-    memcpy(sum, sums->hash, sizeof sum);
-    carry(sum);
-    add_hash(sum, XXH3_128bits(&sums->total, sizeof sums->total));
-    carry(sum);
-    hash[0] = sum[3] << 32 | sum[2];
-    hash[1] = sum[1] << 32 | sum[0];
+    hash_sum sum = sum_of(sums->hash);
+    add_hash(&sum, XXH3_128bits(&sums->total, sizeof sums->total));
+    hash[0] = (uint64_t)(sum >> 64);
+    hash[1] = (uint64_t)sum;
 }
 
 void ranks_verdict_hash(uint32_t verdict, uint64_t hash[2])
@@ -59,15 +81,6 @@ static bool has_bit(const uint64_t *bits, uint32_t i)
     return bits[i / 64] >> i % 64 & 1u;
 }
 
-/* The number in the whole of a local feature of `points` vertices. */
-static uint32_t number_of(const struct ranks_local *local, uint32_t points,
-                          uint32_t feature)
-{
-    return points == 1   ? local->vertices[feature]
-           : points == 2 ? local->edges[feature]
-                         : local->triangles[feature];
-}
-
 /* Records of one page have few objects, one after the other. */
 static const struct ranks_object *object_of(struct pccd_mpi *world, uint32_t handle,
                                             const struct ranks_object *last)
@@ -76,24 +89,40 @@ static const struct ranks_object *object_of(struct pccd_mpi *world, uint32_t han
                                                   : ranks_find_object(world, handle);
 }
 
-/* Give a record its numbers; does it belong to this rank? */
+/* What features of a record are to be called: mostly as those of the one before it. */
 struct reader {
     const struct ranks_object *a, *b;
+    uint32_t kind;
+    const uint32_t *numbers_a, *numbers_b; /* of the whole, by local number */
 };
-static bool translate(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
-                      uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
-                      uint32_t *feature_b)
+
+static const uint32_t *numbers_of(const struct ranks_local *local, uint32_t points)
+{
+    return points == 1 ? local->vertices : points == 2 ? local->edges : local->triangles;
+}
+
+static void look_up(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
+                    uint32_t object_a, uint32_t object_b)
 {
     const uint32_t *points = common_kinds[kind].points;
     reader->a = object_of(world, object_a, reader->a);
     reader->b = object_of(world, object_b, reader->b);
-    const struct ranks_local *local = &reader->a->local;
-    /* The first feature of every kind is a vertex or an edge. */
-    bool is_own =
-        has_bit(points[0] == 1 ? local->owns_vertex : local->owns_edge, *feature_a);
-    *feature_a = number_of(local, points[0], *feature_a);
-    *feature_b = number_of(&reader->b->local, points[1], *feature_b);
-    return is_own;
+    reader->kind = kind;
+    reader->numbers_a = numbers_of(&reader->a->local, points[0]);
+    reader->numbers_b = numbers_of(&reader->b->local, points[1]);
+}
+
+/* Give a record its numbers. */
+static inline void translate(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
+                             uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
+                             uint32_t *feature_b)
+{
+    if (reader->a == NULL || reader->kind != kind || reader->a->handle != object_a ||
+        reader->b->handle != object_b) {
+        look_up(world, reader, kind, object_a, object_b);
+    }
+    *feature_a = reader->numbers_a[*feature_a];
+    *feature_b = reader->numbers_b[*feature_b];
 }
 
 bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record)
@@ -109,16 +138,16 @@ bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record)
 static int make_room(struct pccd_mpi *world, uint64_t more, size_t record_bytes)
 {
     uint64_t wanted = world->record_count + more;
-    if (wanted <= world->record_capacity / record_bytes) {
-        return PCCD_OK;
+    if (wanted > world->copied_bytes / record_bytes) {
+        uint64_t bytes = (wanted + wanted / 2) * record_bytes;
+        void *records = realloc(world->copied, bytes);
+        if (records == NULL) {
+            return ranks_no_memory(world);
+        }
+        world->copied = records;
+        world->copied_bytes = bytes;
     }
-    uint64_t bytes = (wanted + wanted / 2) * record_bytes;
-    void *records = realloc(world->records, bytes);
-    if (records == NULL) {
-        return ranks_no_memory(world);
-    }
-    world->records = records;
-    world->record_capacity = bytes;
+    world->records = world->copied;
     return PCCD_OK;
 }
 
@@ -159,16 +188,27 @@ static int make_stray_room(struct pccd_mpi *world, uint64_t more)
     return PCCD_OK;
 }
 
+/* Does a record with local numbers belong to this rank? */
+static bool is_own(const struct reader *reader, uint32_t feature)
+{
+    const struct ranks_local *local = &reader->a->local;
+    /* The first feature of every kind is a vertex or an edge. */
+    return has_bit(reader->numbers_a == local->vertices ? local->owns_vertex
+                                                        : local->owns_edge,
+                   feature);
+}
+
 /* Of 64 bytes, like contacts. */
 static int take_near(struct pccd_mpi *world, const struct pccd_answer *page)
 {
-    struct reader reader = {NULL, NULL};
+    struct reader reader = {.a = NULL};
     int status = world->is_merged ? make_stray_room(world, page->count) : PCCD_OK;
     for (uint64_t i = 0; i < page->count && status == PCCD_OK; i++) {
         struct pccd_near *to = (struct pccd_near *)world->records + world->record_count;
         *to = page->near[i];
-        if (translate(world, &reader, to->kind, to->object_a, &to->feature_a,
-                      to->object_b, &to->feature_b)) {
+        translate(world, &reader, to->kind, to->object_a, &to->feature_a, to->object_b,
+                  &to->feature_b);
+        if (is_own(&reader, page->near[i].feature_a)) {
             world->record_count++;
         } else if (world->is_merged) {
             world->strays[world->stray_count++] = *to;
@@ -177,9 +217,64 @@ static int take_near(struct pccd_mpi *world, const struct pccd_answer *page)
     return status;
 }
 
+static void count_contact(const struct pccd_contact *contact, struct ranks_sums *sums)
+{
+    bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
+    sums->counts[contact->kind]++;
+    sums->possible += (contact->flags & PCCD_PROVED) == 0;
+    sums->initial += is_initial;
+    sums->inside += (contact->flags & PCCD_INSIDE) != 0 && !is_initial;
+    sums->toi_first = contact->toi < sums->toi_first ? contact->toi : sums->toi_first;
+}
+
+/* Give local contacts, which may lie where they are kept, the numbers of the whole. All
+ * begin with a feature of this rank's own: libpccd leaves out others. */
+static void take_contacts(struct pccd_mpi *world, struct reader *reader,
+                          const struct pccd_contact *from, struct pccd_contact *to,
+                          uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        to[i] = from[i];
+        translate(world, reader, to[i].kind, to[i].object_a, &to[i].feature_a,
+                  to[i].object_b, &to[i].feature_b);
+    }
+}
+
+static void take_pairs(struct pccd_mpi *world, struct reader *reader,
+                       const struct pccd_pair *from, struct pccd_pair *to, uint64_t count)
+{
+    for (uint64_t i = 0; i < count; i++) {
+        to[i] = from[i];
+        translate(world, reader, to[i].kind, to[i].object_a, &to[i].feature_a,
+                  to[i].object_b, &to[i].feature_b);
+    }
+}
+
+/* Contacts or pairs of a page: some get their numbers, then they are hashed. A processor
+ * cannot read at once what it has just written in parts. */
+static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    struct pccd_contact *contacts =
+        (struct pccd_contact *)world->records + world->record_count;
+    struct pccd_pair *pairs = (struct pccd_pair *)world->records + world->record_count;
+    struct reader reader = {.a = NULL};
+    hash_sum sum = 0;
+    for (uint64_t i = 0; i < page->count; i += PIECE) {
+        uint64_t n = page->count - i < PIECE ? page->count - i : PIECE;
+        if (page->pairs != NULL) {
+            take_pairs(world, &reader, page->pairs + i, pairs + i, n);
+            add_pairs(&sum, pairs + i, n);
+        } else {
+            take_contacts(world, &reader, page->contacts + i, contacts + i, n);
+            add_contacts(&sum, contacts + i, n);
+        }
+    }
+    add_words(world->page_hash, sum);
+    world->record_count += page->count;
+}
+
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
 {
-    struct reader reader = {NULL, NULL};
     size_t bytes = world->has_bounds ? sizeof(double) : ranks_record_bytes(world->mode);
     int status = make_room(world, page->count, bytes);
     if (status != PCCD_OK) {
@@ -187,26 +282,38 @@ int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
     }
     if (page->near != NULL) {
         status = take_near(world, page);
-    }
-    if (page->vertex_bounds != NULL) {
+    } else if (page->vertex_bounds != NULL) {
         memcpy((double *)world->records + world->record_count, page->vertex_bounds,
                page->count * sizeof(double));
         world->record_count += page->count;
-    }
-    for (uint64_t i = 0; page->contacts != NULL && i < page->count; i++) {
-        struct pccd_contact *to =
-            (struct pccd_contact *)world->records + world->record_count;
-        *to = page->contacts[i];
-        world->record_count += translate(world, &reader, to->kind, to->object_a,
-                                         &to->feature_a, to->object_b, &to->feature_b);
-    }
-    for (uint64_t i = 0; page->pairs != NULL && i < page->count; i++) {
-        struct pccd_pair *to = (struct pccd_pair *)world->records + world->record_count;
-        *to = page->pairs[i];
-        world->record_count += translate(world, &reader, to->kind, to->object_a,
-                                         &to->feature_a, to->object_b, &to->feature_b);
+    } else if (page->count > 0) {
+        take_step(world, page);
     }
     return status;
+}
+
+bool ranks_records_hold(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    struct pccd_answer writable = *page;
+    bool is_all = page->cursor >= page->total;
+    void *records = is_all ? cli_foreign_records(world->client, page) : NULL;
+    if (records == NULL) {
+        return false;
+    }
+    writable.contacts = page->contacts != NULL ? records : NULL;
+    writable.pairs = page->pairs != NULL ? records : NULL;
+    world->records = records;
+    world->page = *page;
+    take_step(world, &writable);
+    return true;
+}
+
+void ranks_records_begin(struct pccd_mpi *world)
+{
+    pccd_answer_release(world->client, &world->page);
+    world->records = world->copied;
+    world->record_count = 0;
+    memset(world->page_hash, 0, sizeof world->page_hash);
 }
 
 void ranks_record_name(const char *record, enum pccd_mode mode,
@@ -241,39 +348,49 @@ void ranks_records_drop_later(struct pccd_mpi *world, double limit)
     world->record_count = kept;
 }
 
-static void count_contact(const struct pccd_contact *contact, struct ranks_sums *sums)
-{
-    bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
-    sums->counts[contact->kind]++;
-    sums->possible += (contact->flags & PCCD_PROVED) == 0;
-    sums->initial += is_initial;
-    sums->inside += (contact->flags & PCCD_INSIDE) != 0 && !is_initial;
-    sums->toi_first = contact->toi < sums->toi_first ? contact->toi : sums->toi_first;
-    add_hash(sums->hash, XXH3_128bits(contact, sizeof *contact));
-}
-
 void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums)
 {
-    *sums = (struct ranks_sums){.total = world->record_count, .toi_first = 2};
-    for (uint64_t i = 0; i < world->record_count; i++) {
-        if (world->mode == PCCD_MODE_PAIRS) {
-            const struct pccd_pair *pair = (const struct pccd_pair *)world->records + i;
-            sums->counts[pair->kind]++;
-            add_hash(sums->hash, XXH3_128bits(pair, sizeof *pair));
-        } else {
-            count_contact((const struct pccd_contact *)world->records + i, sums);
-        }
-        if (i % (1u << 30) == (1u << 30) - 1) {
-            carry(sums->hash);
-        }
+    const struct pccd_contact *contacts = world->records;
+    const struct pccd_pair *pairs = world->records;
+    uint64_t count = world->record_count;
+    bool has_pairs = world->mode == PCCD_MODE_PAIRS;
+    hash_sum sum = 0;
+    *sums = (struct ranks_sums){.total = count, .toi_first = 2};
+    for (uint64_t i = 0; i < count && has_pairs; i++) {
+        sums->counts[pairs[i].kind]++;
     }
-    carry(sums->hash);
+    for (uint64_t i = 0; i < count && !has_pairs; i++) {
+        count_contact(&contacts[i], sums);
+    }
+    if (has_pairs) {
+        add_pairs(&sum, pairs, count);
+    } else {
+        add_contacts(&sum, contacts, count);
+    }
+    add_words(sums->hash, sum);
+}
+
+void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *answer,
+                        struct ranks_sums *sums)
+{
+    if (world->record_count != answer->total) { /* it ended early */
+        ranks_records_sum(world, sums);
+        return;
+    }
+    *sums = (struct ranks_sums){.possible = answer->possible,
+                                .initial = answer->initial,
+                                .inside = answer->inside,
+                                .total = world->record_count,
+                                .toi_first = answer->toi_first};
+    memcpy(sums->counts, answer->counts, sizeof sums->counts);
+    memcpy(sums->hash, world->page_hash, sizeof sums->hash);
 }
 
 void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sums,
                             double *least, double *greatest)
 {
     const struct pccd_near *near = world->records;
+    hash_sum sum = 0;
     *sums = (struct ranks_sums){.total = world->record_count, .toi_first = 2};
     *least = 2e18;
     *greatest = 0;
@@ -281,20 +398,18 @@ void ranks_records_sum_near(const struct pccd_mpi *world, struct ranks_sums *sum
         sums->counts[near[i].kind]++;
         *least = near[i].d_lo < *least ? near[i].d_lo : *least;
         *greatest = near[i].d_hi > *greatest ? near[i].d_hi : *greatest;
-        add_hash(sums->hash, XXH3_128bits(&near[i], sizeof near[i]));
-        if (i % (1u << 30) == (1u << 30) - 1) {
-            carry(sums->hash);
-        }
+        add_hash(&sum, XXH3_128bits(&near[i], sizeof near[i]));
     }
-    carry(sums->hash);
+    add_words(sums->hash, sum);
 }
 
 void ranks_bounds_sum(const struct ranks_bound *bounds, uint64_t count,
                       struct ranks_sums *sums)
 {
+    hash_sum sum = 0;
     for (uint64_t i = 0; i < count; i++) {
-        add_hash(sums->hash, XXH3_128bits(&bounds[i], sizeof bounds[i]));
+        add_hash(&sum, XXH3_128bits(&bounds[i], sizeof bounds[i]));
     }
     sums->total += count;
-    carry(sums->hash);
+    add_words(sums->hash, sum);
 }

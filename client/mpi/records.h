@@ -18,9 +18,15 @@ struct ranks_sums {
     double toi_first; /* 2: there is none */
 };
 
+/* Before an answer: there are no records yet, and no page of the last one is held. */
+void ranks_records_begin(struct pccd_mpi *world);
+
 /* One page of local records; keeps the right ones behind those of the pages before.
  * PCCD_E_NOMEM. */
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page);
+/* The same of a page that is all contacts or pairs of a step, without a copy: it stays
+ * until ranks_records_begin, which releases it. False: that is not possible. */
+bool ranks_records_hold(struct pccd_mpi *world, const struct pccd_answer *page);
 
 /* Room for so many more; PCCD_E_NOMEM. */
 int ranks_records_reserve(struct pccd_mpi *world, uint64_t more);
@@ -34,6 +40,10 @@ bool ranks_record_is_own(struct pccd_mpi *world, const struct pccd_near *record)
 double ranks_records_limit(const struct pccd_mpi *world);
 void ranks_records_drop_later(struct pccd_mpi *world, double limit);
 
+/* Of all contacts or pairs of a step, as they came: libpccd has counted them. */
+void ranks_records_told(const struct pccd_mpi *world, const struct pccd_answer *answer,
+                        struct ranks_sums *sums);
+/* Count and hash what is kept of them. */
 void ranks_records_sum(const struct pccd_mpi *world, struct ranks_sums *sums);
 /* The same of records about what is near; the least d_lo and the greatest d_hi, 2e18 and
  * 0 without any. */

@@ -245,10 +245,13 @@ static int send_positions(struct pccd_mpi *world, struct ranks_moment *moment,
 static int take_pages(struct pccd_mpi *world, struct pccd_answer *answer)
 {
     struct pccd_answer page = *answer;
+    if (ranks_records_hold(world, &page)) {
+        return PCCD_OK;
+    }
     for (;;) {
         uint64_t cursor = page.cursor;
         bool is_last =
-            page.incomplete != PCCD_INCOMPLETE_RESULT_FULL || cursor >= answer->total;
+            page.incomplete == PCCD_INCOMPLETE_CANCELLED || cursor >= answer->total;
         int status = ranks_records_take(world, &page);
         pccd_answer_release(world->client, &page);
         if (status != PCCD_OK || is_last) {
@@ -440,7 +443,8 @@ static int make(struct pccd_mpi *world, struct ranks_moment *moment,
     bool is_of_leaves = moment->near == NULL || !ranks_near_is_by_objects(moment->near);
     uint64_t begin_ns = common_now_ns();
     world->link.sent_bytes = 0;
-    world->record_count = world->bound_count = world->stray_count = 0;
+    ranks_records_begin(world);
+    world->bound_count = world->stray_count = 0;
     world->is_merged = moment->near != NULL && moment->near->what == PCCD_NEAR_FEATURES;
     world->mode = moment->near != NULL ? PCCD_MODE_ALL : moment->settings.mode;
     world->has_bounds = moment->near != NULL && moment->near->what == PCCD_NEAR_VERTICES;

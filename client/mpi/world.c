@@ -320,11 +320,12 @@ void pccd_mpi_close(struct pccd_mpi *world)
     free((void *)world->objects);
     free((void *)world->meshes);
     free(world->ignored);
-    free(world->records);
+    free(world->copied);
     free(world->strays);
     free(world->bounds);
     free(world->bound_values);
     ranks_plan_deinit(&world->plan);
+    pccd_answer_release(world->client, &world->page);
     pccd_close(world->client);
     ranks_stop_deinit(&world->stop);
     /* Of a broken one somebody is missing, who would be waited for. */

@@ -163,8 +163,12 @@ struct pccd_mpi {
     double reach;    /* separation for which they were */
     /* the last answer */
     enum pccd_mode mode;
-    void *records;
-    uint64_t record_count, record_capacity;
+    void *records; /* in `copied`, or in the page that is held */
+    uint64_t record_count;
+    uint64_t page_hash[4]; /* of contacts and pairs, as in struct ranks_sums */
+    struct pccd_answer page;
+    void *copied;
+    uint64_t copied_bytes;
     uint64_t record_limit; /* of all ranks together */
     bool is_merged; /* it has features that other ranks may have found, too (merge.h) */
     struct pccd_near *strays; /* what was found here and is not this rank's */

@@ -28,6 +28,7 @@
 #include "pccd_types.h"
 #include "proto_direct.h"
 #include "proto_limits.h"
+#include "ringio.h"
 #include "service.h"
 #include "session.h"
 #include "setup.h"
@@ -550,6 +551,22 @@ static void watch_line(struct proto_direct_inbox *line, bool (*is_stopped)(void 
     line->asked = asked;
 }
 
+static void *results_of(struct proto_direct_inbox *line, uint64_t offset)
+{
+    char *at = NULL;
+    if (is_forked || srv_inbox_is_finished(&line->conn)) {
+        return NULL;
+    }
+    take_turn();
+    const struct srv_session *session = line->conn.session;
+    if (session != NULL && session->ring != NULL &&
+        offset < session->ring->result_bytes) {
+        at = (char *)session->ring->results.base + offset;
+    }
+    end_turn();
+    return at;
+}
+
 static void close_line(struct proto_direct_inbox *line)
 {
     if (is_forked) {
@@ -584,6 +601,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .descriptor = descriptor_of,
                                              .own = tell_own,
                                              .watch = watch_line,
+                                             .results = results_of,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;
 }

@@ -24,6 +24,7 @@
 #define OBJECTS_MAX 1024u
 #define MOTIONS_MAX 2048u
 #define STEPS       8u
+#define PAGE_BYTES  65536u /* of a thousand contacts: some answers take many pages */
 
 /* An object of the play, on this rank. */
 struct actor {
@@ -886,6 +887,7 @@ static void perform_play(uint32_t triangles)
     struct pccd_mpi_options of_world = {.struct_bytes = sizeof of_world};
     test.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
     of_world.record_limit = test.record_limit;
+    of_world.result_bytes = chance(0.3) ? PAGE_BYTES : 0;
     must(pccd_mpi_open(MPI_COMM_WORLD, &of_world, &test.world), "open");
     if (test.rank == 0) {
         const struct pccd_options options = {.struct_bytes = sizeof options,
