@@ -101,8 +101,8 @@ static float side_of(const float box[6])
     return fmaxf(box[3] - box[0], fmaxf(box[4] - box[1], box[5] - box[2]));
 }
 
-/* Where the curve leaves the scene and comes back elsewhere, a box around both places would
- * be as large as the jump, and meet whatever lies in between. */
+/* Where the curve leaves the scene and comes back elsewhere, a box around both places
+ * would be as large as the jump, and meet whatever lies in between. */
 static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
                         struct ranks_boxes *boxes)
 {

@@ -10,9 +10,9 @@
 
 #include <stdint.h>
 
-/* low, high: of the box that is filled; its longest side is as long as the curve's cube, so
- * that pieces of the curve are about as long as they are wide in a flat box, too. Points
- * beyond it have the place of the nearest in it. 63 bits. */
+/* low, high: of the box that is filled; its longest side is as long as the curve's cube,
+ * so that pieces of the curve are about as long as they are wide in a flat box, too.
+ * Points beyond it have the place of the nearest in it. 63 bits. */
 uint64_t ranks_curve_place(const double x[3], const double low[3], const double high[3]);
 
 #endif

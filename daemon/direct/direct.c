@@ -12,7 +12,6 @@
 #include <errno.h>
 #include <pthread.h>
 #include <sched.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +32,7 @@
 #include "session.h"
 #include "setup.h"
 #include "shared.h"
+#include "timers.h"
 #include "watcher.h"
 
 /* Quotas keep the users of a daemon from each other. Here is one, and the memory is its
@@ -41,7 +41,6 @@
 #define TRIANGLE_BYTES 56u /* of a mesh, at least */
 
 #define CLIENTS_MAX 4096u
-#define NS_PER_MS   1000000u
 
 struct proto_direct_inbox {
     struct srv_conn conn;            /* first */
@@ -54,6 +53,7 @@ static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
 static struct srv_options options;
 static struct srv_service *the_service; /* NULL: no client */
 static struct srv_conn *conns;          /* newest first */
+static uint64_t told_ns; /* when something is due, as the descriptors know; 0: never */
 
 /* OpenMP's team does not survive a fork: a copy of the process must not compute. */
 static volatile bool is_forked;
@@ -169,93 +169,6 @@ void srv_host_limit_changed(struct srv_service *service)
     (void)service; /* whoever comes is taken or refused at once */
 }
 
-/* ---- timers ------------------------------------------------------------------------ */
-
-/* Nothing is left undone between two messages but frames that are held for the step of
- * another session: a step is computed before its deadline can come in the queue, and no
- * session waits. When such a frame's deadline has come, the descriptors of all clients
- * are readable, and who looks for a message first does what is due. */
-struct srv_timer {
-    struct srv_timer *next;
-    void (*fire)(void *context);
-    void *context;
-    uint64_t at_ns;    /* CLOCK_MONOTONIC; 0: it is stopped */
-    uint64_t every_ns; /* 0: once */
-};
-
-static struct srv_timer *timers;
-static uint64_t told_ns;        /* that the descriptors know; 0: none */
-static _Atomic uint64_t due_ns; /* of the first timer; 0: none. Whoever reads it without
-                                 * a turn takes one to be sure */
-
-static void find_due(void)
-{
-    uint64_t first_ns = 0;
-    for (const struct srv_timer *timer = timers; timer != NULL; timer = timer->next) {
-        if (timer->at_ns != 0 && (first_ns == 0 || timer->at_ns < first_ns)) {
-            first_ns = timer->at_ns;
-        }
-    }
-    atomic_store_explicit(&due_ns, first_ns, memory_order_relaxed);
-}
-
-struct srv_timer *srv_timer_new(struct srv_service *service, void (*fire)(void *context),
-                                void *context)
-{
-    (void)service;
-    struct srv_timer *timer = calloc(1, sizeof *timer);
-    if (timer != NULL) {
-        *timer = (struct srv_timer){.next = timers, .fire = fire, .context = context};
-        timers = timer;
-    }
-    return timer;
-}
-
-void srv_timer_start(struct srv_timer *timer, uint64_t after_ms, uint64_t every_ms)
-{
-    timer->at_ns = common_now_ns() + after_ms * NS_PER_MS;
-    timer->every_ns = every_ms * NS_PER_MS;
-    find_due();
-}
-
-void srv_timer_stop(struct srv_timer *timer)
-{
-    timer->at_ns = 0;
-    find_due();
-}
-
-void srv_timer_free(struct srv_timer *timer)
-{
-    struct srv_timer **at = &timers;
-    while (*at != NULL && *at != timer) {
-        at = &(*at)->next;
-    }
-    if (timer != NULL) {
-        *at = timer->next;
-        free(timer);
-        find_due();
-    }
-}
-
-static bool is_due(void)
-{
-    uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
-    return at_ns != 0 && at_ns <= common_now_ns();
-}
-
-/* Of each that is due. It may stop and start others. */
-static void fire_due(void)
-{
-    uint64_t now_ns = common_now_ns();
-    for (struct srv_timer *timer = timers; timer != NULL; timer = timer->next) {
-        if (timer->at_ns != 0 && timer->at_ns <= now_ns) {
-            timer->at_ns = timer->every_ns != 0 ? now_ns + timer->every_ns : 0;
-            timer->fire(timer->context);
-        }
-    }
-    find_due();
-}
-
 /* ---- the service ------------------------------------------------------------------- */
 
 static uint32_t cpu_count(void)
@@ -357,11 +270,11 @@ static void work_off(struct srv_service *service)
 /* At the end of a turn. */
 static void do_due(void)
 {
-    if (is_due()) {
-        fire_due();
+    if (direct_timers_are_due()) {
+        direct_timers_fire();
         work_off(the_service);
     }
-    uint64_t at_ns = atomic_load_explicit(&due_ns, memory_order_relaxed);
+    uint64_t at_ns = direct_timers_due_ns();
     if (at_ns != told_ns) {
         told_ns = at_ns;
         for (struct srv_conn *conn = conns; conn != NULL; conn = conn->next) {
@@ -488,7 +401,8 @@ static int receive_message(struct proto_direct_inbox *line, void *buffer, size_t
         *fd_count = 0;
         return PCCD_E_DISCONNECTED;
     }
-    if (is_due() && try_turn()) { /* else whoever has it does what is due */
+    if (direct_timers_are_due() &&
+        try_turn()) { /* else whoever has it does what is due */
         do_due();
         end_turn();
     }

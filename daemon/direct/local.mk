@@ -4,7 +4,8 @@
 lib_LTLIBRARIES += libpccd-direct.la
 libpccd_direct_la_SOURCES = \
     daemon/direct/direct.c \
-    daemon/direct/inbox.c daemon/direct/inbox.h
+    daemon/direct/inbox.c daemon/direct/inbox.h \
+    daemon/direct/timers.c daemon/direct/timers.h
 libpccd_direct_la_CPPFLAGS = $(service_cppflags) -iquote $(top_srcdir)/daemon/direct
 libpccd_direct_la_CFLAGS = $(AM_CFLAGS) -pthread
 libpccd_direct_la_LIBADD = libservice.la libengine.la libproto.la
