@@ -1,4 +1,4 @@
-/* daemon/engine/new_scene.c - a scene is made.
+/* daemon/engine/new_scene.c - a scene is made, and what objects of a mesh share.
  *
  * Room:     engine.
  * Does:     make an empty scene in which each method, and the step, has its slot.
@@ -16,4 +16,18 @@ int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **
         [ENG_SLOT_WIDE] = &eng_wide_slot,
         [ENG_SLOT_STEP] = &eng_step_slot};
     return eng_world_new(settings, owners, scene);
+}
+
+int eng_mesh_arrange(struct eng_mesh *mesh, uint32_t threads)
+{
+    if (!mesh->committed || mesh->order) {
+        return PCCD_E_STATE;
+    }
+    struct eng_wide_order *order;
+    int status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x, threads, &order);
+    if (status == PCCD_OK) {
+        mesh->order = order;
+        mesh->order_bytes = order->bytes;
+    }
+    return status;
 }

@@ -18,6 +18,11 @@
 /* An empty scene; `settings` NULL: the defaults. PCCD_E_INVAL, PCCD_E_NOMEM. */
 int eng_scene_new(const struct eng_scene_settings *settings, struct eng_scene **scene);
 
+/* Once, of a committed mesh that is in no scene yet: find the order of its features that
+ * objects begin with, by so many threads (0: one), so that all of them share it. Without
+ * it each has its own; no answer depends on it. PCCD_E_STATE, PCCD_E_NOMEM. */
+int eng_mesh_arrange(struct eng_mesh *mesh, uint32_t threads);
+
 /* Run the step that was staged on `scene` (without staging: everything stands still).
  * Returns PCCD_OK with *result, also when incomplete; PCCD_E_AGAIN (brief.h): positions
  * have moved on. Settings out of range (PCCD_E_INVAL), a separation beyond 1e18

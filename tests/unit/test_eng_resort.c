@@ -1,7 +1,8 @@
 /* test_eng_resort.c - features that have left their neighbours are put in order again.
  *
  * Room:     tests; engine headers.
- * Does:     let triangles change places, and look at what steps take from then on.
+ * Does:     let triangles change places, and look at what steps take from then on; and at
+ *           who has an order of its own.
  * Threads:  one, and teams of two.
  */
 #include "eng_kit.h"
@@ -9,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "memory.h"
 #include "step.h"
 #include "wide_state.h"
 #include "worker.h"
@@ -32,6 +34,7 @@ static void start(void)
     struct kit_random random = {91};
     struct eng_mesh *mesh = kit_soup(&random, COUNT);
     memcpy(soup.rest, mesh->x, sizeof soup.rest);
+    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_OK);
     assert_int_equal(eng_scene_new(NULL, &soup.scene), PCCD_OK);
     assert_int_equal(eng_scene_add(soup.scene, mesh, 1, &soup.idx), PCCD_OK);
     eng_mesh_release(mesh);
@@ -158,6 +161,40 @@ static void resort__makes_a_mixed_soup_as_good_as_new(void **state)
                          0);
         end();
     }
+}
+
+/* If it failed: a thousand scenes of one mesh would have its order a thousand times; or
+ * what one scene moves would put the features of all others in disorder. */
+static void order__is_the_meshs_until_an_object_needs_another(void **state)
+{
+    (void)state;
+    uint32_t idx, steps;
+    start();
+    struct eng_mesh *mesh = soup.scene->objects[soup.idx].mesh;
+    struct eng_scene *other;
+    assert_int_equal(eng_mesh_arrange(mesh, 1), PCCD_E_STATE);
+    assert_int_equal(eng_scene_new(NULL, &other), PCCD_OK);
+    uint64_t before = eng_alloc_bytes();
+    assert_int_equal(eng_scene_add(other, mesh, 1, &idx), PCCD_OK);
+    uint64_t positions = (uint64_t)VERTICES * 2 * sizeof *mesh->x;
+    assert_true(eng_alloc_bytes() - before < positions + mesh->order_bytes);
+    assert_ptr_equal(eng_wide_order_of(&other->objects[idx]), mesh->order);
+    assert_ptr_equal(eng_wide_order_of(&soup.scene->objects[soup.idx]), mesh->order);
+    size_t bytes = mesh->order->count[PCCD_TREE_FACES] * sizeof(uint32_t);
+    uint32_t *faces = malloc(bytes);
+    assert_non_null(faces);
+    memcpy(faces, mesh->order->feature[PCCD_TREE_FACES], bytes);
+    step(PCCD_MODE_PAIRS, 1);
+    shuffle();
+    (void)until_sorted(1, &steps);
+    const struct eng_wide_order *own = eng_wide_order_of(&soup.scene->objects[soup.idx]);
+    assert_ptr_not_equal(own, mesh->order);
+    assert_memory_not_equal(own->feature[PCCD_TREE_FACES], faces, bytes);
+    assert_memory_equal(mesh->order->feature[PCCD_TREE_FACES], faces, bytes);
+    assert_ptr_equal(eng_wide_order_of(&other->objects[idx]), mesh->order);
+    free(faces);
+    eng_scene_free(other);
+    end();
 }
 
 /* If it failed: scenes whose order is good would pay for sorting it. */
@@ -397,6 +434,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(resort__makes_a_mixed_soup_as_good_as_new),
+        cmocka_unit_test(order__is_the_meshs_until_an_object_needs_another),
         cmocka_unit_test(resort__sees_what_moves_beside_what_stands),
         cmocka_unit_test(resort__leaves_a_good_order_alone),
         cmocka_unit_test(resort__forgets_what_it_began_when_objects_change),

@@ -84,6 +84,7 @@ void eng_mesh_release(struct eng_mesh *mesh)
     eng_free(mesh->own[PCCD_TREE_EDGES]);
     eng_free(mesh->radii);
     eng_free(mesh->reach);
+    eng_free(mesh->order);
     eng_rings_deinit(mesh);
     eng_spacing_deinit(mesh);
     eng_free(mesh);
@@ -392,5 +393,5 @@ uint64_t eng_mesh_bytes(const struct eng_mesh *mesh)
                 ? (words_for(info->vertex_count) + words_for(info->edge_count)) * 8
                 : 0) +
            (mesh->radii ? (uint64_t)info->vertex_count * 2 * sizeof *mesh->radii : 0) +
-           eng_rings_bytes(mesh);
+           eng_rings_bytes(mesh) + mesh->order_bytes;
 }

@@ -51,6 +51,7 @@ struct eng_spacing {
 };
 
 struct eng_rings; /* rings.h */
+struct eng_wide_order;
 
 struct eng_mesh {
     atomic_uint references;
@@ -81,6 +82,11 @@ struct eng_mesh {
     double radius_max;
     _Atomic(struct eng_rings *) rings[ENG_RINGS_MAX]; /* [n - 1], those that were asked */
     struct eng_spacing spacing; /* which is found out after commit, if at all */
+    /* Of the method wide: the order of the features at the registered positions, which
+     * objects share until they need another (wide.h); `order_bytes` of eng_alloc. NULL:
+     * there is none. */
+    struct eng_wide_order *order;
+    uint64_t order_bytes;
     atomic_uint closed;         /* likewise (closed.h); 0: it is not known */
 };
 

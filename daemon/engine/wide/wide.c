@@ -411,7 +411,8 @@ static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t feature = order->feature[kind][k];
             if (feature != ENG_WIDE_NO_FEATURE &&
                 eng_mesh_is_free(object->mesh, kind, feature)) {
-                set_mark(wide, tree, tree->free, order->first[kind] + k);
+                set_mark(wide, tree, tree->free,
+                         eng_wide_object_of(object)->first[kind] + k);
             }
         }
     }
@@ -433,7 +434,8 @@ static void mark_own(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t feature = order->feature[kind][k];
             if (feature != ENG_WIDE_NO_FEATURE &&
                 !eng_mesh_is_foreign(object->mesh, kind, feature)) {
-                set_mark(wide, tree, tree->own, order->first[kind] + k);
+                set_mark(wide, tree, tree->own,
+                         eng_wide_object_of(object)->first[kind] + k);
             }
         }
     }
@@ -462,7 +464,7 @@ static void put_together(struct eng_wide *wide, const struct eng_scene *scene,
             uint32_t first = eng_wide_first_slot(end, count);
             clear(wide, kind, end, first);
             fill(wide, scene, wide->items[i].id, kind, first);
-            eng_wide_order_of(object)->first[kind] = first;
+            eng_wide_object_of(object)->first[kind] = first;
             wide->feature_count += count;
             end = first + count;
         }

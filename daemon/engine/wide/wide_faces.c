@@ -21,14 +21,15 @@ void eng_wide_faces_of(const struct eng_scene *scene, uint32_t object_idx, uint3
                        struct eng_faces *faces)
 {
     const struct eng_wide *wide = eng_wide_of(scene);
-    const struct eng_wide_order *order = eng_wide_order_of(&scene->objects[object_idx]);
-    assert(end <= 1 && order->count[PCCD_TREE_FACES] > 0);
+    const struct eng_wide_object *object =
+        eng_wide_object_of(&scene->objects[object_idx]);
+    assert(end <= 1 && object->order->count[PCCD_TREE_FACES] > 0);
     *faces = (struct eng_faces){.scene = scene,
                                 .object = object_idx,
                                 .end = end,
                                 .root = node_of(wide->level_count - 1, 0),
-                                .first = order->first[PCCD_TREE_FACES],
-                                .count = order->count[PCCD_TREE_FACES]};
+                                .first = object->first[PCCD_TREE_FACES],
+                                .count = object->order->count[PCCD_TREE_FACES]};
 }
 
 /* Boxes of the faces in a block of slots, which are not kept in floats in a step that

@@ -325,6 +325,31 @@ static void count_features(const struct making *making, const struct eng_mesh *m
     }
 }
 
+/* Where the arrays of an order are: behind it. */
+static void lay_out(struct eng_wide_order *order, bool has_pieces)
+{
+    uint32_t *next = (uint32_t *)(void *)(order + 1);
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        order->feature[kind] = next;
+        next += order->count[kind];
+    }
+    for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
+        order->piece_size[kind] = next;
+        next += order->piece_count;
+    }
+    order->piece_of = has_pieces ? next : NULL;
+}
+
+struct eng_wide_order *eng_wide_order_copy(const struct eng_wide_order *order)
+{
+    struct eng_wide_order *copy = eng_alloc(1, order->bytes);
+    if (copy) {
+        memcpy(copy, order, order->bytes);
+        lay_out(copy, order->piece_of != NULL);
+    }
+    return copy;
+}
+
 /* An order whose features are not in it yet. */
 static struct eng_wide_order *order_of(const struct making *making,
                                        const struct eng_mesh *mesh)
@@ -344,19 +369,11 @@ static struct eng_wide_order *order_of(const struct making *making,
     shape.bytes = sizeof shape + (slots + numbers + vertices) * sizeof(uint32_t);
     struct eng_wide_order *order = eng_alloc(1, shape.bytes);
     if (order) {
-        uint32_t *next = (uint32_t *)(void *)(order + 1);
         *order = shape;
-        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-            order->feature[kind] = next;
-            next += order->count[kind];
-        }
-        memcpy(next, making->size, numbers * sizeof *next);
-        for (int kind = 0; kind < ENG_WIDE_TREES; kind++) {
-            order->piece_size[kind] = next;
-            next += order->piece_count;
-        }
+        lay_out(order, vertices > 0);
+        memcpy(order->piece_size[0], making->size, numbers * sizeof(uint32_t));
         if (order->piece_of) {
-            order->piece_of = memcpy(next, making->of, vertices * sizeof *next);
+            memcpy(order->piece_of, making->of, vertices * sizeof(uint32_t));
         }
     }
     return order;

@@ -33,11 +33,17 @@
 struct eng_wide_order {
     uint32_t count[ENG_WIDE_TREES];       /* slots: features, and those behind pieces */
     uint32_t *feature[ENG_WIDE_TREES];    /* [count] */
-    uint32_t first[ENG_WIDE_TREES]; /* slot in the trees, once they are put together */
     uint32_t piece_count;                 /* 1: pieces are not told apart */
     uint32_t *piece_of;                   /* [vertex_count] of 1: NULL */
     uint32_t *piece_size[ENG_WIDE_TREES]; /* [piece_count] features */
     uint64_t bytes;                       /* of all this */
+};
+
+/* What the method keeps of an object. */
+struct eng_wide_object {
+    const struct eng_wide_order *order; /* of its features: `own`, or the mesh's */
+    struct eng_wide_order *own; /* NULL: it is as all objects of the mesh were at first */
+    uint32_t first[ENG_WIDE_TREES]; /* slot in the trees, once they are put together */
 };
 
 /* Of a committed mesh, at the positions `x` of its vertices, by that many threads, whose
@@ -45,6 +51,8 @@ struct eng_wide_order {
  * O(n log n). */
 int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                        uint32_t threads, struct eng_wide_order **order);
+/* NULL: no memory. */
+struct eng_wide_order *eng_wide_order_copy(const struct eng_wide_order *order);
 
 /* Edges or, for the two other trees, triangles of a mesh. */
 uint32_t eng_wide_order_sources(const struct eng_mesh *mesh, enum pccd_tree kind);

@@ -162,6 +162,24 @@ static void begin(struct eng_wide_resort *resort, const struct eng_scene *scene)
     resort->state = ENG_WIDE_SORTING;
 }
 
+/* From now on each object has an order of its own, that can be changed. False: no
+ * memory. */
+static bool own_orders(struct eng_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->object_capacity; i++) {
+        struct eng_wide_object *kept = eng_wide_object_of(&scene->objects[i]);
+        if (!scene->objects[i].mesh || kept->own) {
+            continue;
+        }
+        kept->own = eng_wide_order_copy(kept->order);
+        if (!kept->own) {
+            return false;
+        }
+        kept->order = kept->own;
+    }
+    return true;
+}
+
 /* The orders of the scene against those of the items. */
 static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
 {
@@ -170,9 +188,10 @@ static void exchange(struct eng_wide_resort *resort, struct eng_scene *scene)
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
         const struct eng_object *object = &scene->objects[i];
         for (int kind = 0; object->mesh && kind < ENG_WIDE_TREES; kind++) {
-            for (uint32_t k = 0; k < eng_wide_order_of(object)->count[kind]; k++) {
-                uint32_t before = eng_wide_order_of(object)->feature[kind][k];
-                eng_wide_order_of(object)->feature[kind][k] = item->id;
+            struct eng_wide_order *order = eng_wide_object_of(object)->own;
+            for (uint32_t k = 0; k < order->count[kind]; k++) {
+                uint32_t before = order->feature[kind][k];
+                order->feature[kind][k] = item->id;
                 (item++)->id = before;
             }
         }
@@ -187,7 +206,8 @@ void eng_wide_resort_prepare(struct eng_wide_resort *resort, struct eng_scene *s
 {
     resort->sorts = 0;
     resort->sorted_triangles = 0;
-    if (eng_wide_of(scene)->is_stale) {
+    bool is_lost = resort->state == ENG_WIDE_SORTED && !own_orders(scene);
+    if (eng_wide_of(scene)->is_stale || is_lost) {
         forget(resort);
     } else if (resort->state == ENG_WIDE_SORTED) {
         end_sorting(resort);

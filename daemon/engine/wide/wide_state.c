@@ -2,7 +2,7 @@
  *
  * Room:     engine.
  * Does:     make it with the scene and free it with it; find the order of each object's
- *           features when it is added.
+ *           features when it is added, unless its mesh has one for all its objects.
  * Threads:  [compute].
  */
 #include "wide_state.h"
@@ -43,8 +43,10 @@ static uint64_t bytes(const struct eng_scene *scene)
     const struct eng_wide_state *state = eng_wide_state_of(scene);
     uint64_t orders = 0;
     for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        orders +=
-            scene->objects[i].mesh ? eng_wide_order_of(&scene->objects[i])->bytes : 0;
+        const struct eng_wide_object *kept = eng_wide_object_of(&scene->objects[i]);
+        if (scene->objects[i].mesh) {
+            orders += sizeof *kept + (kept->own ? kept->own->bytes : 0);
+        }
     }
     return sizeof *state + orders + eng_wide_bytes(&state->trees) +
            eng_wide_owners_bytes(&state->owners) + eng_wide_resort_bytes(&state->resort);
@@ -54,20 +56,33 @@ static int add(struct eng_scene *scene, struct eng_object *object)
 {
     assert(object->mesh && !object->slots[ENG_SLOT_WIDE]);
     const struct eng_mesh *mesh = object->mesh;
-    struct eng_wide_order *order;
-    int status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x,
-                                    scene->settings.threads, &order);
-    if (status == PCCD_OK) {
-        object->slots[ENG_SLOT_WIDE] = order;
+    struct eng_wide_object *kept = eng_alloc(1, sizeof *kept);
+    if (!kept) {
+        return PCCD_E_NOMEM;
     }
-    return status;
+    *kept = (struct eng_wide_object){.order = mesh->order};
+    if (!kept->order) {
+        int status = eng_wide_order_new(mesh, (const double(*)[3])mesh->x,
+                                        scene->settings.threads, &kept->own);
+        if (status != PCCD_OK) {
+            eng_free(kept);
+            return status;
+        }
+        kept->order = kept->own;
+    }
+    object->slots[ENG_SLOT_WIDE] = kept;
+    return PCCD_OK;
 }
 
 static void drop(struct eng_scene *scene, struct eng_object *object)
 {
     (void)scene;
-    eng_free(object->slots[ENG_SLOT_WIDE]);
-    object->slots[ENG_SLOT_WIDE] = NULL;
+    struct eng_wide_object *kept = eng_wide_object_of(object);
+    if (kept) {
+        eng_free(kept->own);
+        eng_free(kept);
+        object->slots[ENG_SLOT_WIDE] = NULL;
+    }
 }
 
 static void changed(struct eng_scene *scene)

@@ -94,7 +94,7 @@ static void mark_object(struct eng_wide *wide, const struct eng_scene *scene,
         mark_some(wide, scene, object);
     }
     for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        uint32_t first = order->first[kind];
+        uint32_t first = eng_wide_object_of(object)->first[kind];
         if (moves_all) {
             mark_all(&wide->trees[kind], first, order->count[kind]);
         } else if (kind != PCCD_TREE_VERTICES) {

@@ -342,9 +342,8 @@ static int derive(struct srv_request *request)
     if (status != 0) {
         return proto_error_set(&request->error, status, "no memory for the mesh");
     }
-    int failed = request->plan.replacement != NULL && eng_mesh_is_committed(engine)
-                     ? PCCD_OK
-                     : eng_mesh_commit(engine);
+    bool is_derived = request->plan.replacement != NULL && eng_mesh_is_committed(engine);
+    int failed = is_derived ? PCCD_OK : eng_mesh_commit(engine);
     if (failed == PCCD_E_STATE && !eng_mesh_is_committed(engine)) {
         return refuse_unfinished(request, engine, &shape->counts);
     }
@@ -352,6 +351,9 @@ static int derive(struct srv_request *request)
         return proto_error_set(
             &request->error, failed, "mesh 0x%x: %s", request->params.MESH_COMMIT.mesh,
             failed == PCCD_E_STATE ? "is committed already" : proto_status_text(failed));
+    }
+    if (!is_derived) { /* without memory for it the objects do without */
+        (void)eng_mesh_arrange(engine, request->session->service->options->threads_max);
     }
     struct eng_mesh_info info;
     eng_mesh_get_info(engine, &info);
