@@ -147,7 +147,7 @@ static uint64_t count_slots(const struct eng_wide *wide, const struct eng_scene 
 }
 
 /* Blocks of a tree of that many slots, with as many as a full block of the next level
- * needs. */
+ * needs; the highest has but one. */
 static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
                              struct eng_wide_tree *tree)
 {
@@ -158,7 +158,7 @@ static uint32_t count_blocks(uint32_t slot_count, uint32_t level_count,
             tree->first[level] = first;
             tree->block_count[level] = blocks;
         }
-        first += round_up(blocks, ENG_WIDE);
+        first += level + 1 < level_count ? round_up(blocks, ENG_WIDE) : blocks;
         blocks = (blocks + ENG_WIDE - 1) / ENG_WIDE;
     }
     return first;
@@ -174,12 +174,12 @@ static bool fits(uint32_t count, uint32_t capacity, uint32_t kept_anyway)
 
 /* Instead of one that does not fit. Of less, no array has less from now on, whichever of
  * them can be made smaller. */
-static uint32_t other_capacity(uint32_t *capacity, uint32_t count)
+static uint32_t other_capacity(uint32_t *capacity, uint32_t count, uint32_t multiple)
 {
     if (count > *capacity) {
-        return round_up(eng_array_grown(*capacity, count), ENG_WIDE);
+        return round_up(eng_array_grown(*capacity, count), multiple);
     }
-    *capacity = round_up(count, ENG_WIDE);
+    *capacity = round_up(count, multiple);
     return *capacity;
 }
 
@@ -189,7 +189,7 @@ static int reserve_slots(struct eng_wide *wide, enum pccd_tree kind, uint32_t co
     if (fits(count, tree->slot_capacity, SLOTS_KEPT)) {
         return PCCD_OK;
     }
-    uint32_t capacity = other_capacity(&tree->slot_capacity, count);
+    uint32_t capacity = other_capacity(&tree->slot_capacity, count, ENG_WIDE);
     int status = PCCD_OK;
     if (kind == PCCD_TREE_VERTICES) {
         status = eng_array_grow(&wide->points, capacity, sizeof *wide->points);
@@ -215,7 +215,7 @@ static int reserve_blocks(struct eng_wide_tree *tree, uint32_t count)
     if (fits(count, tree->block_capacity, SLOTS_KEPT / ENG_WIDE)) {
         return PCCD_OK;
     }
-    uint32_t capacity = other_capacity(&tree->block_capacity, count);
+    uint32_t capacity = other_capacity(&tree->block_capacity, count, 1);
     int status = eng_array_grow(&tree->blocks, capacity, sizeof *tree->blocks);
     if (status == PCCD_OK) {
         status = eng_array_grow(&tree->boxes, capacity, sizeof *tree->boxes);
