@@ -152,9 +152,11 @@ static void print_limits(void)
     LIMIT(PROTO_OBJECTS_PER_SCENE, "objects of a scene");
     LIMIT(PROTO_IGNORED_PER_SCENE, "pairs of objects of a scene that ignore each other");
     LIMIT(PROTO_CLIENTS_PER_UID, "clients of a user (default)");
-    LIMIT(PROTO_SHM_BYTES_PER_UID, "bytes of shared memory of a user (default)");
+    LIMIT(PROTO_SHM_BYTES_PER_UID,
+          "bytes of shared memory of a user; an eighth of the machine's if that is more "
+          "(default)");
     LIMIT(PROTO_MESHES_PER_UID, "meshes of a user (default)");
-    LIMIT(PROTO_TRIANGLES_PER_UID, "triangles of a user, meshes and objects (default)");
+    LIMIT(PROTO_TRIANGLES_PER_UID, "triangles of the meshes of a user (default)");
     LIMIT(PROTO_CONTACTS_PER_STEP, "records that are kept of a step (default)");
 #undef LIMIT
 }

@@ -104,16 +104,19 @@ static const struct argp_option option_table[] = {
      "let the members of this group be clients, likewise; may be repeated", 1},
     {NULL, 0, NULL, 0, "Quotas of one user:", 3},
     {"clients-max", OPT_CLIENTS, "N", 0, "connections (default 64)", 3},
-    {"shm-max-mib", OPT_SHM, "MIB", 0, "shared memory (default 512)", 3},
-    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 65536)", 3},
-    {"triangles-max", OPT_TRIANGLES, "N", 0,
-     "triangles of meshes and objects (default 64000000)", 3},
+    {"shm-max-mib", OPT_SHM, "MIB", 0,
+     "shared memory (default: 512, or an eighth of the machine's if that is more)", 3},
+    {"meshes-max", OPT_MESHES, "N", 0, "meshes (default 131072)", 3},
+    {"triangles-max", OPT_TRIANGLES, "N", 0, "triangles of meshes (default 256000000)",
+     3},
     {"memory-max-mib", OPT_MEMORY, "MIB", 0,
-     "memory of meshes, hierarchies and answers (default: half of the machine's)", 3},
+     "memory of meshes, objects, hierarchies and answers (default: half of the "
+     "machine's)",
+     3},
     {NULL, 0, NULL, 0, "Bounds of all users together:", 4},
     {"memory-total-mib", OPT_MEMORY_TOTAL, "MIB", 0,
-     "shared memory, and memory of meshes, hierarchies and answers (default: three "
-     "quarters of the machine's)",
+     "shared memory, and memory of meshes, objects, hierarchies and answers (default: "
+     "three quarters of the machine's)",
      4},
     {"connections-max", OPT_CONNECTIONS, "N", 0,
      "connections; more wait to be accepted (default 1024)", 4},
@@ -298,6 +301,12 @@ static uint64_t half_of_memory(void)
                                        : 1ull << 30;
 }
 
+static uint64_t shared_memory(void)
+{
+    uint64_t eighth = half_of_memory() / 4 >> 20 << 20;
+    return eighth > PROTO_SHM_BYTES_PER_UID ? eighth : PROTO_SHM_BYTES_PER_UID;
+}
+
 void srv_options_parse(struct srv_options *options, int argc, char **argv)
 {
     static const struct argp argp = {
@@ -315,7 +324,7 @@ void srv_options_parse(struct srv_options *options, int argc, char **argv)
         .queue_max = 32768,
         .contacts_max = PROTO_CONTACTS_PER_STEP,
         .quota = {[SRV_QUOTA_CLIENTS] = PROTO_CLIENTS_PER_UID,
-                  [SRV_QUOTA_SHM_BYTES] = PROTO_SHM_BYTES_PER_UID,
+                  [SRV_QUOTA_SHM_BYTES] = shared_memory(),
                   [SRV_QUOTA_MESHES] = PROTO_MESHES_PER_UID,
                   [SRV_QUOTA_TRIANGLES] = PROTO_TRIANGLES_PER_UID},
         .engine_bytes_max = half_of_memory(),

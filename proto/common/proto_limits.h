@@ -56,9 +56,9 @@
 
 /* Default quotas of one uid, charged before allocation; options change them. */
 #define PROTO_CLIENTS_PER_UID   64u
-#define PROTO_SHM_BYTES_PER_UID (512ull << 20)
-#define PROTO_MESHES_PER_UID    65536u
-#define PROTO_TRIANGLES_PER_UID 64000000ull
+#define PROTO_SHM_BYTES_PER_UID (512ull << 20) /* or an eighth of the machine's memory */
+#define PROTO_MESHES_PER_UID    131072u        /* two for each scene of a batch */
+#define PROTO_TRIANGLES_PER_UID 256000000ull   /* of meshes */
 #define PROTO_SCENES_PER_CLIENT 65536u /* as many as a batch has */
 #define PROTO_SHARED_PER_CLIENT 64u    /* of these, shared with others */
 #define PROTO_OBJECTS_PER_SCENE 65536u

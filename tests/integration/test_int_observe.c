@@ -261,7 +261,7 @@ static void config__settings_change_and_hold(void **state)
     assert_true(settings.count >= 14);
     assert_int_equal(pccd_config_get(client, "no-such", take_setting, &settings),
                      PCCD_E_INVAL);
-    expect_setting(client, "meshes-max", "65536", false);
+    expect_setting(client, "meshes-max", "131072", false);
     assert_int_equal(pccd_config_set(client, "meshes-max", "2"), 0); /* as it has */
     expect_setting(client, "meshes-max", "2", true);
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
@@ -272,8 +272,8 @@ static void config__settings_change_and_hold(void **state)
                                       test_triangle, 1, &mesh, NULL),
                      PCCD_E_QUOTA);
     assert_true(test_crossing_turn(crossing));
-    assert_int_equal(pccd_config_set(client, "meshes-max", "65536"), 0);
-    expect_setting(client, "meshes-max", "65536", false);
+    assert_int_equal(pccd_config_set(client, "meshes-max", "131072"), 0);
+    expect_setting(client, "meshes-max", "131072", false);
     assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
                                       test_triangle, 1, &mesh, NULL),
                      0);
@@ -295,7 +295,7 @@ static void config__settings_change_and_hold(void **state)
     assert_int_equal(pccd_config_set(client, "queue-max", "-1"), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "queue-max", "9 "), PCCD_E_INVAL);
     assert_int_equal(pccd_config_set(client, "contacts-max", "1"), 0);
-    assert_true(test_daemon_logged(&test_shared, "meshes-max: 65536, was 1"));
+    assert_true(test_daemon_logged(&test_shared, "meshes-max: 131072, was 1"));
     assert_int_equal(pccd_config_set(client, "contacts-max", "16777216"), 0);
 }
 

@@ -1,8 +1,9 @@
 /* test_int_quota.c - the quota of the engine's memory, and the bound of all users.
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
- * Does:     meshes and answers that do not fit, and what is left afterwards; the bound of
- *           all users. Other quotas are in test_int_session.c and test_int_replace.c.
+ * Does:     meshes, objects and answers that do not fit, and what is left afterwards; the
+ *           bound of all users. Other quotas are in test_int_session.c and
+ *           test_int_replace.c.
  * Threads:  one; a child becomes another user.
  */
 #include <grp.h>
@@ -21,6 +22,7 @@
 
 #include "crossing.h"
 #include "daemon.h"
+#include "farm.h"
 #include "grid.h"
 #include "messages.h"
 #include "raw.h"
@@ -172,6 +174,100 @@ static void memory__of_meshes_and_hierarchies_is_bounded(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* ---- objects of one mesh ----------------------------------------------------------- */
+
+/* If it failed, a batch of many scenes would meet the quota of triangles, though all of
+ * them have one mesh; or a mesh more than that quota would be let in. */
+static void objects__share_the_triangles_of_their_mesh(void **state)
+{
+    static const char *const options[] = {"--triangles-max", "19", NULL};
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct test_farm farm;
+    uint32_t mesh = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_farm_make(client, 50, 4, &farm), 0); /* 18 triangles and 1 */
+    assert_int_equal(test_farm_turn(&farm, 1, NULL, &answer), 0);
+    assert_int_equal(answer.failed, 0);
+    pccd_batch_release(client, &answer);
+    assert_int_equal(test_stat(client, "triangles_now"), 19);
+    assert_int_equal(pccd_mesh_create(client, test_triangle_x, PCCD_FORMAT_F32, 3,
+                                      test_triangle, 1, &mesh, NULL),
+                     PCCD_E_QUOTA);
+    assert_non_null(strstr(pccd_error_text(client), "triangles"));
+    test_farm_free(&farm);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* Add objects of a mesh to a scene each, until there may be no more; how many. */
+static uint32_t fill_scenes(struct pccd_client *client, uint32_t mesh, uint32_t *scenes,
+                            uint32_t most)
+{
+    uint32_t count = 0;
+    uint32_t object = 0;
+
+    for (; count < most; count++) {
+        int status = pccd_scene_create(client, NULL, &scenes[count]);
+        if (status == 0) {
+            status = pccd_scene_add(client, scenes[count], mesh, &object);
+            if (status != 0) {
+                assert_int_equal(pccd_scene_destroy(client, scenes[count]), 0);
+            }
+        }
+        if (status != 0) {
+            assert_int_equal(status, PCCD_E_QUOTA);
+            assert_non_null(strstr(pccd_error_text(client), "--memory-max-mib"));
+            return count;
+        }
+    }
+    return count;
+}
+
+/* If it failed, objects, which cost no triangles, would cost nothing: one mesh would do
+ * to take all the memory of the machine; or what they took would be gone for ever. */
+static void objects__cost_the_memory_that_they_take(void **state)
+{
+    enum { MIB = 16, MOST = 4000 };
+    static const char *const options[] = {"--memory-max-mib", "16", NULL};
+    static uint32_t scenes[MOST];
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    struct test_farm farm;
+    uint64_t before = 0;
+    uint32_t most[2];
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_farm_make(client, 1, 24, &farm), 0);
+    for (int i = 0; i < 2; i++) {
+        most[i] = fill_scenes(client, farm.mesh, scenes, MOST);
+        /* Two ends of 576 vertices are 27 KB. */
+        assert_in_range(most[i], 100, (MIB << 20) / (2 * 576 * 24));
+        assert_true(test_stat(client, "engine_bytes_now") <= MIB << 20);
+        assert_int_equal(test_farm_alone(&farm, 0, (uint32_t)i, NULL,
+                                         &(struct pccd_answer)PCCD_ANSWER_INIT),
+                         PCCD_E_QUOTA);
+        for (uint32_t k = 0; k < most[i]; k++) {
+            assert_int_equal(pccd_scene_destroy(client, scenes[k]), 0);
+        }
+        assert_int_equal(test_stat_await(client, "scenes_now", 1), 1);
+        before = i == 0 ? test_stat(client, "engine_bytes_now") : before;
+        assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
+    }
+    assert_int_equal(most[0], most[1]);
+    test_farm_free(&farm);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 #define RING_MIB 60u
 
 /* In a child, as another user where that can be: take a ring of RING_MIB, and stay. */
@@ -272,6 +368,8 @@ int main(void)
         cmocka_unit_test(memory__within_the_quota_answers_are_whole),
         cmocka_unit_test(memory__of_meshes_and_hierarchies_is_bounded),
         cmocka_unit_test(memory__of_all_users_is_bounded),
+        cmocka_unit_test(objects__share_the_triangles_of_their_mesh),
+        cmocka_unit_test(objects__cost_the_memory_that_they_take),
     };
 
     return cmocka_run_group_tests_name("quota", tests, NULL, NULL);

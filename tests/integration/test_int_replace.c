@@ -5,6 +5,8 @@
  *           it; an honest client gets right answers all the while.
  * Does not: kill clients in the middle of it (test_int_death.c).
  * Threads:  one.
+ *
+ * More than 600 lines: all that a replacement may meet, on one fixture.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -188,9 +190,9 @@ static void replace__reaches_every_object_made_of_the_mesh(void **state)
     uint32_t gone = 0;
 
     (void)state;
-    /* The floor and the triangle of the witness, twice each: others are gone then. */
-    before = test_stat_await(test_witness.crossing.client, "triangles_now", 4);
-    assert_int_equal(before, 4);
+    /* The floor and the triangle of the witness: others are gone then. */
+    before = test_stat_await(test_witness.crossing.client, "triangles_now", 2);
+    assert_int_equal(before, 2);
     open_grid(&grid);
     assert_int_equal(test_grid_make(grid.client, SIDE, &other), 0);
     assert_int_equal(pccd_scene_add(grid.client, grid.scene, grid.mesh, &gone), 0);
@@ -264,16 +266,13 @@ static void replace__bad_data_leaves_the_old_mesh(void **state)
  * large break what there is. */
 static void replace__without_quota_changes_nothing(void **state)
 {
-    /* The mesh, two objects and the floor: 3 x 450 + 2. A shape of 900 fits beside them,
-     * but not what the two objects would have more. */
-    const char *const options[] = {"--triangles-max", "2300", NULL};
+    /* The mesh and the floor, 450 + 1, and 450 that are announced; not 900. */
+    const char *const options[] = {"--triangles-max", "1000", NULL};
     static struct pieces pieces;
     static uint32_t doubled[2 * TRIANGLES][3];
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_client *client;
-    uint32_t scene = 0;
-    uint32_t second = 0;
 
     if (test_is_direct()) { /* without quotas */
         skip();
@@ -283,9 +282,7 @@ static void replace__without_quota_changes_nothing(void **state)
     client = test_connect(daemon.url);
     assert_non_null(client);
     assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
-    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
-    assert_int_equal(pccd_scene_add(client, scene, grid.mesh, &second), 0);
-    assert_int_equal(test_stat(client, "triangles_now"), 3 * TRIANGLES + 2);
+    assert_int_equal(test_stat(client, "triangles_now"), TRIANGLES + 1);
     break_grid(&grid, 1, &pieces);
     memcpy(doubled, pieces.triangles, sizeof pieces.triangles);
     memcpy(doubled + TRIANGLES, pieces.triangles, sizeof pieces.triangles);
@@ -296,8 +293,8 @@ static void replace__without_quota_changes_nothing(void **state)
                          PCCD_E_QUOTA);
         assert_non_null(strstr(pccd_error_text(client), "quota"));
         turn(&grid);
-        assert_int_equal(test_stat_await(client, "triangles_now", 3 * TRIANGLES + 2),
-                         3 * TRIANGLES + 2);
+        assert_int_equal(test_stat_await(client, "triangles_now", TRIANGLES + 1),
+                         TRIANGLES + 1);
         assert_int_equal(test_stat_await(client, "meshes_now", 2), 2);
     }
     pccd_close(client);
@@ -305,11 +302,67 @@ static void replace__without_quota_changes_nothing(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* If it failed, objects would be charged for both shapes, and a user who has half of his
- * quota could not replace anything; or be charged wrongly ever after. */
-static void replace__charges_objects_once(void **state)
+/* If it failed, a replacement that its objects have no memory for would leave some of
+ * them with the old shape and some with the new one, or the memory would be gone. */
+static void replace__without_memory_changes_nothing(void **state)
 {
-    const char *const options[] = {"--triangles-max", "1802", NULL}; /* 4 x 450 + 2 */
+    const char *const options[] = {"--memory-max-mib", "24", NULL};
+    struct test_daemon daemon;
+    struct test_grid grid, large;
+    struct pccd_client *client;
+    uint32_t(*triangles)[3];
+    uint32_t scenes[3], object;
+
+    if (test_is_direct()) { /* without quotas */
+        skip();
+    }
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(test_grid_make(client, 80, &large), 0); /* 12482 triangles */
+    assert_int_equal(pccd_scene_destroy(client, large.scene), 0);
+    assert_int_equal(test_grid_make(client, SIDE, &grid), 0);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(pccd_scene_create(client, NULL, &scenes[i]), 0);
+        for (int k = 0; k < 20; k++) {
+            assert_int_equal(pccd_scene_add(client, scenes[i], grid.mesh, &object), 0);
+        }
+    }
+    turn(&grid);
+    triangles = test_grid_triangles(&large);
+    assert_non_null(triangles);
+    test_grid_positions(&large, 1);
+    /* 61 objects of 12482 triangles would take 0.7 MB each. */
+    for (int i = 0; i < 2; i++) {
+        uint64_t before = test_stat(client, "engine_bytes_now");
+        assert_int_equal(pccd_mesh_replace(client, grid.mesh, large.x, PCCD_FORMAT_F32,
+                                           large.vertex_count,
+                                           (const uint32_t(*)[3])triangles, 2u * 79 * 79,
+                                           NULL),
+                         PCCD_E_QUOTA);
+        assert_non_null(strstr(pccd_error_text(client), "engine's memory"));
+        turn(&grid);
+        assert_true(test_stat(client, "engine_bytes_now") <= 24u << 20);
+        if (i > 0) {
+            assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
+        }
+    }
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(pccd_scene_destroy(client, scenes[i]), 0);
+    }
+    free(triangles);
+    pccd_close(client);
+    test_grid_free(&large);
+    test_grid_free(&grid);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, objects would be charged triangles that are their mesh's, or a user would
+ * be charged wrongly ever after. */
+static void replace__charges_the_mesh_once(void **state)
+{
+    const char *const options[] = {"--triangles-max", "901", NULL}; /* 2 x 450 + 1 */
     struct test_daemon daemon;
     struct test_grid grid;
     struct pccd_client *client;
@@ -330,16 +383,16 @@ static void replace__charges_objects_once(void **state)
     for (int i = 0; i < 3; i++) {
         assert_int_equal(break_mesh(&grid, NULL), 0);
         move_pieces(&grid, grid.object, -1, &answer);
-        assert_int_equal(test_stat_await(client, "triangles_now", 3 * TRIANGLES + 2),
-                         3 * TRIANGLES + 2);
+        assert_int_equal(test_stat_await(client, "triangles_now", TRIANGLES + 1),
+                         TRIANGLES + 1);
     }
     /* By something smaller: what it is less is given back. */
     assert_int_equal(pccd_mesh_replace(client, grid.mesh, test_triangle_x,
                                        PCCD_FORMAT_F32, 3, test_triangle, 1, NULL),
                      0);
-    assert_int_equal(test_stat_await(client, "triangles_now", 5), 5);
+    assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
     assert_int_equal(pccd_scene_destroy(client, scene), 0);
-    assert_int_equal(test_stat_await(client, "triangles_now", 4), 4);
+    assert_int_equal(test_stat_await(client, "triangles_now", 2), 2);
     pccd_close(client);
     test_grid_free(&grid);
     assert_true(test_daemon_finish(&daemon));
@@ -474,7 +527,8 @@ static void replace__wrong_order_is_refused(void **state)
     assert_int_equal(announce(bare.mesh, 6, 0, &generation), PCCD_E_INVAL);
     assert_int_equal(announce(bare.mesh, 6, 0x80000000u, &generation), PCCD_E_INVAL);
     if (!test_is_direct()) { /* where only the machine limits it */
-        assert_int_equal(announce(bare.mesh, 6, 65000000, &generation), PCCD_E_QUOTA);
+        assert_int_equal(announce(bare.mesh, 6, PROTO_TRIANGLES_PER_UID, &generation),
+                         PCCD_E_QUOTA);
     }
     assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, &created), 0);
     assert_int_equal(announce(created.mesh, 6, 2, &generation), PCCD_E_STATE);
@@ -555,7 +609,8 @@ int main(void)
         cmocka_unit_test(replace__reaches_every_object_made_of_the_mesh),
         cmocka_unit_test(replace__bad_data_leaves_the_old_mesh),
         cmocka_unit_test(replace__without_quota_changes_nothing),
-        cmocka_unit_test(replace__charges_objects_once),
+        cmocka_unit_test(replace__without_memory_changes_nothing),
+        cmocka_unit_test(replace__charges_the_mesh_once),
         cmocka_unit_test(replace__steps_run_on_the_topology_of_their_turn),
         cmocka_unit_test(replace__wrong_order_is_refused),
         cmocka_unit_test(replace__mesh_is_busy_while_it_is_committed),

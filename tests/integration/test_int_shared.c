@@ -507,7 +507,10 @@ static void shared__rights_are_as_of_a_file(void **state)
     assert_int_equal(pccd_submit_still(theirs, scene, NULL, &step), 0);
     assert_int_equal(pccd_wait(theirs, step, -1, &answer), PCCD_E_ACCESS);
     assert_int_equal(pccd_scene_join(theirs, 0, "open", &scene), 0);
+    /* The memory is that of who made the scene: the guest's triangles bound it. */
+    uint64_t triangles = test_stat(mine, "triangles_now");
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
+    assert_int_equal(test_stat(mine, "triangles_now"), triangles + 1);
     /* The object outlives its mesh; a mesh lent to another user's scene keeps its
      * shape. */
     assert_int_equal(pccd_mesh_replace(theirs, mesh, test_floor_x, PCCD_FORMAT_F32, 3,
@@ -524,6 +527,7 @@ static void shared__rights_are_as_of_a_file(void **state)
     assert_true(answer.total > 0);
     pccd_answer_release(mine, &answer);
     assert_int_equal(pccd_scene_remove(theirs, scene, object), 0);
+    assert_int_equal(test_stat_await(mine, "triangles_now", triangles), triangles);
     assert_int_equal(move(&member, 0, &answer), 0);
     assert_int_equal(answer.total, 0);
     pccd_close(theirs);

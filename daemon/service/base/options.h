@@ -21,7 +21,7 @@ enum srv_quota_kind {
     SRV_QUOTA_CLIENTS = 0,
     SRV_QUOTA_SHM_BYTES = 1,
     SRV_QUOTA_MESHES = 2,
-    SRV_QUOTA_TRIANGLES = 3, /* of meshes and of objects; see srv_triangle_charge */
+    SRV_QUOTA_TRIANGLES = 3, /* of meshes; see srv_triangle_charge */
     SRV_QUOTA_COUNT = 4
 };
 

@@ -11,22 +11,28 @@
 #include "engine.h"
 #include "invariant.h"
 
-void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user)
+/* The user's account, with the limit that holds now, and what was refused so far. */
+static void look(struct srv_enginemem *memory, struct srv_quota_user *user)
 {
     struct eng_account *account = &user->engine;
     uint64_t limit =
         atomic_load_explicit(&user->quota->engine_bytes_max, memory_order_relaxed);
-    srv_assert_compute();
     /* Relaxed: several threads may store it, all what the daemon's setting is. */
     atomic_store_explicit(&account->limit, limit < INT64_MAX ? (int64_t)limit : INT64_MAX,
                           memory_order_relaxed);
-    struct eng_payer *payer = eng_payer();
     *memory = (struct srv_enginemem){
         .user = user,
         .limit = limit,
         .refused = atomic_load_explicit(&account->refused, memory_order_relaxed),
-        .ceiling_hits = atomic_load_explicit(&payer->ceiling_hits, memory_order_relaxed)};
-    payer->account = account;
+        .ceiling_hits =
+            atomic_load_explicit(&eng_payer()->ceiling_hits, memory_order_relaxed)};
+}
+
+void srv_enginemem_begin(struct srv_enginemem *memory, struct srv_quota_user *user)
+{
+    srv_assert_compute();
+    look(memory, user);
+    eng_payer()->account = &user->engine;
 }
 
 static bool was_refused(const struct srv_enginemem *memory)
@@ -66,7 +72,8 @@ int srv_enginemem_tell(const struct srv_enginemem *memory, int status,
         atomic_load_explicit(&memory->user->engine.bytes, memory_order_relaxed);
     return proto_error_set(
         error, PCCD_E_QUOTA,
-        "user %u holds %lld MiB of the engine's memory, more exceed the quota of %llu",
+        "user %u holds %lld MiB of the engine's memory, more exceed the quota of %llu "
+        "(pccdd --memory-max-mib)",
         (unsigned)memory->user->uid, (long long)held >> 20,
         (unsigned long long)(memory->limit >> 20));
 }
@@ -80,21 +87,24 @@ static struct eng_account *pay(struct eng_account *account)
     return before;
 }
 
-void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes)
+void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes, const char *what,
+                        struct proto_error *error)
 {
-    uint64_t limit =
-        atomic_load_explicit(&user->quota->engine_bytes_max, memory_order_relaxed);
+    struct srv_enginemem memory;
     srv_assert_loop();
-    atomic_store_explicit(&user->engine.limit,
-                          limit < INT64_MAX ? (int64_t)limit : INT64_MAX,
-                          memory_order_relaxed); /* as in srv_enginemem_begin */
+    look(&memory, user);
     struct eng_account *before = pay(&user->engine);
     void *block = eng_alloc(1, bytes);
     (void)pay(before);
     if (block != NULL) {
         memset(block, 0, bytes);
+        return block;
     }
-    return block;
+    user->quota->is_beyond = false; /* sessions that wait may make room */
+    if (srv_enginemem_tell(&memory, PCCD_E_NOMEM, error) == PCCD_E_NOMEM) {
+        (void)proto_error_set(error, PCCD_E_NOMEM, "no memory for %s", what);
+    }
+    return NULL;
 }
 
 void srv_enginemem_delete(struct srv_quota_user *user, void *block)

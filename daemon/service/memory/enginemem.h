@@ -36,9 +36,11 @@ int srv_enginemem_explain(struct srv_enginemem *memory, int status,
 int srv_enginemem_tell(const struct srv_enginemem *memory, int status,
                        struct proto_error *error);
 
-/* Memory of the loop that a user can make much of, all zero, charged like the engine's;
- * NULL: there is none, or the quota refuses it. And back. [loop] */
-void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes);
+/* Memory of the loop that a user can make much of, all zero, charged like the engine's,
+ * for `what`; NULL, with *error set: there is none, or the quota refuses it. And back.
+ * [loop] */
+void *srv_enginemem_new(struct srv_quota_user *user, size_t bytes, const char *what,
+                        struct proto_error *error);
 void srv_enginemem_delete(struct srv_quota_user *user, void *block);
 
 /* The engine allocates later, on [compute], where no room can be made any more. 0, or

@@ -93,9 +93,10 @@ void srv_quota_refund(struct srv_quota_user *user, enum srv_quota_kind kind,
 int srv_quota_refuse_memory(struct srv_quota *quota, struct proto_error *error,
                             uint64_t amount);
 
-/* What a mesh, or an object made of it, is charged: its triangles, an edge or a point
- * that is named by itself being as much as one, or a third of its vertices where that is
- * more (a soup has three a triangle), so that vertices are bounded too. */
+/* What a mesh is charged: its triangles, an edge or a point that is named by itself being
+ * as much as one, or a third of its vertices where that is more (a soup has three a
+ * triangle), so that vertices are bounded too. An object is charged the memory that it
+ * takes (enginemem.h), and its triangles only in a scene of another user. */
 uint64_t srv_triangle_charge(uint32_t vertex_count, uint64_t triangle_count);
 
 #endif

@@ -43,9 +43,7 @@
     X(CLIENTS, "clients-max", 1, 65536, "connections of one user")                       \
     X(SHM, "shm-max-mib", 1, 1u << 24, "MiB of shared memory of one user")               \
     X(MESHES, "meshes-max", 1, 1u << 20, "meshes of one user")                           \
-    X(TRIANGLES, "triangles-max", 1, 1ull << 40,                                         \
-      "triangles of meshes and objects of "                                              \
-      "one user")                                                                        \
+    X(TRIANGLES, "triangles-max", 1, 1ull << 40, "triangles of meshes of one user")      \
     X(MEMORY, "memory-max-mib", 1, 1u << 24, "MiB that the engine holds for one user")   \
     X(MEMORY_TOTAL, "memory-total-mib", 1, 1u << 24,                                     \
       "MiB of memory of all users, "                                                     \

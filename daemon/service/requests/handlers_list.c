@@ -99,7 +99,7 @@ int srv_on_LIST_OBJECT(struct srv_call *call)
             .object = handle,
             .next = cursor,
             .mesh = object->mesh != NULL ? object->mesh->handle : 0,
-            .triangles = object->charge,
+            .triangles = object->triangles,
             .owner = object->owner->id,
         };
         COMMON_ATTRIBUTES_COPY(&call->result.LIST_OBJECT, &object->attributes);

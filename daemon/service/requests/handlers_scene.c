@@ -79,9 +79,9 @@ int srv_on_SCENE_CREATE(struct srv_call *call)
         return srv_shared_open(session, request, &settings, &call->result.SCENE_CREATE,
                                &call->error);
     }
-    struct srv_scene *scene = srv_scene_new(session, &settings);
+    struct srv_scene *scene = srv_scene_new(session, &settings, &call->error);
     if (scene == NULL) {
-        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a scene");
+        return call->error.code;
     }
     uint32_t want = call->params.SCENE_CREATE.want;
     status = srv_session_handle(session, &session->scenes, "scene", scene, want,

@@ -30,13 +30,14 @@ struct srv_session;
 /* An object of a scene as the loop sees it. */
 struct srv_object {
     uint32_t handle;
-    uint64_t charge;           /* triangles, of the owner's user */
+    uint64_t triangles;        /* as a mesh like it is charged */
     struct srv_session *owner; /* that added it */
     const struct srv_member
         *member; /* with which it did (shared.h); NULL: its own scene */
     struct common_attributes attributes; /* as was answered last */
     struct srv_shape *lent;  /* in a scene of another user: kept for as long as the
-                                * object, so that each frees what is charged to it */
+                              * object, so that each frees what is charged to it; and its
+                              * triangles are charged to the owner's user */
     struct srv_mesh *mesh;   /* it is made of; NULL: mesh or scene was destroyed since */
     struct srv_object *prev; /* of the same mesh */
     struct srv_object *next;

@@ -1,8 +1,9 @@
 /* replacement.c - another shape in the place of a mesh's, in every object made of it.
  *
  * Room:     service. See replacement.h.
- * Does:     charge for it before it begins; take it back in every scene when one object
- *           cannot follow.
+ * Does:     take it back in every scene when one object cannot follow. The shape was
+ *           charged when it was announced; what objects of it take more, the engine is
+ *           charged.
  * Threads:  [loop], but for srv_replacement_work.
  */
 #include "replacement.h"
@@ -13,11 +14,6 @@
 #include "service.h"
 #include "session.h"
 #include "srv_journal.h"
-
-static uint64_t charge_of(const struct srv_shape *shape)
-{
-    return srv_shape_charge(&shape->counts);
-}
 
 int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
                           struct srv_replacement **replacement, struct proto_error *error)
@@ -33,26 +29,14 @@ int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
                                    object->handle);
         }
     }
-    /* Every object of the mesh is charged as its current shape; what the new one adds is
-     * charged before it is built. At most 2^26 objects and 2^31 triangles each. */
     struct srv_replacement *new;
-    uint64_t now = charge_of(mesh->current);
-    uint64_t then = charge_of(mesh->next);
-    uint64_t charge = then > now ? mesh->object_count * (then - now) : 0;
-    int status =
-        srv_quota_charge(session->owner.user, SRV_QUOTA_TRIANGLES, charge, error);
-    if (status != 0) {
-        return status;
-    }
     size_t each = sizeof new->scenes[0] + sizeof new->claims[0];
     new = malloc(sizeof *new + session->scenes.count *each);
     if (new == NULL) {
-        srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, charge);
         return proto_error_set(error, PCCD_E_NOMEM, "no memory for a replacement");
     }
     *new = (struct srv_replacement){
         .mesh_number = mesh->number,
-        .charged = charge,
         .generation = mesh->generation + 1,
         .claims = (struct srv_claim **)(void *)(new->scenes + session->scenes.count)};
     uint32_t cursor = 0;
@@ -138,22 +122,14 @@ int srv_replacement_work(struct srv_replacement *replacement,
     return status;
 }
 
-/* Every object that is left is charged for its new shape from now on. */
-static void charge_objects(struct srv_session *session, struct srv_mesh *mesh,
-                           struct srv_replacement *replacement)
+/* What list.object and list.session tell. */
+static void tell_objects(struct srv_session *session, struct srv_mesh *mesh)
 {
-    uint64_t charge = charge_of(mesh->next);
+    uint64_t triangles = srv_shape_charge(&mesh->next->counts);
     for (struct srv_object *object = mesh->objects; object != NULL;
          object = object->next) {
-        if (charge > object->charge) {
-            PCCD_ASSERT(replacement->charged >= charge - object->charge);
-            replacement->charged -= charge - object->charge;
-        } else {
-            srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES,
-                             object->charge - charge);
-        }
-        session->told.triangles += charge - object->charge; /* modulo 2^64 */
-        object->charge = charge;
+        session->told.triangles += triangles - object->triangles; /* modulo 2^64 */
+        object->triangles = triangles;
     }
 }
 
@@ -166,7 +142,7 @@ void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
         mesh->is_busy = false;
     }
     if (mesh != NULL && succeeded) {
-        charge_objects(session, mesh, replacement);
+        tell_objects(session, mesh);
         srv_resource_drop(&mesh->current->resource);
         mesh->current = mesh->next;
         mesh->next = NULL;
@@ -174,8 +150,6 @@ void srv_replacement_finish(struct srv_session *session, struct srv_mesh *mesh,
         session->service->metrics.counters.meshes_replaced++;
         session->service->metrics.counters.builds += replacement->replaced;
     }
-    /* The rest was for objects that went meanwhile, or all of it for nothing. */
-    srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, replacement->charged);
     for (uint32_t i = 0; i < replacement->scene_count; i++) {
         srv_resource_drop(&replacement->scenes[i]->resource);
     }

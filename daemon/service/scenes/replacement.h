@@ -19,7 +19,6 @@
 /* What the commit of a replacement works on: every scene of the session. */
 struct srv_replacement {
     uint64_t mesh_number;
-    uint64_t charged;    /* triangles, that the new shapes of objects have more */
     uint64_t replaced;   /* [compute] objects that did */
     uint32_t generation; /* that the mesh gets */
     uint32_t scene_count;
@@ -27,8 +26,8 @@ struct srv_replacement {
     struct srv_scene *scenes[]; /* [scene_count], with a reference each */
 };
 
-/* Charge for the objects, take the references, and make the mesh busy. Returns 0,
- * PCCD_E_QUOTA or PCCD_E_NOMEM with *error set: nothing has changed then. */
+/* Take the references, and make the mesh busy. Returns 0, or with *error set PCCD_E_STATE
+ * (an object is in a scene of another user) or PCCD_E_NOMEM: nothing has changed then. */
 int srv_replacement_begin(struct srv_session *session, struct srv_mesh *mesh,
                           struct srv_replacement **replacement,
                           struct proto_error *error);

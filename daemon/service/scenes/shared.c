@@ -390,13 +390,16 @@ static int make(const struct asked *asked)
     struct srv_shared *shared = calloc(1, sizeof *shared + bytes);
     struct srv_session *host =
         shared == NULL ? NULL : srv_session_new_host(service, session->owner.user->uid);
-    struct srv_scene *scene = host == NULL ? NULL : srv_scene_new(host, asked->settings);
+    struct srv_scene *scene =
+        host == NULL ? NULL : srv_scene_new(host, asked->settings, asked->error);
     if (scene == NULL) {
         if (host != NULL) {
             srv_session_detach(host);
         }
         free(shared);
-        return proto_error_set(asked->error, PCCD_E_NOMEM, "no memory for a scene");
+        return host != NULL
+                   ? asked->error->code
+                   : proto_error_set(asked->error, PCCD_E_NOMEM, "no memory for a scene");
     }
     *shared = (struct srv_shared){.host = host,
                                   .scene = scene,

@@ -1,7 +1,9 @@
 /* srv_scene.c - what the handle of a scene stands for.
  *
  * Room:     service. See srv_scene.h.
- * Does:     charge for each object before it exists, and refund it when it has left.
+ * Does:     charge for each object before it exists, and refund it when it has left. An
+ *           object costs the memory that it takes, here and in the engine. In a scene of
+ *           another user, whose memory that is, its triangles are charged, too.
  * Threads:  [loop] and [compute], as marked.
  */
 #include "srv_scene.h"
@@ -36,14 +38,14 @@ static void object_free(struct srv_object *object)
     struct srv_session *owner = object->owner;
     struct srv_service *service = owner->service;
     srv_object_unlink(object);
-    srv_quota_refund(owner->owner.user, SRV_QUOTA_TRIANGLES, object->charge);
     if (object->lent != NULL) {
+        srv_quota_refund(owner->owner.user, SRV_QUOTA_TRIANGLES, object->triangles);
         srv_resource_drop(&object->lent->resource);
     }
     service->metrics.counters.objects_now--;
     owner->told.objects--;
-    owner->told.triangles -= object->charge;
-    free(object);
+    owner->told.triangles -= object->triangles;
+    srv_enginemem_delete(owner->owner.user, object);
 }
 
 /* Of a scene, at a turn of the loop: some 100 us. */
@@ -74,9 +76,11 @@ static void scene_free_rest(struct srv_job *job)
 }
 
 struct srv_scene *srv_scene_new(struct srv_session *session,
-                                const struct eng_scene_settings *settings)
+                                const struct eng_scene_settings *settings,
+                                struct proto_error *error)
 {
-    struct srv_scene *scene = srv_enginemem_new(session->owner.user, sizeof *scene);
+    struct srv_scene *scene =
+        srv_enginemem_new(session->owner.user, sizeof *scene, "a scene", error);
     if (scene != NULL) {
         srv_resource_init(&scene->resource, &session->owner, scene_free_engine,
                           scene_free_rest);
@@ -165,45 +169,59 @@ void srv_scene_displace(struct srv_scene *scene, struct srv_placed *placed)
     *placed = (struct srv_placed){0};
 }
 
+/* One that is in no table yet. NULL, with *error set: it would be too much. */
+static struct srv_object *object_new(const struct srv_scene *scene,
+                                     struct srv_session *session,
+                                     const struct srv_member *member,
+                                     const struct srv_mesh *mesh,
+                                     struct proto_error *error)
+{
+    struct srv_quota_user *user = session->owner.user;
+    bool is_lent = scene->resource.owner->user != user;
+    uint64_t triangles = srv_shape_charge(&mesh->current->counts);
+    if (srv_enginemem_refuse_tight(scene->resource.owner->user, triangles, error) != 0 ||
+        (is_lent && srv_quota_charge(user, SRV_QUOTA_TRIANGLES, triangles, error) != 0)) {
+        return NULL;
+    }
+    struct srv_object *object =
+        srv_enginemem_new(user, sizeof *object, "an object", error);
+    if (object == NULL) {
+        if (is_lent) {
+            srv_quota_refund(user, SRV_QUOTA_TRIANGLES, triangles);
+        }
+        return NULL;
+    }
+    *object = (struct srv_object){.triangles = triangles,
+                                  .owner = session,
+                                  .member = member,
+                                  .attributes = COMMON_ATTRIBUTES_AT_FIRST};
+    if (is_lent) {
+        object->lent = mesh->current;
+        srv_resource_acquire(&object->lent->resource);
+    }
+    session->service->metrics.counters.objects_now++;
+    session->told.objects++;
+    session->told.triangles += triangles;
+    return object;
+}
+
 int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
                     const struct srv_member *member, struct srv_mesh *mesh,
                     uint32_t *object, struct proto_error *error)
 {
     srv_assert_loop();
-    struct srv_service *service = session->service;
-    uint64_t charge = srv_shape_charge(&mesh->current->counts);
-    int status = srv_enginemem_refuse_tight(scene->resource.owner->user, charge, error);
-    if (status == 0) {
-        status =
-            srv_quota_charge(session->owner.user, SRV_QUOTA_TRIANGLES, charge, error);
+    struct srv_object *item = object_new(scene, session, member, mesh, error);
+    if (item == NULL) {
+        return error->code;
     }
+    int status = srv_session_handle(session, &scene->objects, "object", item, *object,
+                                    object, error);
     if (status != 0) {
-        return status;
-    }
-    struct srv_object *item = calloc(1, sizeof *item);
-    uint32_t want = *object;
-    status = item == NULL
-                 ? proto_error_set(error, PCCD_E_NOMEM, "no memory for an object")
-                 : srv_session_handle(session, &scene->objects, "object", item, want,
-                                      object, error);
-    if (status != 0) {
-        free(item);
-        srv_quota_refund(session->owner.user, SRV_QUOTA_TRIANGLES, charge);
+        object_free(item);
         return status;
     }
     item->handle = *object;
-    item->charge = charge;
-    item->owner = session;
-    item->member = member;
-    item->attributes = (struct common_attributes)COMMON_ATTRIBUTES_AT_FIRST;
-    if (scene->resource.owner->user != session->owner.user) {
-        item->lent = mesh->current;
-        srv_resource_acquire(&item->lent->resource);
-    }
     srv_mesh_link(mesh, item);
-    service->metrics.counters.objects_now++;
-    session->told.objects++;
-    session->told.triangles += charge;
     return 0;
 }
 

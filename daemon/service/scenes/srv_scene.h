@@ -72,9 +72,10 @@ struct srv_scene {
 /* The engine forgets the records of its answers. [compute] */
 void srv_scene_forget_answers(struct srv_scene *scene);
 
-/* NULL: no memory. [loop] */
+/* NULL, with *error set: no memory, or more than its user may have. [loop] */
 struct srv_scene *srv_scene_new(struct srv_session *session,
-                                const struct eng_scene_settings *settings);
+                                const struct eng_scene_settings *settings,
+                                struct proto_error *error);
 /* The scene has got its handle: from it follow the first handles of its objects. Those of
  * one session's scenes differ; those of a scene that is made again under the same handle
  * are the same again. [loop] */
