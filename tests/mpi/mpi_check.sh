@@ -40,6 +40,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
+    tap_skip mpi__help_is_printed_once "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
     tap_skip mpi__near_of_files_says_what_pccdctl_says "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
@@ -227,6 +228,21 @@ ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" >"$work/out" 2>"$log"
     ranks 2 "$top_builddir/pccd-mpi" check --help >"$work/out" 2>"$log" &&
     [ "$(grep -c '^Usage:' "$work/out")" -eq 1 ]
 tap_result $? mpi__check_of_usage_says_what_pccdctl_says "$log"
+
+# If one failed, each rank would explain the same.
+status=0
+for line in help 'help check' 'help completion' 'completion --help' 'near --help' --version; do
+    # shellcheck disable=SC2086 # words
+    if ! { "$top_builddir/pccd-mpi" $line >"$work/one" 2>>"$log" &&
+        ranks 2 "$top_builddir/pccd-mpi" $line >"$work/out" 2>>"$log" && [ -s "$work/out" ] &&
+        diff "$work/one" "$work/out" >>"$log" 2>&1; }; then
+        echo "$line" >>"$log"
+        status=1
+    fi
+done
+ranks 2 "$top_builddir/pccd-mpi" completion nonsense >"$work/out" 2>"$work/err"
+[ $? -eq 2 ] && [ "$(grep -c nonsense "$work/err")" -eq 1 ] || status=1
+tap_result $status mpi__help_is_printed_once "$log"
 
 # If it failed, a shell would complete nothing, or make would need MPI to run.
 words() { # WORD...: what completes the last one

@@ -2,7 +2,7 @@
  *
  * Room:     client/mpi/program.
  * Does:     prints what a shell needs to complete our commands and options.
- * Does not: call MPI: make runs it.
+ * Does not: need MPI for that: make runs it.
  * Threads:  one.
  * Source:   client/ctl/commands/cmd_completion.c.
  */
@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "ctl.h"
+#include "together.h"
 
 static const struct completion_row rows[] = {
 #define ROW(name, text) {#name, text, &program_argp_##name},
@@ -30,5 +31,6 @@ int program_completion(int argc, char **argv)
 {
     const struct completion all = {
         .program = "pccd-mpi", .rows = rows, .row_count = sizeof rows / sizeof rows[0]};
+    together_mute();
     return completion_command(&all, &program_argp_completion, argc, argv);
 }

@@ -30,10 +30,19 @@ static void finish(void)
     MPI_Finalize();
 }
 
+/* make calls it without ranks, perhaps where MPI cannot start. Whatever else it says of
+ * itself, one rank of several says. */
+static bool is_completion_of_shell(int argc, char **argv)
+{
+    return argc == 3 && strcmp(argv[1], "completion") == 0 &&
+           (strcmp(argv[2], "bash") == 0 || strcmp(argv[2], "zsh") == 0 ||
+            strcmp(argv[2], "fish") == 0);
+}
+
 int main(int argc, char **argv)
 {
     int given = 0;
-    bool needs_mpi = argc < 2 || strcmp(argv[1], "completion") != 0;
+    bool needs_mpi = !is_completion_of_shell(argc, argv);
     ctl_name_program("pccd-mpi");
     if (needs_mpi &&
         MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS) {

@@ -106,6 +106,15 @@ int together_parse(const struct argp *argp, int argc, char **argv, void *input)
     return error == 0 ? CTL_DONE : CTL_FAILED;
 }
 
+void together_mute(void)
+{
+    int is_there = 0, kept[2];
+    MPI_Initialized(&is_there);
+    if (is_there && !together_is_root()) {
+        hush(kept);
+    }
+}
+
 void together_complain(const struct ctl_error *error)
 {
     if (together_is_root()) {

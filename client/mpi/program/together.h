@@ -35,6 +35,10 @@ int together_agree(int status, struct ctl_error *error);
  * wrong usage and --help end the program on every rank. */
 int together_parse(const struct argp *argp, int argc, char **argv, void *input);
 
+/* What is written from here on goes nowhere, but for the root's. MPI may not be there:
+ * then this process is the root. */
+void together_mute(void);
+
 /* One line on the standard error of the root, after "pccd-mpi: ". */
 void together_complain(const struct ctl_error *error);
 
