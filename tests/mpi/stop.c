@@ -3,10 +3,14 @@
  * Room:     client/mpi, from outside.
  * Does:     let one rank prove a contact while another has much to do; let a deadline
  *           pass; cancel from a second thread; see by the work that was counted that all
- *           ranks have stopped, and that later calls answer what one process answers.
+ *           ranks have stopped, and that later calls answer what one process answers. And
+ *           let records be too many for mode first to know the earliest.
  * Usage:    mpirun -n RANKS stop yes|deadline|cancel, 2 ranks at least, or
- *           stop turns CALLS [SEED]. The exit status is 1 if anything else happened.
+ *           stop turns CALLS [SEED], or stop crowd. The exit status is 1 if anything else
+ *           happened.
  * Threads:  the one that calls MPI, and now and then one that cancels.
+ *
+ * More than 600 lines: all of it is about the same scene, over ranks and in one process.
  */
 #include <inttypes.h>
 #include <pthread.h>
@@ -24,7 +28,8 @@
 #define MANY       1500u /* needles of a cluster that takes long */
 #define TRIES      5     /* as the system may let the other rank wait for once */
 #define TURN_SIZE  12u   /* needles of a cluster that does not */
-#define HITS_MAX   64u   /* clusters */
+#define HITS_MAX   3000u /* clusters */
+#define KEPT       8u    /* records, where they are too many */
 #define STOP_AFTER 20000 /* microseconds */
 
 /* Two objects. The first has, in each cluster, needles beside each other, whose boxes
@@ -47,6 +52,9 @@ static struct {
     uint64_t calls, early, yes;
     struct prng prng; /* the same on every rank */
     atomic_bool is_over;
+    double
+        falls[HITS_MAX];   /* how far the leaf of each cluster falls; the floor is at 1 */
+    uint64_t record_limit; /* of the world */
 } test;
 
 static void stop(const char *what)
@@ -142,6 +150,7 @@ static void make_scene(uint32_t clusters, uint32_t needles, const double *spacin
     allocate(&test.parts[1], clusters);
     for (uint32_t c = 0; c < clusters; c++) {
         double(*x)[3] = test.parts[0].x0 + 3 * (size_t)c * (needles + 1);
+        test.falls[c] = 0.1;
         for (uint32_t i = 0; i < needles; i++) {
             place_needle(x + 3 * (size_t)i, APART * c, spacing[c] * i);
         }
@@ -157,15 +166,15 @@ static void take_own(const struct part *part, double (*from)[3], double (*to)[3]
     }
 }
 
-/* All needles go along themselves, and leaf c falls through its floor if hits[c]. Where
- * everything is, is moved by `away`. */
-static void move(const bool *hits, double away)
+/* All needles go along themselves, and leaves fall. Where everything is, is moved by
+ * `away`. */
+static void move(double away)
 {
     for (int p = 0; p < 2; p++) {
         struct part *part = &test.parts[p];
         for (uint32_t v = 0; v < part->vertex_total; v++) {
             for (int k = 0; k < 3; k++) {
-                double by = p == 0 ? 0.01 : k < 2 ? 0 : hits[v / 3] ? -2 : -0.1;
+                double by = p == 0 ? 0.01 : k < 2 ? 0 : -test.falls[v / 3];
                 part->x1[v][k] = part->x0[v][k] + (k == 1 ? away : 0) + by;
                 part->x0[v][k] += k == 1 ? away : 0;
             }
@@ -177,8 +186,8 @@ static void move(const bool *hits, double away)
 
 static void open_world(void)
 {
-    const struct pccd_mpi_options options = {.struct_bytes = sizeof options,
-                                             .threads = 1};
+    const struct pccd_mpi_options options = {
+        .struct_bytes = sizeof options, .threads = 1, .record_limit = test.record_limit};
     must(pccd_mpi_open(MPI_COMM_WORLD, &options, &test.world) == 0, "open");
     if (test.rank == 0) {
         const struct pccd_options of_one = {.struct_bytes = sizeof of_one,
@@ -262,11 +271,11 @@ static struct pccd_answer ask(const struct pccd_step_settings *settings,
     return answer;
 }
 
-/* On the first rank: the same of one process, without records. */
-static struct pccd_answer ask_one(const struct pccd_step_settings *settings,
-                                  const struct pccd_near_settings *near)
+/* On the first rank: the same of one process. */
+static void ask_one_and_keep(const struct pccd_step_settings *settings,
+                             const struct pccd_near_settings *near,
+                             struct pccd_answer *answer)
 {
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
     struct pccd_motion motions[2];
     for (int p = 0; p < 2; p++) {
         const struct part *part = &test.parts[p];
@@ -277,9 +286,17 @@ static struct pccd_answer ask_one(const struct pccd_step_settings *settings,
                                           .x1 = part->x1};
     }
     must((near != NULL
-              ? pccd_ask_near(test.one, test.scene, motions, 2, near, &answer)
-              : pccd_step(test.one, test.scene, motions, 2, settings, &answer)) == 0,
+              ? pccd_ask_near(test.one, test.scene, motions, 2, near, answer)
+              : pccd_step(test.one, test.scene, motions, 2, settings, answer)) == 0,
          pccd_error_text(test.one));
+}
+
+/* Without records. */
+static struct pccd_answer ask_one(const struct pccd_step_settings *settings,
+                                  const struct pccd_near_settings *near)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    ask_one_and_keep(settings, near, &answer);
     pccd_answer_release(test.one, &answer);
     return answer;
 }
@@ -316,17 +333,15 @@ static void open_uneven(void)
     open_world();
 }
 
-static const bool no_hits[HITS_MAX] = {false};
-
 /* ---- a yes ------------------------------------------------------------------------- */
 
 /* Steps that one rank decides at once, and then one that nobody does. */
 static void prove(void)
 {
-    const bool hits[2] = {false, true};
     uint64_t least = UINT64_MAX;
     open_uneven();
-    move(hits, 0);
+    test.falls[1] = 2;
+    move(0);
     for (int i = 0; i < TRIES; i++) {
         struct pccd_answer answer = step(PCCD_MODE_ANY, 0);
         must(answer.verdict == PCCD_VERDICT_YES && answer.incomplete == PCCD_COMPLETE,
@@ -335,7 +350,8 @@ static void prove(void)
         least = work < least ? work : least;
     }
     must(share_now().cuts == 1, "cut by the work of a step that ended early");
-    move(no_hits, 0);
+    test.falls[1] = 0.1;
+    move(0);
     must(step(PCCD_MODE_ANY, 0).verdict == PCCD_VERDICT_NO, "a yes");
     uint64_t whole = work_of_all();
     if (test.rank == 0) {
@@ -350,9 +366,9 @@ static void prove(void)
 /* Steps whose deadline has passed do nothing but move. */
 static void let_pass(void)
 {
-    const bool hits[2] = {false, true};
     open_uneven();
-    move(hits, 0);
+    test.falls[1] = 2;
+    move(0);
     must(step(PCCD_MODE_ALL, 1).incomplete == PCCD_INCOMPLETE_DEADLINE, "in time");
     must(share_now().cuts == 0 && share_now().searches == 0, "cut too late");
     uint64_t work = UINT64_MAX, mine;
@@ -374,7 +390,7 @@ static void let_pass(void)
                  "another hash");
         }
         uint64_t searches = share_now().searches;
-        move(hits, 50 * LENGTH); /* out of all boxes */
+        move(50 * LENGTH); /* out of all boxes */
         must(step(PCCD_MODE_ALL, 1).incomplete == PCCD_INCOMPLETE_DEADLINE, "in time");
         must(share_now().searches == searches, "ghosts were chosen too late");
     }
@@ -413,7 +429,7 @@ static void cancel(void)
 {
     uint64_t work[PCCD_MODE_COUNT];
     open_uneven();
-    move(no_hits, 0);
+    move(0);
     for (int mode = 0; mode < PCCD_MODE_COUNT; mode++) {
         struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
         settings.mode = (enum pccd_mode)mode;
@@ -482,20 +498,20 @@ static void turn(void)
 {
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
-    bool hits[HITS_MAX], asks = below(3) == 0;
+    bool asks = below(3) == 0;
     uint64_t deadline_ns = below(8) == 0 ? 1 + below(300000) : 0;
     int canceller = below(8) == 0 ? (int)below((uint64_t)test.size) : -1;
     uintptr_t delay = below(300), rarity = 1 + below(4);
     pthread_t thread;
     for (uint32_t c = 0; c < test.clusters; c++) {
-        hits[c] = below(rarity * rarity) == 0;
+        test.falls[c] = below(rarity * rarity) == 0 ? 2 : 0.1;
     }
     settings.mode = below(2) == 0 ? PCCD_MODE_ANY : (enum pccd_mode)below(4);
     settings.method = below(4) == 0 ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     near.what = (enum pccd_near_what)below(PCCD_NEAR_DEPTH);
     near.distance = 0.5;
     settings.deadline_ns = near.deadline_ns = deadline_ns;
-    move(hits, below(10) == 0 ? 50 * LENGTH : 0);
+    move(below(10) == 0 ? 50 * LENGTH : 0);
     if (test.rank == canceller) {
         must(pthread_create(&thread, NULL, cancel_once, (void *)delay) == 0, "thread");
     }
@@ -512,9 +528,9 @@ static void turn(void)
 
 static void take_turns(uint64_t calls, uint64_t seed)
 {
-    double spacing[HITS_MAX];
+    double spacing[64];
     uint32_t clusters = 2 * (uint32_t)test.size;
-    clusters = clusters < HITS_MAX ? clusters : HITS_MAX;
+    clusters = clusters < 64 ? clusters : 64;
     for (uint32_t c = 0; c < clusters; c++) {
         spacing[c] = 1;
     }
@@ -529,6 +545,139 @@ static void take_turns(uint64_t calls, uint64_t seed)
                " ended early, %" PRIu64 " yes\n",
                test.size, test.calls, seed, test.early, test.yes);
         must(calls < 100 || (test.early > 0 && test.yes > 0), "nothing ended early");
+    }
+    close_world();
+}
+
+/* ---- too many for mode first ------------------------------------------------------- */
+
+/* Records of the ranks, on the first one. */
+struct kept {
+    struct pccd_contact contacts[KEPT];
+    uint64_t count;
+};
+
+static int keep(void *context, const void *records, uint64_t count)
+{
+    struct kept *kept = context;
+    must(kept->count + count <= KEPT, "more records than are kept");
+    memcpy(kept->contacts + kept->count, records, count * sizeof *kept->contacts);
+    kept->count += count;
+    return 0;
+}
+
+static bool is_among(const struct pccd_contact *contact, const struct pccd_answer *all)
+{
+    for (uint64_t i = 0; i < all->count; i++) {
+        if (memcmp(contact, &all->contacts[i], sizeof *contact) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Of all contacts those that may be the earliest, to firsts[KEPT + 1] as many as fit.
+ * Returns how many there are. */
+static uint64_t find_firsts(const struct pccd_answer *all, struct pccd_contact *firsts)
+{
+    double bound = 1;
+    uint64_t count = 0;
+    for (uint64_t i = 0; i < all->count; i++) {
+        bool is_proved = (all->contacts[i].flags & PCCD_PROVED) != 0;
+        bound = is_proved && all->contacts[i].toi_hi < bound ? all->contacts[i].toi_hi
+                                                             : bound;
+    }
+    for (uint64_t i = 0; i < all->count; i++) {
+        if (all->contacts[i].toi <= bound) {
+            firsts[count < KEPT ? count : KEPT] = all->contacts[i];
+            count++;
+        }
+    }
+    return count;
+}
+
+/* However few are kept, a rank has room for all that it finds, so the answer is known: of
+ * all contacts the first ones. is_cut: a rank had no room. If it has lost what matters,
+ * the answer is incomplete; all that is there is a contact nevertheless. */
+static void compare_firsts(const struct pccd_answer *ranks, const struct kept *kept,
+                           bool is_cut)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer all = PCCD_ANSWER_INIT;
+    struct pccd_contact firsts[KEPT + 1];
+    ask_one_and_keep(&settings, NULL, &all);
+    uint64_t count = find_firsts(&all, firsts);
+    must(all.count == all.total && all.count > 2048 && count > 0, "few contacts");
+    must(kept->count == ranks->total, "a total");
+    if (ranks->incomplete == PCCD_COMPLETE || !is_cut) {
+        must((ranks->incomplete == PCCD_COMPLETE) == (count <= KEPT), "not complete");
+        must(kept->count == (count < KEPT ? count : KEPT) &&
+                 memcmp(kept->contacts, firsts, kept->count * sizeof *firsts) == 0,
+             "not the first ones");
+    } else {
+        must(ranks->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT && ranks->safe_step == 0,
+             "incomplete for another reason");
+    }
+    for (uint64_t i = 0; i < kept->count; i++) {
+        must(is_among(&kept->contacts[i], &all), "a contact that is none");
+    }
+    pccd_answer_release(test.one, &all);
+}
+
+/* Leaf c falls through its floor at a time that is earlier, or later, the greater c is;
+ * or at random; or all at once; or all but one. */
+static void fall(int order)
+{
+    for (uint32_t c = 0; c < HITS_MAX; c++) {
+        double part = (double)c / HITS_MAX;
+        test.falls[c] = 2 + (order == 0   ? part
+                             : order == 1 ? 1 - part
+                             : order == 2 ? prng_between(&test.prng, 0, 1)
+                             : order == 3 ? 0
+                             : order == 4 ? c == 0
+                                          : c == HITS_MAX - 1);
+    }
+    move(0);
+}
+
+/* Of what the first rank's part of libpccd finds, it keeps so many; it has one part for
+ * all its clients. */
+static void set_room(const char *count)
+{
+    must(test.rank > 0 || pccd_config_set(test.one, "contacts-max", count) == 0, "room");
+}
+
+static void crowd(void)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    settings.mode = PCCD_MODE_FIRST;
+    test.record_limit = KEPT;
+    uint64_t cut[2] = {0};
+    make_scene(HITS_MAX, 0, NULL);
+    open_world();
+    for (int is_cut = 0; is_cut < 2; is_cut++) {
+        for (int order = 0; order < 6; order++) {
+            struct kept kept = {.count = 0};
+            fall(order);
+            if (is_cut) {
+                set_room("8");
+            }
+            struct pccd_answer answer = ask(&settings, NULL);
+            if (is_cut) {
+                set_room("16777216");
+            }
+            cut[is_cut] += answer.incomplete != PCCD_COMPLETE;
+            must(pccd_mpi_gather(test.world, 0, keep, &kept) == 0, "gather");
+            if (test.rank == 0) {
+                compare_firsts(&answer, &kept, is_cut);
+            }
+        }
+    }
+    if (test.rank == 0) {
+        printf("# of 6 answers %" PRIu64
+               " were incomplete; where a rank had no room %" PRIu64 "\n",
+               cut[0], cut[1]);
+        must(cut[1] > cut[0], "there was room");
     }
     close_world();
 }
@@ -549,8 +698,10 @@ int main(int argc, char **argv)
         let_pass();
     } else if (strcmp(what, "cancel") == 0) {
         cancel();
+    } else if (strcmp(what, "crowd") == 0) {
+        crowd();
     } else {
-        stop("usage: stop yes|deadline|cancel|turns CALLS [SEED]");
+        stop("usage: stop yes|deadline|cancel|crowd|turns CALLS [SEED]");
     }
     MPI_Finalize();
     return 0;
