@@ -6,10 +6,11 @@ mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c 
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
     tests/mpi/python_check.sh tests/mpi/recordings_check.sh
+mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one tests/mpi/stop
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
-check_PROGRAMS += tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one tests/mpi/stop
+check_PROGRAMS += $(mpi_test_programs)
 tests_mpi_same_as_one_SOURCES = tests/mpi/same_as_one.c
 mpi_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/mpi \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/tests/support $(MPI_CPPFLAGS)
@@ -29,15 +30,16 @@ endif
 # All of it, by both MPIs, each in a build of its own.
 .PHONY: mpi-check
 mpi-check:
-	for mpi in openmpi mpich; do \
+	status=0; for mpi in openmpi mpich; do \
 	    $(MKDIR_P) mpi-check/$$mpi && cd mpi-check/$$mpi && \
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
-	    $(MAKE) && RANKS_SECONDS=1800 $(MAKE) check PCCD_MPI_ALL=1 \
-	        TESTS='$(mpi_test_scripts)' || exit 1; \
-	    cd ../..; \
-	done
+	    $(MAKE) all $(mpi_test_programs) && \
+	    RANKS_SECONDS=1800 $(MAKE) check-TESTS PCCD_MPI_ALL=1 \
+	        TESTS='$(mpi_test_scripts)' || status=1; \
+	    cd $(abs_top_builddir) || exit 1; \
+	done; exit $$status
 # 24 million triangles, which no rank has all of, on four ranks within 16 GiB: that much memory,
 # and some minutes.
 MPI_LARGE = 4 tests/mpi/large 2450 3 16384
