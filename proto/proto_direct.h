@@ -17,7 +17,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 3u
+#define PROTO_DIRECT_VERSION 4u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -63,6 +63,10 @@ struct proto_direct {
      * service sees it: the client's own view of it cannot be written to. NULL: there is
      * no such byte. For libpccd-mpi. [owner] */
     void *(*results)(struct proto_direct_inbox *line, uint64_t offset);
+
+    /* For libpccd-mpi, too: while a message of the client's is handled, threads_max is at
+     * most `threads`; 0: as it is. [owner] */
+    void (*limit)(struct proto_direct_inbox *line, uint32_t threads);
 
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);

@@ -171,6 +171,15 @@ int cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), vo
     return 0;
 }
 
+int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
+{
+    if (client->direct.line == NULL) {
+        return cli_fail(client, PCCD_E_STATE, "only direct: has threads of a client");
+    }
+    client->direct.host->limit(client->direct.line, threads);
+    return 0;
+}
+
 void *cli_foreign_records(struct pccd_client *client, const struct pccd_answer *answer)
 {
     const void *records =

@@ -4,8 +4,8 @@
  * Does:     tell the service in this process which features of a mesh are its own. All
  *           others are foreign: pairs of which such a one is the first feature are left
  *           out of steps and of what is near, because another process looks for them.
- *           Let that process end a step that this one computes, and write the records of
- *           an answer.
+ *           Let that process end a step that this one computes, have its share of the
+ *           processors, and write the records of an answer.
  * Threads:  [owner].
  */
 #ifndef CLI_FOREIGN_H
@@ -31,6 +31,12 @@ __attribute__((visibility("default"))) int cli_foreign_own(struct pccd_client *c
  * nobody is asked any more. PCCD_E_STATE: it is another url. */
 __attribute__((visibility("default"))) int
 cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *asked);
+
+/* With the url direct:, nothing that the client asks for uses more threads, also not to
+ * take in meshes and make scenes, where pccd.h knows no number; 0: as many as others.
+ * PCCD_E_STATE: it is another url. */
+__attribute__((visibility("default"))) int cli_foreign_threads(struct pccd_client *client,
+                                                               uint32_t threads);
 
 /* With the url direct:, the contacts or pairs of an answer, to be written where they lie;
  * they are the answer's until pccd_answer_release. NULL: it has none, or there is no way

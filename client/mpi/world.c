@@ -225,6 +225,10 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
     if (status == PCCD_OK) {
         status = cli_foreign_watch(world->client, ranks_stop_look, &world->stop);
     }
+    if (status == PCCD_OK) { /* ranks that share processors leave some to each other; and
+                              * where no thread can be started, libgomp calls exit */
+        status = cli_foreign_threads(world->client, world->threads);
+    }
     return status == PCCD_OK ? PCCD_OK
                              : ranks_fail_local(world, status, "no scene of libpccd");
 }

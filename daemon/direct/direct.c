@@ -46,6 +46,7 @@ struct proto_direct_inbox {
     struct srv_conn conn;            /* first */
     bool (*is_stopped)(void *asked); /* NULL: nobody is asked */
     void *asked;
+    uint32_t threads; /* at most, for its messages; 0: as many as others */
 };
 
 /* Whose turn it is: everything below, and all that the service has. */
@@ -375,11 +376,19 @@ static int send_message(struct proto_direct_inbox *line, const void *message,
     }
     take_turn();
     the_service->metrics.counters.messages++;
+    uint32_t threads = the_service->live.threads_max;
+    bool is_limited = line->threads > 0 && line->threads < threads;
+    if (is_limited) {
+        the_service->live.threads_max = line->threads;
+    }
     the_service->is_stopped = line->is_stopped;
     the_service->asked = line->asked;
     srv_dispatch(line->conn.session, message, bytes);
     work_off(the_service);
     the_service->is_stopped = NULL;
+    if (is_limited && the_service->live.threads_max == line->threads) {
+        the_service->live.threads_max = threads; /* else the message has set it */
+    }
     do_due();
     end_turn();
     return 0;
@@ -458,6 +467,11 @@ static int tell_own(struct proto_direct_inbox *line, uint32_t mesh,
     return status;
 }
 
+static void limit_line(struct proto_direct_inbox *line, uint32_t threads)
+{
+    line->threads = threads;
+}
+
 static void watch_line(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
                        void *asked)
 {
@@ -515,6 +529,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .descriptor = descriptor_of,
                                              .own = tell_own,
                                              .watch = watch_line,
+                                             .limit = limit_line,
                                              .results = results_of,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;

@@ -6,6 +6,9 @@
  *           while it registered its part, in the first step and in later ones.
  * Threads:  one.
  *
+ * Each way to end says why: a rank that ends the program, one that an exit of some
+ * library ends, and memory beyond the limit.
+ *
  *     mpirun -n R large SIDE STEPS [LIMIT]
  *
  * Each sheet has SIDE * SIDE squares of two triangles; edges are 1 / SIDE long, and go a
@@ -23,28 +26,50 @@
 
 static int rank, ranks;
 
+static void stop(const char *what)
+{
+    fprintf(stderr, "rank %d: wrong: %s\n", rank, what);
+    MPI_Abort(MPI_COMM_WORLD, 1);
+}
+
 static void must(struct pccd_mpi *world, int status)
 {
     if (status != 0) {
-        fprintf(stderr, "wrong: %s\n", pccd_mpi_error_text(world));
-        MPI_Abort(MPI_COMM_WORLD, 1);
+        stop(pccd_mpi_error_text(world));
     }
 }
 
-/* Most memory of the process, in MB, since the last call; it begins anew. */
-static double peak_mb(void)
+/* As where libgomp cannot start a thread. */
+static void say_if_early(void)
+{
+    int is_over = 0;
+    MPI_Finalized(&is_over);
+    if (!is_over) {
+        fprintf(stderr, "rank %d: exit before MPI_Finalize\n", rank);
+    }
+}
+
+/* Of /proc/self/status, a number. */
+static double status_of(const char *name)
 {
     char line[256];
-    double kb = 0;
+    double value = 0;
     FILE *status = fopen("/proc/self/status", "r");
     while (status != NULL && fgets(line, sizeof line, status) != NULL) {
-        if (strncmp(line, "VmHWM:", 6) == 0) {
-            kb = strtod(line + 6, NULL);
+        if (strncmp(line, name, strlen(name)) == 0) {
+            value = strtod(line + strlen(name), NULL);
         }
     }
     if (status != NULL) {
         fclose(status);
     }
+    return value;
+}
+
+/* Most memory of the process, in MB, since the last call; it begins anew. */
+static double peak_mb(void)
+{
+    double kb = status_of("VmHWM:");
     FILE *clear = fopen("/proc/self/clear_refs", "w");
     if (clear != NULL) {
         fputs("5", clear);
@@ -105,7 +130,7 @@ static uint32_t register_sheet(struct pccd_mpi *world, const struct rows *rows,
     uint32_t side = rows->side, mesh = 0, object = 0;
     uint32_t(*triangles)[3] = malloc(2 * (size_t)rows->count * side * sizeof *triangles);
     if (triangles == NULL) {
-        MPI_Abort(MPI_COMM_WORLD, 1);
+        stop("no memory for triangles");
     }
     name(rows, triangles);
     const struct pccd_mpi_part part = {.vertex_total = (side + 1) * (side + 1),
@@ -128,7 +153,10 @@ static double report(struct pccd_mpi *world, const struct rows *rows,
     struct pccd_mpi_share share = {.struct_bytes = sizeof share};
     double sums[PARTS], most = 0;
     double(*all)[PARTS] = calloc((size_t)ranks, sizeof *all);
-    must(world, all == NULL ? PCCD_E_NOMEM : pccd_mpi_get_share(world, &share));
+    if (all == NULL) {
+        stop("no memory for the report");
+    }
+    must(world, pccd_mpi_get_share(world, &share));
     MPI_Gather(peaks, PARTS, MPI_DOUBLE, all, PARTS, MPI_DOUBLE, 0, MPI_COMM_WORLD);
     MPI_Allreduce(peaks, sums, PARTS, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
     for (int part = 0; part < PARTS; part++) {
@@ -160,9 +188,9 @@ int main(int argc, char **argv)
     MPI_Init(&argc, &argv);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+    (void)atexit(say_if_early);
     if (argc < 3) {
-        fprintf(stderr, "usage: large SIDE STEPS [LIMIT]\n");
-        return 2;
+        stop("usage: large SIDE STEPS [LIMIT]");
     }
     const struct rows rows = rows_of((uint32_t)strtoul(argv[1], NULL, 10));
     const long steps = strtol(argv[2], NULL, 10);
@@ -170,10 +198,13 @@ int main(int argc, char **argv)
     const uint32_t count = rows.vertex_rows * (rows.side + 1);
     double(*x)[3] = malloc(((size_t)count + 1) * sizeof *x);
     if (x == NULL) {
-        MPI_Abort(MPI_COMM_WORLD, 1);
+        stop("no memory for positions");
     }
+    const double threads_before = status_of("Threads:");
+    uint32_t threads = 0;
     const struct pccd_mpi_options options = {.struct_bytes = sizeof options,
                                              .timeout_ms = 1800000};
+    must(world, pccd_mpi_threads(MPI_COMM_WORLD, &threads));
     must(world, pccd_mpi_open(MPI_COMM_WORLD, &options, &world));
     for (int sheet = 0; sheet < SHEETS; sheet++) {
         place(&rows, sheet, 0, x);
@@ -185,7 +216,7 @@ int main(int argc, char **argv)
     peaks[0] = peak_mb();
     double(*ends)[3] = malloc(((size_t)count + 1) * SHEETS * sizeof *ends);
     if (ends == NULL) {
-        MPI_Abort(MPI_COMM_WORLD, 1);
+        stop("no memory for ends");
     }
     for (long step = 1; step <= steps; step++) {
         for (int sheet = 0; sheet < SHEETS; sheet++) {
@@ -196,9 +227,16 @@ int main(int argc, char **argv)
         double peak = peak_mb(), *to = &peaks[step == 1 ? 1 : 2];
         *to = peak > *to ? peak : *to;
     }
+    if (threads == 1 && status_of("Threads:") > threads_before) {
+        stop("a rank with one thread has started others");
+    }
     most = report(world, &rows, peaks, &answer);
     pccd_mpi_close(world);
     free(ends);
     MPI_Finalize();
+    if (rank == 0 && (answer.total == 0 || most > limit)) {
+        fprintf(stderr, "wrong: %s\n",
+                answer.total == 0 ? "no contacts" : "more memory than allowed");
+    }
     return answer.total == 0 || most > limit;
 }

@@ -33,6 +33,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     for what in $ends; do
         tap_skip "mpi__${what}_ends_a_call_on_all_ranks" "no --with-mpi"
     done
+    tap_skip mpi__rank_of_one_thread_starts_no_others "no --with-mpi"
     tap_skip mpi__first_is_known_however_few_records_are_kept "no --with-mpi"
     for mistake in $mistakes dies; do
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
@@ -72,6 +73,11 @@ for what in $ends; do
     ranks 3 "$top_builddir/tests/mpi/stop" "$what" $turns >"$log" 2>&1
     tap_result $? "mpi__${what}_ends_a_call_on_all_ranks" "$log"
 done
+
+# If it failed, ranks would keep each other from their processors, or one would end where the
+# system starts no more threads.
+ranks 4 "$top_builddir/tests/mpi/large" 200 1 >"$log" 2>&1
+tap_result $? mpi__rank_of_one_thread_starts_no_others "$log"
 
 # If it failed, ranks that keep few records would lose the earliest contact, or hide that they had.
 for count in 1 3; do
