@@ -18,9 +18,17 @@
  * 14 ns, of cloth-ball as of n-body. All other candidates together take less. */
 #define SURVIVOR_WORK 8u
 
+/* Positions and boxes take 40 ns for each leaf and ghost, in both. */
+#define LEAF_WORK 3u
+
 void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters)
 {
-    world->share.work = counters->box_tests +
+    uint64_t leaves = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        const struct ranks_object *object = world->objects[o];
+        leaves += (uint64_t)object->own_count + object->ghost_count;
+    }
+    world->share.work = counters->box_tests + LEAF_WORK * leaves +
                         SURVIVOR_WORK * (counters->survivors + counters->thick_survivors);
 }
 
@@ -44,6 +52,7 @@ int balance_tell(struct pccd_mpi *world)
 
 void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
 {
+    world->right_ns += (double)step_ns;
     if (cut_ns > 0) {
         world->cut_ns = cut_ns;
         world->lost_ns = 0;

@@ -60,27 +60,27 @@ static void grow(float box[6], double growth)
 }
 
 static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
-                  double way, double growth, float box[6])
+                  const struct ranks_room *room, double growth, float box[6])
 {
     ranks_box_begin(box);
     for (int c = 0; c < 3; c++) {
         float corner[6];
-        ranks_cover(x0[corners[c]], x1[corners[c]], way, corner);
+        ranks_cover(x0[corners[c]], x1[corners[c]], room, corner);
         ranks_box_add(box, corner);
     }
     grow(box, growth);
 }
 
 static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
-                        double way, double growth, const double (*x0)[3],
-                        const double (*x1)[3], float (*boxes)[6])
+                        const struct ranks_room *room, double growth,
+                        const double (*x0)[3], const double (*x1)[3], float (*boxes)[6])
 {
     uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
     int status = corners == NULL ? ranks_no_memory(world)
                                  : ranks_local_corners(world, &object->local, object->own,
                                                        object->own_count, corners);
     for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
-        bound(x0, x1, corners[i], way, growth, boxes[i]);
+        bound(x0, x1, corners[i], room, growth, boxes[i]);
     }
     free(corners);
     return status;
@@ -130,9 +130,9 @@ static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
     }
 }
 
-int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *ways,
-                     const double (*const *x0)[3], const double (*const *x1)[3],
-                     struct ranks_boxes *boxes)
+int ranks_boxes_make(struct pccd_mpi *world, double separation,
+                     const struct ranks_room *rooms, const double (*const *x0)[3],
+                     const double (*const *x1)[3], struct ranks_boxes *boxes)
 {
     uint32_t objects = world->object_count;
     uint64_t count = 0;
@@ -150,8 +150,9 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *wa
     }
     for (uint32_t o = 0; o < objects; o++) {
         const struct ranks_object *object = world->objects[o];
-        int status = bound_leaves(world, object, ways[o], ranks_reach(object, separation),
-                                  x0[o], x1[o], boxes->boxes + boxes->first[o]);
+        int status =
+            bound_leaves(world, object, &rooms[o], ranks_reach(object, separation), x0[o],
+                         x1[o], boxes->boxes + boxes->first[o]);
         if (status != PCCD_OK) {
             return status;
         }

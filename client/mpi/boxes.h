@@ -20,6 +20,12 @@ struct ranks_block {
     uint32_t begin, count; /* of the object's own leaves */
 };
 
+/* How much larger than a step the boxes of an object's vertices are. */
+struct ranks_room {
+    double steps; /* further ones, if each vertex goes on like this */
+    double more;  /* on all sides */
+};
+
 struct ranks_boxes {
     float (*boxes)[6]; /* of own leaves; those of object o begin at first[o] */
     uint64_t *first;
@@ -31,9 +37,9 @@ struct ranks_boxes {
  * the distance at which any of its features meets another one's half. */
 double ranks_reach(const struct ranks_object *object, double separation);
 /* In this rank alone: x0[o], x1[o] of the local vertices of object o. */
-int ranks_boxes_make(struct pccd_mpi *world, double separation, const double *ways,
-                     const double (*const *x0)[3], const double (*const *x1)[3],
-                     struct ranks_boxes *boxes);
+int ranks_boxes_make(struct pccd_mpi *world, double separation,
+                     const struct ranks_room *rooms, const double (*const *x0)[3],
+                     const double (*const *x1)[3], struct ranks_boxes *boxes);
 void ranks_boxes_deinit(struct ranks_boxes *boxes);
 
 /* The next float at or below, or above, a double; infinite beyond all floats. */
@@ -47,17 +53,15 @@ static inline float ranks_float_above(double x)
     float f = (float)x;
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
-/* The box in which a vertex is in a step from x0 to x1, will be in the next one if it
- * goes on like this, and half of `way` more. */
-#define RANKS_MORE 0.5
-static inline void ranks_cover(const double x0[3], const double x1[3], double way,
-                               float box[6])
+/* The box in which a vertex is in a step from x0 to x1, and that room. */
+static inline void ranks_cover(const double x0[3], const double x1[3],
+                               const struct ranks_room *room, float box[6])
 {
     for (int k = 0; k < 3; k++) {
-        double x2 = x1[k] + (x1[k] - x0[k]);
+        double x2 = x1[k] + room->steps * (x1[k] - x0[k]);
         double low = fmin(fmin(x0[k], x1[k]), x2), high = fmax(fmax(x0[k], x1[k]), x2);
-        box[k] = ranks_float_below(low - RANKS_MORE * way);
-        box[k + 3] = ranks_float_above(high + RANKS_MORE * way);
+        box[k] = ranks_float_below(low - room->more);
+        box[k + 3] = ranks_float_above(high + room->more);
     }
 }
 

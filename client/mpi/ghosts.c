@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "boxes.h"
+#include "clock.h"
 #include "local.h"
 #include "neighbours.h"
 #include "places.h"
@@ -20,11 +21,22 @@
 
 #define WAY_UNITS (1 << 20)
 
-/* What moves slowly gets room for so many steps, up to this part of the size of its
- * leaves: so ghosts stay right for some steps, and are not many more. */
-#define ROOM_STEPS   16.0
-#define ROOM_PART    0.5
+/* What moves slowly gets room for so many steps that go on like this one, and as much
+ * again on all sides, up to this part of the size of its leaves: so ghosts stay right for
+ * some steps, and are not many more. */
+#define ROOM_STEPS   8.0
+#define ROOM_PART    0.25
 #define SIZE_SAMPLES 1024u
+
+/* What moves fast gets room for one more step, and on all sides for a part of one, at
+ * first the least: twice as much each time that vertices have left their boxes when the
+ * choice of ghosts had taken more than this part of the steps for which they were right,
+ * half as much if it was less than that. */
+#define FAST_STEPS_MIN 0.125
+#define FAST_STEPS_MAX 4.0
+#define FAST_PART      0.5 /* on all sides there is no more */
+#define DEAR_PART      0.25
+#define CHEAP_PART     0.03
 
 /* A ghost under way. */
 struct visitor {
@@ -36,6 +48,7 @@ struct visitor {
 struct choice {
     double separation;
     double *ways;                /* [object] what a vertex moves, mean */
+    struct ranks_room *rooms;    /* [object] */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
     struct ranks_boxes mine;     /* of own leaves, and their blocks */
     struct ranks_block *all;     /* blocks of all ranks */
@@ -59,6 +72,7 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     free((void *)choice->x0);
     free((void *)choice->x1);
     free(choice->ways);
+    free(choice->rooms);
     ranks_boxes_deinit(&choice->mine);
     free(choice->all);
     free(choice->first);
@@ -133,9 +147,10 @@ static int measure(struct pccd_mpi *world, const struct ranks_object *object,
     return status;
 }
 
-/* From the ways of vertices to how much room they get; the smallest size of all ranks
- * counts. */
-static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], double *ways)
+/* From the mean ways of vertices to how much room they get; the smallest size of all
+ * ranks counts. */
+static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
+                      struct ranks_room *rooms)
 {
     uint32_t objects = world->object_count;
     double *sizes = ranks_array(objects, sizeof *sizes);
@@ -148,14 +163,18 @@ static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], double *way
         status = ranks_min_doubles(&world->link, sizes, (int)objects);
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        ways[o] = fmax(ways[o], fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o]));
+        double room = fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o]);
+        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN,
+                              ways[o] > 0 ? room / ways[o] : 0);
+        rooms[o].more = fmax(fmin(world->fast_steps, FAST_PART) * ways[o], room);
     }
     free(sizes);
     return status;
 }
 
 /* Of each given vertex of the object: the box within which it may be. */
-static int cover(struct pccd_mpi *world, struct ranks_object *object, double way)
+static int cover(struct pccd_mpi *world, struct ranks_object *object,
+                 const struct ranks_room *room)
 {
     uint32_t count = object->mesh->vertex_count;
     if (object->cover == NULL) {
@@ -165,7 +184,7 @@ static int cover(struct pccd_mpi *world, struct ranks_object *object, double way
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_cover(object->from[i], object->to[i], way, object->cover[i]);
+        ranks_cover(object->from[i], object->to[i], room, object->cover[i]);
     }
     return PCCD_OK;
 }
@@ -196,10 +215,11 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
     choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
     choice->ways = ranks_array(objects, sizeof *choice->ways);
-    int status =
-        given == NULL || choice->x0 == NULL || choice->x1 == NULL || choice->ways == NULL
-            ? ranks_no_memory(world)
-            : PCCD_OK;
+    choice->rooms = ranks_array(objects, sizeof *choice->rooms);
+    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL ||
+                         choice->ways == NULL || choice->rooms == NULL
+                     ? ranks_no_memory(world)
+                     : PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         uint32_t count = world->objects[o]->local.vertex_count;
         choice->x0[o] = ranks_array(count, sizeof **choice->x0);
@@ -218,7 +238,8 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     if (status == PCCD_OK) {
         status = find_ways(world, choice->ways);
     }
-    return status == PCCD_OK ? find_rooms(world, choice->x0, choice->ways) : status;
+    return status == PCCD_OK ? find_rooms(world, choice->x0, choice->ways, choice->rooms)
+                             : status;
 }
 
 /* ---- who needs what --------------------------------------------------------------- */
@@ -429,10 +450,10 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
         return status;
     }
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        status = cover(world, world->objects[o], choice->ways[o]);
+        status = cover(world, world->objects[o], &choice->rooms[o]);
     }
     if (status == PCCD_OK) {
-        status = ranks_boxes_make(world, choice->separation, choice->ways,
+        status = ranks_boxes_make(world, choice->separation, choice->rooms,
                                   (const double(*const *)[3])choice->x0,
                                   (const double(*const *)[3])choice->x1, &choice->mine);
     }
@@ -461,14 +482,33 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
 }
 
-int ranks_ghosts_choose(struct pccd_mpi *world, double separation)
+/* How much room what moves fast gets from now on. */
+static void choose_room(struct pccd_mpi *world, bool has_missed)
+{
+    if (has_missed && world->choice_ns > DEAR_PART * world->right_ns) {
+        world->fast_steps = fmin(2 * world->fast_steps, FAST_STEPS_MAX);
+    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
+        world->fast_steps = world->fast_steps / 2;
+    }
+    world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
+}
+
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed)
 {
     struct choice choice = {.separation = separation};
+    uint64_t begin_ns = common_now_ns();
     world->is_covered = false;
+    choose_room(world, has_missed);
     int status = choose_all(world, &choice);
     choice_deinit(world, &choice);
     if (status == PCCD_OK) {
         status = build(world);
+    }
+    if (status == PCCD_OK) { /* of the slowest rank */
+        world->choice_ns = -(double)(common_now_ns() - begin_ns);
+        world->right_ns = 0;
+        status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
+        world->choice_ns = -world->choice_ns;
     }
     if (status == PCCD_OK) {
         world->is_covered = true;

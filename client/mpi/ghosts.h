@@ -10,7 +10,7 @@
  * have them. So it suffices that each leaf goes to each rank of which a block, some
  * leaves one behind the other on the curve, meets it. All boxes hold both ends of the
  * step and what the leaf reaches beyond itself, and then some more: where the vertices
- * will be if they go on like this for another step. So they are right for later steps,
+ * will be if they go on like this for some steps. So they are right for later steps,
  * too, until a vertex leaves the box that was made for it.
  */
 #ifndef RANKS_GHOSTS_H
@@ -19,8 +19,9 @@
 #include "world.h"
 
 /* Collective: choose ghosts for a step from object->from to object->to and a
- * separation; afterwards world->is_covered, object->cover and the plan are right. */
-int ranks_ghosts_choose(struct pccd_mpi *world, double separation);
+ * separation; afterwards world->is_covered, object->cover and the plan are right.
+ * has_missed: a vertex has left the box that was made for it the last time. */
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed);
 
 /* In this rank alone: would the given vertices of an object, both ends, leave their
  * boxes? */

@@ -83,8 +83,8 @@ static void look(struct pccd_mpi *world, struct ranks_moment *moment)
         bool starts = object->from != (const double(*)[3])object->x;
         row(world, moment, MOVES)[o] = moves;
         row(world, moment, STARTS)[o] = starts;
-        row(world, moment, MISSES)[o] =
-            (!world->is_covered || moves || starts) && ranks_ghosts_miss(object);
+        row(world, moment, MISSES)[o] = world->link.size > 1 && world->is_covered &&
+                                        (moves || starts) && ranks_ghosts_miss(object);
     }
     uint8_t *of_all = moment->bytes + (size_t)ROWS * world->object_count;
     of_all[0] = moment->motion_count > 0;
@@ -150,10 +150,11 @@ static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *
 static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     bool is_far = world->reach < moment->settings.separation;
-    if (world->is_covered && !is_far && !has_misses(world, moment)) {
+    bool has_missed = world->is_covered && has_misses(world, moment);
+    if (world->is_covered && !is_far && !has_missed) {
         return PCCD_OK;
     }
-    int status = ranks_ghosts_choose(world, moment->settings.separation);
+    int status = ranks_ghosts_choose(world, moment->settings.separation, has_missed);
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 

@@ -19,8 +19,9 @@
 #include "rank_sort.h"
 
 /* So many own leaves are looked at at most, evenly along the curve, each for those behind
- * it, too: 16384 take some steps of so many triangles, and pieces come out even. */
-#define SAMPLES_MAX 16384u
+ * it, too. Of cloth-ball and n-body 16384 take a rank 0.2 s, and the largest work of four
+ * ranks is 1.045 of the mean; all leaves take 0.4 s, and it is 1.026. */
+#define SAMPLES_MAX 32768u
 
 #define FAN          8u
 #define LEVELS_MAX   12u

@@ -181,6 +181,10 @@ struct pccd_mpi {
     /* How long the last cut took, and what was lost since because some ranks waited. */
     uint64_t cut_ns;
     double lost_ns;
+    /* How long the last choice of ghosts took, and the steps for which they were right;
+     * room for so many steps is left around what moves fast (ghosts.c). */
+    double choice_ns, right_ns;
+    double fast_steps;
 };
 
 /* Of a handle; NULL: there is none. */

@@ -43,6 +43,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
     tap_skip mpi__help_is_printed_once "no --with-mpi"
+    tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
     tap_skip mpi__near_of_files_says_what_pccdctl_says "no --with-mpi"
     tap_skip mpi__example_prints_one_line_for_any_number_of_ranks "no --with-mpi"
@@ -284,6 +285,17 @@ for scene in $scenes; do
     done
     tap_result $status "$name" "$log"
 done
+
+# Thirty steps. Each cut asks for one choice of ghosts; if vertices leave their boxes, it takes
+# another one, which takes as long as some steps. If it failed, ranks would mostly do that.
+for i in {10..40}; do
+    frame "0.$i" >"$work/steady$i.ply"
+done
+ranks 2 "$top_builddir/pccd-mpi" check --repeat 0 --shares "$work"/steady*.ply >"$work/out" 2>"$log" &&
+    [ "$(grep -c '^rank ' "$log")" -eq 2 ] &&
+    sed -n 's/^rank .* cuts \([0-9]*\), searches \([0-9]*\)$/\1 \2/p' "$log" |
+    awk '$2 - $1 > 3 { bad = 1 } END { exit bad || NR != 2 }'
+tap_result $? mpi__ghosts_last_while_things_move_steadily "$log"
 
 # Work of all ranks beside that of one process, and the largest beside the mean, in the second
 # step, which is the first that knows of work.
