@@ -37,6 +37,7 @@ mpi-check:
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
 	    $(MAKE) all $(mpi_test_programs) && \
 	    RANKS_SECONDS=1800 $(MAKE) check-TESTS PCCD_MPI_ALL=1 \
+	        check_PROGRAMS='$(mpi_test_programs)' \
 	        TESTS='$(mpi_test_scripts)' || status=1; \
 	    cd $(abs_top_builddir) || exit 1; \
 	done; exit $$status
