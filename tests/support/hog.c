@@ -16,7 +16,7 @@
 #define SEGMENT_ROOM 32u /* of a slot: one segment, then positions */
 
 static const char *const names[HOG_KINDS] = {"coincident triangles", "fan of triangles",
-                                             "mesh.commit", "scene.add"};
+                                             "mesh.commit"};
 
 const char *test_hog_name(enum hog_kind kind)
 {
@@ -123,7 +123,7 @@ bool test_hog_open(struct hog *hog, const char *socket, enum hog_kind kind,
     }
     hog->scene = created.scene;
     return fill(hog) && (kind == HOG_COMMIT || commit(hog)) &&
-           (kind == HOG_COMMIT || kind == HOG_ADD || add(hog));
+           (kind == HOG_COMMIT || add(hog));
 }
 
 /* A step that moves all of it up by 1/8. */
@@ -145,54 +145,27 @@ static uint32_t submit(struct hog *hog)
 bool test_hog_begin(struct hog *hog)
 {
     const struct proto_MESH_COMMIT_request commit_it = {.mesh = hog->mesh};
-    const struct proto_SCENE_ADD_request add_it = {.scene = hog->scene,
-                                                   .mesh = hog->mesh};
-    switch (hog->kind) {
-    case HOG_COMMIT:
-        hog->id = test_raw_request(&hog->raw, PROTO_METHOD_MESH_COMMIT, &commit_it);
-        break;
-    case HOG_ADD:
-        hog->id = test_raw_request(&hog->raw, PROTO_METHOD_SCENE_ADD, &add_it);
-        break;
-    default:
-        hog->id = submit(hog);
-        break;
-    }
+    hog->id = hog->kind == HOG_COMMIT
+                  ? test_raw_request(&hog->raw, PROTO_METHOD_MESH_COMMIT, &commit_it)
+                  : submit(hog);
     return hog->id != 0;
 }
 
 int test_hog_end(struct hog *hog, struct proto_FRAME_SUBMIT_result *answer)
 {
-    struct proto_SCENE_ADD_result added;
     uint32_t id = hog->id;
-    int status;
     hog->id = 0;
-    switch (hog->kind) {
-    case HOG_COMMIT:
-        return test_raw_answer(&hog->raw, id, PROTO_METHOD_MESH_COMMIT, NULL);
-    case HOG_ADD:
-        status = test_raw_answer(&hog->raw, id, PROTO_METHOD_SCENE_ADD, &added);
-        hog->object = status == 0 ? added.object : 0;
-        return status;
-    default:
-        return test_raw_answer(&hog->raw, id, PROTO_METHOD_FRAME_SUBMIT, answer);
-    }
+    return hog->kind == HOG_COMMIT
+               ? test_raw_answer(&hog->raw, id, PROTO_METHOD_MESH_COMMIT, NULL)
+               : test_raw_answer(&hog->raw, id, PROTO_METHOD_FRAME_SUBMIT, answer);
 }
 
 bool test_hog_again(struct hog *hog)
 {
     const struct proto_MESH_DESTROY_request destroy = {.mesh = hog->mesh};
-    const struct proto_SCENE_REMOVE_request leave = {.scene = hog->scene,
-                                                     .object = hog->object};
-    switch (hog->kind) {
-    case HOG_COMMIT:
-        return test_raw_call(&hog->raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0 &&
-               fill(hog);
-    case HOG_ADD:
-        return test_raw_call(&hog->raw, PROTO_METHOD_SCENE_REMOVE, &leave, NULL) == 0;
-    default:
-        return true;
-    }
+    return hog->kind != HOG_COMMIT ||
+           (test_raw_call(&hog->raw, PROTO_METHOD_MESH_DESTROY, &destroy, NULL) == 0 &&
+            fill(hog));
 }
 
 void test_hog_close(struct hog *hog)

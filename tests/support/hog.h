@@ -18,7 +18,6 @@ enum hog_kind {
     HOG_COINCIDENT = 0, /* a step of triangles that are all in one place */
     HOG_FAN = 1,        /* a step of triangles around one vertex */
     HOG_COMMIT = 2,     /* mesh.commit of random triangles */
-    HOG_ADD = 3,        /* scene.add of these */
     HOG_KINDS
 };
 

@@ -37,7 +37,6 @@ bool zoo_stops_itself(struct zoo_cage *cage);
 bool zoo_stacks_triangles(struct zoo_cage *cage);
 bool zoo_fans_triangles_out(struct zoo_cage *cage);
 bool zoo_commits_heaps(struct zoo_cage *cage);
-bool zoo_adds_heaps(struct zoo_cage *cage);
 bool zoo_asks_for_everything(struct zoo_cage *cage);
 bool zoo_thickens_everything(struct zoo_cage *cage);
 

@@ -43,16 +43,11 @@ bool zoo_fans_triangles_out(struct zoo_cage *cage)
     return ask(cage, HOG_FAN, 50000, 10000);
 }
 
-/* Meshes of random triangles: the commit sorts their edges. */
+/* Meshes of random triangles: the commit sorts their edges, and
+ * puts their features in order. */
 bool zoo_commits_heaps(struct zoo_cage *cage)
 {
     return ask(cage, HOG_COMMIT, 1000000, 100000);
-}
-
-/* Objects of these: the scene sorts their features. */
-bool zoo_adds_heaps(struct zoo_cage *cage)
-{
-    return ask(cage, HOG_ADD, 1000000, 100000);
 }
 
 #define EVERYWHERE 1e18

@@ -57,7 +57,6 @@ static const struct zoo_animal animals[] = {
     {"stacks triangles", zoo_stacks_triangles, false, 0, 0, true},
     {"fans triangles out", zoo_fans_triangles_out, false, 0, 0, true},
     {"commits heaps", zoo_commits_heaps, false, 0, 0, true},
-    {"adds heaps", zoo_adds_heaps, false, 0, 0, true},
     {"asks for everything", zoo_asks_for_everything, false, 0, 0, true},
     {"thickens everything", zoo_thickens_everything, false, 0, 0, true},
     {"fights over a scene", zoo_fights_over_a_scene, false, 0, 0, false},
