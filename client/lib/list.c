@@ -86,6 +86,8 @@ session_info(const struct proto_LIST_SESSION_result *result)
         .ns_tests = result->ns_tests,
         .ns_merge = result->ns_merge,
         .ns_step = result->ns_step,
+        .batch = result->batch,
+        .batch_done = result->batch_done,
     };
 }
 

@@ -203,7 +203,8 @@ int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context);
 
 /* The same for one thread of this client's last step: what it did, and what the step
  * took. Ask for thread 0 first: the first counter, `threads`, says how many there were;
- * 0 if there was no step yet. `number` changes with every step. `any`: the last step of
+ * 0 if there was no step yet. `number` changes with every step; a batch is one, and
+ * `batch` its scenes. `any`: the last step of
  * the daemon instead, whoever made it; for root and the daemon's own user (E_ACCESS).
  * `tuning` gets how the threads shared the work, as in struct pccd_answer, or is NULL. */
 int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,

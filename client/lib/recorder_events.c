@@ -202,7 +202,8 @@ static void add_answer(struct pccd_client *client, const struct cli_call *call)
                                         .times = RECORD_TIMES_OF(r),
                                         .counters = RECORD_COUNTERS_OF(r)};
     }
-    cli_journal_answered(client, &call->params.FRAME_SUBMIT, r);
+    cli_journal_answered(client, call->params.FRAME_SUBMIT.scene,
+                         call->params.FRAME_SUBMIT.step, r->number);
     client->recorder->info.answers++;
     if (cli_record_add(client, RECORD_ANSWER,
                        &(struct record_part){&answer, sizeof answer}, 1) == 0) {
@@ -242,6 +243,7 @@ static int add_scene_answer(struct pccd_client *client, const struct cli_call *c
         memcpy(answer.hash, scene->hash, sizeof answer.hash);
         answer.times[STEP_TIME] = scene->ns_step;
     }
+    cli_journal_answered(client, scene->scene, step, scene->number);
     client->recorder->info.answers++;
     status = cli_record_add(client, RECORD_ANSWER,
                             &(struct record_part){&answer, sizeof answer}, 1);

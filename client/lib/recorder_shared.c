@@ -47,17 +47,16 @@ void cli_journal_note(struct pccd_client *client, uint32_t scene)
     }
 }
 
-void cli_journal_answered(struct pccd_client *client,
-                          const struct proto_FRAME_SUBMIT_request *request,
-                          const struct proto_FRAME_SUBMIT_result *result)
+void cli_journal_answered(struct pccd_client *client, uint32_t scene, uint64_t step,
+                          uint64_t number)
 {
-    struct cli_journal *journal = find(client, request->scene);
+    struct cli_journal *journal = find(client, scene);
 
-    if (journal != NULL && result->number != 0) {
-        journal->number = result->number;
-        journal->step = request->step;
+    if (journal != NULL && number != 0) {
+        journal->number = number;
+        journal->step = step;
     }
-    cli_journal_note(client, request->scene);
+    cli_journal_note(client, scene);
 }
 
 uint64_t cli_journal_step(const struct pccd_client *client, uint32_t scene,

@@ -51,10 +51,10 @@ void cli_journal_note(struct pccd_client *client, uint32_t scene);
 void cli_journal_pump(struct pccd_client *client);
 /* An answer to scene.journal has come. */
 void cli_journal_take(struct pccd_client *client, const struct cli_call *call);
-/* A step of this client in the scene was answered. */
-void cli_journal_answered(struct pccd_client *client,
-                          const struct proto_FRAME_SUBMIT_request *request,
-                          const struct proto_FRAME_SUBMIT_result *result);
+/* A step of this client in the scene was answered: the client's number for it, and the
+ * scene's; 0: it has failed. */
+void cli_journal_answered(struct pccd_client *client, uint32_t scene, uint64_t step,
+                          uint64_t number);
 /* The client's number for a step of the scene; 0: it is another's. */
 uint64_t cli_journal_step(const struct pccd_client *client, uint32_t scene,
                           uint64_t number);

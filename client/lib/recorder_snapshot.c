@@ -334,7 +334,8 @@ static int write_scene_frame(struct pccd_client *client, const struct cli_call *
                        : cli_record_add(client, RECORD_FRAME, parts, count > 0 ? 3 : 1);
 }
 
-/* A batch: the steps of its scenes, one after the other. */
+/* A batch: the steps of its scenes, one after the other, but for those whose journal says
+ * when it was their turn. */
 static int write_batch(struct pccd_client *client, const struct cli_call *call)
 {
     const struct cli_slot *own = &client->ring.slots[call->slot];
@@ -346,9 +347,11 @@ static int write_batch(struct pccd_client *client, const struct cli_call *call)
     if (table == NULL) {
         return cli_record_stop_because(client, PCCD_E_NOMEM, "no memory for a batch");
     }
-    client->recorder->segment_frames += own->scene_count;
     for (uint32_t i = 0; status == 0 && i < own->scene_count; i++) {
-        status = write_scene_frame(client, call, i, first, table);
+        if (!cli_journal_has(client, own->scenes[i].scene)) {
+            client->recorder->segment_frames++;
+            status = write_scene_frame(client, call, i, first, table);
+        }
         first += own->scenes[i].segments;
     }
     free(table);
@@ -363,7 +366,7 @@ int cli_record_step(struct pccd_client *client, const struct cli_call *call)
 
     assert(cli_call_is_step(call->method) && call->step != 0);
     if (call->method == PROTO_METHOD_BATCH_SUBMIT) {
-        return write_batch(client, call); /* none of its scenes is shared */
+        return write_batch(client, call);
     }
     if (cli_journal_has(client, scene)) {
         return 0; /* the journal says when it was its turn */

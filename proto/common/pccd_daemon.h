@@ -43,6 +43,7 @@ struct pccd_session_info {
     uint64_t errors;    /* error answers it got */
     uint64_t steps, steps_incomplete, contacts, upload_bytes, result_bytes;
     uint64_t ns_queue, ns_ingest, ns_refit, ns_traversal, ns_tests, ns_merge, ns_step;
+    uint32_t batch, batch_done; /* scenes of the batch it has computed now, and done */
 };
 
 struct pccd_scene_info {
@@ -81,9 +82,9 @@ struct pccd_object_info {
 struct pccd_registered_mesh {
     uint32_t mesh; /* handle in its session */
     uint32_t vertex_count, triangle_count, generation;
-    uint64_t objects; /* made of it */
-    bool committed;   /* it can be used */
-    bool replacing;   /* another shape of it is announced */
+    uint64_t objects;                 /* made of it */
+    bool committed;                   /* it can be used */
+    bool replacing;                   /* another shape of it is announced */
     uint32_t edge_count, point_count; /* that are named by themselves */
 };
 

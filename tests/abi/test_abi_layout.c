@@ -204,6 +204,8 @@ static void daemon__structs_keep_their_layout(void **state)
     AT(pccd_session_info, triangles, 56);
     AT(pccd_session_info, steps, 80);
     AT(pccd_session_info, ns_step, 168);
+    AT(pccd_session_info, batch, 176);
+    AT(pccd_session_info, batch_done, 180);
     AT(pccd_scene_info, hash, 32);
     AT(pccd_scene_info, ns_step, 48);
     AT(pccd_object_info, triangles, 8);

@@ -285,8 +285,9 @@ static void scene__that_fails_does_not_fail_the_others(void **state)
     expect(&answer, TWICE, PCCD_E_INVAL, "more than once");
     expect(&answer, BEYOND, PCCD_E_SEGMENT, "vertices from 7 on");
     expect(&answer, REPLACED, PCCD_E_SEGMENT, "generation 2");
-    expect(&answer, SHARED, PCCD_E_STATE, "shared");
-    assert_int_equal(answer.failed, 7);
+    assert_int_equal(answer.scenes[SHARED].status, 0);
+    assert_int_equal(answer.scenes[SHARED].number, 1);
+    assert_int_equal(answer.failed, 6);
     assert_int_equal(answer.scenes[GOOD].status, 0);
     assert_int_equal(answer.scenes[GOOD_TOO].status, 0);
     assert_true(answer.scenes[GOOD].total > 0 && answer.scenes[GOOD_TOO].total > 0);
@@ -302,6 +303,50 @@ static void scene__that_fails_does_not_fail_the_others(void **state)
     pccd_answer_release(client, &alone);
     pccd_batch_destroy(trouble.batch);
     test_farm_free(&trouble.farm);
+    pccd_close(client);
+}
+
+/* If it failed, a step that was answered at its deadline, and then could not be made,
+ * would be lost: its client would go on from positions that the scene does not have. */
+static void scene__tells_of_a_step_that_failed_after_its_answer(void **state)
+{
+    struct pccd_step_settings late = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_client *client = open_client(test_shared.url);
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct test_farm farm, small;
+    uint64_t steps[3];
+
+    (void)state;
+    late.deadline_ns = 1000000;
+    make_farm(client, 300, 30, &farm);
+    make_farm(client, 3, SIDE, &small);
+    const struct pccd_motion motion = {
+        .object = small.worlds[1].body, .count = small.vertex_count, .x1 = small.x};
+    assert_int_equal(test_farm_submit(&farm, 1, NULL, &steps[0]), 0);
+    test_farm_positions(&small, 1, 1, small.x);
+    small.x[7][1] = NAN;
+    assert_int_equal(
+        pccd_submit(client, small.worlds[1].scene, &motion, 1, &late, &steps[1]), 0);
+    assert_int_equal(test_farm_submit(&small, 1, NULL, &steps[2]), 0);
+    assert_int_equal(pccd_wait(client, steps[1], -1, &answer), 0);
+    assert_int_equal(answer.incomplete, PCCD_INCOMPLETE_DEADLINE);
+    assert_int_equal(pccd_batch_wait(client, steps[0], 0, &all), PCCD_E_AGAIN);
+    pccd_answer_release(client, &answer);
+    assert_int_equal(pccd_batch_wait(client, steps[0], -1, &all), 0);
+    pccd_batch_release(client, &all);
+    assert_int_equal(pccd_batch_wait(client, steps[2], -1, &all), 0);
+    expect(&all, 1, PCCD_E_NOTFINITE, "segment 0");
+    assert_int_equal(all.failed, 1);
+    assert_int_equal(all.scenes[0].number, 1);
+    assert_int_equal(all.scenes[2].number, 1);
+    pccd_batch_release(client, &all);
+    assert_int_equal(test_farm_turn(&small, 1, NULL, &all), 0); /* it is told once */
+    assert_int_equal(all.failed, 0);
+    assert_int_equal(all.scenes[1].number, 1);
+    pccd_batch_release(client, &all);
+    test_farm_free(&farm);
+    test_farm_free(&small);
     pccd_close(client);
 }
 
@@ -673,6 +718,98 @@ static void check_listed(void *context, const struct pccd_scene_info *info)
     }
 }
 
+/* How far the batch of a session has come, as it is listed. */
+struct progress {
+    uint64_t session;
+    uint32_t batch, done;
+};
+
+static void take_progress(void *context, const struct pccd_session_info *info)
+{
+    struct progress *progress = context;
+    if (info->session == progress->session) {
+        progress->batch = info->batch;
+        progress->done = info->batch_done;
+    }
+}
+
+/* By name; a value of each thread is added to the others. */
+struct thread_values {
+    uint64_t threads, batch, number, ns_step, scenes, tests;
+};
+
+static void take_value(void *context, const char *name, uint64_t value, const char *text)
+{
+    struct thread_values *values = context;
+    (void)text;
+#define TAKE(field)                                                                      \
+    if (strcmp(name, #field) == 0) {                                                     \
+        values->field = value;                                                           \
+    }
+    TAKE(threads)
+    TAKE(batch)
+    TAKE(number)
+    TAKE(ns_step)
+#undef TAKE
+    values->scenes += strcmp(name, "scenes") == 0 ? value : 0;
+    values->tests += strcmp(name, "tests") == 0 ? value : 0;
+}
+
+/* If it failed, somebody who looks why a daemon is busy would see a step that was made
+ * long before, or nothing, while threads are at a batch. */
+static void batch__is_what_threads_are_seen_to_do(void **state)
+{
+    struct pccd_client *client = open_client(test_shared.url);
+    struct pccd_client *other = open_client(test_shared.url);
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_answer alone = PCCD_ANSWER_INIT;
+    struct thread_values values = {.threads = 0};
+    struct progress progress = {.session = 0};
+    struct pccd_daemon_info self;
+    struct test_farm farm;
+    uint64_t step = 0;
+    uint32_t seen = 0, last = 0;
+
+    (void)state;
+    make_farm(client, 300, 30, &farm);
+    assert_int_equal(test_farm_alone(&farm, 0, 1, NULL, &alone), 0);
+    pccd_answer_release(client, &alone);
+    assert_int_equal(pccd_daemon(client, &self), 0);
+    progress.session = self.session;
+    assert_int_equal(test_farm_submit(&farm, 2, NULL, &step), 0);
+    while (pccd_batch_wait(client, step, 0, &answer) == PCCD_E_AGAIN) {
+        assert_int_equal(pccd_list_sessions(other, take_progress, &progress), 0);
+        if (progress.batch != 0) {
+            assert_int_equal(progress.batch, 300);
+            assert_in_range(progress.done, last, 300);
+            seen += progress.done > last && progress.done < 300;
+            last = progress.done;
+        }
+    }
+    assert_true(seen > 0);
+    assert_int_equal(pccd_list_sessions(other, take_progress, &progress), 0);
+    assert_int_equal(progress.batch, 0);
+    assert_int_equal(pccd_stats_thread(client, false, 0, take_value, &values, NULL), 0);
+    assert_int_equal(values.batch, 300);
+    assert_int_equal(values.threads, answer.threads);
+    assert_int_equal(values.ns_step, answer.batch_ns);
+    for (uint32_t i = 1; i < answer.threads; i++) {
+        assert_int_equal(pccd_stats_thread(client, true, i, take_value, &values, NULL),
+                         0);
+    }
+    assert_int_equal(values.scenes, 300); /* each by one thread */
+    assert_true(values.tests > 0);
+    pccd_batch_release(client, &answer);
+    assert_int_equal(test_farm_alone(&farm, 0, 3, NULL, &alone), 0);
+    pccd_answer_release(client, &alone);
+    values.batch = 1;
+    assert_int_equal(pccd_stats_thread(client, false, 0, take_value, &values, NULL), 0);
+    assert_int_equal(values.batch, 0);
+    test_farm_free(&farm);
+    pccd_close(other);
+    pccd_close(client);
+}
+
 /* If it failed, lists and watchers would not know of steps that a batch makes. */
 static void steps__of_a_batch_are_listed_and_watched(void **state)
 {
@@ -751,6 +888,7 @@ int main(void)
         cmocka_unit_test(scenes__are_answered_as_if_stepped_alone),
         cmocka_unit_test(scene__that_is_most_of_the_work_is_shared_by_the_team),
         cmocka_unit_test(scene__that_fails_does_not_fail_the_others),
+        cmocka_unit_test(scene__tells_of_a_step_that_failed_after_its_answer),
         cmocka_unit_test(batch__is_computed_between_the_steps_around_it),
         cmocka_unit_test(records__that_do_not_fit_are_fetched),
         cmocka_unit_test(request__that_makes_no_sense_is_refused),
@@ -760,6 +898,7 @@ int main(void)
         cmocka_unit_test(cancel__ends_a_batch_soon),
         cmocka_unit_test(others__are_served_beside_a_long_batch),
         cmocka_unit_test(steps__of_a_batch_are_listed_and_watched),
+        cmocka_unit_test(batch__is_what_threads_are_seen_to_do),
     };
 
     return cmocka_run_group_tests_name("batch", tests, start, test_shared_stop);

@@ -4,6 +4,8 @@
  * Does:     several clients of a real daemon in one scene: who moves what and when, who
  *           hears of it, who may; clients that leave and a daemon that is killed.
  * Threads:  one.
+ *
+ * More than 600 lines: all that members of a scene may do, on one fixture.
  */
 #include <math.h>
 #include <poll.h>
@@ -139,6 +141,82 @@ static void shared__held_frames_move_over_the_same_time(void **state)
     /* Both stay where they are now. */
     assert_int_equal(move(&cloth, -0.5f, &answer), 0);
     assert_int_equal(answer.total, 0);
+    pccd_close(cloth.client);
+    pccd_close(obstacle.client);
+}
+
+/* Step the scene by a batch with another one, in which nothing moves. */
+static int move_by_batch(struct member *member, uint32_t still, uint32_t object, float up,
+                         struct pccd_batch_answer *answer)
+{
+    const struct pccd_batch_part parts[2] = {
+        {.scene = still}, {.scene = member->scene, .object = object, .count = 3}};
+    struct pccd_batch *batch = NULL;
+    float x[3][3];
+    const void *x1[2] = {NULL, x};
+    int status = pccd_batch_create(member->client, parts, 2, &batch);
+
+    memcpy(x, member->rest, sizeof x);
+    for (int i = 0; i < 3; i++) {
+        x[i][2] += up;
+    }
+    status = status != 0 ? status : pccd_batch_step(batch, NULL, x1, NULL, answer);
+    pccd_batch_destroy(batch);
+    return status;
+}
+
+/* If it failed, who steps many scenes at once could not let somebody look at one of them;
+ * or what others hold for that one, or are to hear of its steps, would be forgotten; or a
+ * batch could move what is another's. */
+static void shared__a_batch_steps_it_as_a_step_does(void **state)
+{
+    struct member cloth;
+    struct member obstacle;
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_scene_news news = {.number = 0};
+    uint32_t own = 0;
+    uint64_t step;
+
+    (void)state;
+    open_member(&cloth, "of many", test_triangle_x);
+    open_member(&obstacle, "of many", test_floor_x);
+    assert_int_equal(pccd_scene_create(cloth.client, NULL, &own), 0);
+    /* As above: the cloth comes from 1 to 0.5, the obstacle from 0 to 1. */
+    step = hold(&obstacle, 1, 0);
+    assert_int_equal(move_by_batch(&cloth, own, obstacle.object, 0, &all), 0);
+    assert_int_equal(all.scenes[0].status, 0);
+    assert_int_equal(all.scenes[1].status, PCCD_E_ACCESS);
+    pccd_batch_release(cloth.client, &all);
+    assert_int_equal(pccd_wait(obstacle.client, step, 0, &held), PCCD_E_AGAIN);
+    assert_int_equal(move_by_batch(&cloth, own, cloth.object, -0.5f, &all), 0);
+    assert_int_equal(all.failed, 0);
+    assert_int_equal(all.scenes[0].number, 2);
+    assert_int_equal(all.scenes[1].number, 1);
+    assert_true(all.scenes[1].total > 0 && all.scenes[1].count == all.scenes[1].total);
+    for (uint64_t i = 0; i < all.scenes[1].count; i++) {
+        assert_true(fabs(pccd_batch_contacts(&all, 1)[i].toi - 2.0 / 3.0) < 1e-5);
+    }
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &held), 0);
+    assert_int_equal(held.number, 1);
+    assert_int_equal(held.total, all.scenes[1].total);
+    assert_memory_equal(held.hash, all.scenes[1].hash, sizeof held.hash);
+    assert_int_equal(pccd_scene_wait(obstacle.client, obstacle.scene, -1, &news), 0);
+    assert_int_equal(news.number, 1);
+    assert_int_equal(news.total, all.scenes[1].total);
+    assert_int_equal(
+        pccd_scene_read(obstacle.client, obstacle.scene, held.number, 0, &held), 0);
+    assert_memory_equal(held.contacts, pccd_batch_contacts(&all, 1),
+                        held.count * sizeof *held.contacts);
+    pccd_answer_release(obstacle.client, &held);
+    pccd_batch_release(cloth.client, &all);
+    /* Both stay where they are now, whoever steps. */
+    assert_int_equal(pccd_scene_create(obstacle.client, NULL, &own), 0);
+    assert_int_equal(move_by_batch(&obstacle, own, obstacle.object, 1, &all), 0);
+    assert_int_equal(all.failed, 0);
+    assert_int_equal(all.scenes[1].number, 2);
+    assert_int_equal(all.scenes[1].total, 0);
+    pccd_batch_release(obstacle.client, &all);
     pccd_close(cloth.client);
     pccd_close(obstacle.client);
 }
@@ -480,6 +558,8 @@ static void shared__rights_are_as_of_a_file(void **state)
     uint32_t secret = 0;
     uint32_t seen = 0;
     uint32_t open = 0;
+    uint32_t own = 0;
+    struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
     uint32_t scene = 0;
     uint32_t mesh = 0;
     uint32_t object = 0;
@@ -504,6 +584,12 @@ static void shared__rights_are_as_of_a_file(void **state)
                      0);
     assert_int_equal(pccd_scene_join(theirs, 0, "seen", &scene), 0);
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), PCCD_E_ACCESS);
+    assert_int_equal(pccd_scene_create(theirs, NULL, &own), 0);
+    member = (struct member){.client = theirs, .scene = own, .rest = test_floor_x};
+    assert_int_equal(move_by_batch(&member, scene, 1, 0, &all), 0);
+    assert_int_equal(all.scenes[0].status, PCCD_E_ACCESS);
+    assert_non_null(strstr(all.scenes[0].why, "only read"));
+    pccd_batch_release(theirs, &all);
     assert_int_equal(pccd_submit_still(theirs, scene, NULL, &step), 0);
     assert_int_equal(pccd_wait(theirs, step, -1, &answer), PCCD_E_ACCESS);
     assert_int_equal(pccd_scene_join(theirs, 0, "open", &scene), 0);
@@ -575,6 +661,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shared__held_frames_move_over_the_same_time),
+        cmocka_unit_test(shared__a_batch_steps_it_as_a_step_does),
         cmocka_unit_test(shared__an_object_has_one_writer),
         cmocka_unit_test(shared__a_held_frame_is_answered_at_its_deadline_and_cancel),
         cmocka_unit_test(shared__a_held_frames_deadline_makes_readable),

@@ -2,15 +2,17 @@
  *
  * Room:     service. See call.h.
  * Does:     check on [loop] what all scenes have in common. Then, on [compute], step the
- *           scenes: one that is a large part of the work by the whole team, as by itself;
- *           the others by one thread each, whichever is free. What each scene does is
- *           what frame.submit does (frame.h). A scene that fails says why in its own
- *           answer.
- * Does not: answer before its turn, or take shared scenes, whose steps concern others.
+ *           scenes: first those that are shared, and those that are a large part of the
+ *           work, by the whole team, as by itself; then the others by one thread each,
+ *           whichever is free. What each scene does is what frame.submit does (frame.h).
+ *           A scene that fails says why in its own answer.
+ * Does not: answer before its turn.
  * Threads:  [loop], but for functions named work_ and their helpers.
+ *
+ * More than 600 lines: one request, from its tables to what lists say of it.
  */
+#include <assert.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "admission.h"
@@ -18,13 +20,17 @@
 #include "engine.h"
 #include "enginemem.h"
 #include "frame.h"
+#include "held.h"
+#include "holding.h"
 #include "invariant.h"
 #include "metrics.h"
 #include "now.h"
 #include "request.h"
 #include "service.h"
 #include "session.h"
+#include "shared.h"
 #include "srv_batch.h"
+#include "srv_journal.h"
 #include "staging.h"
 #include "stepping.h"
 #include "tracing.h"
@@ -37,62 +43,83 @@ _Static_assert(sizeof(struct pccd_scene_answer) % UNIT_BYTES == 0, "whole units"
 
 /* ---- computed ---------------------------------------------------------------------- */
 
-/* What a thread of the batch has for itself. */
-struct lane {
-    struct srv_metrics metrics; /* of its scenes */
-    struct proto_error error;   /* of the scene at hand */
-    uint64_t upload_bytes;
-    uint64_t ns_steps;
-    uint32_t failed;
-    uint32_t incomplete;
-};
-
 struct work {
     struct srv_request *request;
     struct srv_batch *batch;
     struct pccd_scene_answer *answers; /* [batch->count], in the result region */
-    const struct proto_segment *segments;
     uint64_t tables_bytes;
     struct eng_step_settings settings; /* of a scene that the whole team steps */
     struct srv_enginemem memory;       /* as the batch began */
-    struct lane *lanes;                /* [settings.threads] */
-    const uint32_t *order;             /* items that are stepped by one thread each */
 };
+
+/* Stage what moves in a scene, which has its engine: first what others hold for its step,
+ * if it is shared. */
+static int stage(const struct work *work, const struct srv_batch_item *item,
+                 uint64_t *bytes, struct proto_error *error)
+{
+    const struct proto_BATCH_SUBMIT_request *submit = &work->request->params.BATCH_SUBMIT;
+    const struct srv_cargo cargo = {submit->slot, item->segments, submit->seq};
+    int status = item->shared != NULL ? srv_held_stage(item->scene, error) : 0;
+    return status != 0 || item->segments == 0
+               ? status
+               : srv_stage_scene(work->request->plan.ring, &cargo, work->tables_bytes,
+                                 item->shared != NULL ? item->shared->member : NULL,
+                                 item->scene, work->batch->segments + item->first, bytes,
+                                 error);
+}
+
+/* What the threads of a step did; that of one alone is the lane's. */
+static void add_records(const struct work *work, const struct eng_step_result *step,
+                        struct srv_batch_lane *lane)
+{
+    for (uint32_t i = 0; i < step->threads && i < work->batch->lane_count; i++) {
+        struct srv_batch_lane *to = step->threads == 1 ? lane : &work->batch->lanes[i];
+#define ADD(type, name, need, text) to->record.name += step->thread_records[i].name;
+        PROTO_THREAD_RECORD(ADD)
+#undef ADD
+        to->scenes++;
+    }
+}
 
 /* The step of one scene, as frame.submit makes it. 0, or a status with *error set. */
 static int step_scene(const struct work *work, const struct srv_batch_item *item,
-                      const struct eng_step_settings *settings, struct lane *lane)
+                      const struct eng_step_settings *settings,
+                      struct srv_batch_lane *lane)
 {
     struct srv_scene *scene = item->scene;
-    const struct proto_BATCH_SUBMIT_request *submit = &work->request->params.BATCH_SUBMIT;
     struct proto_error *error = &lane->error;
+    struct proto_error *owed =
+        item->shared != NULL ? &item->shared->member->owed : &scene->owed;
     struct eng_scene *engine = NULL;
     uint64_t bytes = 0;
-    if (scene->owed.code != 0) { /* a step that was answered before has failed */
-        *error = scene->owed;
-        scene->owed.code = 0;
+    if (owed->code != 0) { /* a step that was answered before has failed */
+        *error = *owed;
+        owed->code = 0;
         return error->code;
     }
     int status = srv_scene_engine(scene, &engine);
     if (status != 0) {
         return proto_error_set(error, status, "no memory for the scene");
     }
+    if (item->shared != NULL) {
+        srv_shared_hide(scene);
+        srv_held_check(scene, &item->shared->taken);
+    }
     eng_stage_begin(engine);
     if (settings->threads > 1) {
         eng_stage_share(engine, settings->threads, settings->affinity);
     }
-    if (item->segments > 0) {
-        status = srv_stage_scene(work->request->plan.ring, submit->slot, submit->seq,
-                                 work->tables_bytes, work->segments + item->first,
-                                 item->segments, scene, &bytes, error);
-    }
+    status = stage(work, item, &bytes, error);
     if (status == 0) {
         const struct srv_stepper by = {.session = work->request->session->id,
-                                       .step = submit->step +
+                                       .step = work->request->params.BATCH_SUBMIT.step +
                                                (uint64_t)(item - work->batch->items)};
         struct eng_step_result step;
         status = srv_frame_compute(scene, settings, &by, &step, error);
         PCCD_ASSERT(status != PCCD_E_AGAIN); /* none is brief */
+        if (status == 0) {
+            add_records(work, &step, lane);
+        }
     }
     if (status != 0) {
         eng_stage_abort(engine);
@@ -127,7 +154,7 @@ static void describe(const struct proto_FRAME_SUBMIT_result *from,
 
 /* Its answer, and what the loop will tell of it. */
 static void note(struct srv_batch_item *item, struct pccd_scene_answer *answer,
-                 struct lane *lane)
+                 struct srv_batch_lane *lane)
 {
     const struct proto_FRAME_SUBMIT_result *from = &item->scene->answer;
     describe(from, answer);
@@ -144,7 +171,7 @@ static void note(struct srv_batch_item *item, struct pccd_scene_answer *answer,
 }
 
 static void refuse(const struct srv_batch_item *item, const char *why,
-                   struct pccd_scene_answer *answer, struct lane *lane)
+                   struct pccd_scene_answer *answer, struct srv_batch_lane *lane)
 {
     answer->status = item->status;
     (void)snprintf(answer->why, sizeof answer->why, "%.*s", (int)sizeof answer->why - 1,
@@ -154,7 +181,8 @@ static void refuse(const struct srv_batch_item *item, const char *why,
 }
 
 static void work_scene(struct work *work, uint32_t i,
-                       const struct eng_step_settings *settings, struct lane *lane)
+                       const struct eng_step_settings *settings,
+                       struct srv_batch_lane *lane)
 {
     struct srv_batch_item *item = &work->batch->items[i];
     struct pccd_scene_answer *answer = &work->answers[i];
@@ -166,6 +194,45 @@ static void work_scene(struct work *work, uint32_t i,
     } else {
         refuse(item, lane->error.text, answer, lane);
     }
+    atomic_fetch_add_explicit(&work->batch->done, 1, memory_order_relaxed);
+}
+
+/* The request that a step of the scene by itself would have been. */
+static struct proto_FRAME_SUBMIT_request frame_of(const struct work *work, uint32_t i)
+{
+    const struct proto_BATCH_SUBMIT_request *batch = &work->request->params.BATCH_SUBMIT;
+    struct proto_FRAME_SUBMIT_request frame = {.scene = work->batch->items[i].handle,
+                                               .step = batch->step + i,
+                                               .mode = batch->mode,
+                                               .method = batch->method,
+                                               .threads = batch->threads,
+                                               .tolerance = batch->tolerance,
+                                               .deadline_ns = batch->deadline_ns,
+                                               .separation = batch->separation,
+                                               .approach = batch->approach};
+    static_assert(sizeof frame.tuning == sizeof batch->tuning, "the same text");
+    memcpy(frame.tuning, batch->tuning, sizeof frame.tuning);
+    return frame;
+}
+
+/* A scene that others share, whose memory may be another user's, and whose step takes
+ * along what is held for it and is noted in journals. */
+static void work_shared(struct work *work, uint32_t i)
+{
+    struct srv_batch_item *item = &work->batch->items[i];
+    struct srv_batch_shared *shared = item->shared;
+    struct srv_enginemem memory = work->memory;
+    srv_enginemem_begin(&work->memory, item->scene->resource.owner->user);
+    work_scene(work, i, &work->settings, &work->batch->lanes[0]);
+    work->memory = memory;
+    eng_payer()->account = &work->request->session->owner.user->engine;
+    if (item->status == 0) {
+        const struct proto_FRAME_SUBMIT_request frame = frame_of(work, i);
+        srv_held_take(item->scene, &shared->taken);
+        srv_journal_step(item->scene, &frame, shared->member, shared->taken);
+        shared->answer = item->scene->answer;
+        shared->has_stepped = true;
+    }
 }
 
 /* One scene by one thread, which uses the worker of its first scene for all. [team] */
@@ -173,15 +240,17 @@ static void work_item(void *context, uint32_t at, uint32_t thread)
 {
     struct work *work = context;
     struct eng_step_settings settings = work->settings;
-    const struct srv_scene *first = work->batch->items[work->order[thread]].scene;
+    const uint32_t *rest = work->batch->rest;
+    const struct srv_scene *first = work->batch->items[rest[thread]].scene;
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
     }
     settings.threads = 1;
     settings.affinity = NULL;
+    settings.is_stopped = thread == 0 ? settings.is_stopped : NULL; /* its own thread */
     settings.lane = thread;
     settings.lender = first->engine; /* NULL: the first has none yet */
-    work_scene(work, work->order[at], &settings, &work->lanes[thread]);
+    work_scene(work, rest[at], &settings, &work->batch->lanes[thread]);
     if (thread != 0) {
         srv_thread_enter(SRV_THREAD_OTHER);
     }
@@ -203,25 +272,26 @@ static uint32_t size_of(uint64_t work_ns)
 }
 
 /* Step the scenes that are so large that the others would be done before them: by the
- * whole team, one after the other. Those that are left go to `rest`: as they come the
- * first ones, whose workers the threads use, then the largest first. Returns how many,
- * and *rest_ns, the work that they are expected to be. */
-static uint32_t work_large(struct work *work, uint32_t *rest, uint64_t *rest_ns)
+ * whole team, one after the other. Those that are left go to batch->rest: as they come
+ * the first ones, whose workers the threads use, then the largest first. Returns how
+ * many, and *rest_ns, the work that they are expected to be. */
+static uint32_t work_large(struct work *work, uint64_t *rest_ns)
 {
     struct srv_batch *batch = work->batch;
+    uint32_t *rest = batch->rest;
     uint32_t threads = work->settings.threads;
     uint32_t ends[SIZES + 1] = {0};
     uint64_t all_ns = 0;
     uint32_t left = 0;
-    for (uint32_t i = 0; i < batch->claim_count; i++) {
+    for (uint32_t i = 0; i < batch->order_count; i++) {
         all_ns += expects(work, batch->order[i]);
     }
-    for (uint32_t i = 0; i < batch->claim_count; i++) {
+    for (uint32_t i = 0; i < batch->order_count; i++) {
         uint32_t item = batch->order[i];
         uint64_t own_ns = expects(work, item);
         if (threads > 1 && eng_step_is_enough(own_ns) &&
             own_ns > all_ns / (2 * threads)) {
-            work_scene(work, item, &work->settings, &work->lanes[0]);
+            work_scene(work, item, &work->settings, &batch->lanes[0]);
         } else {
             batch->order[left++] = item;
             *rest_ns += own_ns;
@@ -244,33 +314,33 @@ static uint32_t work_large(struct work *work, uint32_t *rest, uint64_t *rest_ns)
     return left;
 }
 
-/* Returns how many threads had a part in it, or PCCD_E_NOMEM. */
-static int work_scenes(struct work *work)
+/* Returns how many threads had a part in it. */
+static uint32_t work_scenes(struct work *work)
 {
     struct srv_batch *batch = work->batch;
     uint64_t rest_ns = 0;
-    uint32_t *rest = malloc((batch->claim_count + 1) * sizeof *rest);
-    if (rest == NULL) {
-        return PCCD_E_NOMEM;
-    }
     for (uint32_t i = 0; i < batch->count; i++) {
         work->answers[i] = (struct pccd_scene_answer){.scene = batch->items[i].handle};
         if (batch->items[i].scene == NULL) {
             refuse(&batch->items[i], srv_batch_why(batch->items[i].status),
-                   &work->answers[i], &work->lanes[0]);
+                   &work->answers[i], &batch->lanes[0]);
+            atomic_fetch_add_explicit(&batch->done, 1, memory_order_relaxed);
+        } else if (batch->items[i].shared != NULL) {
+            work_shared(work, i);
         }
     }
-    uint32_t left = work_large(work, rest, &rest_ns);
+    uint32_t left = work_large(work, &rest_ns);
     uint32_t threads = work->settings.threads < left ? work->settings.threads : left;
     threads = threads > 1 && eng_step_is_enough(rest_ns) ? threads : 1;
-    work->order = rest;
     eng_each(&(const struct eng_each){.count = left,
                                       .threads = threads,
                                       .affinity = work->settings.affinity,
                                       .item = work_item,
                                       .context = work});
-    free(rest);
-    return (int)(left < batch->claim_count ? work->settings.threads : threads);
+    for (uint32_t i = 0; i < batch->count; i++) {
+        threads = batch->items[i].threads > threads ? batch->items[i].threads : threads;
+    }
+    return threads;
 }
 
 /* ---- answers ----------------------------------------------------------------------- */
@@ -334,18 +404,16 @@ static int write_records(struct srv_request *request, struct work *work,
 static void add_up(struct srv_request *request, const struct work *work,
                    struct proto_BATCH_SUBMIT_result *result)
 {
-    struct srv_metrics *metrics = &work->lanes[0].metrics;
+    struct srv_batch_lane *lanes = work->batch->lanes;
     for (uint32_t i = 0; i < work->settings.threads; i++) {
-        const struct lane *lane = &work->lanes[i];
-        request->upload_bytes += lane->upload_bytes;
-        result->failed += lane->failed;
-        result->incomplete += lane->incomplete;
-        result->ns_steps += lane->ns_steps;
+        request->upload_bytes += lanes[i].upload_bytes;
+        result->failed += lanes[i].failed;
+        result->incomplete += lanes[i].incomplete;
+        result->ns_steps += lanes[i].ns_steps;
         if (i > 0) {
-            srv_metrics_add_all(metrics, &lane->metrics);
+            srv_metrics_add_all(&lanes[0].metrics, &lanes[i].metrics);
         }
     }
-    request->plan.batch->metrics = *metrics;
 }
 
 /* ---- the request ------------------------------------------------------------------- */
@@ -356,18 +424,16 @@ static int copy_segments(struct srv_request *request, struct work *work)
 {
     const struct proto_BATCH_SUBMIT_request *submit = &request->params.BATCH_SUBMIT;
     struct srv_ring *ring = request->plan.ring;
-    struct proto_segment *segments =
-        srv_workspace_of_thread(request->session->service->workspaces)->segments;
     uint64_t scenes_bytes = submit->scenes * sizeof(struct proto_batch_scene);
+    uint64_t bytes = submit->segments * sizeof *work->batch->segments;
     const uint8_t *payload = NULL;
     int status =
         srv_ring_open_slot(ring, submit->slot, submit->seq, &payload, &request->error);
     if (status != 0) {
         return status;
     }
-    work->tables_bytes = scenes_bytes + submit->segments * sizeof *segments;
-    work->segments = segments;
-    memcpy(segments, payload + scenes_bytes, submit->segments * sizeof *segments);
+    work->tables_bytes = scenes_bytes + bytes;
+    memcpy(work->batch->segments, payload + scenes_bytes, bytes);
     return srv_ring_check_slot(ring, submit->slot, submit->seq, &request->error);
 }
 
@@ -388,30 +454,40 @@ static int reserve_answers(struct srv_request *request, struct work *work,
     return status;
 }
 
+/* What its threads did, as of one step. */
+static void keep_records(struct srv_request *request, uint32_t threads)
+{
+    const struct srv_batch_lane *lanes = request->plan.batch->lanes;
+    struct srv_laststep *last =
+        srv_laststep_new(&request->session->service->spare_step, threads);
+    for (uint32_t i = 0; last != NULL && i < threads; i++) {
+        last->threads[i] = (struct srv_laststep_thread){lanes[i].record, lanes[i].scenes};
+    }
+    request->last_step = last;
+}
+
 static int work_batch(struct srv_request *request)
 {
     const struct proto_BATCH_SUBMIT_request *submit = &request->params.BATCH_SUBMIT;
     struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
-    struct work work = {.request = request, .batch = request->plan.batch};
+    struct srv_batch *batch = request->plan.batch;
+    struct work work = {.request = request, .batch = batch};
     request->begin_ns = common_now_ns();
+    atomic_store_explicit(&batch->has_begun, true, memory_order_relaxed);
     work.settings = srv_frame_settings(request, &SRV_WANTED_OF(submit));
+    if (work.settings.threads > batch->lane_count) { /* they have become more since */
+        work.settings.threads = batch->lane_count;
+    }
     atomic_store_explicit(&request->job.end_ns, work.settings.deadline_ns,
                           memory_order_relaxed);
     srv_enginemem_begin(&work.memory, request->session->owner.user);
-    work.lanes = calloc(work.settings.threads, sizeof *work.lanes);
-    if (work.lanes == NULL) {
-        return proto_error_set(&request->error, PCCD_E_NOMEM, "no memory for a batch");
-    }
     int status = copy_segments(request, &work);
     status = status != 0 ? status : reserve_answers(request, &work, result);
     if (status == 0) {
         work.settings.trace = srv_tracing_lend();
-        int threads = work_scenes(&work);
+        result->threads = work_scenes(&work);
         srv_tracing_return(work.settings.trace);
-        result->threads = threads > 0 ? (uint32_t)threads : 0;
-        status = threads > 0
-                     ? 0
-                     : proto_error_set(&request->error, threads, "no memory for a batch");
+        keep_records(request, result->threads);
     }
     srv_request_return_slot(request);
     status = status != 0 ? status : write_records(request, &work, result);
@@ -421,7 +497,6 @@ static int work_batch(struct srv_request *request)
         result->ns_queue = request->begin_ns - request->arrival_ns;
         result->ns_batch = common_now_ns() - request->begin_ns;
     }
-    free(work.lanes);
     return status;
 }
 
@@ -430,7 +505,8 @@ static int work_batch(struct srv_request *request)
 /* What was counted, where list.session looks. */
 static void tell_session(const struct srv_request *request)
 {
-    const struct proto_STATS_result *counted = &request->plan.batch->metrics.counters;
+    const struct proto_STATS_result *counted =
+        &request->plan.batch->lanes[0].metrics.counters;
     const struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
     struct proto_LIST_SESSION_result *session = &request->session->told;
     session->steps += counted->steps;
@@ -483,16 +559,58 @@ static void tell_scene(const struct srv_request *request, uint32_t i)
     }
 }
 
+/* Others of a shared scene: those whose frames went along, and all who take part. */
+static void tell_members(const struct srv_request *request,
+                         const struct srv_batch_item *item)
+{
+    struct srv_batch_shared *shared = item->shared;
+    srv_holding_answer(shared->taken, &shared->answer);
+    shared->taken = NULL;
+    if (shared->has_stepped) {
+        srv_shared_stepped(item->scene, request->session, &shared->answer);
+    }
+}
+
+/* For stats.thread. */
+static void tell_threads(struct srv_request *request)
+{
+    struct srv_service *service = request->session->service;
+    const struct proto_BATCH_SUBMIT_result *result = &request->result.BATCH_SUBMIT;
+    const struct proto_STATS_result *counted =
+        &request->plan.batch->lanes[0].metrics.counters;
+    struct srv_laststep *last = request->last_step;
+    if (last == NULL) {
+        return;
+    }
+    last->batch = request->plan.batch->count;
+    last->number = service->step_last;
+    last->answer = (struct proto_FRAME_SUBMIT_result){.ns_ingest = counted->ns_ingest,
+                                                      .ns_refit = counted->ns_refit,
+                                                      .ns_low = counted->ns_low,
+                                                      .ns_high = counted->ns_high,
+                                                      .ns_merge = counted->ns_merge,
+                                                      .ns_step = result->ns_batch};
+    srv_laststep_set(&service->spare_step, &request->session->last_step, last);
+    srv_laststep_set(&service->spare_step, &service->last_step, last);
+}
+
 static void finish_batch(struct srv_request *request)
 {
     struct srv_batch *batch = request->plan.batch;
     if (request->status == 0) {
-        srv_metrics_add_all(&request->session->service->metrics, &batch->metrics);
+        srv_metrics_add_all(&request->session->service->metrics,
+                            &batch->lanes[0].metrics);
         tell_session(request);
-        for (uint32_t i = 0; i < batch->count; i++) {
+    }
+    for (uint32_t i = 0; i < batch->count; i++) {
+        if (batch->items[i].shared != NULL) { /* whatever came of the request */
+            tell_members(request, &batch->items[i]);
+        }
+        if (request->status == 0) {
             tell_scene(request, i);
         }
     }
+    tell_threads(request);
     srv_batch_end(batch);
 }
 
@@ -550,13 +668,12 @@ int srv_on_BATCH_SUBMIT(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    struct srv_plan plan = {
-        .work = work_batch,
-        .finish = finish_batch,
-        .ring = ring,
-        .batch = batch,
-        .takes_slot = true,
-        .replies = true};
+    struct srv_plan plan = {.work = work_batch,
+                            .finish = finish_batch,
+                            .ring = ring,
+                            .batch = batch,
+                            .takes_slot = true,
+                            .replies = batch->shared_count == 0};
     status = srv_request_start(call, &plan);
     if (status < 0) {
         srv_batch_end(batch);

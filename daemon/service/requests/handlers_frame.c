@@ -118,7 +118,7 @@ static int compute_step(struct srv_request *request)
         return status;
     }
     request->has_stepped = true;
-    request->last_step = srv_laststep_new(&request->session->service->spare_step, &step);
+    request->last_step = srv_laststep_of(&request->session->service->spare_step, &step);
     if (by.places) { /* many scenes may be brought back, and not all be stepped soon */
         eng_step_tidy(scene->engine);
     }
@@ -319,7 +319,8 @@ static void finish_submit(struct srv_request *request)
     struct srv_service *service = request->session->service;
     struct srv_laststep *last = request->last_step;
     uint64_t number = 0;
-    srv_holding_answer(request);
+    srv_holding_answer(request->taken, &request->result.FRAME_SUBMIT);
+    request->taken = NULL;
     if (request->status == 0 || last != NULL) {
         number = ++service->step_last;
     }

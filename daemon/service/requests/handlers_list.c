@@ -12,8 +12,22 @@
 #include "service.h"
 #include "session.h"
 #include "shared.h"
+#include "srv_batch.h"
 
 /* ---- sessions ---------------------------------------------------------------------- */
+
+/* The batch that a session has computed now, of which one job runs at a time. */
+static const struct srv_batch *batch_of(const struct srv_session *session)
+{
+    for (const struct srv_request *at = session->requests; at != NULL; at = at->next) {
+        const struct srv_batch *batch = at->plan.batch;
+        if (batch != NULL &&
+            atomic_load_explicit(&batch->has_begun, memory_order_relaxed)) {
+            return batch;
+        }
+    }
+    return NULL;
+}
 
 int srv_on_LIST_SESSION(struct srv_call *call)
 {
@@ -39,6 +53,11 @@ int srv_on_LIST_SESSION(struct srv_call *call)
     result->meshes = at->meshes.count;
     result->requests = at->request_count;
     result->shm_bytes = at->ring != NULL ? srv_ring_bytes(at->ring) : 0;
+    const struct srv_batch *batch = batch_of(at);
+    if (batch != NULL) {
+        result->batch = batch->count;
+        result->batch_done = atomic_load_explicit(&batch->done, memory_order_relaxed);
+    }
     return 0;
 }
 

@@ -40,6 +40,7 @@ int srv_on_STATS_THREAD(struct srv_call *call)
     *result = (struct proto_STATS_THREAD_result){
         .threads = count,
         .number = last->number,
+        .batch = last->batch,
         .ns_ingest = last->answer.ns_ingest,
         .ns_refit = last->answer.ns_refit,
         .ns_low = last->answer.ns_low,
@@ -48,7 +49,8 @@ int srv_on_STATS_THREAD(struct srv_call *call)
         .ns_step = last->answer.ns_step,
     };
     memcpy(result->tuning, last->answer.tuning, sizeof result->tuning);
-    const struct eng_thread_record *record = &last->threads[request->thread];
+    const struct eng_thread_record *record = &last->threads[request->thread].record;
+    result->scenes = last->threads[request->thread].scenes;
 #define COPY(type, name, need, text) result->name = record->name;
     PROTO_THREAD_RECORD(COPY)
 #undef COPY

@@ -89,10 +89,11 @@ static void cancel(struct srv_request *request)
     stop_waiting(request, PCCD_INCOMPLETE_CANCELLED);
 }
 
-void srv_holding_answer(struct srv_request *request)
+void srv_holding_answer(struct srv_held *taken,
+                        const struct proto_FRAME_SUBMIT_result *step)
 {
     srv_assert_loop();
-    for (struct srv_held *held = request->taken; held != NULL; held = held->next) {
+    for (struct srv_held *held = taken; held != NULL; held = held->next) {
         struct srv_request *waiting = held->request;
         if (waiting == NULL) {
             continue;
@@ -100,14 +101,13 @@ void srv_holding_answer(struct srv_request *request)
         waiting->status = held->error.code;
         waiting->error = held->error;
         if (waiting->status == 0) {
-            waiting->result.FRAME_SUBMIT = request->result.FRAME_SUBMIT;
+            waiting->result.FRAME_SUBMIT = *step;
             leave_out_page(waiting, &waiting->result.FRAME_SUBMIT);
         }
         part(waiting);
         srv_request_conclude(waiting);
     }
-    srv_held_free(request->taken);
-    request->taken = NULL;
+    srv_held_free(taken);
 }
 
 void srv_holding_end_all(struct srv_service *service)

@@ -24,8 +24,10 @@ struct srv_service;
  * waits) or PCCD_E_QUOTA with call->error set. */
 int srv_holding_start(struct srv_call *call, struct srv_plan *plan);
 
-/* Answer those whose frames the step of `request` has taken along; free the frames. */
-void srv_holding_answer(struct srv_request *request);
+/* A step was answered with `step`: so are those whose frames it has taken along; free the
+ * frames. */
+void srv_holding_answer(struct srv_held *taken,
+                        const struct proto_FRAME_SUBMIT_result *step);
 
 /* The daemon ends: what waits is answered as cancelled, and nothing begins to. */
 void srv_holding_end_all(struct srv_service *service);

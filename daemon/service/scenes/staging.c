@@ -188,25 +188,27 @@ int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
     return torn != 0 ? torn : status;
 }
 
-int srv_stage_scene(struct srv_ring *ring, uint32_t slot, uint64_t seq,
-                    uint64_t tables_bytes, const struct proto_segment *segments,
-                    uint32_t count, struct srv_scene *scene, uint64_t *bytes,
-                    struct proto_error *error)
+int srv_stage_scene(struct srv_ring *ring, const struct srv_cargo *cargo,
+                    uint64_t tables_bytes, const struct srv_member *member,
+                    struct srv_scene *scene, const struct proto_segment *table,
+                    uint64_t *bytes, struct proto_error *error)
 {
     PCCD_ASSERT(tables_bytes <= ring->slot_stride);
     struct staging staging = {
         .scene = scene,
+        .member = member,
         .payload_bytes = ring->slot_stride,
         .table_bytes = tables_bytes,
         .error = error,
     };
-    int status = srv_ring_open_slot(ring, slot, seq, &staging.payload, error);
+    int status =
+        srv_ring_open_slot(ring, cargo->slot, cargo->seq, &staging.payload, error);
     if (status != 0) {
         return status;
     }
-    status = stage_copied(&staging, count, segments);
+    status = stage_copied(&staging, cargo->segments, table);
     *bytes = staging.copied;
-    int torn = srv_ring_check_slot(ring, slot, seq, error);
+    int torn = srv_ring_check_slot(ring, cargo->slot, cargo->seq, error);
     return torn != 0 ? torn : status;
 }
 

@@ -36,12 +36,12 @@ int srv_stage_slot(struct srv_ring *ring, const struct srv_cargo *cargo,
                    struct proto_segment *table, uint64_t *bytes,
                    struct proto_error *error);
 /* The same of one scene of a batch, whose tables were copied already (srv_batch.h): stage
- * the `count` segments from `segments` on; positions lie behind the `tables_bytes`.
- * Scenes of a batch are staged by several threads. [compute], [team] */
-int srv_stage_scene(struct srv_ring *ring, uint32_t slot, uint64_t seq,
-                    uint64_t tables_bytes, const struct proto_segment *segments,
-                    uint32_t count, struct srv_scene *scene, uint64_t *bytes,
-                    struct proto_error *error);
+ * the `segments` of the cargo, which are at `table`; positions lie behind the
+ * `tables_bytes`. Scenes of a batch are staged by several threads. [compute], [team] */
+int srv_stage_scene(struct srv_ring *ring, const struct srv_cargo *cargo,
+                    uint64_t tables_bytes, const struct srv_member *member,
+                    struct srv_scene *scene, const struct proto_segment *table,
+                    uint64_t *bytes, struct proto_error *error);
 /* The same out of a copy of a slot. [compute] */
 int srv_stage_copy(const uint8_t *copy, uint64_t copy_bytes,
                    const struct srv_cargo *cargo, const struct srv_member *member,

@@ -12,26 +12,34 @@
 
 #include "invariant.h"
 
-struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare,
-                                      const struct eng_step_result *step)
+struct srv_laststep *srv_laststep_new(struct srv_laststep_spare *spare, uint32_t threads)
 {
-    size_t bytes = step->threads * sizeof step->thread_records[0];
+    size_t bytes = threads * sizeof(struct srv_laststep_thread);
     /* Acquire: pairs with the release where it was put; what was in it is not read any
      * more. */
     struct srv_laststep *last =
         atomic_exchange_explicit(&spare->last, NULL, memory_order_acquire);
-    if (last != NULL && last->capacity < step->threads) {
+    if (last != NULL && last->capacity < threads) {
         free(last);
         last = NULL;
     }
-    uint32_t capacity = last != NULL ? last->capacity : step->threads;
+    uint32_t capacity = last != NULL ? last->capacity : threads;
     if (last == NULL) {
         last = malloc(sizeof *last + bytes);
     }
     if (last != NULL) {
-        *last =
-            (struct srv_laststep){.thread_count = step->threads, .capacity = capacity};
-        memcpy(last->threads, step->thread_records, bytes);
+        *last = (struct srv_laststep){.thread_count = threads, .capacity = capacity};
+        memset(last->threads, 0, bytes);
+    }
+    return last;
+}
+
+struct srv_laststep *srv_laststep_of(struct srv_laststep_spare *spare,
+                                     const struct eng_step_result *step)
+{
+    struct srv_laststep *last = srv_laststep_new(spare, step->threads);
+    for (uint32_t i = 0; last != NULL && i < step->threads; i++) {
+        last->threads[i].record = step->thread_records[i];
     }
     return last;
 }
