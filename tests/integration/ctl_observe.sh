@@ -72,6 +72,16 @@ ctl load --times 4 a.obj b.obj && says '^steps +4 in ' '^triangles +2$' '^contac
     ctl load --with a.obj --seconds 0.1 a.obj && says '^triangles +4$'
 tap_result $? load__plays_frames_at_a_rate "$log"
 
+# If it failed, who looks what a daemon has done would be shown a step that was made long
+# before a batch.
+"$top_builddir/pccd-load" --url "$PCCD_URL" --kinds batch --batch 16 --clients 1 --requests 3 \
+    --processes 1 >load.log 2>&1 # too short to judge how memory grows
+ctl stats --threads && says '^batch of 16 scenes up to step [0-9]+ by [12] threads?' ' scenes ' &&
+    ctl stats --threads --json && json 'j["batch"] == 16 and j["thread_records"][0]["scenes"] > 0' &&
+    ctl status && says '^last batch of 16 +.* by [12] threads?: ingest ' &&
+    ctl list sessions --json && json 'j[0]["batch"] == 0 and j[0]["batch_done"] == 0'
+tap_result $? batch__is_shown_as_the_last_step "$log"
+
 "$PCCDCTL" load --hz 100 --seconds 120 a.obj b.obj >/dev/null 2>&1 &
 player=$!
 pids="$pids $player"

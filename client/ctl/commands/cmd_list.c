@@ -86,21 +86,22 @@ struct printer {
 static void print_session(struct printer *printer, const struct session_row *row)
 {
     const struct pccd_session_info *info = &row->info;
+    const char *state = sessions_state(info);
     if (!printer->is_json) {
         printf("%7" PRIu64 " %7" PRIu32 " %s %s %6" PRIu32 " %7" PRIu32 " %6" PRIu32
-               " %9s %9s %10" PRIu64 " %10s%s\n",
+               " %9s %9s %10" PRIu64 " %10s%s%s\n",
                info->session, info->pid, tool_shown_column(format_user(info->uid), 10),
                tool_shown_column(row->name, 20), info->scenes, info->objects,
                info->meshes, format_count((double)info->triangles),
                format_bytes((double)info->shm_bytes), info->steps,
-               format_span(info->ns_open), info->waiting ? " waits" : "");
+               format_span(info->ns_open), state[0] != '\0' ? " " : "", state);
         return;
     }
     json_array_append_new(
         printer->array,
         json_pack(
             "{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:I, "
-            "s:b}",
+            "s:b, s:I, s:I}",
             "session", (json_int_t)info->session, "pid", (json_int_t)info->pid, "uid",
             (json_int_t)info->uid, "client", row->name, "scenes",
             (json_int_t)info->scenes, "objects", (json_int_t)info->objects, "meshes",
@@ -108,7 +109,8 @@ static void print_session(struct printer *printer, const struct session_row *row
             "shm_bytes", (json_int_t)info->shm_bytes, "steps", (json_int_t)info->steps,
             "contacts", (json_int_t)info->contacts, "errors", (json_int_t)info->errors,
             "requests", (json_int_t)info->requests, "ns_open", (json_int_t)info->ns_open,
-            "waiting", info->waiting));
+            "waiting", info->waiting, "batch", (json_int_t)info->batch, "batch_done",
+            (json_int_t)info->batch_done));
 }
 
 /* "cloth" rw-r-----, 2 take part; "" for a scene that is not shared. */

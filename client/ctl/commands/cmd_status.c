@@ -97,7 +97,10 @@ static void print_step(const struct status *status)
     const struct counters *step = &status->step;
     static const char *const phases[] = {"ingest", "refit", "low", "high", "merge"};
     uint64_t threads = counters_get(step, "threads");
-    printf("last step  %s by %" PRIu64 " %s:",
+    uint64_t batch = counters_get(step, "batch");
+    char what[32];
+    snprintf(what, sizeof what, "last batch of %" PRIu64, batch);
+    printf("%-10s %s by %" PRIu64 " %s:", batch > 0 ? what : "last step",
            format_ms((double)counters_get(step, "ns_step") / 1e6), threads,
            proto_plural(threads, "thread", "threads"));
     for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {

@@ -245,7 +245,7 @@ static void fill_row(const struct rate *rate, char (*cells)[COLUMNS_CELL_BYTES])
     fill(cells[CELL_QUEUE], "%" PRIu32, info->requests);
     fill(cells[CELL_IN], "%s", format_bytes(rate->in_per_s));
     fill(cells[CELL_OUT], "%s", format_bytes(rate->out_per_s));
-    fill(cells[CELL_STATE], "%s", info->waiting ? "waits" : "");
+    fill(cells[CELL_STATE], "%s", sessions_state(info));
 }
 
 /* What the daemon has in all: as many of the figures as fit. */
@@ -311,15 +311,17 @@ static json_t *session_json(const struct rate *rate)
     for (int i = 0; i < PHASE_COUNT; i++) {
         json_object_set_new(phases, phase_names[i], json_real(rate->ms_phase[i]));
     }
-    return json_pack(
-        "{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:o, s:I, s:f, s:f, s:b}",
-        "session", (json_int_t)info->session, "pid", (json_int_t)info->pid, "uid",
-        (json_int_t)info->uid, "client", rate->row->name, "scenes",
-        (json_int_t)info->scenes, "objects", (json_int_t)info->objects, "triangles",
-        (json_int_t)info->triangles, "steps", (json_int_t)info->steps, "steps_per_s",
-        rate->steps_per_s, "ms_step", rate->ms_step, "ms", phases, "requests",
-        (json_int_t)info->requests, "in_per_s", rate->in_per_s, "out_per_s",
-        rate->out_per_s, "waiting", info->waiting);
+    return json_pack("{s:I, s:I, s:I, s:s, s:I, s:I, s:I, s:I, s:f, s:f, s:o, s:I, "
+                     "s:f, s:f, s:b, s:I, s:I}",
+                     "session", (json_int_t)info->session, "pid", (json_int_t)info->pid,
+                     "uid", (json_int_t)info->uid, "client", rate->row->name, "scenes",
+                     (json_int_t)info->scenes, "objects", (json_int_t)info->objects,
+                     "triangles", (json_int_t)info->triangles, "steps",
+                     (json_int_t)info->steps, "steps_per_s", rate->steps_per_s, "ms_step",
+                     rate->ms_step, "ms", phases, "requests", (json_int_t)info->requests,
+                     "in_per_s", rate->in_per_s, "out_per_s", rate->out_per_s, "waiting",
+                     info->waiting, "batch", (json_int_t)info->batch, "batch_done",
+                     (json_int_t)info->batch_done);
 }
 
 static void print_json(const struct rate *rates, uint32_t count,

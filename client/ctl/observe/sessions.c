@@ -7,6 +7,7 @@
  */
 #include "sessions.h"
 
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -41,6 +42,17 @@ void sessions_deinit(struct sessions *sessions)
 {
     free(sessions->rows);
     *sessions = (struct sessions){.rows = NULL};
+}
+
+const char *sessions_state(const struct pccd_session_info *info)
+{
+    static char text[48];
+    if (info->waiting) {
+        return "waits";
+    }
+    snprintf(text, sizeof text, "batch %" PRIu32 " of %" PRIu32, info->batch_done,
+             info->batch);
+    return info->batch > 0 ? text : "";
 }
 
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number)

@@ -34,6 +34,9 @@ struct sessions {
 /* Read anew; returns the library's status, or PCCD_E_NOMEM. */
 int sessions_read(struct pccd_client *client, struct sessions *sessions);
 void sessions_deinit(struct sessions *sessions);
+/* What it is doing that is not usual: "waits", "batch 412 of 1000", or "". Until the next
+ * call. */
+const char *sessions_state(const struct pccd_session_info *info);
 /* NULL: there is none of that number. */
 const struct session_row *sessions_find(const struct sessions *sessions, uint64_t number);
 

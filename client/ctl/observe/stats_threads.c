@@ -34,16 +34,6 @@ struct table {
     char tuning[PCCD_TUNING_BYTES]; /* how they shared the work */
 };
 
-static void collect(void *context, const char *name, uint64_t value, const char *text)
-{
-    struct row *row = context;
-    (void)text;
-    if (row->count < COUNTERS_MAX) {
-        row->name[row->count] = name;
-        row->value[row->count++] = value;
-    }
-}
-
 static uint64_t value_of(const struct row *row, const char *name)
 {
     for (uint32_t i = 0; i < row->count; i++) {
@@ -52,6 +42,18 @@ static uint64_t value_of(const struct row *row, const char *name)
         }
     }
     return 0;
+}
+
+/* What a step has not, but a batch, is left out of a step. */
+static void collect(void *context, const char *name, uint64_t value, const char *text)
+{
+    struct row *row = context;
+    (void)text;
+    bool is_of_batch = strcmp(name, "scenes") == 0;
+    if (row->count < COUNTERS_MAX && (!is_of_batch || value_of(row, "batch") > 0)) {
+        row->name[row->count] = name;
+        row->value[row->count++] = value;
+    }
 }
 
 /* "ns_low" is of the step, "low_ns" of a thread; what comes before the first time says
@@ -126,6 +128,11 @@ static void print_step(FILE *to, const struct table *table)
 {
     const struct row *row = &table->rows[0];
     uint64_t threads = value_of(row, "threads");
+    uint64_t batch = value_of(row, "batch");
+    if (batch > 0) {
+        fprintf(to, "batch of %" PRIu64 " %s up to ", batch,
+                proto_plural(batch, "scene", "scenes"));
+    }
     fprintf(to, "step %" PRIu64 " by %" PRIu64 " %s", value_of(row, "number"), threads,
             proto_plural(threads, "thread", "threads"));
     if (table->tuning[0] != '\0') {
