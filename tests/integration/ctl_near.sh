@@ -159,6 +159,11 @@ ctl record -o near.rec --contacts -- "$PCCDCTL" near --distance 1 floor.obj abov
     grep -q ': [0-9]* bytes, 0 steps, 2 questions about what is near, 2 answers$' err &&
     ctl replay near.rec && grep -q '^recording .* 2 questions about what is near by ' out && grep -q '2 answers.*2 the same, 0 not' out &&
     ctl verify near.rec && grep -q '2 questions about what is near with [1-9]' out &&
+    fails 4 'near.rec: number 2 is a question about what is near, not a step; render --near' \
+        render --steps 2 -o no.svg near.rec &&
+    fails 4 'near.rec holds no such step; it has 2, the last 2' render --steps 9 -o no.svg near.rec &&
+    fails 4 'near.rec holds no step, but 2 questions about what is near' \
+        render -o no.svg near.rec && [ ! -e no.svg ] &&
     ctl render --near -o near.svg near.rec &&
     lines=$(sed -n 's/.*, \([0-9]*\) records*$/\1/p' out) && [ "$lines" -gt 1 ] &&
     [ "$(grep -c '<line x1' near.svg)" -eq "$lines" ] && grep -q '>distance<' near.svg &&

@@ -24,24 +24,44 @@ int play_damaged(const struct playing *playing, int status, const char *text,
                                text, last_step - 1);
 }
 
+bool play_is_within(const struct play_settings *settings, uint64_t step)
+{
+    return step >= settings->first && (settings->last == 0 || step <= settings->last);
+}
+
+/* The first answered question about what is near in the range; NULL: there is none. */
+static const struct record_near_answer *find_question(const struct playing *playing)
+{
+    const struct answers *answers = &playing->answers;
+    for (size_t i = 0; i < answers->near_count; i++) {
+        if (play_is_within(&playing->settings, answers->nears[i].step)) {
+            return &answers->nears[i];
+        }
+    }
+    return NULL;
+}
+
 /* A range that the file has nothing of is a mistake, not a success. */
 static int judge_range(const struct playing *playing, struct ctl_error *error)
 {
     const struct play_settings *settings = &playing->settings;
     bool is_range = settings->first > 1 || settings->last != 0;
-    return playing->wanted > 0 || !is_range
-               ? PCCD_OK
+    if (playing->wanted > 0 || !is_range) {
+        return PCCD_OK;
+    }
+    const struct record_near_answer *question = find_question(playing);
+    return question != NULL
+               ? ctl_error_set(error, PCCD_E_INVAL,
+                               "%s: number %" PRIu64
+                               " is a question about what is near, not a step; render "
+                               "--near draws it",
+                               settings->path, question->step)
                : ctl_error_set(error, PCCD_E_INVAL,
                                "%s holds no such step; it has %" PRIu64
                                ", the last %" PRIu64,
                                settings->path,
                                playing->summary->frames + playing->summary->questions,
                                playing->summary->last_step);
-}
-
-bool play_is_within(const struct play_settings *settings, uint64_t step)
-{
-    return step >= settings->first && (settings->last == 0 || step <= settings->last);
 }
 
 /* The range becomes its last step, or its last question about what is near if these are

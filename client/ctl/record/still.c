@@ -334,7 +334,14 @@ static int play_steps(const struct play_settings *settings, struct taking *takin
                       struct play_summary *summary, struct ctl_error *error)
 {
     int status = play(settings, take, taking, summary, error);
-    if (status == PCCD_OK && !taking->is_taken) {
+    if (status == PCCD_OK && !taking->is_taken && summary->frames == 0 &&
+        summary->questions > 0) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s holds no step, but %" PRIu64
+                               " %s about what is near, which --near shows",
+                               settings->path, summary->questions,
+                               proto_plural(summary->questions, "question", "questions"));
+    } else if (status == PCCD_OK && !taking->is_taken) {
         status =
             ctl_error_set(error, PCCD_E_INVAL,
                           "%s holds no such step; it has %" PRIu64 ", the last %" PRIu64,
