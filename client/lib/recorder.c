@@ -36,6 +36,15 @@ void cli_record_close_file(struct cli_recorder *recorder)
     (void)record_writer_close(&recorder->writer);
 }
 
+/* Whether it was for want of room; or else what happened was not to be recorded. */
+static enum record_reason reason_of(int status)
+{
+    bool is_full = status == PCCD_E_LIMIT || status == PCCD_E_NOMEM ||
+                   status == PCCD_E_QUOTA || status == PCCD_E_SYSTEM;
+
+    return is_full ? RECORD_FULL : RECORD_APART;
+}
+
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why)
 {
     struct cli_recorder *recorder = client->recorder;
@@ -43,7 +52,7 @@ int cli_record_stop_because(struct pccd_client *client, int status, const char *
     (void)snprintf(recorder->text, sizeof recorder->text, "recording %s: %s",
                    recorder->path, why);
     if (recorder->writer.fd >= 0 && !recorder->has_ended) {
-        cli_record_end(client, RECORD_FULL);
+        cli_record_end(client, reason_of(status));
     }
     assert(status != 0);
     recorder->info.status = status;

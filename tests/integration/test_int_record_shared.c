@@ -392,13 +392,14 @@ static void record__ends_where_it_would_not_be_whole(void **state)
 }
 
 /* If this failed, a daemon that takes the place of a lost one would be trusted to know
- * what others did before. */
+ * what others did before; or who looks at the recording be told that it wants room. */
 static void record__ends_when_the_daemon_is_lost(void **state)
 {
     static const char *const options[] = {"--supervise", NULL};
     struct test_daemon daemon;
     struct pccd_record_info info;
     struct member a, b;
+    char said[4096];
 
     (void)state;
     if (test_is_direct()) {
@@ -423,6 +424,9 @@ static void record__ends_when_the_daemon_is_lost(void **state)
     pccd_close(a.client);
     pccd_close(b.client);
     assert_repeats(3);
+    assert_int_equal(test_ctl("replay", "", test_recording, said, sizeof said), 0);
+    assert_non_null(strstr(said, "ends where what came next could not be repeated"));
+    assert_null(strstr(said, "full"));
     (void)test_daemon_end(&daemon, SIGTERM, 10000);
     (void)test_daemon_finish(&daemon);
 }

@@ -309,6 +309,11 @@ static void report(const char *path, const struct record_command *command)
                  status != PCCD_OK ? reader.text : "");
     if (reader.end_reason == RECORD_FULL) {
         tell_full(path, command);
+    } else if (reader.end_reason == RECORD_APART) {
+        ctl_complain("%s ends before its program: what came next could not be repeated, "
+                     "as a mesh became a part of one over ranks, or what others did was "
+                     "not known",
+                     path);
     }
     answers_deinit(&answers);
     record_reader_deinit(&reader);
