@@ -59,6 +59,25 @@ timeout 60 "$PCCDCTL" render --size 64x64 -o one.png a.obj >"$log" 2>&1 &&
     grep -q '0 contacts$' "$log" && ! "$PCCDCTL" render -o no.png a.obj some.rec >>"$log" 2>&1 &&
     grep -q 'some.rec: neither PLY' "$log" && [ ! -e no.png ] && [ -z "$(ls tmp)" ]
 tap_result $? files__one_mesh_is_drawn_where_it_stands "$log"
+
+# If it failed, who kills a command that shows frames would find their recording, which may
+# be large, in a folder that nobody cleans.
+many=
+for _ in $(seq 1500); do
+    many+="a.obj b.obj "
+done
+# shellcheck disable=SC2086 # words
+"$PCCDCTL" render --size 64x64 -o killed.png $many >"$log" 2>&1 &
+pid=$!
+was_seen=1
+for _ in $(seq 2000); do
+    # shellcheck disable=SC2012 # names of ours
+    ls -l "/proc/$pid/fd" 2>/dev/null | grep -q "$TMPDIR/.*(deleted)" && was_seen=0 && break
+done
+kill -KILL "$pid" 2>/dev/null
+wait "$pid" 2>/dev/null
+[ $was_seen = 0 ] && [ -z "$(ls tmp)" ] && [ ! -e killed.png ]
+tap_result $? files__a_killed_command_leaves_nothing "$log"
 unset TMPDIR
 
 # If it failed, a browser would show the first picture alone, or none.

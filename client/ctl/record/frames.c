@@ -8,6 +8,7 @@
 #include "frames.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,47 +20,57 @@
 
 #define NAME_PART 100 /* bytes of each file's name */
 
-/* A folder of our own, and the recording's path there. */
-static int make_folder(struct frames_recording *recording, char *const *files,
-                       uint32_t count, struct ctl_error *error)
+#define PATH_BYTES 4096
+
+/* A folder of our own. */
+static int make_folder(char folder[PATH_BYTES], struct ctl_error *error)
 {
     const char *temporary = getenv("TMPDIR");
-    char name[2 * NAME_PART + 16];
     temporary = temporary != NULL && temporary[0] == '/' ? temporary : "/tmp";
-    int length = snprintf(recording->folder, sizeof recording->folder, "%s/pccd-XXXXXX",
-                          temporary);
-    if (length < 0 || length >= FRAMES_PATH_BYTES - (int)sizeof name) {
-        recording->folder[0] = '\0';
+    int length = snprintf(folder, PATH_BYTES, "%s/pccd-XXXXXX", temporary);
+    if (length < 0 || length >= PATH_BYTES) {
         return ctl_error_set(error, PCCD_E_INVAL, "$TMPDIR: the name is too long");
     }
-    if (mkdtemp(recording->folder) == NULL) {
-        int status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot make a folder: %s",
-                                   temporary, strerror(errno));
-        recording->folder[0] = '\0';
-        return status;
-    }
-    snprintf(name, sizeof name, "%.*s%s%.*s", NAME_PART, tool_base_name(files[0]),
-             count > 1 ? " to " : "", count > 1 ? NAME_PART : 0,
-             tool_base_name(files[count - 1]));
-    snprintf(recording->path, sizeof recording->path, "%.*s/%s", length,
-             recording->folder, name);
-    return PCCD_OK;
+    return mkdtemp(folder) != NULL
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot make a folder: %s",
+                               temporary, strerror(errno));
 }
 
-/* With their contacts, so that nobody has to compute the steps once more. */
-static int play_recorded(struct player *player, const char *path, struct ctl_error *error)
+/* Begin the file, open it, and take its name and the folder away again. */
+static int begin(struct frames_recording *recording, struct pccd_client *client,
+                 const char *folder, struct ctl_error *error)
 {
+    /* With their contacts, so that nobody has to compute the steps once more. */
     const struct pccd_record_settings settings = {.contacts = 1};
-    int status = pccd_record_start(player->client, path, &settings);
+    char path[PATH_BYTES + 16];
+    snprintf(path, sizeof path, "%s/frames", folder);
+    int status = pccd_record_start(client, path, &settings);
     if (status != PCCD_OK) {
-        return ctl_error_set(error, status, "%s: %s", path,
-                             pccd_error_text(player->client));
+        ctl_error_set(error, status, "%s: %s", path, pccd_error_text(client));
+    } else {
+        recording->fd = open(path, O_RDONLY | O_CLOEXEC);
+        status = recording->fd >= 0 ? PCCD_OK
+                                    : ctl_error_set(error, PCCD_E_SYSTEM, "%s: %s", path,
+                                                    strerror(errno));
     }
+    (void)unlink(path);
+    (void)rmdir(folder);
+    if (status == PCCD_OK) {
+        snprintf(recording->from, sizeof recording->from, "/proc/self/fd/%d",
+                 recording->fd);
+    }
+    return status;
+}
+
+static int play_recorded(struct player *player, const struct frames_recording *recording,
+                         struct ctl_error *error)
+{
     int played = player_play(player, error);
-    status = pccd_record_stop(player->client, NULL);
+    int status = pccd_record_stop(player->client, NULL);
     if (played == PCCD_OK && status != PCCD_OK) {
-        played = ctl_error_set(error, status, "%s: cannot be written whole: %s", path,
-                               pccd_error_text(player->client));
+        played = ctl_error_set(error, status, "%s: cannot be written whole: %s",
+                               recording->name, pccd_error_text(player->client));
     }
     if (played == PCCD_OK && terminal_was_interrupted()) {
         played = ctl_error_set(error, PCCD_E_CANCELLED, "interrupted");
@@ -73,27 +84,33 @@ int frames_record(struct frames_recording *recording, char *const *files, uint32
     const struct player_settings settings = {
         .frames = files, .frame_count = count, .times = 1};
     struct player player = {.settings = &settings};
+    char folder[PATH_BYTES];
+    snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,
+             tool_base_name(files[0]), count > 1 ? " to " : "", count > 1 ? NAME_PART : 0,
+             tool_base_name(files[count - 1]));
     int status = player_read(&player, &settings, error);
     if (status == PCCD_OK && ctl_link_open(link, &player.client) != 0) {
         error->text[0] = '\0'; /* told already */
         status = PCCD_E_NODAEMON;
     }
     if (status == PCCD_OK) {
-        status = make_folder(recording, files, count, error);
+        status = make_folder(folder, error);
     }
     if (status == PCCD_OK) {
-        status = play_recorded(&player, recording->path, error);
+        status = begin(recording, player.client, folder, error);
+    }
+    if (status == PCCD_OK) {
+        status = play_recorded(&player, recording, error);
     }
     pccd_close(player.client);
     player_deinit(&player);
     return status;
 }
 
-void frames_remove(struct frames_recording *recording)
+void frames_forget(struct frames_recording *recording)
 {
-    if (recording->folder[0] != '\0') {
-        unlink(recording->path);
-        rmdir(recording->folder);
-        recording->folder[0] = '\0';
+    if (recording->from[0] != '\0') {
+        (void)close(recording->fd);
+        recording->from[0] = '\0';
     }
 }

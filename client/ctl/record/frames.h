@@ -12,12 +12,12 @@
 #include "error.h"
 #include "link.h"
 
-#define FRAMES_PATH_BYTES 4096
-
-/* Zero before; `path` has the recording's afterwards. */
+/* Zero before. The file has no name in any folder once it is begun: however the program
+ * ends, it is gone then. */
 struct frames_recording {
-    char folder[FRAMES_PATH_BYTES]; /* ours; "": none */
-    char path[FRAMES_PATH_BYTES];
+    int fd;         /* of the file, while `from` is not "" */
+    char from[32];  /* what opens it, in this process; "": there is none */
+    char name[224]; /* what it is told of as */
 };
 
 /* Record `count` files of one mesh, at least one; one alone stands still for a step. The
@@ -25,7 +25,7 @@ struct frames_recording {
  * of the daemon; E_CANCELLED: interrupted. */
 int frames_record(struct frames_recording *recording, char *const *files, uint32_t count,
                   const struct ctl_link *link, struct ctl_error *error);
-/* Take file and folder away. */
-void frames_remove(struct frames_recording *recording);
+/* Let go of the file. */
+void frames_forget(struct frames_recording *recording);
 
 #endif

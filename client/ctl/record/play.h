@@ -69,7 +69,8 @@ typedef int (*play_near_fn)(void *context, const struct play_near *near,
 typedef uint64_t (*play_next_fn)(void *context);
 
 struct play_settings {
-    const char *path;
+    const char *path; /* of the file, as it is told of .. */
+    const char *from; /* .. and as it is opened; NULL: the same */
     const struct ctl_link *link;
     enum play_source source;
     bool needs_records;

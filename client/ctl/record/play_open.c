@@ -86,10 +86,11 @@ static void choose_last(struct playing *playing)
 static int open_all(struct playing *playing, struct ctl_error *error)
 {
     const char *path = playing->settings.path;
+    const char *from = playing->settings.from != NULL ? playing->settings.from : path;
     struct ctl_error damage = {.text = ""};
-    int status = record_reader_open(&playing->reader, path);
+    int status = record_reader_open(&playing->reader, from);
     if (status == PCCD_OK) {
-        status = record_reader_open(&playing->pages, path);
+        status = record_reader_open(&playing->pages, from);
     }
     if (status != PCCD_OK) {
         return ctl_error_set(error, status, "%s: %s", path, playing->reader.text);

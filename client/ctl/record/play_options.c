@@ -132,14 +132,15 @@ int play_options_open(struct play_options *options, struct ctl_error *error)
         (options->file_count == 1 && !ctl_mesh_is_named(options->files[0]))) {
         return PCCD_OK;
     }
-    options->play.path = options->frames.path;
+    options->play.path = options->frames.name;
+    options->play.from = options->frames.from;
     return frames_record(&options->frames, options->files, options->file_count,
                          &options->link, error);
 }
 
 void play_options_deinit(struct play_options *options)
 {
-    frames_remove(&options->frames);
+    frames_forget(&options->frames);
     ctl_link_deinit(&options->link);
 }
 
