@@ -560,6 +560,7 @@ static void shared__rights_are_as_of_a_file(void **state)
     uint32_t open = 0;
     uint32_t own = 0;
     struct pccd_batch_answer all = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings};
     uint32_t scene = 0;
     uint32_t mesh = 0;
     uint32_t object = 0;
@@ -597,6 +598,12 @@ static void shared__rights_are_as_of_a_file(void **state)
     uint64_t triangles = test_stat(mine, "triangles_now");
     assert_int_equal(pccd_scene_add(theirs, scene, mesh, &object), 0);
     assert_int_equal(test_stat(mine, "triangles_now"), triangles + 1);
+    /* Lists of neighbours are the mesh's, and so its owner's: else the daemon ends below,
+     * where it finds that a user who leaves has freed too much. */
+    settings.what = PCCD_OBJECT_RADIUS | PCCD_OBJECT_REST_RINGS;
+    settings.radius = 0.001;
+    settings.rest_rings = 2;
+    assert_int_equal(pccd_object_set(theirs, scene, object, &settings), 0);
     /* The object outlives its mesh; a mesh lent to another user's scene keeps its
      * shape. */
     assert_int_equal(pccd_mesh_replace(theirs, mesh, test_floor_x, PCCD_FORMAT_F32, 3,
@@ -617,6 +624,11 @@ static void shared__rights_are_as_of_a_file(void **state)
     assert_int_equal(move(&member, 0, &answer), 0);
     assert_int_equal(answer.total, 0);
     pccd_close(theirs);
+    pccd_close(mine);
+    mine = test_connect(test_shared.url);
+    assert_non_null(mine);
+    assert_int_equal(test_stat_await(mine, "sessions_now", 1), 1);
+    assert_int_equal(test_stat_await(mine, "meshes_now", 0), 0);
     pccd_close(mine);
 }
 

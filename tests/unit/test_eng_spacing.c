@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "memory.h"
+#include "rings.h"
 #include "spacing.h"
 #include "topology.h"
 
@@ -397,6 +399,33 @@ static void spacing__scales_with_the_mesh(void **state)
     eng_mesh_release(mesh);
 }
 
+/* If this failed, a mesh in another user's scene would leave that one with memory that he
+ * has not, and its owner with less than none: the daemon stops where it finds that. */
+static void spacing__is_charged_to_whoever_made_the_mesh(void **state)
+{
+    struct eng_account owner = {.limit = INT64_MAX}, other = {.limit = INT64_MAX};
+    struct kit_random random = {25};
+    (void)state;
+    eng_payer()->account = &owner;
+    struct eng_mesh *mesh = some_mesh(&random, 20, 8, 0x1p-22);
+    int64_t begun = owner.bytes;
+    eng_payer()->account = &other;
+    (void)eng_spacing_advance(mesh, 100);
+    assert_true(owner.bytes > begun && other.bytes == 0);
+    search(mesh, UINT64_MAX);
+    assert_true(all_near_of(mesh) > 0 && owner.bytes > begun && other.bytes == 0);
+    begun = owner.bytes;
+    assert_int_equal(eng_rings_prepare(mesh, 2, NULL), PCCD_OK);
+    assert_true(owner.bytes > begun && other.bytes == 0);
+    void *block = eng_alloc(1, 1); /* all else is for the other one still */
+    assert_true(other.bytes > 0);
+    eng_free(block);
+    eng_payer()->account = &owner;
+    eng_mesh_release(mesh);
+    eng_payer()->account = NULL;
+    assert_true(owner.bytes == 0 && other.bytes == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -405,6 +434,7 @@ int main(void)
         cmocka_unit_test(spacing__has_no_use_for_heaps_and_points),
         cmocka_unit_test(spacing__is_found_alike_in_one_part_and_in_many),
         cmocka_unit_test(spacing__scales_with_the_mesh),
+        cmocka_unit_test(spacing__is_charged_to_whoever_made_the_mesh),
     };
     return cmocka_run_group_tests_name("eng_spacing", tests, NULL, NULL);
 }

@@ -37,6 +37,7 @@ static atomic_uint_fast64_t byte_ceiling = UINT64_MAX;
 
 static _Thread_local struct eng_payer own_payer;
 static _Thread_local struct eng_payer *joined_payer; /* NULL: its own */
+static _Thread_local struct eng_account *charged;    /* NULL: the payer's */
 
 struct eng_payer *eng_payer(void)
 {
@@ -49,6 +50,18 @@ void eng_payer_join(struct eng_payer *payer)
     joined_payer = payer;
 }
 
+struct eng_account *eng_charge_to(struct eng_account *account)
+{
+    struct eng_account *before = charged;
+    charged = account;
+    return before;
+}
+
+static struct eng_account *account_of(const struct eng_payer *payer)
+{
+    return charged ? charged : payer->account;
+}
+
 /* The first aligned place of a block of malloc. */
 static unsigned char *align(void *origin)
 {
@@ -59,7 +72,7 @@ static unsigned char *align(void *origin)
 /* Relaxed, here and below: the counters order nothing. */
 static void uncharge(size_t total)
 {
-    struct eng_account *account = eng_payer()->account;
+    struct eng_account *account = account_of(eng_payer());
     atomic_fetch_sub_explicit(&alloc_bytes, total, memory_order_relaxed);
     if (account) {
         atomic_fetch_sub_explicit(&account->bytes, (int64_t)total, memory_order_relaxed);
@@ -99,7 +112,7 @@ static bool take_own(struct eng_account *account, size_t total)
 static bool charge(size_t total)
 {
     struct eng_payer *payer = eng_payer();
-    struct eng_account *account = payer->account;
+    struct eng_account *account = account_of(payer);
     if (account && !take_own(account, total)) {
         atomic_fetch_add_explicit(&account->refused, 1, memory_order_relaxed);
         return false;

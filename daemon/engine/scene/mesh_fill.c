@@ -40,6 +40,7 @@ int eng_mesh_make(const struct eng_mesh_counts *counts, struct eng_mesh **mesh)
     atomic_init(&m->references, 1);
     atomic_init(&m->spacing.state, ENG_SPACING_UNKNOWN);
     m->counts = *counts;
+    m->account = eng_payer()->account;
     m->info.vertex_count = counts->vertices;
     m->info.triangle_count = counts->triangles;
     m->x = eng_alloc(counts->vertices, sizeof *m->x);

@@ -192,6 +192,7 @@ int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *
         atomic_load_explicit(&mesh->rings[rings - 1], memory_order_acquire)) {
         return PCCD_OK;
     }
+    struct eng_account *before = eng_charge_to(mesh->account);
     int status = make(mesh, rings, cancel, &made);
     struct eng_rings *none = NULL;
     /* Release: whoever sees the lists sees what is in them. */
@@ -200,6 +201,7 @@ int eng_rings_prepare(struct eng_mesh *mesh, uint32_t rings, const atomic_bool *
                                  memory_order_acq_rel, memory_order_acquire)) {
         rings_free(made); /* another thread was first */
     }
+    (void)eng_charge_to(before);
     return status;
 }
 

@@ -476,7 +476,9 @@ uint64_t eng_spacing_advance(struct eng_mesh *mesh, uint64_t budget)
         return 0;
     }
     uint64_t cost = 0;
+    struct eng_account *before = eng_charge_to(mesh->account);
     bool has_more = search_on(mesh, budget, &cost);
+    (void)eng_charge_to(before);
     spacing->work += cost;
     /* Release: whoever takes it next, or sees that it is known, sees all of it. */
     atomic_store_explicit(&spacing->state,

@@ -51,6 +51,7 @@ struct eng_spacing {
 };
 
 struct eng_rings; /* rings.h */
+struct eng_account;
 struct eng_wide_order;
 
 struct eng_mesh {
@@ -80,6 +81,9 @@ struct eng_mesh {
     double *radii;
     double *reach;
     double radius_max;
+    /* Whoever made the mesh is charged for what is found out of it later, too, perhaps in
+     * another one's scene; NULL: nobody. */
+    struct eng_account *account;
     _Atomic(struct eng_rings *) rings[ENG_RINGS_MAX]; /* [n - 1], those that were asked */
     struct eng_spacing spacing; /* which is found out after commit, if at all */
     /* Of the method wide: the order of the features at the registered positions, which

@@ -9,6 +9,7 @@
 #include <inttypes.h>
 
 #include "call.h"
+#include "enginemem.h"
 #include "invariant.h"
 #include "request.h"
 #include "session.h"
@@ -58,6 +59,21 @@ static int queue(struct srv_call *call, struct srv_scene *scene,
 
 /* ---- object.set -------------------------------------------------------------------- */
 
+/* Have the lists of vertices that few edges join. The engine charges the owner of the
+ * mesh, who has the object, too; all else is for the scene, perhaps another user's. */
+static int prepare_rings(struct srv_request *request, const struct srv_placed *placed,
+                         uint32_t rest_rings)
+{
+    struct srv_scene *scene = request->plan.scene;
+    struct srv_enginemem memory;
+    srv_enginemem_begin(&memory, request->session->owner.user);
+    int status = eng_scene_prepare_rings(scene->engine, placed->engine_idx, NULL,
+                                         rest_rings, &request->job.cancel);
+    status = srv_enginemem_explain(&memory, status, &request->error);
+    srv_enginemem_begin(&memory, scene->resource.owner->user);
+    return status;
+}
+
 /* Have the engine go by the attributes that are given; or none of it is changed. */
 static int change(struct srv_request *request, struct srv_placed *placed,
                   const struct common_attributes *given)
@@ -71,8 +87,10 @@ static int change(struct srv_request *request, struct srv_placed *placed,
                                                    .radius = now.radius,
                                                    .rest_distance = now.rest_distance,
                                                    .rest_rings = now.rest_rings};
-    int status = eng_scene_prepare_rings(engine, placed->engine_idx, NULL, now.rest_rings,
-                                         &request->job.cancel);
+    int status = prepare_rings(request, placed, now.rest_rings);
+    if (status == PCCD_E_QUOTA) {
+        return status;
+    }
     if (status == 0) {
         status = eng_scene_set_thickness(engine, placed->engine_idx, &thickness);
     }
