@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
- * as long as a cut takes; after the first step, whose cut knew nothing of work, at
- * once. */
+ * as long as a cut takes. At once after the first step, whose cut knew nothing of work,
+ * and after the second, as the first tells little of large scenes. */
 #define IMBALANCE_MAX 1.05
 
 /* What passes the filter takes some times as long as a box test: in one process 102 and
@@ -66,5 +66,5 @@ bool balance_wants_cut(const struct pccd_mpi *world)
     return world->link.size > 1 &&
            world->is_covered && /* else leaves cannot be weighed */
            world->share.imbalance > IMBALANCE_MAX &&
-           (world->share.cuts < 2 || world->lost_ns > (double)world->cut_ns);
+           (world->share.cuts < 3 || world->lost_ns > (double)world->cut_ns);
 }

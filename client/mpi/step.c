@@ -18,6 +18,7 @@
 #include "clock.h"
 #include "cut.h"
 #include "ghosts.h"
+#include "local.h"
 #include "merge.h"
 #include "motions.h"
 #include "near_objects.h"
@@ -326,12 +327,31 @@ static void move_on(struct pccd_mpi *world, const struct ranks_moment *moment,
     }
 }
 
+/* libpccd's meshes would only lie there while the leaves are weighed and travel: ghosts
+ * are chosen anew then, and it gets others. */
+static int drop_meshes(struct pccd_mpi *world)
+{
+    int status = PCCD_OK;
+    world->is_covered = false;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        struct ranks_object *object = world->objects[o];
+        if (object->is_built) {
+            object->is_built = false;
+            status = ranks_local_put_nothing(world, &object->local_mesh);
+        }
+    }
+    return ranks_agree_on(&world->link, status);
+}
+
 /* The scene is cut, if that is due or it never was. */
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     int status = PCCD_OK;
     if (world->is_covered) {
-        status = ranks_weigh(world, moment->settings.separation);
+        status = drop_meshes(world);
+        if (status == PCCD_OK) {
+            status = ranks_weigh(world, moment->settings.separation);
+        }
     }
     if (status == PCCD_OK) {
         status = ranks_cut(world);
