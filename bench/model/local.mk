@@ -54,3 +54,29 @@ clean-local: clean-bench-model
 clean-bench-model:
 	rm -rf bench/model/results
 .PHONY: clean-bench-model
+
+# One scene over ranks, where configure was told of an MPI.
+#
+# make bench-ranks                            all; minutes. Tables, and CSV in
+#                                             bench/model/results/ranks of the build
+# make bench-ranks RANKS_ARGS='time model'    times anew, on an idle machine; ranks.sh has more
+EXTRA_DIST += bench/model/ranks.awk bench/model/ranks.c bench/model/ranks.sh
+if HAVE_MPI
+check_PROGRAMS += bench/model/ranks
+bench_model_ranks_SOURCES = \
+    bench/model/ranks.c \
+    bench/report.c bench/report.h \
+    bench/scenes/bench_scene.c bench/scenes/bench_scene.h \
+    bench/scenes/layers.c bench/scenes/families.h \
+    bench/scenes/recorded.c \
+    bench/scenes/surface.c bench/scenes/surface.h \
+    tests/support/data.c tests/support/data.h \
+    tests/support/ply.c tests/support/ply.h
+bench_model_ranks_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/tests/support \
+    -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib $(MPI_CPPFLAGS)
+bench_model_ranks_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) $(LIBM)
+endif
+.PHONY: bench-ranks
+bench-ranks: bench/model/model bench/model/ranks tests/mpi/large libpccd-direct.la
+	@$(AM_TESTS_ENVIRONMENT) PCCD_DIRECT=$(abs_builddir)/.libs/libpccd-direct.so.0 \
+	    $(BASH) $(top_srcdir)/bench/model/ranks.sh bench/model/results/ranks $(RANKS_ARGS)

@@ -30,4 +30,13 @@ tap_result $? model__writes_a_row_for_each_way_and_number "$work/log"
     [ "$(grep -c '^cloth-20k near,' "$work/model.csv")" -eq 80 ]
 tap_result $? model__agrees_with_itself_about_what_is_near "$work/log"
 
+# If this failed, what ranks do would not add up, or the model of ranks could not be made anew.
+if [ "${PCCD_MPI:-no}" = no ]; then
+    tap_skip model__counts_and_models_ranks "no --with-mpi"
+else
+    bash "$top_srcdir/bench/model/ranks.sh" "$work/ranks" smoke >"$work/log" 2>&1 &&
+        awk '/^. 10.9 / { rows++ } END { exit rows < 9 }' "$work/log"
+    tap_result $? model__counts_and_models_ranks "$work/log"
+fi
+
 tap_end

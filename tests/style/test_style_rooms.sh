@@ -45,7 +45,7 @@ client/examples     client/lib+
 client/mpi/example  client/lib+ client/mpi+ client/examples
 bench/scenes        tests/support
 bench               proto proto/text daemon/engine client/lib+ tests/support bench/scenes
-bench/model         bench daemon/engine bench/scenes
+bench/model         bench daemon/engine bench/scenes client/lib+ client/mpi+
 bench/growth        bench daemon/engine bench/scenes
 bench/paper         bench daemon/engine bench/scenes
 bench/peers         bench daemon/engine bench/scenes client/oracle
@@ -123,7 +123,7 @@ client/mpi          malloc.h mpi.h xxhash.h
 client/mpi/program  jansson.h malloc.h mpi.h
 client/mpi/example  mpi.h
 bench               omp.h
-bench/model         omp.h
+bench/model         mpi.h omp.h
 bench/peers         omp.h embree3/rtcore.h BulletCollision/BroadphaseCollision/btDbvt.h
 bench/peers         fcl/broadphase/broadphase_dynamic_AABB_tree_array.h fcl/config.h
 bench/peers         fcl/geometry/shape/sphere.h fcl/narrowphase/collision_object.h
