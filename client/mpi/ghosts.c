@@ -21,11 +21,18 @@
 
 #define WAY_UNITS (1 << 20)
 
-/* What moves slowly gets room for so many steps that go on like this one, and as much
- * again on all sides, up to this part of the size of its leaves: so ghosts stay right for
- * some steps, and are not many more. */
-#define ROOM_STEPS   8.0
-#define ROOM_PART    0.25
+/* What moves by less than a part of the size of its leaves gets room for so many steps
+ * that go on like this one, and as much again on all sides, up to so many of these sizes:
+ * so ghosts stay right for some steps, and are not many more. To choose them takes as
+ * long as five steps and more. So the room is doubled if vertices have left their boxes
+ * when the choice had taken more than a part of the steps for which it was right, and
+ * ghosts are few beside what ranks own. It is halved if the choice was cheap. */
+#define ROOM_SLOW    0.25
+#define ROOM_STEPS   32.0
+#define ROOM_PART    1.0
+#define ROOM_MAX     8.0 /* times as much */
+#define ROOM_DEAR    0.1
+#define ROOM_GHOSTS  0.125 /* of what ranks own */
 #define SIZE_SAMPLES 1024u
 
 /* What moves fast gets room for one more step, and on all sides for a part of one, at
@@ -163,7 +170,10 @@ static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], const doubl
         status = ranks_min_doubles(&world->link, sizes, (int)objects);
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        double room = fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o]);
+        bool is_slow = ways[o] < ROOM_SLOW * sizes[o];
+        double room =
+            is_slow ? world->slow_room * fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o])
+                    : 0;
         rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN,
                               ways[o] > 0 ? room / ways[o] : 0);
         rooms[o].more = fmax(fmin(world->fast_steps, FAST_PART) * ways[o], room);
@@ -482,7 +492,7 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
 }
 
-/* How much room what moves fast gets from now on. */
+/* How much room what moves gets from now on. */
 static void choose_room(struct pccd_mpi *world, bool has_missed)
 {
     if (has_missed && world->choice_ns > DEAR_PART * world->right_ns) {
@@ -491,6 +501,32 @@ static void choose_room(struct pccd_mpi *world, bool has_missed)
         world->fast_steps = world->fast_steps / 2;
     }
     world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
+    if (has_missed && world->choice_ns > ROOM_DEAR * world->right_ns &&
+        world->ghost_part < ROOM_GHOSTS) {
+        world->slow_room = fmin(2 * world->slow_room, ROOM_MAX);
+    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
+        world->slow_room = world->slow_room / 2;
+    }
+    world->slow_room = fmax(world->slow_room, 1);
+}
+
+/* How long the slowest rank took for it, and how many ghosts all have. */
+static int learn(struct pccd_mpi *world, uint64_t begin_ns)
+{
+    uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        leaves[0] += world->objects[o]->own_count;
+        leaves[1] += world->objects[o]->local.leaf_count - world->objects[o]->own_count;
+    }
+    world->choice_ns = -(double)(common_now_ns() - begin_ns);
+    world->right_ns = 0;
+    int status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
+    world->choice_ns = -world->choice_ns;
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, leaves, 2);
+    }
+    world->ghost_part = leaves[0] > 0 ? (double)leaves[1] / (double)leaves[0] : 0;
+    return status;
 }
 
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed)
@@ -504,11 +540,8 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_miss
     if (status == PCCD_OK) {
         status = build(world);
     }
-    if (status == PCCD_OK) { /* of the slowest rank */
-        world->choice_ns = -(double)(common_now_ns() - begin_ns);
-        world->right_ns = 0;
-        status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
-        world->choice_ns = -world->choice_ns;
+    if (status == PCCD_OK) {
+        status = learn(world, begin_ns);
     }
     if (status == PCCD_OK) {
         world->is_covered = true;

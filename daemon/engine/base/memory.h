@@ -38,8 +38,8 @@ struct eng_payer *eng_payer(void);
  * in which a crash is to be reported with its request, begins with it. [team] */
 void eng_payer_join(struct eng_payer *payer);
 
-/* From now on charge what this thread alone allocates and frees to `account`, whoever pays
- * for the rest; NULL: as before. Returns what it was. */
+/* From now on charge what this thread alone allocates and frees to `account`, whoever
+ * pays for the rest of its team; NULL: to its payer's. Returns what it was. */
 struct eng_account *eng_charge_to(struct eng_account *account);
 
 /* `count` items of `bytes` each, aligned to 128 bytes (two cache lines, which are fetched
