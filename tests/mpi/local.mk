@@ -7,6 +7,7 @@ EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
     tests/mpi/python_check.sh tests/mpi/recordings_check.sh
 mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one tests/mpi/stop
+mpi_check_programs = $(mpi_test_programs) client/mpi/example/cloth_mpi
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
 if HAVE_MPI
@@ -35,9 +36,9 @@ mpi-check:
 	    { test -e Makefile || \
 	        $(abs_top_srcdir)/configure -q CC='$(CC)' --with-mpi=$$mpi \
 	            --with-inspect=no --with-scenes='$(PCCD_SCENES)'; } && \
-	    $(MAKE) all $(mpi_test_programs) && \
+	    $(MAKE) all $(mpi_check_programs) && \
 	    RANKS_SECONDS=1800 $(MAKE) check-TESTS PCCD_MPI_ALL=1 \
-	        check_PROGRAMS='$(mpi_test_programs)' \
+	        check_PROGRAMS='$(mpi_check_programs)' \
 	        TESTS='$(mpi_test_scripts)' || status=1; \
 	    cd $(abs_top_builddir) || exit 1; \
 	done; exit $$status

@@ -43,7 +43,13 @@ plays=4
 PCCD_RECORD=$work/w PCCD_RECORD_OPTIONS=contacts=1 ranks 1 \
     "$top_builddir/tests/mpi/same_as_one" $plays 60 5 >"$log" 2>&1 ||
     { cat "$log" && exit 99; }
-plays=("$work"/w "$work"/w-*)
+"$PCCDCTL" record -o "$work/none.rec" -- "$PCCDCTL" ping --url direct: >"$log" 2>&1 ||
+    { cat "$log" && exit 99; }
+plays=()
+for file in "$work"/w "$work"/w-*; do # a play may end before anything is answered
+    "$PCCDCTL" verify --url direct: --sample 1 "$file" >"$log" 2>&1
+    grep -q 'has an answer to check' "$log" || plays+=("$file")
+done
 
 # A sheet of 800 triangles that falls on itself, 24 steps: long, by exact arithmetic.
 frame() { # DROP
@@ -114,7 +120,11 @@ tap_result $? recordings__replay_says_what_pccdctl_says "$log"
 # The same of what exact arithmetic says: of the answers that are recorded, and of new ones.
 some=$([ "$all" = 0 ] && echo 3 || echo "$counts")
 same "$some" verify --sample 50 --contacts 20 &&
-    same "$some" verify --sample 20 --contacts 5 --repeat
+    same "$some" verify --sample 20 --contacts 5 --repeat &&
+    # What has no answers is an error, after the reports of those before it.
+    ! program 2 verify --json --sample 50 "${plays[0]}" "$work/none.rec" >"$work/ranks" 2>"$log" &&
+    grep -q 'none.rec: none of 0 steps has an answer to check' "$log" &&
+    [ "$(said <"$work/ranks" | wc -l)" -gt 1 ] && ! grep -q '^,' "$work/ranks"
 tap_result $? recordings__verify_says_what_pccdctl_says "$log"
 
 # If it failed, a difference would be reported that is not the first, or be lost in a run that

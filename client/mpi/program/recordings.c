@@ -308,6 +308,14 @@ static void close_all(struct recordings *recordings)
 
 /* ---- the command ------------------------------------------------------------------- */
 
+void recordings_separate(const struct recordings *recordings,
+                         const struct recording *file)
+{
+    if (recordings->options->play.is_json && file != recordings->files) {
+        fputs(", ", stdout);
+    }
+}
+
 /* Of several recordings each has its name before its report; as JSON they are an
  * array. */
 static int report(const struct recordings *all, bool *is_right, struct ctl_error *error)
@@ -326,7 +334,6 @@ static int report(const struct recordings *all, bool *is_right, struct ctl_error
         if (all->file_count > 1 && !options->is_json) {
             printf("%s\n", tool_shown(file->path));
         }
-        fputs(is_array && i > 0 ? ", " : "", stdout);
         settings.path = file->path;
         if (play_damage(file->playing, &(struct ctl_error){.text = ""}) == PCCD_OK) {
             play_options_warn(&settings, &file->summary);

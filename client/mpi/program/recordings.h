@@ -87,4 +87,8 @@ int recordings_command(struct recordings_options *options, const struct argp *ar
 /* On the root: the result of an item in a recording, from 0; NULL: it was not wanted. */
 const void *recordings_result(const struct recordings *recordings,
                               const struct recording *file, uint64_t place);
+/* On the root: write what stands between two reports, before the one of `file` is
+ * written. One that fails first leaves the array whole. */
+void recordings_separate(const struct recordings *recordings,
+                         const struct recording *file);
 #endif

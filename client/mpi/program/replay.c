@@ -194,6 +194,7 @@ static int report(void *context, const struct recordings *recordings,
         }
     }
     *is_right = counts.of[REPLAY_DIFFERS] == 0;
+    recordings_separate(recordings, file);
     if (!replay->options.play.is_json) {
         replay_print_text(&counts, &file->summary);
     } else if (!replay_print_json(&counts, &file->summary)) {

@@ -185,6 +185,7 @@ static int report(void *context, const struct recordings *recordings,
     if (status != PCCD_OK) {
         return status;
     }
+    recordings_separate(recordings, file);
     if (!verification->options.play.is_json) {
         verify_print_text(&counts, witness);
     } else if (!verify_print_json(&counts, witness)) {
