@@ -228,7 +228,8 @@ function compare_counts(  i, run, got) {
         got = work[run] / one_work(scene, n, file)
         printf " %.3f | %s | %.3f | %s |\n", got, off(1 + extra_of(scene, n / R), got), busiest[run] * R / evenly[run],
             n == least[scene] && (R == 4 || R == 8) ? "yes" : ""
-        if (R >= 8 && n / R > 1e4) uneven[scene] = most(uneven[scene], busiest[run] * R / evenly[run])
+        if (R < 8 || n / R < 1e4) continue # smaller pieces than those that are modelled
+        uneven[scene] = most(uneven[scene], busiest[run] * R / evenly[run])
         if (on_steps[run] > 2) often[scene] = most(often[scene], (searches_on[run] - 1) / (on_steps[run] - 1))
     }
 }

@@ -26,7 +26,7 @@ mkdir -p "$into" || exit 1
 
 ball=cloth-ball/frames/cloth_ball
 balls=n-body-simulation/frames/balls16_
-scenes="layers=80,5,21,21 layers=251,5,11,21 cloth-ball=${ball}92.ply+${ball}93.ply,1,1,21
+scenes="layers=80,5,41,21 layers=251,5,41,21 cloth-ball=${ball}92.ply+${ball}93.ply,1,1,21
     n-body=${balls}18.ply+${balls}19.ply,1,1,21 cloth-ball=${ball}92.ply+${ball}93.ply,40,24,21"
 counts='1 2 4 8 16 64'
 sheet=sheet=360,5,2,21
