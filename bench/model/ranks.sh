@@ -53,7 +53,7 @@ count() {
     [ "${1:-}" = more ] || rm -f "$file"
     for scene in $scenes; do
         for number in $counts; do
-            run "$file" "$number" "${scene%,*},2" || return # no times, so few steps
+            run "$file" "$number" "${scene%,*},4" || return # no times, so few steps; cuts take three
         done
     done
 }
