@@ -546,6 +546,18 @@ static struct pccd_client *connect_as_other(void)
     return client;
 }
 
+/* Nobody but root may act as another user, and only to a daemon: else skip the test. */
+static void connect_two_users(struct pccd_client **mine, struct pccd_client **theirs)
+{
+    if (geteuid() != 0 || test_is_direct()) {
+        skip();
+    }
+    *mine = test_connect(test_shared.url);
+    *theirs = connect_as_other();
+    assert_non_null(*mine);
+    assert_non_null(*theirs);
+}
+
 /* If it failed, users who may not would see or change a scene, or those who may could
  * not; or each user would be charged for the other's memory. */
 static void shared__rights_are_as_of_a_file(void **state)
@@ -565,13 +577,7 @@ static void shared__rights_are_as_of_a_file(void **state)
     uint32_t object = 0;
 
     (void)state;
-    if (geteuid() != 0 || test_is_direct()) {
-        skip(); /* nobody else may act as another user, and only to a daemon */
-    }
-    mine = test_connect(test_shared.url);
-    theirs = connect_as_other();
-    assert_non_null(mine);
-    assert_non_null(theirs);
+    connect_two_users(&mine, &theirs);
     assert_int_equal(take_part(mine, "secret", PCCD_SHARE_CREATE, 0, &secret), 0);
     assert_int_equal(take_part(mine, "seen", PCCD_SHARE_CREATE, 0644, &seen), 0);
     assert_int_equal(take_part(mine, "open", PCCD_SHARE_CREATE, 0666, &open), 0);
@@ -625,11 +631,11 @@ static void shared__rights_are_as_of_a_file(void **state)
  * that a user who has left holds memory, or has freed more than there was. */
 static void shared__a_guest_pays_for_what_is_his(void **state)
 {
-    const struct pccd_object_settings settings = {
-        .struct_bytes = sizeof settings,
-        .what = PCCD_OBJECT_RADIUS | PCCD_OBJECT_REST_RINGS,
-        .radius = 0.001,
-        .rest_rings = 2};
+    const struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                                  .what = PCCD_OBJECT_RADIUS |
+                                                          PCCD_OBJECT_REST_RINGS,
+                                                  .radius = 0.001,
+                                                  .rest_rings = 2};
     struct pccd_client *mine;
     struct pccd_client *theirs;
     uint32_t scene = 0;
@@ -637,13 +643,7 @@ static void shared__a_guest_pays_for_what_is_his(void **state)
     uint32_t object = 0;
 
     (void)state;
-    if (geteuid() != 0 || test_is_direct()) {
-        skip(); /* nobody else may act as another user, and only to a daemon */
-    }
-    mine = test_connect(test_shared.url);
-    theirs = connect_as_other();
-    assert_non_null(mine);
-    assert_non_null(theirs);
+    connect_two_users(&mine, &theirs);
     assert_int_equal(take_part(mine, "guests", PCCD_SHARE_CREATE, 0666, &scene), 0);
     assert_int_equal(pccd_scene_join(theirs, 0, "guests", &scene), 0);
     assert_int_equal(pccd_mesh_create(theirs, test_floor_x, PCCD_FORMAT_F32, 3,
