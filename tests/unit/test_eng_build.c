@@ -14,6 +14,7 @@
 #include <time.h>
 
 #include "build.h"
+#include "kernel.h"
 #include "median.h"
 #include "memory.h"
 #include "refit.h"
@@ -324,13 +325,13 @@ static void build__median_split_makes_the_same_halves_from_any_order(void **stat
     static struct eng_split_item items[ITEMS];
     static struct eng_split_item sorted[ITEMS];
     for (uint32_t count = 1; count <= ITEMS; count = count * 3 + (count < 10)) {
-        for (int order = 0; order < 7; order++) {
-            uint32_t middle = count / 2;
-            arrange(items, count, order);
+        for (int order = 0; order < 14; order++) {
+            uint32_t middle = order < 7 ? count / 2 : order < 10 ? count / 9 : count - 1;
+            arrange(items, count, order % 7);
             memcpy(sorted, items, count * sizeof *items);
             qsort(sorted, count, sizeof *sorted, compare_items);
             clock_t begin = clock();
-            eng_median_split(items, count, middle, 1);
+            eng_median_split(items, count, middle, 1, eng_kernels()->come_before);
             /* A hundred times what it takes; quadratic time would be twice as long. */
             assert_true(clock() - begin < CLOCKS_PER_SEC / 2);
             qsort(items, middle, sizeof *items, compare_items);

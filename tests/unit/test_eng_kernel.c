@@ -292,9 +292,39 @@ static void kernels__bracket_decides_what_is_in_general_position(void **state)
     assert_in_range(unsure_count, 0, 3);
 }
 
+/* If one set said otherwise than another, trees would depend on the processor, and where
+ * it forgot equal places, lists of them would not be divided at all. */
+static void kernels__say_which_items_come_before(void **state)
+{
+    (void)state;
+    struct kit_random random = {46};
+    for (int isa = 0; isa < ENG_ISA_COUNT; isa++) {
+        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+        for (int round = 0; kernels && round < 300; round++) {
+            struct eng_split_item items[64];
+            int axis = round % 3;
+            for (uint32_t i = 0; i < 64; i++) {
+                for (int k = 0; k < 3; k++) {
+                    items[i].centroid[k] = round % 2 ? (float)kit_between(&random, -1, 1)
+                                                     : (float)kit_below(&random, 3);
+                }
+                items[i].id = (i * 37 + (uint32_t)round) % 64 + (i % 2 ? 1u << 31 : 0);
+            }
+            struct eng_split_item pivot = items[round % 64];
+            uint64_t bits = kernels->come_before(items, &pivot, axis);
+            for (uint32_t i = 0; i < 64; i++) {
+                float x = items[i].centroid[axis], of_pivot = pivot.centroid[axis];
+                bool before = x < of_pivot || (x == of_pivot && items[i].id < pivot.id);
+                assert_int_equal(bits >> i & 1, before);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels__say_which_items_come_before),
         cmocka_unit_test(kernels__are_chosen_by_name),
         cmocka_unit_test(kernels__find_a_bad_value_at_any_place),
         cmocka_unit_test(kernels__widen_to_the_same_bits),

@@ -4,8 +4,9 @@
  * Room:     engine. May include: the C library.
  * Does:     partially sort items by one coordinate of their centroids.
  * Threads:  [any]; no allocation.
- * Source:   Hoare 1961 (selection); Musser 1997 (a bound on it for unlucky or hostile
- *           input).
+ * Source:   Hoare 1961 (selection); Floyd, Rivest 1975 (a pivot beside the median of a
+ *           sample); Edelkamp, Weiss 2016 (blocks, without branches); Musser 1997 (a
+ *           bound for unlucky or hostile input).
  */
 #ifndef ENG_MEDIAN_H
 #define ENG_MEDIAN_H
@@ -18,23 +19,28 @@ struct eng_split_item {
     uint32_t id; /* triangle, or root node of an object; distinct within a list */
 };
 
+/* Of 64 items a bit for each that comes before the pivot along an axis (kernel.h). */
+typedef uint64_t eng_come_before_fn(const struct eng_split_item *items,
+                                    const struct eng_split_item *pivot, int axis);
+
 /* Reorder items[count] so that none of the first `middle` comes after any of the rest
  * along `axis` (0 .. 2); equal centroids are ordered by id, so the halves are the same
  * sets whatever the order was. O(count) as a rule, O(count log count) at worst. */
 void eng_median_split(struct eng_split_item *items, uint32_t count, uint32_t middle,
-                      int axis);
+                      int axis, eng_come_before_fn *come_before);
 
 /* The same in rounds of at most one pass over the items, for who has to stop between. */
 struct eng_median {
     uint32_t middle;
     int axis;
+    eng_come_before_fn *come_before;
     uint32_t low; /* the range in which the median still is */
     uint32_t high;
     uint32_t rounds_left;
 };
 
 void eng_median_begin(struct eng_median *median, uint32_t count, uint32_t middle,
-                      int axis);
+                      int axis, eng_come_before_fn *come_before);
 
 /* One round; true: the items are split. */
 bool eng_median_round(struct eng_median *median, struct eng_split_item *items);

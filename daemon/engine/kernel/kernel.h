@@ -1,8 +1,8 @@
 /* daemon/engine/kernel/kernel.h - the inner loops of the engine, one version for every
  * instruction set.
  *
- * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, nearest.h,
- *           query.h, sieve.h.
+ * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, median.h,
+ *           nearest.h, query.h, sieve.h.
  * Does:     name the functions that each instruction set has (isa.h chooses the set).
  * Does not: know meshes, scenes or threads.
  * Threads:  [any].
@@ -26,6 +26,7 @@
 #include "isa.h"
 #include "join.h"
 #include "kinds.h"
+#include "median.h"
 #include "nearest.h"
 #include "query.h"
 #include "sieve.h"
@@ -137,6 +138,10 @@ struct eng_kernels {
                              struct eng_quantised_block *quantised,
                              struct eng_quantised_box *quantised_around,
                              uint32_t *farthest);
+
+    /* Of 64 items a bit for each that comes before the pivot along an axis, 0 .. 2: it is
+     * less there, or as far and its id is less. No coordinate is NaN. */
+    eng_come_before_fn *come_before;
 
     /* Of sixteen boxes at one end, rows low[axis] and high[axis] of a block, which are
      * within `limit` of one box, box[0] below and box[1] above: a bit for each whose

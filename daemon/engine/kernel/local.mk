@@ -13,6 +13,7 @@ kernel_sources = \
     daemon/engine/kernel/make_boxes.c \
     daemon/engine/kernel/boxes.h \
     daemon/engine/kernel/bracket.c \
+    daemon/engine/kernel/come_before.c \
     daemon/engine/kernel/cross_faces.c \
     daemon/engine/kernel/cubic.h \
     daemon/engine/kernel/directions.h \

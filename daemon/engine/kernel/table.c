@@ -22,6 +22,7 @@ const struct eng_kernels ENG_KERNEL(kernels) = {
     .box_fold = ENG_KERNEL(box_fold),
     .box_unite = ENG_KERNEL(box_unite),
     .quantised_blocks = ENG_KERNEL(quantised_blocks),
+    .come_before = ENG_KERNEL(come_before),
     .box_gaps = ENG_KERNEL(box_gaps),
     .join_nodes = ENG_KERNEL(join_nodes),
 #define JOIN_FEATURES(NAME, value, name, ...)                                            \

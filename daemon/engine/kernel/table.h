@@ -45,6 +45,8 @@ bool ENG_KERNEL(quantised_blocks)(const struct eng_wide_block *blocks,
                                   struct eng_quantised_box *quantised_around,
                                   uint32_t *farthest);
 
+uint64_t ENG_KERNEL(come_before)(const struct eng_split_item *items,
+                                 const struct eng_split_item *pivot, int axis);
 uint32_t ENG_KERNEL(box_gaps)(const float (*low)[ENG_WIDE], const float (*high)[ENG_WIDE],
                               const float box[2][4], float limit, float square[ENG_WIDE]);
 

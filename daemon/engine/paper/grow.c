@@ -9,6 +9,8 @@
 
 #include <assert.h>
 
+#include "kernel.h"
+
 /* Items below which a subtree is one piece: about 0.1 ms. */
 #define PIECE_ITEMS 1024u
 
@@ -106,7 +108,8 @@ static void begin_median(struct eng_grower *grower)
     const struct eng_grow_job *job = &grower->job;
     grower->stage = ENG_GROW_MEDIAN;
     eng_median_begin(&grower->median, job->count, job->count / 2,
-                     eng_median_axis(items_of(grower, job), job->count));
+                     eng_median_axis(items_of(grower, job), job->count),
+                     eng_kernels()->come_before);
 }
 
 /* Take the next job. */

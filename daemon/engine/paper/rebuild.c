@@ -11,6 +11,7 @@
 #include <assert.h>
 
 #include "grow.h"
+#include "kernel.h"
 #include "metric.h"
 #include "paper_work.h"
 #include "refit_still.h"
@@ -123,7 +124,8 @@ static void rebuild_subtree(struct eng_worker *worker, uint32_t node_idx)
     if (node->gate == ENG_GATE_REGION) {
         uint32_t left_count = trees->nodes[node->left].count;
         eng_median_split(items, node->count, left_count,
-                         eng_median_axis(items, node->count));
+                         eng_median_axis(items, node->count),
+                         worker->kernels->come_before);
         build(scene, items, left_count, node->left);
         build(scene, items + left_count, node->count - left_count, node->right);
         eng_still_refit_anew(scene, (struct eng_range){node_idx + 1, range.count - 1});

@@ -13,6 +13,7 @@
 
 #include "boxes.h"
 #include "frames.h"
+#include "kernel.h"
 #include "memory.h"
 #include "topology.h"
 #include "wide_pieces.h"
@@ -62,7 +63,8 @@ static struct eng_wide_range split(struct eng_split_item *items,
     if (is_across(*part, least)) {
         struct eng_split_item *first = items + part->first;
         uint32_t middle = middle_of(*part, least);
-        eng_median_split(first, part->count, middle, eng_median_axis(first, part->count));
+        eng_median_split(first, part->count, middle, eng_median_axis(first, part->count),
+                         eng_kernels()->come_before);
         second = behind(*part, middle);
         part->count = middle;
     }
@@ -132,7 +134,8 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
         sorter->range = range;
         sorter->is_splitting = true;
         eng_median_begin(&sorter->median, range.count, middle_of(range, sorter->least),
-                         eng_median_axis(items + range.first, range.count));
+                         eng_median_axis(items + range.first, range.count),
+                         eng_kernels()->come_before);
     }
     return true;
 }
