@@ -59,30 +59,39 @@ static void grow(float box[6], double growth)
     }
 }
 
-static void bound(const double (*x0)[3], const double (*x1)[3], const uint32_t corners[3],
-                  const struct ranks_room *room, double growth, float box[6])
+/* Local vertices of an object, each for all leaves that have it. */
+static void bound_vertices(uint32_t count, const double (*x0)[3], const double (*x1)[3],
+                           const struct ranks_room *room, double growth,
+                           float (*boxes)[6])
 {
-    ranks_box_begin(box);
-    for (int c = 0; c < 3; c++) {
-        float corner[6];
-        ranks_cover(x0[corners[c]], x1[corners[c]], room, corner);
-        ranks_box_add(box, corner);
+    for (uint32_t i = 0; i < count; i++) {
+        ranks_cover(x0[i], x1[i], room, boxes[i]);
+        grow(boxes[i], growth);
     }
-    grow(box, growth);
 }
 
 static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
                         const struct ranks_room *room, double growth,
                         const double (*x0)[3], const double (*x1)[3], float (*boxes)[6])
 {
+    uint32_t vertices = object->local.vertex_count;
     uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
-    int status = corners == NULL ? ranks_no_memory(world)
-                                 : ranks_local_corners(world, &object->local, object->own,
-                                                       object->own_count, corners);
+    float(*of)[6] = ranks_array(vertices, sizeof *of);
+    int status = corners == NULL || of == NULL
+                     ? ranks_no_memory(world)
+                     : ranks_local_corners(world, &object->local, object->own,
+                                           object->own_count, corners);
+    if (status == PCCD_OK) {
+        bound_vertices(vertices, x0, x1, room, growth, of);
+    }
     for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
-        bound(x0, x1, corners[i], room, growth, boxes[i]);
+        ranks_box_begin(boxes[i]);
+        for (int k = 0; k < 3; k++) {
+            ranks_box_add(boxes[i], of[corners[i][k]]);
+        }
     }
     free(corners);
+    free(of);
     return status;
 }
 

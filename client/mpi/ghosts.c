@@ -7,43 +7,16 @@
  */
 #include "ghosts.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "boxes.h"
 #include "clock.h"
 #include "local.h"
 #include "neighbours.h"
 #include "places.h"
 #include "rank_sort.h"
-
-#define WAY_UNITS (1 << 20)
-
-/* What moves by less than a part of the size of its leaves gets room for so many steps
- * that go on like this one, and as much again on all sides, up to so many of these sizes:
- * so ghosts stay right for some steps, and are not many more. To choose them takes as
- * long as five steps and more. So the room is doubled if vertices have left their boxes
- * when the choice had taken more than a part of the steps for which it was right, and
- * ghosts are few beside what ranks own. It is halved if the choice was cheap. */
-#define ROOM_SLOW    0.25
-#define ROOM_STEPS   32.0
-#define ROOM_PART    1.0
-#define ROOM_MAX     8.0 /* times as much */
-#define ROOM_DEAR    0.1
-#define ROOM_GHOSTS  0.125 /* of what ranks own */
-#define SIZE_SAMPLES 1024u
-
-/* What moves fast gets room for one more step, and on all sides for a part of one, at
- * first the least: twice as much each time that vertices have left their boxes when the
- * choice of ghosts had taken more than this part of the steps for which they were right,
- * half as much if it was less than that. */
-#define FAST_STEPS_MIN 0.125
-#define FAST_STEPS_MAX 4.0
-#define FAST_PART      0.5 /* on all sides there is no more */
-#define DEAR_PART      0.25
-#define CHEAP_PART     0.03
+#include "rooms.h"
 
 /* A ghost under way. */
 struct visitor {
@@ -51,15 +24,25 @@ struct visitor {
     struct ranks_leaf leaf;
 };
 
+/* Blocks of a rank that follow each other, and so are near each other as a rule: with one
+ * box, so that not each block is compared with each one. */
+#define BAND_BLOCKS 32u
+
+struct band {
+    float box[6];
+    uint64_t begin, end; /* of the blocks of all ranks */
+};
+
 /* What choosing ghosts needs for its time. */
 struct choice {
     double separation;
-    double *ways;                /* [object] what a vertex moves, mean */
     struct ranks_room *rooms;    /* [object] */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
     struct ranks_boxes mine;     /* of own leaves, and their blocks */
     struct ranks_block *all;     /* blocks of all ranks */
     uint64_t *first;             /* [size + 1] of these */
+    struct band *bands;          /* of these, rank by rank */
+    uint64_t *band_first;        /* [size + 1] */
     struct visitor *out;
     uint64_t *out_first;
     struct visitor *in;
@@ -78,109 +61,19 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     }
     free((void *)choice->x0);
     free((void *)choice->x1);
-    free(choice->ways);
     free(choice->rooms);
     ranks_boxes_deinit(&choice->mine);
     free(choice->all);
     free(choice->first);
+    free(choice->bands);
+    free(choice->band_first);
     free(choice->out);
     free(choice->out_first);
     free(choice->in);
     free(choice->in_first);
 }
 
-/* ---- how far things go ------------------------------------------------------------ */
-
-/* How far a vertex moves along the axis along which it moves most. */
-static double way_of(const struct ranks_object *object, uint32_t i)
-{
-    const double *from = object->from[i], *to = object->to[i];
-    return fmax(fabs(to[0] - from[0]),
-                fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
-}
-
-/* The mean way of each object's vertices: in units of the longest, so that sums over
- * ranks are whole numbers and the same everywhere. */
-static int find_ways(struct pccd_mpi *world, double *ways)
-{
-    uint32_t objects = world->object_count;
-    uint64_t *sums = ranks_array(objects, sizeof *sums);
-    int status =
-        ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        ways[o] = 0;
-        for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
-            ways[o] = fmin(ways[o], -way_of(object, i));
-        }
-    }
-    if (status == PCCD_OK) {
-        status = ranks_min_doubles(&world->link, ways, (int)objects);
-    }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        sums[o] = 0;
-        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[o] < 0; i++) {
-            sums[o] += (uint64_t)(way_of(object, i) / -ways[o] * WAY_UNITS);
-        }
-    }
-    if (status == PCCD_OK) {
-        status = ranks_sum(&world->link, sums, (int)objects);
-    }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        double mean = (double)sums[o] / WAY_UNITS / world->objects[o]->mesh->vertex_total;
-        ways[o] = -ways[o] * mean;
-    }
-    free(sums);
-    return status;
-}
-
-/* How large leaves of the object are here: the mean side of some. */
-static int measure(struct pccd_mpi *world, const struct ranks_object *object,
-                   const double (*x)[3], double *size)
-{
-    uint32_t count = object->own_count < SIZE_SAMPLES ? object->own_count : SIZE_SAMPLES;
-    uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
-    int status = corners == NULL ? ranks_no_memory(world)
-                                 : ranks_local_corners(world, &object->local, object->own,
-                                                       count, corners);
-    double sum = 0;
-    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        const double *a = x[corners[i][0]], *b = x[corners[i][1]];
-        sum += fmax(fabs(a[0] - b[0]), fmax(fabs(a[1] - b[1]), fabs(a[2] - b[2])));
-    }
-    *size = count > 0 ? sum / count : DBL_MAX;
-    free(corners);
-    return status;
-}
-
-/* From the mean ways of vertices to how much room they get; the smallest size of all
- * ranks counts. */
-static int find_rooms(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
-                      struct ranks_room *rooms)
-{
-    uint32_t objects = world->object_count;
-    double *sizes = ranks_array(objects, sizeof *sizes);
-    int status = sizes == NULL ? ranks_no_memory(world) : PCCD_OK;
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        status = measure(world, world->objects[o], (const double(*)[3])x[o], &sizes[o]);
-    }
-    status = ranks_agree_on(&world->link, status);
-    if (status == PCCD_OK) {
-        status = ranks_min_doubles(&world->link, sizes, (int)objects);
-    }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        bool is_slow = ways[o] < ROOM_SLOW * sizes[o];
-        double room =
-            is_slow ? world->slow_room * fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o])
-                    : 0;
-        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN,
-                              ways[o] > 0 ? room / ways[o] : 0);
-        rooms[o].more = fmax(fmin(world->fast_steps, FAST_PART) * ways[o], room);
-    }
-    free(sizes);
-    return status;
-}
+/* ---- what ghosts are chosen by ----------------------------------------------------- */
 
 /* Of each given vertex of the object: the box within which it may be. */
 static int cover(struct pccd_mpi *world, struct ranks_object *object,
@@ -224,12 +117,11 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
     choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
     choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
-    choice->ways = ranks_array(objects, sizeof *choice->ways);
     choice->rooms = ranks_array(objects, sizeof *choice->rooms);
-    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL ||
-                         choice->ways == NULL || choice->rooms == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
+    int status =
+        given == NULL || choice->x0 == NULL || choice->x1 == NULL || choice->rooms == NULL
+            ? ranks_no_memory(world)
+            : PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         uint32_t count = world->objects[o]->local.vertex_count;
         choice->x0[o] = ranks_array(count, sizeof **choice->x0);
@@ -245,14 +137,30 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
         status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
     }
     free((void *)given);
-    if (status == PCCD_OK) {
-        status = find_ways(world, choice->ways);
-    }
-    return status == PCCD_OK ? find_rooms(world, choice->x0, choice->ways, choice->rooms)
+    return status == PCCD_OK ? ranks_rooms_find(world, choice->x0, choice->rooms)
                              : status;
 }
 
 /* ---- who needs what --------------------------------------------------------------- */
+
+/* The blocks of a band that this one meets: to near[]. */
+static uint32_t find_near(const struct pccd_mpi *world, const struct choice *choice,
+                          const struct ranks_block *block, const struct band *band,
+                          const struct ranks_block **near)
+{
+    uint32_t count = 0;
+    if (!ranks_boxes_meet(block->box, band->box)) {
+        return 0;
+    }
+    for (uint64_t i = band->begin; i < band->end; i++) {
+        const struct ranks_block *theirs = &choice->all[i];
+        if (ranks_boxes_meet(block->box, theirs->box) &&
+            ranks_may_meet(world, block->object, theirs->object)) {
+            near[count++] = theirs;
+        }
+    }
+    return count;
+}
 
 /* Which of the own leaves go to rank r: counts, or with out != NULL writes them. */
 static uint64_t choose_for(const struct pccd_mpi *world, const struct choice *choice,
@@ -263,12 +171,9 @@ static uint64_t choose_for(const struct pccd_mpi *world, const struct choice *ch
     for (uint32_t b = 0; b < mine->block_count; b++) {
         const struct ranks_block *block = &mine->blocks[b];
         uint32_t near_count = 0;
-        for (uint64_t i = choice->first[r]; i < choice->first[r + 1]; i++) {
-            const struct ranks_block *theirs = &choice->all[i];
-            if (ranks_boxes_meet(block->box, theirs->box) &&
-                ranks_may_meet(world, block->object, theirs->object)) {
-                near[near_count++] = theirs;
-            }
+        for (uint64_t i = choice->band_first[r]; i < choice->band_first[r + 1]; i++) {
+            near_count +=
+                find_near(world, choice, block, &choice->bands[i], near + near_count);
         }
         const struct ranks_object *object = world->objects[block->object];
         for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
@@ -343,6 +248,32 @@ static void forget_far(const struct pccd_mpi *world, struct choice *choice)
         }
     }
     choice->first[world->link.size] = kept;
+}
+
+static int make_bands(struct pccd_mpi *world, struct choice *choice)
+{
+    uint32_t size = (uint32_t)world->link.size;
+    uint64_t count = 0;
+    choice->bands =
+        ranks_array(choice->first[size] / BAND_BLOCKS + size, sizeof *choice->bands);
+    choice->band_first = ranks_array((uint64_t)size + 1, sizeof *choice->band_first);
+    if (choice->bands == NULL || choice->band_first == NULL) {
+        return ranks_no_memory(world);
+    }
+    for (uint32_t r = 0; r < size; r++) {
+        uint64_t end = choice->first[r + 1];
+        choice->band_first[r] = count;
+        for (uint64_t i = choice->first[r]; i < end; i++) {
+            if ((i - choice->first[r]) % BAND_BLOCKS == 0) {
+                choice->bands[count] = (struct band){.begin = i};
+                ranks_box_begin(choice->bands[count++].box);
+            }
+            ranks_box_add(choice->bands[count - 1].box, choice->all[i].box);
+            choice->bands[count - 1].end = i + 1;
+        }
+    }
+    choice->band_first[size] = count;
+    return PCCD_OK;
 }
 
 /* ---- those that came -------------------------------------------------------------- */
@@ -481,7 +412,9 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
         return status;
     }
     forget_far(world, choice);
-    status = ranks_agree_on(link, choose(world, choice));
+    status = make_bands(world, choice);
+    status = status == PCCD_OK ? choose(world, choice) : status;
+    status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
         status = ranks_deal(link, sizeof *choice->out, choice->out, choice->out_first,
                             (void **)&choice->in, choice->in_first);
@@ -492,56 +425,19 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
 }
 
-/* How much room what moves gets from now on. */
-static void choose_room(struct pccd_mpi *world, bool has_missed)
-{
-    if (has_missed && world->choice_ns > DEAR_PART * world->right_ns) {
-        world->fast_steps = fmin(2 * world->fast_steps, FAST_STEPS_MAX);
-    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
-        world->fast_steps = world->fast_steps / 2;
-    }
-    world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
-    if (has_missed && world->choice_ns > ROOM_DEAR * world->right_ns &&
-        world->ghost_part < ROOM_GHOSTS) {
-        world->slow_room = fmin(2 * world->slow_room, ROOM_MAX);
-    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
-        world->slow_room = world->slow_room / 2;
-    }
-    world->slow_room = fmax(world->slow_room, 1);
-}
-
-/* How long the slowest rank took for it, and how many ghosts all have. */
-static int learn(struct pccd_mpi *world, uint64_t begin_ns)
-{
-    uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        leaves[0] += world->objects[o]->own_count;
-        leaves[1] += world->objects[o]->local.leaf_count - world->objects[o]->own_count;
-    }
-    world->choice_ns = -(double)(common_now_ns() - begin_ns);
-    world->right_ns = 0;
-    int status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
-    world->choice_ns = -world->choice_ns;
-    if (status == PCCD_OK) {
-        status = ranks_sum(&world->link, leaves, 2);
-    }
-    world->ghost_part = leaves[0] > 0 ? (double)leaves[1] / (double)leaves[0] : 0;
-    return status;
-}
-
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed)
 {
     struct choice choice = {.separation = separation};
     uint64_t begin_ns = common_now_ns();
     world->is_covered = false;
-    choose_room(world, has_missed);
+    ranks_rooms_choose(world, has_missed);
     int status = choose_all(world, &choice);
     choice_deinit(world, &choice);
     if (status == PCCD_OK) {
         status = build(world);
     }
     if (status == PCCD_OK) {
-        status = learn(world, begin_ns);
+        status = ranks_rooms_learn(world, begin_ns);
     }
     if (status == PCCD_OK) {
         world->is_covered = true;

@@ -26,12 +26,11 @@ static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint3
                                  : &object->ghosts[i - object->own_count];
 }
 
-/* What the leaves name, each once and ascending: to *numbers. `owned` is the bit of
- * `owns` for k = 0 that says that a thing belongs to the leaf; keys: scratch for six a
- * leaf. */
+/* What the leaves name, each once and ascending: to *numbers. at[3 * leaf + k], unless it
+ * is NULL: the place there of what leaf names by k. keys: scratch for six a leaf. */
 static uint32_t list(const struct ranks_object *object, uint32_t leaf_count,
                      bool of_sides, struct ranks_key *keys, uint32_t *numbers,
-                     uint64_t *bits)
+                     uint64_t *bits, uint32_t *at)
 {
     uint64_t count = 0;
     uint32_t each = 0;
@@ -41,8 +40,9 @@ static uint32_t list(const struct ranks_object *object, uint32_t leaf_count,
             uint32_t number = of_sides ? leaf->side[k] : leaf->v[k];
             uint32_t owned = of_sides ? RANKS_OWNS_SIDE(k) : RANKS_OWNS_CORNER(k);
             if (number != RANKS_NONE) {
-                keys[count++] = (struct ranks_key){number, i < object->own_count &&
-                                                               (leaf->owns & owned) != 0};
+                bool is_owned = i < object->own_count && (leaf->owns & owned) != 0;
+                keys[count++] =
+                    (struct ranks_key){number, 2 * (3 * (uint64_t)i + k) + is_owned};
             }
         }
     }
@@ -51,11 +51,31 @@ static uint32_t list(const struct ranks_object *object, uint32_t leaf_count,
         if (i == 0 || keys[i].key != keys[i - 1].key) {
             numbers[each++] = (uint32_t)keys[i].key;
         }
-        if (keys[i].value != 0) {
+        if (keys[i].value % 2 != 0) {
             set_bit(bits, each - 1);
+        }
+        if (at != NULL) {
+            at[keys[i].value / 2] = each - 1;
         }
     }
     return each;
+}
+
+/* Leaves by their numbers: their corners, at[leaf] so far, to local->named, and which of
+ * them are triangles. */
+static void order_leaves(const struct ranks_object *object, struct ranks_key *keys,
+                         const uint32_t (*at)[3], struct ranks_local *local)
+{
+    for (uint32_t i = 0; i < local->leaf_count; i++) {
+        keys[i] = (struct ranks_key){leaf_of(object, i)->number, i};
+    }
+    keys = ranks_sort(keys, keys + local->leaf_count, local->leaf_count);
+    for (uint32_t i = 0; i < local->leaf_count; i++) {
+        memcpy(local->named[i], at[keys[i].value], sizeof *at);
+        if (keys[i].key < object->mesh->triangle_total) {
+            local->triangles[local->triangle_count++] = (uint32_t)keys[i].key;
+        }
+    }
 }
 
 /* Give back what an array has too much. */
@@ -72,26 +92,23 @@ static int fill(const struct ranks_object *object, uint32_t leaf_count,
     local->vertices = ranks_array(3 * (uint64_t)leaf_count, sizeof(uint32_t));
     local->edges = ranks_array(3 * (uint64_t)leaf_count, sizeof(uint32_t));
     local->triangles = ranks_array(leaf_count, sizeof(uint32_t));
+    local->named = ranks_array(leaf_count, sizeof *local->named);
+    uint32_t(*at)[3] = ranks_array(leaf_count, sizeof *at);
     uint64_t words = 3 * (uint64_t)leaf_count / 64 + 1;
     local->owns_vertex = calloc(words, sizeof(uint64_t));
     local->owns_edge = calloc(words, sizeof(uint64_t));
     if (local->vertices == NULL || local->edges == NULL || local->triangles == NULL ||
-        local->owns_vertex == NULL || local->owns_edge == NULL) {
+        local->named == NULL || at == NULL || local->owns_vertex == NULL ||
+        local->owns_edge == NULL) {
+        free(at);
         return PCCD_E_NOMEM;
     }
     local->vertex_count =
-        list(object, leaf_count, false, keys, local->vertices, local->owns_vertex);
+        list(object, leaf_count, false, keys, local->vertices, local->owns_vertex, at[0]);
     local->edge_count =
-        list(object, leaf_count, true, keys, local->edges, local->owns_edge);
-    for (uint32_t i = 0; i < leaf_count; i++) {
-        keys[i] = (struct ranks_key){leaf_of(object, i)->number, 0};
-    }
-    keys = ranks_sort(keys, keys + leaf_count, leaf_count);
-    for (uint32_t i = 0; i < leaf_count; i++) {
-        if (keys[i].key < object->mesh->triangle_total) {
-            local->triangles[local->triangle_count++] = (uint32_t)keys[i].key;
-        }
-    }
+        list(object, leaf_count, true, keys, local->edges, local->owns_edge, NULL);
+    order_leaves(object, keys, (const uint32_t(*)[3])at, local);
+    free(at);
     shrink(&local->vertices, local->vertex_count);
     shrink(&local->edges, local->edge_count);
     shrink(&local->triangles, local->triangle_count);
@@ -169,43 +186,13 @@ int ranks_local_put_nothing(struct pccd_mpi *world, uint32_t *mesh)
                              : ranks_fail_local(world, status, "a mesh was not accepted");
 }
 
-/* What is named, in the order of the whole: corners[leaf_count][3] local vertices. */
-static int name(struct pccd_mpi *world, const struct ranks_object *object,
-                uint32_t (**corners)[3])
-{
-    const struct ranks_local *local = &object->local;
-    uint32_t count = local->leaf_count;
-    struct ranks_key *keys = ranks_array(2 * (uint64_t)count, sizeof *keys);
-    struct ranks_leaf *leaves = ranks_array(count, sizeof *leaves);
-    *corners = ranks_array(count, sizeof **corners);
-    int status = keys == NULL || leaves == NULL || *corners == NULL
-                     ? ranks_no_memory(world)
-                     : PCCD_OK;
-    if (status == PCCD_OK) {
-        for (uint32_t i = 0; i < count; i++) {
-            keys[i] = (struct ranks_key){leaf_of(object, i)->number, i};
-        }
-        const struct ranks_key *sorted = ranks_sort(keys, keys + count, count);
-        for (uint32_t i = 0; i < count; i++) {
-            leaves[i] = *leaf_of(object, (uint32_t)sorted[i].value);
-        }
-        status = ranks_local_corners(world, local, leaves, count, *corners);
-    }
-    free(keys);
-    free(leaves);
-    if (status != PCCD_OK) {
-        free(*corners);
-        *corners = NULL;
-    }
-    return status;
-}
-
-/* corners[]: triangles, then free edges, then points: pack the latter two to arrays of
+/* local->named: triangles, then free edges, then points: pack the latter two to arrays of
  * their own, in place behind the triangles. */
 static int put(struct pccd_mpi *world, struct ranks_object *object, const double (*x)[3],
-               const double *radii, uint32_t (*corners)[3], bool is_part)
+               const double *radii, bool is_part)
 {
     const struct ranks_local *local = &object->local;
+    uint32_t(*corners)[3] = local->named;
     uint32_t count = local->leaf_count, edge_count = 0, point_count = 0;
     uint32_t *packed = (uint32_t *)(corners + local->triangle_count);
     for (uint32_t i = local->triangle_count; i < count; i++) {
@@ -272,30 +259,29 @@ int ranks_local_show(struct pccd_mpi *world, struct ranks_object *object)
 int ranks_local_register(struct pccd_mpi *world, struct ranks_object *object,
                          const double (*x)[3], const double *radii, bool is_part)
 {
-    uint32_t(*corners)[3] = NULL;
-    int status = name(world, object, &corners);
-    if (status == PCCD_OK) {
-        status = put(world, object, x, radii, corners, is_part);
-    }
-    free(corners);
+    int status = put(world, object, x, radii, is_part);
+    free(object->local.named);
+    object->local.named = NULL;
     return status;
 }
 
 int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object)
 {
     double(*x)[3] = NULL, *radii = NULL;
-    int status = ranks_fetch_registered(world, object->mesh, object->local.vertices,
-                                        object->local.vertex_count, &x, &radii);
-    if (status == PCCD_OK) {
+    bool is_old = object->is_built; /* here nothing has changed */
+    int status =
+        ranks_fetch_registered(world, object->mesh, object->local.vertices,
+                               is_old ? 0 : object->local.vertex_count, &x, &radii);
+    object->is_elsewhere = true;
+    if (status == PCCD_OK && !is_old) {
         status = ranks_local_register(world, object, (const double(*)[3])x, radii,
                                       world->link.size > 1);
         if (status == PCCD_OK) {
             object->is_built = true;
-            object->is_elsewhere = true;
             status = ranks_local_show(world, object);
         }
-        status = ranks_agree_on(&world->link, status);
     }
+    status = ranks_agree_on(&world->link, status);
     free(x);
     free(radii);
     return status;

@@ -18,13 +18,14 @@ int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
                         const struct ranks_leaf *leaves, uint32_t count,
                         uint32_t (*at)[3]);
 
-/* In this rank alone: libpccd gets a mesh of object->own and object->ghosts at x, of the
- * local vertices, instead of the one that it had: object->local_mesh, or none if that is
- * 0. radii: of these vertices, or NULL. is_part: libpccd leaves out what is another
- * rank's. */
+/* Once for each ranks_local_make, in this rank alone: libpccd gets a mesh of object->own
+ * and object->ghosts at x, of the local vertices, instead of the one that it had:
+ * object->local_mesh, or none if that is 0. radii: of these vertices, or NULL. is_part:
+ * libpccd leaves out what is another rank's. */
 int ranks_local_register(struct pccd_mpi *world, struct ranks_object *object,
                          const double (*x)[3], const double *radii, bool is_part);
-/* Collective: libpccd gets the mesh, at its registered positions. */
+/* Collective: libpccd gets the mesh, at its registered positions, in each rank in which
+ * it is not built. */
 int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object);
 /* In this rank alone: something for the object to be made of while it has no leaf here.
  * It meets nothing. */

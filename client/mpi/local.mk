@@ -30,6 +30,7 @@ ranks_sources = \
     client/mpi/rank_sort.c client/mpi/rank_sort.h \
     client/mpi/rank_stop.c client/mpi/rank_stop.h \
     client/mpi/records.c client/mpi/records.h \
+    client/mpi/rooms.c client/mpi/rooms.h \
     client/mpi/sides.c \
     client/mpi/spots.c client/mpi/spots.h \
     client/mpi/step.c client/mpi/step.h \

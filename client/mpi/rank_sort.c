@@ -1,53 +1,61 @@
-/* rank_sort.c - radix sort, the lowest byte first.
+/* rank_sort.c - radix sort, the lowest digit first.
  *
  * Room:     client/mpi.
- * Does:     leave out bytes in which all keys agree.
+ * Does:     leave out bits in which all keys agree: numbers of vertices are sorted in two
+ *           passes, of leaves of a few objects, too.
  * Threads:  [any].
  * Source:   rank_sort.h.
  */
 #include "rank_sort.h"
 
-#include <stdbool.h>
 #include <string.h>
 
-#define DIGITS 256u
+#define DIGIT_BITS 11u
+#define DIGITS     (1u << DIGIT_BITS)
 
-static bool all_are_equal(const uint64_t counts[DIGITS], uint64_t count)
+/* The bits in which keys differ. */
+static uint64_t differing(const struct ranks_key *keys, uint64_t count)
 {
-    for (uint32_t d = 0; d < DIGITS; d++) {
-        if (counts[d] != 0) {
-            return counts[d] == count;
-        }
+    uint64_t bits = 0;
+    for (uint64_t i = 1; i < count; i++) {
+        bits |= keys[i].key ^ keys[0].key;
     }
-    return true;
+    return bits;
+}
+
+static void sort_by_digit(const struct ranks_key *keys, struct ranks_key *to,
+                          uint64_t count, uint32_t shift)
+{
+    uint64_t next[DIGITS];
+    uint64_t before = 0;
+    memset(next, 0, sizeof next);
+    for (uint64_t i = 0; i < count; i++) {
+        next[keys[i].key >> shift & (DIGITS - 1)]++;
+    }
+    for (uint32_t d = 0; d < DIGITS; d++) {
+        uint64_t here = next[d];
+        next[d] = before;
+        before += here;
+    }
+    for (uint64_t i = 0; i < count; i++) {
+        to[next[keys[i].key >> shift & (DIGITS - 1)]++] = keys[i];
+    }
 }
 
 struct ranks_key *ranks_sort(struct ranks_key *keys, struct ranks_key *other,
                              uint64_t count)
 {
-    uint64_t counts[8][DIGITS];
-    memset(counts, 0, sizeof counts);
-    for (uint64_t i = 0; i < count; i++) {
-        for (uint32_t byte = 0; byte < 8; byte++) {
-            counts[byte][keys[i].key >> 8 * byte & 255u]++;
-        }
-    }
-    for (uint32_t byte = 0; byte < 8; byte++) {
-        if (all_are_equal(counts[byte], count)) {
-            continue;
-        }
-        uint64_t before = 0;
-        for (uint32_t d = 0; d < DIGITS; d++) {
-            uint64_t here = counts[byte][d];
-            counts[byte][d] = before;
-            before += here;
-        }
-        for (uint64_t i = 0; i < count; i++) {
-            other[counts[byte][keys[i].key >> 8 * byte & 255u]++] = keys[i];
-        }
+    uint64_t bits = differing(keys, count);
+    uint32_t shift = 0;
+    while (bits != 0) {
+        uint32_t skipped = (uint32_t)__builtin_ctzll(bits);
+        shift += skipped;
+        sort_by_digit(keys, other, count, shift);
         struct ranks_key *sorted = other;
         other = keys;
         keys = sorted;
+        bits = bits >> skipped >> DIGIT_BITS;
+        shift += DIGIT_BITS;
     }
     return keys;
 }

@@ -118,6 +118,7 @@ void ranks_local_deinit(struct ranks_local *local)
     free(local->triangles);
     free(local->owns_vertex);
     free(local->owns_edge);
+    free(local->named);
     free(local->ends);
     free(local->corners);
     *local = (struct ranks_local){.vertex_count = 0};

@@ -82,6 +82,8 @@ struct ranks_local {
     uint32_t *edges;
     uint32_t *triangles;
     uint64_t *owns_vertex, *owns_edge; /* a bit for each: it belongs to this rank */
+    /* Local vertices of each leaf's corners, by its number, until libpccd has them. */
+    uint32_t (*named)[3];
     /* Numbers of the whole; NULL until somebody asks (features.c). */
     uint32_t (*ends)[2];
     uint32_t (*corners)[3];

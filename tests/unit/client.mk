@@ -1,5 +1,6 @@
-# tests/unit/client.mk - what a client has told a daemon, for those who tell it another.
+# tests/unit/client.mk - what clients do without a daemon.
 
+# What a client has told a daemon, for those who tell it another.
 registry_tests = \
     tests/unit/test_reg_map \
     tests/unit/test_reg_pairs \
@@ -19,3 +20,11 @@ tests_unit_test_reg_positions_CPPFLAGS = $(reg_test_cppflags)
 tests_unit_test_reg_positions_LDADD = $(reg_test_ldadd)
 tests_unit_test_reg_registry_CPPFLAGS = $(reg_test_cppflags)
 tests_unit_test_reg_registry_LDADD = $(reg_test_ldadd)
+
+# What libpccd-mpi does without MPI.
+check_PROGRAMS += tests/unit/test_rank_sort
+TESTS += tests/unit/test_rank_sort
+tests_unit_test_rank_sort_SOURCES = tests/unit/test_rank_sort.c client/mpi/rank_sort.c
+tests_unit_test_rank_sort_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/mpi \
+    -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
+tests_unit_test_rank_sort_LDADD = $(CMOCKA_LIBS)

@@ -1,0 +1,189 @@
+/* rooms.c - how much larger than a step boxes are.
+ *
+ * Room:     client/mpi.
+ * Does:     see how far vertices go, and how large leaves are; weigh what choosing ghosts
+ *           takes against what ghosts take.
+ * Threads:  one.
+ * Source:   rooms.h.
+ */
+#include "rooms.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "clock.h"
+#include "local.h"
+
+#define WAY_UNITS (1 << 20)
+
+/* What moves by less than a part of the size of its leaves gets room for so many steps
+ * that go on like this one, and as much again on all sides, up to so many of these sizes:
+ * so ghosts stay right for some steps, and are not many more.
+ *
+ * Twice the room, and they are right for twice as many steps: that saves half of the part
+ * of the time that choosing takes. Ghosts are then at most twice as many, and each takes
+ * two fifths of the time of an own leaf. So the room is doubled if vertices have left
+ * their boxes and choosing had taken more than four fifths of the ghosts' part of the
+ * leaves. If it was much less, there are too many ghosts, and the room is halved. */
+#define ROOM_SLOW    0.25
+#define ROOM_STEPS   32.0
+#define ROOM_PART    1.0
+#define ROOM_MAX     64.0 /* times as much */
+#define ROOM_DEAR    0.8
+#define ROOM_CHEAP   0.1
+#define SIZE_SAMPLES 1024u
+
+/* What moves fast gets room for one more step, and on all sides for a part of one, at
+ * first the least: twice as much each time that vertices have left their boxes when the
+ * choice of ghosts had taken more than this part of the steps for which they were right,
+ * half as much if it was less than that. */
+#define FAST_STEPS_MIN 0.125
+#define FAST_STEPS_MAX 4.0
+#define FAST_PART      0.5 /* on all sides there is no more */
+#define DEAR_PART      0.25
+#define CHEAP_PART     0.03
+
+/* How far a vertex moves along the axis along which it moves most. */
+static double way_of(const struct ranks_object *object, uint32_t i)
+{
+    const double *from = object->from[i], *to = object->to[i];
+    return fmax(fabs(to[0] - from[0]),
+                fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
+}
+
+/* The mean way of each object's vertices: in units of the longest, so that sums over
+ * ranks are whole numbers and the same everywhere. */
+static int find_ways(struct pccd_mpi *world, double *ways)
+{
+    uint32_t objects = world->object_count;
+    uint64_t *sums = ranks_array(objects, sizeof *sums);
+    int status =
+        ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
+        ways[o] = 0;
+        for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
+            ways[o] = fmin(ways[o], -way_of(object, i));
+        }
+    }
+    if (status == PCCD_OK) {
+        status = ranks_min_doubles(&world->link, ways, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        const struct ranks_object *object = world->objects[o];
+        sums[o] = 0;
+        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[o] < 0; i++) {
+            sums[o] += (uint64_t)(way_of(object, i) / -ways[o] * WAY_UNITS);
+        }
+    }
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, sums, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        double mean = (double)sums[o] / WAY_UNITS / world->objects[o]->mesh->vertex_total;
+        ways[o] = -ways[o] * mean;
+    }
+    free(sums);
+    return status;
+}
+
+/* How large leaves of the object are here: the mean side of some. */
+static int measure(struct pccd_mpi *world, const struct ranks_object *object,
+                   const double (*x)[3], double *size)
+{
+    uint32_t count = object->own_count < SIZE_SAMPLES ? object->own_count : SIZE_SAMPLES;
+    uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
+    int status = corners == NULL ? ranks_no_memory(world)
+                                 : ranks_local_corners(world, &object->local, object->own,
+                                                       count, corners);
+    double sum = 0;
+    for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
+        const double *a = x[corners[i][0]], *b = x[corners[i][1]];
+        sum += fmax(fabs(a[0] - b[0]), fmax(fabs(a[1] - b[1]), fabs(a[2] - b[2])));
+    }
+    *size = count > 0 ? sum / count : DBL_MAX;
+    free(corners);
+    return status;
+}
+
+/* From the mean ways of vertices to how much room they get; the smallest size of all
+ * ranks counts. */
+static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
+                        struct ranks_room *rooms)
+{
+    uint32_t objects = world->object_count;
+    double *sizes = ranks_array(objects, sizeof *sizes);
+    int status = sizes == NULL ? ranks_no_memory(world) : PCCD_OK;
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        status = measure(world, world->objects[o], (const double(*)[3])x[o], &sizes[o]);
+    }
+    status = ranks_agree_on(&world->link, status);
+    if (status == PCCD_OK) {
+        status = ranks_min_doubles(&world->link, sizes, (int)objects);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        bool is_slow = ways[o] < ROOM_SLOW * sizes[o];
+        double room =
+            is_slow ? world->slow_room * fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o])
+                    : 0;
+        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN,
+                              ways[o] > 0 ? room / ways[o] : 0);
+        rooms[o].more = fmax(fmin(world->fast_steps, FAST_PART) * ways[o], room);
+    }
+    free(sizes);
+    return status;
+}
+
+int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
+                     struct ranks_room *rooms)
+{
+    double *ways = ranks_array(world->object_count, sizeof *ways);
+    int status =
+        ranks_agree_on(&world->link, ways == NULL ? ranks_no_memory(world) : PCCD_OK);
+    if (status == PCCD_OK) {
+        status = find_ways(world, ways);
+    }
+    if (status == PCCD_OK) {
+        status = find_by_ways(world, x, ways, rooms);
+    }
+    free(ways);
+    return status;
+}
+
+/* How much room what moves gets from now on. */
+void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
+{
+    if (has_missed && world->choice_ns > DEAR_PART * world->right_ns) {
+        world->fast_steps = fmin(2 * world->fast_steps, FAST_STEPS_MAX);
+    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
+        world->fast_steps = world->fast_steps / 2;
+    }
+    world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
+    double ghosts_ns = world->ghost_part * world->right_ns;
+    if (has_missed && world->choice_ns > ROOM_DEAR * ghosts_ns) {
+        world->slow_room = fmin(2 * world->slow_room, ROOM_MAX);
+    } else if (has_missed && world->choice_ns < ROOM_CHEAP * ghosts_ns) {
+        world->slow_room = world->slow_room / 2;
+    }
+    world->slow_room = fmax(world->slow_room, 1);
+}
+
+/* How long the slowest rank took for it, and how many ghosts all have. */
+int ranks_rooms_learn(struct pccd_mpi *world, uint64_t begin_ns)
+{
+    uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        leaves[0] += world->objects[o]->own_count;
+        leaves[1] += world->objects[o]->local.leaf_count - world->objects[o]->own_count;
+    }
+    world->choice_ns = -(double)(common_now_ns() - begin_ns);
+    world->right_ns = 0;
+    int status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
+    world->choice_ns = -world->choice_ns;
+    if (status == PCCD_OK) {
+        status = ranks_sum(&world->link, leaves, 2);
+    }
+    world->ghost_part = leaves[0] > 0 ? (double)leaves[1] / (double)leaves[0] : 0;
+    return status;
+}

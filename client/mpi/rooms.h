@@ -1,0 +1,24 @@
+/* rooms.h - how much room boxes leave around what moves, so that ghosts stay right for
+ * some steps.
+ *
+ * Room:     client/mpi. May include: boxes.h.
+ * Does:     find the room of each object; change it by what it costs.
+ * Threads:  one.
+ */
+#ifndef RANKS_ROOMS_H
+#define RANKS_ROOMS_H
+
+#include "boxes.h"
+
+/* Before ghosts are chosen: more or less room than the last time. has_missed: a vertex
+ * has left the box that was made for it then. In this rank alone; the same in all. */
+void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed);
+/* Collective: rooms[object_count], for a step from object->from to object->to; x: where
+ * it begins, of local vertices. */
+int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
+                     struct ranks_room *rooms);
+/* Collective: ghosts were chosen, since begin_ns: how long that took the slowest rank,
+ * and how many ghosts all have. */
+int ranks_rooms_learn(struct pccd_mpi *world, uint64_t begin_ns);
+
+#endif

@@ -1,0 +1,57 @@
+/* tests/unit/test_rank_sort.c - numbers sorted with what is attached.
+ *
+ * Room:     client/mpi (rank_sort.h), which needs no MPI for it.
+ * Does:     compare with a sort that is slow and simple.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "prng.h"
+#include "rank_sort.h"
+
+#define KEYS 3000u
+
+/* If it failed, ranks would number vertices in another order than one process, and find
+ * other contacts, or none: some keys differ in few bits, which may be anywhere. */
+static void rank_sort__sorts_and_keeps_the_order_of_equal_keys(void **state)
+{
+    (void)state;
+    static struct ranks_key keys[KEYS], other[KEYS], slow[KEYS];
+    static const uint64_t masks[] = {
+        0,          1,          0x7ff,           0x800,      0xfffff,    0x80000001ull,
+        UINT64_MAX, 1ull << 63, 0xff00000000ull, 0xffffffff, 0xfff01ull, 3ull << 62 | 3};
+    struct prng random = {prng_seed()};
+    for (size_t m = 0; m < sizeof masks / sizeof *masks; m++) {
+        for (uint32_t count = 0; count <= KEYS; count = count * 5 + 1) {
+            uint64_t same = prng_next(&random) & ~masks[m];
+            for (uint32_t i = 0; i < count; i++) {
+                uint64_t key = same | (prng_next(&random) & masks[m]);
+                uint32_t at = i;
+                keys[i] = (struct ranks_key){key, i};
+                for (; at > 0 && slow[at - 1].key > key; at--) {
+                    slow[at] = slow[at - 1];
+                }
+                slow[at] = keys[i];
+            }
+            const struct ranks_key *sorted = ranks_sort(keys, other, count);
+            assert_true(sorted == keys || sorted == other);
+            for (uint32_t i = 0; i < count; i++) {
+                assert_true(sorted[i].key == slow[i].key);
+                assert_true(sorted[i].value == slow[i].value);
+            }
+        }
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rank_sort__sorts_and_keeps_the_order_of_equal_keys),
+    };
+    return cmocka_run_group_tests_name("rank_sort", tests, NULL, NULL);
+}
