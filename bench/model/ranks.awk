@@ -1,7 +1,7 @@
 # ranks.awk - the model of ranks: from what few ranks were counted and timed with to what many
 # would have, send and take.
 #
-# awk -F, -v scene=SCENE/PARTS -f ranks.awk threads.csv memory.csv link.csv counts.csv times.csv
+# awk -F, -v scene=SCENE/PARTS -f ranks.awk threads.csv memory.csv link.csv counts.csv rates.csv choices.csv times.csv
 #
 # The files are those of ranks.sh; README.md, "Ranks", says what the model is. Prints the tables
 # of that page, and ends with 1 if what was counted does not add up, or what is predicted cannot be.
@@ -60,9 +60,14 @@ function end_step(  was) {
         keep(run SUBSEP "search", wall[run])
         search_sent[run] = sent[run]
     }
-    on_steps[run] += how == "on"
+    if (how == "on" && step > LATE) {
+        late_steps[run]++
+        late_searches[run] += $at["searches"] - searches[run]
+    } else if (how == "on" && step > 1) {
+        early_steps[run]++
+        early_searches[run] += $at["searches"] - searches[run]
+    }
     cuts[run] = $at["cuts"]; searches[run] = $at["searches"]; scene_vertices[run] = $at["vertices"]
-    if (how == "on") searches_on[run] = searches[run]
     if (is_plain && how != "on") {
         keep(run SUBSEP how "refit", $at["ingest_ns"] + $at["refit_ns"])
         keep(run SUBSEP how "tests", $at["traversal_ns"] + $at["tests_ns"])
@@ -162,11 +167,16 @@ function predict_two(  i, key, r, run, longest, said, got) {
         got = median(run SUBSEP "fro")
         printf "| %s | %s | %.2f | %.2f | %.2f | %.2f | %s |\n", scene, spaced(n), whole_ns[key] / 1e6, slower[key],
             said / 1e6, got / 1e6, off(said, got)
-        if (length_of[run, "search"]) {
-            search_ns[scene] = (median(run SUBSEP "search") - median(run SUBSEP "on")) / largest[run]
-        }
     }
-    for (scene in search_ns) printf "\n%s: to choose ghosts anew takes %.0f ns a triangle of a rank.\n", scene, search_ns[scene]
+    for (i = 1; i <= run_count; i++) {
+        run = known[i]
+        split_run(run)
+        if (file !~ /choices/ || !length_of[run, "search"]) continue
+        said = median(run SUBSEP "search") - median(run SUBSEP "on")
+        search_ns[scene] = said / largest[run]
+        printf "\n%s, %s triangles on two ranks: to choose ghosts anew takes %.0f ns a triangle of a rank, as long as %.1f steps " \
+            "(median of %d).\n", scene, spaced(n), search_ns[scene], said / median(run SUBSEP "on"), length_of[run, "search"]
+    }
 }
 
 # ---- what ranks have ---------------------------------------------------------------------
@@ -185,27 +195,37 @@ function blocks_of(own) { return own / 16 < 4096 ? own / 16 : 4096 }
 function search_bytes_of(scene, R, own) {
     return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 36 * blocks_of(own) * (R - 1)
 }
+# The largest work of a rank beside the mean: what is wrong with weights is at the rim of a piece.
+function uneven_of(scene, own) { return 1 + uneven[scene] / sqrt(own) }
 function one_work(scene, n, file,  run) {
     run = run_of(file, scene, n, 1)
     return (run in work) ? work[run] : work_a_leaf[scene] * n
 }
-# From runs of 4 and 8 ranks, of the smallest size of a scene.
-function fit_laws(  i, run, mean) {
-    for (i = 1; i <= run_count; i++) {
+# From runs of 4 and 8 ranks, of the largest size of a scene that 8 have, or else 4.
+function fit_laws(  i, run, most_ranks) {
+    for (most_ranks = 4; most_ranks <= 8; most_ranks += 4) for (i = 1; i <= run_count; i++) {
         split_run(known[i])
-        if (file ~ /counts/ && R == 1 && (!(scene in least) || n < least[scene])) least[scene] = n
+        if (file !~ /counts/ || R != most_ranks || (fitted_by[scene] == R && n < fitted[scene])) continue
+        fitted[scene] = n
+        fitted_by[scene] = R
     }
     for (i = 1; i <= run_count; i++) {
         run = known[i]
         split_run(run)
         if (file !~ /counts/) continue
         if (R == 1) work_a_leaf[scene] = work[run] / n
-        if (n != least[scene] || (R != 4 && R != 8)) continue
+        if (n != fitted[scene] || (R != 4 && R != 8)) continue
         fits[scene]++
         rim[scene] += sqrt((n + ghosts[run]) / R) - sqrt(n / R)
         a_leaf[scene] += here[run] / (n + ghosts[run])
         if (search_sent[run]) searched[scene] += (search_sent[run] - 36 * blocks_of(n / R) * R * (R - 1)) / (n + ghosts[run]) / (1 - 1 / R)
         extra[scene] += (work[run] / work[run_of(file, scene, n, 1)] - 1) * n / ghosts[run]
+    }
+    for (i = 1; i <= run_count; i++) { # smaller pieces are not modelled
+        run = known[i]
+        split_run(run)
+        if (file ~ /counts/ && R >= 8 && n / R >= 1e4)
+            uneven[scene] = most(uneven[scene], (busiest[run] * R / evenly[run] - 1) * sqrt(n / R))
     }
     for (scene in fits) {
         rim[scene] /= fits[scene]
@@ -214,9 +234,23 @@ function fit_laws(  i, run, mean) {
         extra[scene] /= fits[scene]
     }
 }
+# How often ghosts are chosen, and the rim that they have when room has grown.
+function find_rates(  i, run, rim_now) {
+    for (i = 1; i <= run_count; i++) {
+        run = known[i]
+        split_run(run)
+        if (file !~ /rates/ || !late_steps[run]) continue
+        often[scene] = late_searches[run] / late_steps[run]
+        rim_now = sqrt((n + ghosts[run]) / R) - sqrt(n / R)
+        printf "\n%s, %s triangles on %d ranks: ghosts are chosen %.3f times a step in the first %d, %.3f times in the next %d; " \
+            "then they are %.0f %% of own triangles, a rim of %.1f.\n", scene, spaced(n), R, early_searches[run] / early_steps[run],
+            LATE, often[scene], late_steps[run], 100 * ghosts[run] / n, rim_now
+        rim[scene] = most(rim[scene], rim_now)
+    }
+}
 function compare_counts(  i, run, got) {
     head("Counted with real ranks, and how far off the model is; means of a rank, a step. *fitted*: from these the model has its numbers.",
-        "scene,triangles,ranks,ghosts,of own,off,KB sent,off,KB if ghosts are chosen,off,box tests and survivors of all / of one process,off,largest work / mean,fitted")
+        "scene,triangles,ranks,ghosts,of own,off,KB sent,off,KB if ghosts are chosen,off,box tests and survivors of all / of one process,off,largest work / mean,off,fitted")
     for (i = 1; i <= run_count; i++) {
         run = known[i]
         split_run(run)
@@ -226,11 +260,8 @@ function compare_counts(  i, run, got) {
         got = search_sent[run] / R
         if (got) printf " %.0f | %s |", got / 1e3, off(search_bytes_of(scene, R, n / R), got); else printf " | |"
         got = work[run] / one_work(scene, n, file)
-        printf " %.3f | %s | %.3f | %s |\n", got, off(1 + extra_of(scene, n / R), got), busiest[run] * R / evenly[run],
-            n == least[scene] && (R == 4 || R == 8) ? "yes" : ""
-        if (R < 8 || n / R < 1e4) continue # smaller pieces than those that are modelled
-        uneven[scene] = most(uneven[scene], busiest[run] * R / evenly[run])
-        if (on_steps[run] > 2) often[scene] = most(often[scene], (searches_on[run] - 1) / (on_steps[run] - 1))
+        printf " %.3f | %s | %.3f | %s | %s |\n", got, off(1 + extra_of(scene, n / R), got), busiest[run] * R / evenly[run],
+            off(uneven_of(scene, n / R), busiest[run] * R / evenly[run]), n == fitted[scene] && (R == 4 || R == 8) ? "yes" : ""
     }
 }
 
@@ -246,7 +277,7 @@ function predict(scene, n, nodes, each, threads, gbit, latency_us,  R, key, mean
     records_now = n / R * density[scene]
     work_now = work_a_leaf[scene] * mean * (1 + extra_of(scene, mean))
     even_ns = compute_ns(key, mean + ghosts_now, work_now, a_leaf[scene] * (mean + ghosts_now), records_now, threads)
-    step_compute = even_ns * most(uneven[scene], 1) * (each * threads > 1 ? slower[key] : 1)
+    step_compute = even_ns * uneven_of(scene, mean) * (each * threads > 1 ? slower[key] : 1)
     bytes_now = bytes_of(scene, R, mean)
     step_exchange = exchange_ns(R, each * bytes_now, 1e3 * latency_us, 8 / gbit)
     step_search = often[scene] * (search_ns[scene] * (mean + ghosts_now) + R * log2(R) * 1e3 * latency_us + \
@@ -269,9 +300,9 @@ function extrapolate(  i, k, size, nodes, sizes, ways, part) {
     }
     scene = MODEL_SCENE
     if (!large[scene]) { wrong("no times of " scene); return }
-    head(sprintf("%s, ms a step, at %d Gbit/s and %g us; ghosts are chosen %.3f times a step; the largest work is %.3f times the mean; " \
+    head(sprintf("%s, ms a step, at %d Gbit/s and %g us; ghosts are chosen %.3f times a step; " \
         "a rank takes %.0f MB and %.0f bytes a triangle. *efficiency*: beside one thread that has all; in brackets without choosing ghosts.",
-        scene, GBIT, LATENCY_US, often[scene], uneven[scene], base_bytes / 1e6, triangle_bytes),
+        scene, GBIT, LATENCY_US, often[scene], base_bytes / 1e6, triangle_bytes),
         "triangles,nodes,ranks,threads of each,own,ghosts,MB sent,compute,exchange,choose ghosts,step,efficiency,GB of a node")
     sizes = split("1e6 1e7 1e8 1e9", size, " ")
     ways = split("64:1:1 64:64:1 64:16:4 64:8:8 64:4:16 64:1:64", part, " ")
@@ -295,6 +326,7 @@ function extrapolate(  i, k, size, nodes, sizes, ways, part) {
 }
 
 BEGIN {
+    LATE = 41 # steps after which the room for ghosts has grown
     COLLECTIVES = 10 # MPI_Iallgather and MPI_Iallreduce of a step that needs no new ghosts
     LEAF_WORK = 3 # of share.work what client/mpi/balance.c adds for a leaf, which refit takes
     GBIT = 100
@@ -321,6 +353,7 @@ END {
     predict_two()
     fit_laws()
     compare_counts()
+    find_rates()
     extrapolate()
     exit bad
 }

@@ -5,7 +5,7 @@
 #
 #   all      count, time, model; where nothing is named
 #   count    with up to 64 ranks, more than there are processors: no times
-#   large    10 million triangles on 4 and 16 ranks, added to what was counted: 12 GiB, minutes
+#   large    10 million triangles on 4, 16 and 64 ranks, added to what was counted: 12 GiB, minutes
 #   time     with one rank and two; on an idle machine of two processors
 #   model    the tables, of what is in FOLDER
 #   smoke    tiny: does it still run?
@@ -29,6 +29,8 @@ balls=n-body-simulation/frames/balls16_
 scenes="layers=80,5,41,21 layers=251,5,41,21 cloth-ball=${ball}92.ply+${ball}93.ply,1,1,21
     n-body=${balls}18.ply+${balls}19.ply,1,1,21 cloth-ball=${ball}92.ply+${ball}93.ply,40,24,21"
 counts='1 2 4 8 16 64'
+steady=layers=251,5,161,0 # how often ghosts are chosen when it has gone on for long
+steady_ranks=8
 sheet=sheet=360,5,2,21
 large=500
 modelled=layers/5
@@ -56,6 +58,9 @@ count() {
             run "$file" "$number" "${scene%,*},4" || return # no times, so few steps; cuts take three
         done
     done
+    [ "${1:-}" = more ] && return
+    rm -f "$into/rates.csv"
+    run "$into/rates.csv" "$steady_ranks" "$steady"
 }
 
 time_few() {
@@ -66,6 +71,8 @@ time_few() {
     for scene in $scenes; do
         run "$file" 1 "$scene" && run "$file" 2 "$scene" alone && run "$file" 2 "$scene" || return
     done
+    rm -f "$into/choices.csv"
+    run "$into/choices.csv" 2 "$steady"
 }
 
 # Of a rank of two, and of four: MB at most, on the average; triangles.
@@ -95,7 +102,7 @@ time_all() {
 
 model() {
     (cd "$into" && awk -F, -v scene="$modelled" -f "$here/ranks.awk" threads.csv memory.csv link.csv \
-        counts.csv times.csv)
+        counts.csv rates.csv choices.csv times.csv)
 }
 
 shift
@@ -104,7 +111,7 @@ for what in "${@:-all}"; do
         all) count && time_all cloth-ball && model ;;
         count) count ;;
         large)
-            counts='4 16'
+            counts='4 16 64'
             scenes='layers=792,5,2,1'
             count more
             ;;
@@ -113,6 +120,7 @@ for what in "${@:-all}"; do
         smoke)
             counts='1 4'
             scenes='layers=12,5,21,3'
+            steady=layers=12,5,61,0
             sheet=sheet=12,5,1,3
             large=100
             count && time_all --smoke && model

@@ -14,7 +14,7 @@
 #include "families.h"
 #include "surface.h"
 
-#define FRAMES 16u
+#define FRAMES 64u
 #define GAP    2.0  /* between two sheets */
 #define HEIGHT 2.1  /* of a wave: crests pass through the sheet above by a little */
 #define LENGTH 23.0 /* of a wave */
