@@ -81,6 +81,16 @@ static void note_missed(struct playing *playing)
     }
 }
 
+/* The daemon has moved everything that has ever moved in a scene to where it is: if that
+ * is the only scene, it needs to be told no more than what a step moves. */
+static void note_told(struct playing *playing)
+{
+    const struct registry_scene *first = playing->world.scenes;
+    if (first != NULL && first->next == NULL) {
+        playing->drive.stands = NULL;
+    }
+}
+
 /* A daemon that stands where the world stands, when the first step needs one. */
 static int begin_drive(struct playing *playing, struct ctl_error *error)
 {
@@ -138,6 +148,9 @@ static int ask_again(struct playing *playing, const struct record_view *view,
                                             collects, error);
     playing->summary->seconds += (double)(common_now_ns() - begin_ns) * 1e-9;
     *found = (struct found){.records = NULL};
+    if (status == PCCD_OK && drive->answer.status == PCCD_OK) {
+        note_told(playing);
+    }
     if (status == PCCD_OK && collects && drive->answer.status == PCCD_OK) {
         *found = (struct found){drive->records, drive->record_count,
                                 drive->record_count == drive->answer.total};

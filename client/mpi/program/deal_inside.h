@@ -40,6 +40,14 @@ struct deal_hand {
     uint64_t items[DEAL_HAND];
 };
 
+#define DEAL_SENT (DEAL_HAND + 2u) /* all that a rank tells while it does what it has */
+
+/* What a rank has told, until MPI has it. */
+struct deal_sent {
+    struct deal_tell tell;
+    MPI_Request request; /* MPI_REQUEST_NULL: it has */
+};
+
 /* What the second thread of the root has told, until the first one takes it. */
 struct deal_note {
     struct deal_note *next;
@@ -50,10 +58,12 @@ struct deal {
     const struct deal_work *work;
     struct deal_hand hand; /* items that this rank has not begun, from `used` on */
     uint64_t used;
-    bool is_asked, is_over; /* more items are on their way; there are none */
-    /* Others than the root: where these come. */
-    struct deal_hand coming;
+    bool is_asked, is_over;  /* more items are on their way; there are none */
+    struct deal_hand coming; /* the next ones */
+    /* Others than the root: that these come, and what has gone. */
     MPI_Request request;
+    struct deal_sent sent[DEAL_SENT];
+    uint32_t next_sent; /* the place that was used longest ago */
     /* The root: between its two threads. */
     pthread_mutex_t lock;
     pthread_cond_t told, dealt;
@@ -61,7 +71,8 @@ struct deal {
     bool has_dealt; /* `coming` has an answer */
 };
 
-/* Tell the root, from any rank. Out of memory in the root's thread ends the program. */
+/* Tell the root, from any rank, without waiting until it looks. Out of memory in the
+ * root's thread ends the program. */
 void deal_tell(struct deal *deal, const struct deal_tell *tell);
 
 /* The root: deal until all ranks have ended, while `compute` runs in a thread. */

@@ -1,7 +1,8 @@
 /* deal_rank.c - items on the rank that computes them.
  *
  * Room:     client/mpi/program.
- * Does:     ask for items one item before the last is begun; send results.
+ * Does:     ask for items one item before the last is begun; send results, and go on
+ *           while they are on their way: the root looks for them now and then only.
  * Threads:  deal.h.
  * Source:   deal.h; deal_root.c is the other side.
  */
@@ -17,9 +18,14 @@ void deal_tell(struct deal *deal, const struct deal_tell *tell)
 {
     if (together_is_root()) {
         deal_root_tell(deal, tell);
-    } else {
-        MPI_Send(tell, (int)sizeof *tell, MPI_BYTE, 0, DEAL_TAG_TELL, MPI_COMM_WORLD);
+        return;
     }
+    struct deal_sent *sent = &deal->sent[deal->next_sent];
+    deal->next_sent = (deal->next_sent + 1) % DEAL_SENT;
+    together_wait(&sent->request);
+    sent->tell = *tell;
+    MPI_Isend(&sent->tell, (int)sizeof sent->tell, MPI_BYTE, 0, DEAL_TAG_TELL,
+              MPI_COMM_WORLD, &sent->request);
 }
 
 static void ask(struct deal *deal)
@@ -86,12 +92,18 @@ static void end(struct deal *deal, int status, const struct ctl_error *error)
         tell.with.error = *error;
     }
     deal_tell(deal, &tell);
+    for (uint32_t i = 0; i < DEAL_SENT; i++) {
+        together_wait(&deal->sent[i].request);
+    }
 }
 
 int deal(const struct deal_work *work, struct ctl_error *error)
 {
     struct deal deal = {.work = work, .request = MPI_REQUEST_NULL};
     int verdict = PCCD_OK;
+    for (uint32_t i = 0; i < DEAL_SENT; i++) {
+        deal.sent[i].request = MPI_REQUEST_NULL;
+    }
     if (together_is_root()) {
         verdict = deal_root(&deal, error);
     } else {

@@ -17,8 +17,9 @@
 #include "terminal.h"
 #include "together.h"
 
-#define PAUSE_NS 1000000u /* between two looks for messages */
-#define PARTS    4u       /* a rank gets a quarter of its share of what is left */
+#define PARTS        4u       /* a rank gets a quarter of its share of what is left */
+#define PAUSE_NS     100000u  /* between two looks for messages: after one, */
+#define PAUSE_NS_MAX 4000000u /* and at most, when long none has come */
 
 struct dealer {
     struct deal *deal;
@@ -176,14 +177,14 @@ static bool take_messages(struct dealer *dealer)
 }
 
 /* The same from the second thread; without any, wait for one, but not for long. */
-static bool take_notes(struct dealer *dealer, bool waits)
+static bool take_notes(struct dealer *dealer, uint32_t wait_ns)
 {
     struct deal *deal = dealer->deal;
     pthread_mutex_lock(&deal->lock);
-    if (deal->first == NULL && waits) {
+    if (deal->first == NULL && wait_ns > 0) {
         struct timespec until;
         clock_gettime(CLOCK_MONOTONIC, &until);
-        until.tv_nsec += PAUSE_NS;
+        until.tv_nsec += wait_ns;
         until.tv_sec += until.tv_nsec / 1000000000;
         until.tv_nsec %= 1000000000;
         (void)pthread_cond_timedwait(&deal->told, &deal->lock, &until);
@@ -224,10 +225,17 @@ int deal_root(struct deal *deal, struct ctl_error *error)
         give_up("no thread to compute in");
         return PCCD_E_SYSTEM;
     }
-    bool has_any = true;
+    /* Of two ranks that compute a step in 40 ms, one message comes in 20 ms: it is looked
+     * for ten times, and not later than half of the time that it took to come. */
+    uint32_t pause_ns = 0;
     while (dealer.ranks > 0) {
-        has_any = take_notes(&dealer, !has_any);
-        has_any = take_messages(&dealer) || has_any;
+        bool has_note = take_notes(&dealer, pause_ns);
+        bool has_any = take_messages(&dealer) || has_note;
+        uint32_t longer = pause_ns + pause_ns / 2;
+        pause_ns = has_any                 ? 0
+                   : pause_ns == 0         ? PAUSE_NS
+                   : longer < PAUSE_NS_MAX ? longer
+                                           : PAUSE_NS_MAX;
         if (terminal_was_interrupted()) {
             work->interrupted(work->context);
             MPI_Abort(MPI_COMM_WORLD, CTL_FAILED);
