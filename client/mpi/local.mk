@@ -50,7 +50,6 @@ mpi_program_sources = \
     client/mpi/program/recordings.c client/mpi/program/recordings.h \
     client/mpi/program/replay.c \
     client/mpi/program/results.c client/mpi/program/results.h \
-    client/mpi/program/slices.c client/mpi/program/slices.h \
     client/mpi/program/together.c client/mpi/program/together.h \
     client/mpi/program/verify.c
 ranks_cppflags = -iquote $(top_srcdir)/client/mpi -iquote $(top_srcdir)/client/lib

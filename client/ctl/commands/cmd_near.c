@@ -46,7 +46,7 @@ static int ask(struct near_run *near, const struct near_options *options,
                struct near_csv *csv, struct ctl_error *error)
 {
     const struct ask_options *asked = &options->ask;
-    int status = near_run_read(near, asked->paths, asked->path_count, error);
+    int status = near_run_read(near, asked->paths, asked->path_count, 0, 0, error);
     if (status != PCCD_OK) {
         return status; /* before a daemon is asked for: a bad file costs nothing else */
     }

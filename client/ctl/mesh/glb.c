@@ -498,8 +498,7 @@ static int finish(struct glb_reader *reader)
     return status;
 }
 
-int ctl_glb_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error)
+int ctl_glb_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct glb_reader reader = {.file = file, .mesh = mesh, .error = error};
     int status = check_head(file->path, file->data, file->bytes, file->bytes, error);

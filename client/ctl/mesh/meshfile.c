@@ -1,7 +1,7 @@
 /* client/ctl/mesh/meshfile.c - a mesh read from a file.
  *
  * Room:     client/ctl.
- * Does:     tells the format, holds the arrays, compares two frames.
+ * Does:     tells the format, holds the arrays or a part of them, compares two frames.
  * Does not: parse; see ply.c, obj.c, stl.c and glb.c.
  * Threads:  [any]; nothing is shared.
  * Source:   meshfile.h.
@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+#include "coordinates.h"
 
 static bool has_ending(const char *path, const char *ending)
 {
@@ -44,13 +46,13 @@ static const struct format {
     const char *ending;
     bool (*has_magic)(const struct ctl_file *file); /* NULL: its name alone tells */
     ctl_file_judge judge;
-    int (*parse)(const struct ctl_file *file, struct ctl_mesh *mesh,
-                 struct ctl_error *error);
+    bool is_read_whole; /* parse wants all of the file in memory, and makes all */
+    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 } formats[] = {
-    {".ply", has_ply_magic, ctl_ply_judge, ctl_ply_parse},
-    {".glb", has_glb_magic, ctl_glb_judge, ctl_glb_parse},
-    {".obj", NULL, judge_obj, ctl_obj_parse},
-    {".stl", NULL, ctl_stl_judge, ctl_stl_parse},
+    {".ply", has_ply_magic, ctl_ply_judge, false, ctl_ply_parse},
+    {".glb", has_glb_magic, ctl_glb_judge, true, ctl_glb_parse},
+    {".obj", NULL, judge_obj, false, ctl_obj_parse},
+    {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -91,35 +93,137 @@ static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *
     return format != NULL ? format->judge(begin, is_text, error) : PCCD_E_FORMAT;
 }
 
-int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
+/* ---- parts ------------------------------------------------------------------------- */
+
+/* Of `count` things, the first of piece `number`. */
+static uint64_t piece_first(const struct ctl_part *part, uint64_t count, uint32_t number)
 {
-    struct ctl_file file = {.path = path, .data = NULL, .bytes = 0};
-    struct ctl_mesh read = {0};
-    int status = ctl_file_read(path, judge, &file, error);
+    uint64_t each = count / part->count, more = count % part->count;
+    return each * number + more * number / part->count;
+}
+
+void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count)
+{
+    struct ctl_part *part = &mesh->part;
+    if (part->count == 0) {
+        return;
+    }
+    /* What an OBJ file has beyond what was counted is the last one's. */
+    bool is_last = part->number + 1 == part->count;
+    part->leaves_out = row < piece_first(part, count, part->number) ||
+                       (!is_last && row >= piece_first(part, count, part->number + 1));
+}
+
+/* Of array[*count] the piece; *total is its number of items. The memory is given back by
+ * a smaller copy, as an array that shrinks in its place may leave a hole behind it. */
+static void *keep(const struct ctl_part *part, void *array, uint32_t *count,
+                  uint32_t *total, size_t item_bytes)
+{
+    uint64_t first = piece_first(part, *count, part->number);
+    uint64_t kept = piece_first(part, *count, part->number + 1) - first;
+    *total = *count;
+    *count = (uint32_t)kept;
+    if (array == NULL) {
+        return NULL;
+    }
+    const char *from = (const char *)array + first * item_bytes;
+    void *copy = malloc(kept * item_bytes + 1);
+    if (copy == NULL) {
+        memmove(array, from, kept * item_bytes);
+        return array;
+    }
+    memcpy(copy, from, kept * item_bytes);
+    free(array);
+    return copy;
+}
+
+/* Of a mesh that was read whole, the piece. */
+static void keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count)
+{
+    struct ctl_part *part = &mesh->part;
+    *part = (struct ctl_part){.number = number, .count = count};
+    part->vertex_first = (uint32_t)piece_first(part, mesh->vertex_count, number);
+    mesh->x = keep(part, mesh->x, &mesh->vertex_count, &part->vertex_total,
+                   common_vertex_bytes(mesh->format));
+    mesh->triangles = keep(part, mesh->triangles, &mesh->triangle_count,
+                           &part->triangle_total, sizeof *mesh->triangles);
+    mesh->edges = keep(part, mesh->edges, &mesh->edge_count, &part->edge_total,
+                       sizeof *mesh->edges);
+    mesh->points = keep(part, mesh->points, &mesh->point_count, &part->point_total,
+                        sizeof *mesh->points);
+    mesh->triangle_capacity = mesh->triangle_count;
+    mesh->edge_capacity = mesh->edge_count;
+    mesh->point_capacity = mesh->point_count;
+}
+
+/* ---- reading ----------------------------------------------------------------------- */
+
+static int parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    if (file->bytes == 0) {
+        return ctl_error_set(error, PCCD_E_FORMAT, "%s: the file is empty", file->path);
+    }
+    const struct format *format = format_of(file, error);
+    if (format == NULL) {
+        return PCCD_E_FORMAT;
+    }
+    if (!format->is_read_whole) {
+        int status = format->parse(file, mesh, error);
+        int reading = ctl_file_status(file, error);
+        return reading != PCCD_OK ? reading : status;
+    }
+    const struct ctl_part part = mesh->part;
+    mesh->part = (struct ctl_part){.count = 0};
+    int status = ctl_file_load(file, error);
+    if (status == PCCD_OK) {
+        status = format->parse(file, mesh, error);
+    }
+    if (status == PCCD_OK && part.count > 0) {
+        keep_part(mesh, part.number, part.count);
+    }
+    return status;
+}
+
+/* Of a mesh that was read without an error. */
+static int judge_counts(const char *path, const struct ctl_mesh *mesh,
+                        struct ctl_error *error)
+{
+    const struct ctl_part *part = &mesh->part;
+    bool is_part = part->count > 0;
+    uint32_t vertices = is_part ? part->vertex_total : mesh->vertex_count;
+    bool has_any = mesh->triangle_count + mesh->edge_count + mesh->point_count > 0 ||
+                   part->triangle_total + part->edge_total + part->point_total > 0;
+    return vertices == 0 ? ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path)
+           : !has_any    ? ctl_error_set(error, PCCD_E_FORMAT,
+                                         "%s: no faces, edges or points", path)
+                         : PCCD_OK;
+}
+
+int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
+                       struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    struct ctl_file file;
+    struct ctl_mesh made = {.part = {.number = number, .count = count}};
+    int status = ctl_file_open(path, judge, &file, error);
     if (status != PCCD_OK) {
         return status;
     }
-    if (file.bytes == 0) {
-        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: the file is empty", path);
-    } else {
-        const struct format *format = format_of(&file, error);
-        status = format != NULL ? format->parse(&file, &read, error) : PCCD_E_FORMAT;
-    }
-    if (status == PCCD_OK && read.vertex_count == 0) {
-        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);
-    }
-    if (status == PCCD_OK &&
-        read.triangle_count + read.edge_count + read.point_count == 0) {
-        status =
-            ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces, edges or points", path);
-    }
+    status = parse(&file, &made, error);
     ctl_file_deinit(&file);
     if (status == PCCD_OK) {
-        *mesh = read;
+        status = judge_counts(path, &made, error);
+    }
+    if (status == PCCD_OK) {
+        *mesh = made;
     } else {
-        ctl_mesh_deinit(&read);
+        ctl_mesh_deinit(&made);
     }
     return status;
+}
+
+int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    return ctl_mesh_read_part(path, 0, 0, mesh, error);
 }
 
 void ctl_mesh_deinit(struct ctl_mesh *mesh)
@@ -220,13 +324,21 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
                              (unsigned long long)count,
                              (unsigned long long)CTL_MESH_COUNT_MAX);
     }
-    mesh->x = malloc((size_t)count * bytes);
+    struct ctl_part *part = &mesh->part;
+    uint64_t first = 0, kept = count;
+    if (part->count > 0) {
+        first = piece_first(part, count, part->number);
+        kept = piece_first(part, count, part->number + 1) - first;
+    }
+    mesh->x = malloc((size_t)kept * bytes + 1);
     if (mesh->x == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu vertices", path,
-                             (unsigned long long)count);
+                             (unsigned long long)kept);
     }
     mesh->format = format;
-    mesh->vertex_count = (uint32_t)count;
+    mesh->vertex_count = (uint32_t)kept;
+    part->vertex_first = (uint32_t)first;
+    part->vertex_total = (uint32_t)count;
     return PCCD_OK;
 }
 
@@ -238,6 +350,10 @@ bool ctl_mesh_coordinate_ok(double value)
 
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
 {
+    index -= (size_t)mesh->part.vertex_first * 3; /* beyond all if it is before them */
+    if (index >= (size_t)mesh->vertex_count * 3) {
+        return;
+    }
     if (mesh->format == PCCD_FORMAT_F32) {
         ((float *)mesh->x)[index] = (float)value;
     } else {
@@ -245,16 +361,19 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
     }
 }
 
-/* Room for one more item of `bytes` in *items, of which there are `count`. */
+/* Count one more item of `bytes`, of *total in the file, and make room for it in *items,
+ * of which there are `count`. */
 static int grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
-                const char *names, const char *path, struct ctl_error *error)
+                uint32_t *total, bool is_kept, const char *names, const char *path,
+                struct ctl_error *error)
 {
     void *before;
-    if (count == CTL_MESH_COUNT_MAX) {
+    if (*total == CTL_MESH_COUNT_MAX) {
         return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than %llu %s", path,
                              (unsigned long long)CTL_MESH_COUNT_MAX, names);
     }
-    if (count < *capacity) {
+    ++*total;
+    if (!is_kept || count < *capacity) {
         return PCCD_OK;
     }
     uint64_t wanted = (uint64_t)*capacity * 2 + 1024;
@@ -274,8 +393,9 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
                           const char *path, struct ctl_error *error)
 {
     int status = grow(&mesh->triangles, sizeof *mesh->triangles, mesh->triangle_count,
-                      &mesh->triangle_capacity, "triangles", path, error);
-    if (status == PCCD_OK) {
+                      &mesh->triangle_capacity, &mesh->part.triangle_total,
+                      !mesh->part.leaves_out, "triangles", path, error);
+    if (status == PCCD_OK && !mesh->part.leaves_out) {
         memcpy(mesh->triangles[mesh->triangle_count++], corners, sizeof *mesh->triangles);
     }
     return status;
@@ -284,9 +404,10 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
 int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
                       struct ctl_error *error)
 {
-    int status = grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count,
-                      &mesh->edge_capacity, "edges", path, error);
-    if (status == PCCD_OK) {
+    int status =
+        grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count, &mesh->edge_capacity,
+             &mesh->part.edge_total, !mesh->part.leaves_out, "edges", path, error);
+    if (status == PCCD_OK && !mesh->part.leaves_out) {
         memcpy(mesh->edges[mesh->edge_count++], ends, sizeof *mesh->edges);
     }
     return status;
@@ -296,8 +417,9 @@ int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
                        struct ctl_error *error)
 {
     int status = grow(&mesh->points, sizeof *mesh->points, mesh->point_count,
-                      &mesh->point_capacity, "points", path, error);
-    if (status == PCCD_OK) {
+                      &mesh->point_capacity, &mesh->part.point_total,
+                      !mesh->part.leaves_out, "points", path, error);
+    if (status == PCCD_OK && !mesh->part.leaves_out) {
         mesh->points[mesh->point_count++] = vertex;
     }
     return status;

@@ -26,7 +26,17 @@
 #define CTL_MESH_COUNT_MAX      ((uint64_t)INT32_MAX)
 #define CTL_MESH_COORDINATE_MAX 1e18
 
-/* Fill with {0}. The arrays belong to the mesh. */
+/* What is kept of a file of which several processes keep a part each: piece `number` of
+ * `count` of its vertices, of its rows of faces, of edges and of points, each cut into
+ * equal runs. A polygon is one row, so pieces may have unequal numbers of triangles. */
+struct ctl_part {
+    uint32_t number, count; /* count 0: all is kept */
+    uint32_t vertex_first;  /* of those that are kept */
+    uint32_t vertex_total, triangle_total, edge_total, point_total; /* of the file */
+    bool leaves_out; /* the row that is read now */
+};
+
+/* Fill with {0}. The arrays belong to the mesh, and have what is kept. */
 struct ctl_mesh {
     enum pccd_format
         format; /* of x: float if the file's coordinates are exact in float */
@@ -39,6 +49,7 @@ struct ctl_mesh {
     uint32_t point_count, point_capacity;
     uint32_t (*edges)[2];
     uint32_t *points;
+    struct ctl_part part;
 };
 
 /* Read `path`; the kind is told by the first bytes "ply" or "glTF", else by the ending
@@ -48,6 +59,11 @@ struct ctl_mesh {
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
  * file, the line or byte, and what was wrong there. */
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
+/* The same, and keep piece `number` of `count` of it. Of PLY and OBJ no more than that is
+ * ever in memory, beside a window of the file; of the others all, for a while. All of the
+ * file is judged. */
+int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
+                       struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
 /* Whether a file has the name of a mesh file. */
 bool ctl_mesh_is_named(const char *path);
@@ -59,12 +75,15 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
                    const char *path_b, struct ctl_error *error);
 
-/* For the readers. */
+/* For the readers, whose numbers are those of the file: what is not kept of a mesh is
+ * judged and counted only. `count` is of all vertices. */
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
                             uint64_t count, const char *path, struct ctl_error *error);
 bool ctl_mesh_coordinate_ok(double value);
 /* Store one coordinate; the index is vertex * 3 + axis. */
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
+/* What is added next is of this row, of so many. */
+void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
                           const char *path, struct ctl_error *error);
 int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
@@ -74,17 +93,13 @@ int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
 
 /* The formats. `mesh` is empty before and the caller's to deinit after, also on
  * error. */
-int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error);
+int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 /* Of the beginning of a file: whether its header can be true; and whether it is ascii. */
 int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error);
-int ctl_stl_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error);
+int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
+int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_glb_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error);
+int ctl_glb_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_glb_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 
 #endif

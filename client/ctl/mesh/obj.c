@@ -24,13 +24,19 @@ static const char *const ignored[] = {
     "c_interp", "d_interp", "shadow_obj", "trace_obj", "vp",
 };
 
+/* Statements of the file. */
+struct obj_counts {
+    uint64_t vertices, faces, lines, points;
+};
+
 struct obj_reader {
-    const struct ctl_file *file;
+    struct ctl_file *file;
     struct ctl_mesh *mesh;
     struct ctl_error *error;
     struct ctl_text text;
     uint64_t line_begin; /* where the statement at hand begins, for messages */
-    uint64_t vertex_seen;
+    uint64_t vertex_seen, face_seen, line_seen, points_seen;
+    struct obj_counts counts;
 };
 
 static int fail(struct obj_reader *reader, int status, const char *format, ...)
@@ -56,16 +62,20 @@ static bool next_statement(struct obj_reader *reader, struct ctl_word *statement
     }
     reader->line_begin = reader->text.line;
     *statement = line;
+    reader->text.keep = line.at; /* the lines of a statement stay together */
     while (line.end > line.at && line.end[-1] == '\\') {
-        char *gap = reader->file->data + (line.end - 1 - reader->file->data);
-        size_t gap_bytes = (size_t)(reader->text.at - gap);
-        if (!ctl_text_line(&reader->text, &line)) {
-            statement->end = gap;
+        size_t gap = (size_t)(line.end - 1 - reader->text.keep);
+        size_t gap_bytes = (size_t)(reader->text.at - reader->text.keep) - gap;
+        bool goes_on = ctl_text_line(&reader->text, &line);
+        *statement = (struct ctl_word){reader->text.keep, reader->text.keep + gap};
+        if (!goes_on) {
             break;
         }
-        memset(gap, ' ', gap_bytes);
+        memset(reader->file->data + (statement->end - reader->file->data), ' ',
+               gap_bytes);
         statement->end = line.end;
     }
+    reader->text.keep = NULL;
     /* A comment reaches to the end of the line. */
     const char *hash =
         memchr(statement->at, '#', (size_t)(statement->end - statement->at));
@@ -75,22 +85,26 @@ static bool next_statement(struct obj_reader *reader, struct ctl_word *statement
     return true;
 }
 
-/* Vertices in the file, so that they are allocated once: statements that begin with "v".
- * A line that continues another is no statement. */
-static uint64_t count_vertices(const struct ctl_file *file)
+/* Statements in the file, so that vertices are allocated once and a part knows where it
+ * begins. A line that continues another is no statement. */
+static struct obj_counts count_statements(struct ctl_file *file)
 {
-    struct ctl_text text = {.at = file->data, .end = file->data + file->bytes, .line = 0};
+    struct ctl_text text = ctl_text_begin(file);
     struct ctl_word line, word;
-    uint64_t count = 0;
+    struct obj_counts counts = {0, 0, 0, 0};
     bool is_continued = false;
     while (ctl_text_line(&text, &line)) {
         bool is_start = !is_continued;
         is_continued = line.end > line.at && line.end[-1] == '\\';
-        if (is_start && ctl_word_next(&line, &word) && ctl_word_is(&word, "v")) {
-            count++;
+        if (!is_start || !ctl_word_next(&line, &word)) {
+            continue;
         }
+        counts.vertices += ctl_word_is(&word, "v");
+        counts.faces += ctl_word_is(&word, "f");
+        counts.lines += ctl_word_is(&word, "l");
+        counts.points += ctl_word_is(&word, "p");
     }
-    return count;
+    return counts;
 }
 
 static int read_vertex(struct obj_reader *reader, struct ctl_word *line)
@@ -98,7 +112,7 @@ static int read_vertex(struct obj_reader *reader, struct ctl_word *line)
     double values[7];
     uint32_t count = 0;
     struct ctl_word word;
-    if (reader->vertex_seen == reader->mesh->vertex_count) {
+    if (reader->vertex_seen == reader->counts.vertices) {
         return fail(reader, PCCD_E_FORMAT, "a vertex that begins on a continued line");
     }
     while (ctl_word_next(line, &word)) {
@@ -143,7 +157,7 @@ static int read_corner(struct obj_reader *reader, const struct ctl_word *word,
                     ctl_word_length(word), word->at);
     }
     int64_t seen = (int64_t)reader->vertex_seen;
-    int64_t known = (int64_t)reader->mesh->vertex_count;
+    int64_t known = (int64_t)reader->counts.vertices;
     if (value < 0 && value >= -seen) {
         value += seen;
     } else if (value > 0 && value <= known) {
@@ -240,12 +254,15 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
         return read_vertex(reader, line);
     }
     if (ctl_word_is(&word, "f")) {
+        ctl_mesh_begin_row(reader->mesh, reader->face_seen++, reader->counts.faces);
         return read_face(reader, line);
     }
     if (ctl_word_is(&word, "l")) {
+        ctl_mesh_begin_row(reader->mesh, reader->line_seen++, reader->counts.lines);
         return read_line(reader, line);
     }
     if (ctl_word_is(&word, "p")) {
+        ctl_mesh_begin_row(reader->mesh, reader->points_seen++, reader->counts.points);
         return read_points(reader, line);
     }
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++) {
@@ -257,20 +274,24 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
                 ctl_word_length(&word), word.at);
 }
 
-int ctl_obj_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error)
+int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct obj_reader reader = {
         .file = file,
         .mesh = mesh,
         .error = error,
-        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+        .counts = count_statements(file),
     };
     struct ctl_word statement;
-    int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, count_vertices(file),
+    reader.text = ctl_text_begin(file);
+    int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, reader.counts.vertices,
                                          file->path, error);
     while (status == PCCD_OK && next_statement(&reader, &statement)) {
         status = read_statement(&reader, &statement);
+    }
+    if (status == PCCD_OK && reader.vertex_seen < reader.counts.vertices) {
+        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: it changed while it was read",
+                               file->path);
     }
     return status;
 }

@@ -31,6 +31,12 @@ struct body_reader {
     uint32_t ends[2];                  /* of the edge in that row */
 };
 
+/* Where the next one is. */
+static uint64_t byte_of(const struct body_reader *reader)
+{
+    return reader->file->offset + (uint64_t)(reader->text.at - reader->file->data);
+}
+
 /* The place, the element's row, and what was wrong. */
 static int fail(struct body_reader *reader, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -45,8 +51,7 @@ static int fail(struct body_reader *reader, int status, const char *format, ...)
     if (reader->header->encoding == PLY_ASCII) {
         snprintf(where, sizeof where, ":%" PRIu64, reader->text.line);
     } else {
-        snprintf(where, sizeof where, ": byte %zu",
-                 (size_t)(reader->text.at - reader->file->data));
+        snprintf(where, sizeof where, ": byte %" PRIu64, byte_of(reader));
     }
     return ctl_error_set(reader->error, status, "%s%s: %.*s %" PRIu64 ": %s",
                          reader->file->path, where,
@@ -97,7 +102,7 @@ static double decode(uint64_t bits, enum ply_type type)
 static int read_binary(struct body_reader *reader, enum ply_type type, double *value)
 {
     size_t bytes = ctl_ply_type_bytes(type);
-    if ((size_t)(reader->text.end - reader->text.at) < bytes) {
+    if (!ctl_text_more(&reader->text, bytes)) {
         return fail(reader, PCCD_E_FORMAT, "the file ends here");
     }
     *value = decode(load_bits(reader->text.at, bytes, reader->header->encoding), type);
@@ -230,8 +235,9 @@ static int read_list(struct body_reader *reader, const struct ply_property *prop
         return status;
     }
     /* Each item takes a byte at least, so the file's size bounds the count. */
-    if (!(value >= 0 && value <= (double)(reader->text.end - reader->file->data)) ||
-        value != floor(value)) {
+    const struct ctl_file *file = reader->file;
+    uint64_t bytes = file->offset + file->bytes + file->rest_bytes;
+    if (!(value >= 0 && value <= (double)bytes) || value != floor(value)) {
         return fail(reader, PCCD_E_FORMAT, "%.17g is not a possible list length", value);
     }
     uint64_t count = (uint64_t)value;
@@ -263,6 +269,7 @@ static int read_row(struct body_reader *reader)
     bool is_edge = false;
     struct ctl_word surplus;
     int status = is_ascii ? begin_row(reader) : PCCD_OK;
+    ctl_mesh_begin_row(reader->mesh, reader->row, reader->element->count);
     for (uint32_t i = 0; i < reader->element->property_count && status == PCCD_OK; i++) {
         const struct ply_property *property =
             &reader->header->properties[reader->element->property_first + i];
@@ -293,14 +300,16 @@ static int check_end(struct body_reader *reader)
 {
     struct ctl_word line, word;
     if (reader->header->encoding != PLY_ASCII) {
-        if (reader->text.at == reader->text.end) {
+        if (!ctl_text_more(&reader->text, 1)) {
             return PCCD_OK;
         }
-        size_t left = (size_t)(reader->text.end - reader->text.at);
-        return ctl_error_set(
-            reader->error, PCCD_E_FORMAT, "%s: byte %zu: %zu %s after the last element",
-            reader->file->path, (size_t)(reader->text.at - reader->file->data), left,
-            proto_plural(left, "byte", "bytes"));
+        uint64_t left =
+            (uint64_t)(reader->text.end - reader->text.at) + reader->file->rest_bytes;
+        return ctl_error_set(reader->error, PCCD_E_FORMAT,
+                             "%s: byte %" PRIu64 ": %" PRIu64
+                             " %s after the last element",
+                             reader->file->path, byte_of(reader), left,
+                             proto_plural(left, "byte", "bytes"));
     }
     while (ctl_text_line(&reader->text, &line)) {
         if (ctl_word_next(&line, &word)) {
@@ -313,8 +322,7 @@ static int check_end(struct body_reader *reader)
     return PCCD_OK;
 }
 
-int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error)
+int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct ply_header *header = malloc(sizeof *header);
     struct body_reader reader = {
@@ -322,7 +330,7 @@ int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
         .header = header,
         .mesh = mesh,
         .error = error,
-        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+        .text = ctl_text_begin(file),
     };
     if (header == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
@@ -345,7 +353,9 @@ int ctl_ply_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
         status = check_end(&reader);
     }
     bool is_cloud = header->face_count + header->edge_count == 0;
-    for (uint32_t v = 0; status == PCCD_OK && is_cloud && v < mesh->vertex_count; v++) {
+    uint32_t vertices = status == PCCD_OK && is_cloud ? mesh->part.vertex_total : 0;
+    for (uint32_t v = 0; status == PCCD_OK && v < vertices; v++) {
+        ctl_mesh_begin_row(mesh, v, vertices);
         status = ctl_mesh_add_point(mesh, v, file->path, error);
     }
     free(header);

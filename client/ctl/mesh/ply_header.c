@@ -8,6 +8,8 @@
  */
 #include "ply_header.h"
 
+#include <string.h>
+
 #include "meshfile.h"
 
 static const struct {
@@ -386,6 +388,18 @@ static int check_header(struct header_reader *reader)
     return PCCD_OK;
 }
 
+/* The text that they lie in does not stay. */
+static void copy_names(struct ply_header *header)
+{
+    for (uint32_t i = 0; i < header->element_count; i++) {
+        struct ctl_word *name = &header->elements[i].name;
+        size_t bytes = (size_t)(name->end - name->at);
+        bytes = bytes < PLY_NAME_BYTES ? bytes : PLY_NAME_BYTES;
+        memcpy(header->names[i], name->at, bytes);
+        *name = (struct ctl_word){header->names[i], header->names[i] + bytes};
+    }
+}
+
 int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
                    struct ply_header *header, struct ctl_error *error)
 {
@@ -409,5 +423,7 @@ int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
             return status;
         }
     }
-    return check_header(&reader);
+    int status = check_header(&reader);
+    copy_names(header);
+    return status;
 }

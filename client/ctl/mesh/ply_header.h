@@ -19,6 +19,7 @@
 
 #define PLY_ELEMENTS_MAX   32
 #define PLY_PROPERTIES_MAX 256 /* of all elements together */
+#define PLY_NAME_BYTES     48  /* of an element's name, for messages */
 
 enum ply_encoding { PLY_NONE, PLY_ASCII, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN };
 
@@ -64,6 +65,7 @@ struct ply_header {
     uint32_t property_count;
     struct ply_element elements[PLY_ELEMENTS_MAX];
     struct ply_property properties[PLY_PROPERTIES_MAX];
+    char names[PLY_ELEMENTS_MAX][PLY_NAME_BYTES];
     uint64_t vertex_count;
     uint64_t face_count; /* 0: there are none */
     uint64_t edge_count; /* likewise */
@@ -73,7 +75,8 @@ struct ply_header {
 /* Read the header at text's start; afterwards text stands at the first byte of the body.
  * On success: there is one element "vertex" with scalar x, y, z, and maybe one "face"
  * with a list of indices, and one "edge" with scalar vertex1 and vertex2; no element can
- * be longer than the file. */
+ * be longer than the file. Names of elements lie in the header then, and may be cut; those
+ * of properties lie in the text, which may move. */
 int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
                    struct ply_header *header, struct ctl_error *error);
 

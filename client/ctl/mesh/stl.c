@@ -247,14 +247,13 @@ static int read_ascii(struct stl_reader *reader)
     return status;
 }
 
-int ctl_stl_parse(const struct ctl_file *file, struct ctl_mesh *mesh,
-                  struct ctl_error *error)
+int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct stl_reader reader = {
         .file = file,
         .mesh = mesh,
         .error = error,
-        .text = {.at = file->data, .end = file->data + file->bytes, .line = 0},
+        .text = ctl_text_begin(file),
     };
     mesh->format = PCCD_FORMAT_F32;
     int status = is_binary(file->data, file->bytes, file->bytes) ? read_binary(&reader)

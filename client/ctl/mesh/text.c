@@ -1,8 +1,8 @@
-/* client/ctl/mesh/text.c - lines and words of a file that lies in memory.
+/* client/ctl/mesh/text.c - lines and words of a file.
  *
  * Room:     client/ctl.
- * Does:     reads a whole file if its beginning is that of one, splits it into lines and
- *           words, turns words into numbers.
+ * Does:     reads a file, if its beginning is that of one, as far as its reader has come;
+ *           splits it into lines and words, turns words into numbers.
  * Does not: know any file format.
  * Threads:  [any]; nothing is shared.
  * Source:   text.h. The program never calls setlocale, so numbers are read as in the C
@@ -12,6 +12,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,36 +22,27 @@
 
 /* First allocation for something whose size is not known, such as a pipe. */
 #define READ_BYTES_MIN ((size_t)1 << 16)
-/* Of a larger file so much is judged before the rest is read. */
-#define HEAD_BYTES ((size_t)1 << 20)
+/* The window of a larger file, of which it is judged before the rest is read. */
+#define WINDOW_BYTES ((size_t)1 << 20)
 /* Read at a time, so that a hole in a text is found soon. */
 #define READ_BYTES_MAX ((size_t)1 << 22)
 /* Longest piece of a word that a message quotes. */
 #define QUOTE_CHARS_MAX 40
 
-/* A file that is being read. */
-struct loading {
-    int fd;
-    size_t capacity; /* of file.data */
-    bool is_text;
-    struct ctl_file file;
-};
-
-static int no_memory(const struct loading *loading, size_t bytes, struct ctl_error *error)
+static int no_memory(const struct ctl_file *file, size_t bytes, struct ctl_error *error)
 {
-    return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes",
-                         loading->file.path, bytes);
+    return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %zu bytes", file->path,
+                         bytes);
 }
 
-static int grow(struct loading *loading, size_t capacity, struct ctl_error *error)
+static int grow(struct ctl_file *file, size_t capacity, struct ctl_error *error)
 {
-    char *grown =
-        capacity > loading->capacity ? realloc(loading->file.data, capacity) : NULL;
+    char *grown = capacity > file->capacity ? realloc(file->data, capacity) : NULL;
     if (grown == NULL) {
-        return no_memory(loading, capacity, error);
+        return no_memory(file, capacity, error);
     }
-    loading->file.data = grown;
-    loading->capacity = capacity;
+    file->data = grown;
+    file->capacity = capacity;
     return PCCD_OK;
 }
 
@@ -59,26 +51,26 @@ static int look_for_hole(const struct ctl_file *file, size_t first,
                          struct ctl_error *error)
 {
     const char *hole = memchr(file->data + first, 0, file->bytes - first);
-    return hole == NULL ? PCCD_OK
-                        : ctl_error_set(error, PCCD_E_FORMAT,
-                                        "%s: byte %zu is zero, which no text has",
-                                        file->path, (size_t)(hole - file->data));
+    return hole == NULL
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_FORMAT,
+                               "%s: byte %" PRIu64 " is zero, which no text has",
+                               file->path, file->offset + (uint64_t)(hole - file->data));
 }
 
-/* Read on until `bytes` are there, or all. */
-static int read_up_to(struct loading *loading, size_t bytes, struct ctl_error *error)
+/* Read on until `bytes` are in memory, or all. */
+static int read_up_to(struct ctl_file *file, size_t bytes, struct ctl_error *error)
 {
-    struct ctl_file *file = &loading->file;
-    while (file->bytes < bytes) {
-        if (file->bytes + 1 >= loading->capacity &&
-            grow(loading, loading->capacity * 2, error) != PCCD_OK) {
+    while (file->bytes < bytes && file->has_more) {
+        if (file->bytes + 1 >= file->capacity &&
+            grow(file, file->capacity * 2, error) != PCCD_OK) {
             return PCCD_E_NOMEM;
         }
-        size_t room = loading->capacity - file->bytes - 1;
+        size_t room = file->capacity - file->bytes - 1;
         size_t wanted = bytes - file->bytes < room ? bytes - file->bytes : room;
         char *to = file->data + file->bytes;
         ssize_t got =
-            read(loading->fd, to, wanted < READ_BYTES_MAX ? wanted : READ_BYTES_MAX);
+            read(file->fd, to, wanted < READ_BYTES_MAX ? wanted : READ_BYTES_MAX);
         if (got < 0 && errno == EINTR) {
             continue;
         }
@@ -86,80 +78,152 @@ static int read_up_to(struct loading *loading, size_t bytes, struct ctl_error *e
             return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot read: %s", file->path,
                                  strerror(errno));
         }
-        if (got == 0) {
-            break;
-        }
+        file->has_more = got > 0;
         file->bytes += (size_t)got;
-        if (loading->is_text && look_for_hole(file, file->bytes - (size_t)got, error)) {
+        if (file->is_text && look_for_hole(file, file->bytes - (size_t)got, error)) {
             return PCCD_E_FORMAT;
         }
     }
+    uint64_t read = file->offset + file->bytes;
     file->data[file->bytes] = '\0';
+    file->rest_bytes = file->has_more && file->size > read ? file->size - read : 0;
     return PCCD_OK;
 }
 
-/* The first bytes of a large file, then, if they may be the beginning of one, all. */
-static int read_all(struct loading *loading, uint64_t size, ctl_file_judge judge,
-                    struct ctl_error *error)
+/* The first bytes of a large file, or all. */
+static int begin(struct ctl_file *file, ctl_file_judge judge, struct ctl_error *error)
 {
-    struct ctl_file *file = &loading->file;
-    int status = PCCD_OK;
-    if (size > HEAD_BYTES) {
-        status = read_up_to(loading, HEAD_BYTES, error);
-        file->rest_bytes = size > file->bytes ? size - file->bytes : 0;
-        if (status == PCCD_OK) {
-            status = judge(file, &loading->is_text, error);
-        }
-        if (status == PCCD_OK && loading->is_text) {
-            status = look_for_hole(file, 0, error);
-        }
-        file->rest_bytes = 0;
-    }
+    bool is_large = file->size > WINDOW_BYTES;
+    size_t capacity = is_large                      ? WINDOW_BYTES
+                      : file->size > READ_BYTES_MIN ? (size_t)file->size
+                                                    : READ_BYTES_MIN;
     /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
-    if (status == PCCD_OK && size >= SIZE_MAX - 2) {
-        status = no_memory(loading, SIZE_MAX, error);
-    } else if (status == PCCD_OK && size + 2 > loading->capacity) {
-        status = grow(loading, (size_t)size + 2, error);
+    int status = grow(file, capacity + 2, error);
+    if (status == PCCD_OK) {
+        status = read_up_to(file, is_large ? WINDOW_BYTES : SIZE_MAX, error);
     }
-    return status == PCCD_OK ? read_up_to(loading, SIZE_MAX, error) : status;
+    if (status == PCCD_OK && is_large) {
+        status = judge(file, &file->is_text, error);
+    }
+    return status == PCCD_OK && file->is_text ? look_for_hole(file, 0, error) : status;
 }
 
-int ctl_file_read(const char *path, ctl_file_judge judge, struct ctl_file *file,
+int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error)
 {
-    struct loading loading = {.fd = open(path, O_RDONLY | O_CLOEXEC), .file.path = path};
     struct stat info;
-    int status;
-    if (loading.fd < 0) {
+    *file = (struct ctl_file){.path = path, .fd = open(path, O_RDONLY | O_CLOEXEC)};
+    if (file->fd < 0) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot open: %s", path,
                              strerror(errno));
     }
-    if (fstat(loading.fd, &info) != 0) {
+    file->is_open = file->has_more = true;
+    int status = PCCD_OK;
+    if (fstat(file->fd, &info) != 0) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot stat: %s", path,
                                strerror(errno));
-        goto done;
-    }
-    uint64_t size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
-    status = grow(&loading, size > HEAD_BYTES ? HEAD_BYTES + 2 : READ_BYTES_MIN, error);
-    if (status == PCCD_OK) {
-        status = read_all(&loading, size, judge, error);
-    }
-done:
-    close(loading.fd);
-    if (status != PCCD_OK) {
-        free(loading.file.data);
     } else {
-        *file = loading.file;
+        file->size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
+        status = begin(file, judge, error);
+    }
+    if (status != PCCD_OK) {
+        ctl_file_deinit(file);
     }
     return status;
 }
 
+int ctl_file_load(struct ctl_file *file, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    if (file->size >= SIZE_MAX - 2) {
+        status = no_memory(file, SIZE_MAX, error);
+    } else if (file->has_more && file->size + 2 > file->capacity) {
+        status = grow(file, (size_t)file->size + 2, error);
+    }
+    return status == PCCD_OK ? read_up_to(file, SIZE_MAX, error) : status;
+}
+
+int ctl_file_status(const struct ctl_file *file, struct ctl_error *error)
+{
+    return file->status == PCCD_OK
+               ? PCCD_OK
+               : ctl_error_set(error, file->status, "%s", file->failure.text);
+}
+
 void ctl_file_deinit(struct ctl_file *file)
 {
+    if (file->is_open) {
+        (void)close(file->fd);
+    }
     free(file->data);
-    file->data = NULL;
-    file->bytes = 0;
+    *file = (struct ctl_file){.path = file->path};
 }
+
+/* ---- the window -------------------------------------------------------------------- */
+
+/* What goes wrong is kept, and the file ends there. */
+static void read_window(struct ctl_file *file, size_t bytes)
+{
+    file->status = read_up_to(file, bytes, &file->failure);
+    if (file->status != PCCD_OK) {
+        file->bytes = 0;
+        file->data[0] = '\0';
+        file->rest_bytes = 0;
+        file->has_more = false;
+    }
+}
+
+/* The window begins at `from` then, and has `bytes` if the file has so many. */
+static void move_window(struct ctl_file *file, const char *from, size_t bytes)
+{
+    size_t passed = (size_t)(from - file->data), capacity = file->capacity;
+    file->bytes -= passed;
+    file->offset += passed;
+    memmove(file->data, from, file->bytes);
+    /* A line that is longer than half of it: twice as much, so that few moves do. */
+    while (capacity / 2 < bytes && capacity < SIZE_MAX / 2) {
+        capacity *= 2;
+    }
+    file->status =
+        capacity > file->capacity ? grow(file, capacity, &file->failure) : PCCD_OK;
+    if (file->status == PCCD_OK) {
+        read_window(file, file->capacity - 1);
+    } else {
+        file->has_more = false;
+    }
+}
+
+struct ctl_text ctl_text_begin(struct ctl_file *file)
+{
+    if (file->offset > 0 && file->status == PCCD_OK) {
+        file->bytes = 0;
+        file->offset = 0;
+        file->has_more = lseek(file->fd, 0, SEEK_SET) == 0;
+        read_window(file, file->capacity - 1);
+    }
+    return (struct ctl_text){
+        .at = file->data, .end = file->data + file->bytes, .line = 0, .file = file};
+}
+
+bool ctl_text_more(struct ctl_text *text, size_t bytes)
+{
+    struct ctl_file *file = text->file;
+    const char *from = text->keep != NULL ? text->keep : text->at;
+    if ((size_t)(text->end - text->at) >= bytes) {
+        return true;
+    }
+    if (file == NULL || !file->has_more) {
+        return false;
+    }
+    size_t before = (size_t)(text->at - from);
+    move_window(file, from, before + bytes);
+    text->end = file->data + file->bytes;
+    text->at = file->data + (before < file->bytes ? before : file->bytes);
+    text->keep = text->keep != NULL ? file->data : NULL;
+    return (size_t)(text->end - text->at) >= bytes;
+}
+
+/* ---- lines and words --------------------------------------------------------------- */
 
 uint32_t ctl_file_word(const char *at)
 {
@@ -170,10 +234,15 @@ uint32_t ctl_file_word(const char *at)
 
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line)
 {
+    const char *stop;
+    size_t looked = 0; /* bytes without a line end */
+    do {
+        stop = memchr(text->at + looked, '\n', (size_t)(text->end - text->at) - looked);
+        looked = (size_t)(text->end - text->at);
+    } while (stop == NULL && ctl_text_more(text, looked + 1));
     if (text->at == text->end) {
         return false;
     }
-    const char *stop = memchr(text->at, '\n', (size_t)(text->end - text->at));
     line->at = text->at;
     line->end = stop != NULL ? stop : text->end;
     text->at = stop != NULL ? stop + 1 : text->end;

@@ -1,8 +1,11 @@
-/* client/ctl/mesh/text.h - reads a text file into memory and splits it into lines, words
- * and numbers.
+/* client/ctl/mesh/text.h - reads a file from its beginning to its end, and splits text into
+ * lines, words and numbers.
+ *
+ * Of a large file a window of a mebibyte is in memory, which goes along with the reader;
+ * of others, and where a format needs it, all.
  *
  * Room:     client/ctl. May include: error.h, pccd_types.h.
- * Does:     reads a whole file, splits it into lines and words, turns words into numbers.
+ * Does:     reads files, splits them into lines and words, turns words into numbers.
  * Does not: know any file format.
  * Threads:  [any]; nothing is shared.
  * Source:   used by ply.c and obj.c.
@@ -16,13 +19,22 @@
 
 #include "error.h"
 
-/* A file in memory, or the beginning of one. data[bytes] is a NUL, so that the C number
- * parsers stop there. */
+/* A file in memory, or a window of one. data[bytes] is a NUL, so that the C number parsers
+ * stop there. */
 struct ctl_file {
     const char *path; /* the caller's; for messages */
     char *data;
     size_t bytes;
     uint64_t rest_bytes; /* of the file, after these; 0 for all of it */
+    uint64_t offset;     /* of data[0] in the file */
+    /* The rest is for text.c; all zero in a file that is in memory as a whole. */
+    uint64_t size;   /* when it was opened */
+    size_t capacity; /* of data */
+    int fd;
+    bool is_open, has_more; /* fd; behind the window */
+    bool is_text;           /* and so has no byte 0 */
+    int status;             /* of reading on: PCCD_OK, or an error and its text */
+    struct ctl_error failure;
 };
 
 /* What is thought of a file's first bytes, before the others are read, which may take
@@ -36,6 +48,11 @@ struct ctl_text {
     const char *at;
     const char *end;
     uint64_t line; /* number of the line read last, from 1; 0 before the first */
+    /* What is read on when `end` is reached, by ctl_text_line and ctl_text_more, which
+     * then move everything in memory. NULL: nothing. */
+    struct ctl_file *file;
+    const char
+        *keep; /* NULL, or from where on what was read is needed yet; it moves, too */
 };
 
 /* A run of characters in the file, not terminated. */
@@ -44,14 +61,23 @@ struct ctl_word {
     const char *end;
 };
 
-/* Read `path` (a file, or a pipe to its end). Errors: E_SYSTEM, E_NOMEM, E_FORMAT for
- * a text with a byte 0, and those of `judge`. */
-int ctl_file_read(const char *path, ctl_file_judge judge, struct ctl_file *file,
+/* Open `path` (a file, or a pipe, which is read to its end), and read the beginning of a
+ * large file, all of another. Errors: E_SYSTEM, E_NOMEM, E_FORMAT for a text with a byte
+ * 0, and those of `judge`. */
+int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error);
+/* Read all of it, before any text of it has moved. The same errors. */
+int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
+/* What went wrong when a text was read on, which then seems to end there. */
+int ctl_file_status(const struct ctl_file *file, struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
 /* Four bytes of a file that is not text, the lowest first. */
 uint32_t ctl_file_word(const char *at);
 
+/* The beginning of a file, whatever was read of it. */
+struct ctl_text ctl_text_begin(struct ctl_file *file);
+/* Whether so many bytes follow; all of them are in memory then. */
+bool ctl_text_more(struct ctl_text *text, size_t bytes);
 /* The next line without its line end (LF or CR LF); false at the end of the file. */
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line);
 /* The next word of the line, which shrinks; false when only blanks are left. */

@@ -18,7 +18,7 @@
 #include "shown.h"
 
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
-                  struct ctl_error *error)
+                  uint32_t number, uint32_t pieces, struct ctl_error *error)
 {
     int status = PCCD_OK;
     near->objects = calloc(path_count, sizeof *near->objects);
@@ -29,7 +29,8 @@ int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count
     near->object_count = path_count;
     for (uint32_t i = 0; i < path_count && status == PCCD_OK; i++) {
         near->objects[i].path = paths[i];
-        status = ctl_mesh_read(paths[i], &near->objects[i].mesh, error);
+        status =
+            ctl_mesh_read_part(paths[i], number, pieces, &near->objects[i].mesh, error);
     }
     return status;
 }

@@ -34,9 +34,10 @@ struct near_run {
     struct report_step step; /* the answer; no names of files */
 };
 
-/* Read the files. Errors: those of ctl_mesh_read. */
+/* Read the files, and keep piece `number` of `pieces` of each (ctl_mesh_read_part; 0: all).
+ * Errors: those of ctl_mesh_read. */
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
-                  struct ctl_error *error);
+                  uint32_t number, uint32_t pieces, struct ctl_error *error);
 /* Register all; with_edges: get their edges, too. */
 int near_run_begin(struct near_run *near, bool with_edges, struct ctl_error *error);
 /* Ask. The pages of the last answer go to `page`, unless that is NULL. */

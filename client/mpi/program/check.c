@@ -22,7 +22,6 @@
 #include "part.h"
 #include "pccd_mpi.h"
 #include "shown.h"
-#include "slices.h"
 #include "together.h"
 
 enum { OPTION_TIMEOUT = 256 + 24, OPTION_SHARES, OPTION_DEAL };
@@ -98,9 +97,9 @@ struct check {
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
     uint32_t object;
-    struct part before, after;
-    struct report_step *steps; /* [path_count - 1] */
-    uint32_t number;           /* of the step, from 1 */
+    struct ctl_mesh before, after; /* this rank's parts */
+    struct report_step *steps;     /* [path_count - 1] */
+    uint32_t number;               /* of the step, from 1 */
     FILE *report;
 };
 
@@ -117,10 +116,10 @@ static int read_after(struct check *check, uint32_t index, struct ctl_error *err
     char **paths = check->options->check.ask.paths;
     int status =
         part_read(paths[index], &check->before, paths[index - 1], &check->after, error);
-    if (status == PCCD_OK && check->before.slice.format != check->after.slice.format) {
-        status = ctl_mesh_promote(&check->before.slice, error);
+    if (status == PCCD_OK && check->before.format != check->after.format) {
+        status = ctl_mesh_promote(&check->before, error);
         if (status == PCCD_OK) {
-            status = ctl_mesh_promote(&check->after.slice, error);
+            status = ctl_mesh_promote(&check->after, error);
         }
     }
     return together_agree(status, error);
@@ -128,19 +127,17 @@ static int read_after(struct check *check, uint32_t index, struct ctl_error *err
 
 static void keep_frame(struct check *check)
 {
-    part_deinit(&check->before);
+    ctl_mesh_deinit(&check->before);
     check->before = check->after;
-    check->after = (struct part){.slice = {0}};
+    check->after = (struct ctl_mesh){.x = NULL};
 }
 
 /* Names of features are those of the whole mesh, which the root reads once more. */
 static int open_csv(struct check *check, struct ctl_error *error)
 {
     struct ctl_mesh whole = {0};
-    int status = ctl_mesh_read(check->options->check.ask.paths[0], &whole, error);
-    if (status == PCCD_OK) {
-        status = slices_find_edges(&whole, &check->run.edges, error);
-    }
+    int status = part_read_whole(check->options->check.ask.paths[0], &whole,
+                                 &check->run.edges, error);
     if (status == PCCD_OK) {
         check->csv.triangles = (const uint32_t(*)[3])whole.triangles;
         whole.triangles = NULL; /* it is the CSV's now */
@@ -182,10 +179,10 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
     const struct check *check = context;
     const struct pccd_motion motion = {.object = check->object,
-                                       .count = check->after.slice.vertex_count,
-                                       .format = check->after.slice.format,
-                                       .x0 = is_again ? check->before.slice.x : NULL,
-                                       .x1 = check->after.slice.x};
+                                       .count = check->after.vertex_count,
+                                       .format = check->after.format,
+                                       .x0 = is_again ? check->before.x : NULL,
+                                       .x1 = check->after.x};
     int status = pccd_mpi_step(check->world, &motion, 1, &check->run.settings, answer);
     answer->contacts = NULL;
     answer->pairs = NULL;
@@ -366,8 +363,8 @@ static int run_check(const struct mpi_options *options)
     together_complain(&error);
     check_run_deinit(&check.run);
     pccd_mpi_close(check.world);
-    part_deinit(&check.before);
-    part_deinit(&check.after);
+    ctl_mesh_deinit(&check.before);
+    ctl_mesh_deinit(&check.after);
     free((void *)(uintptr_t)check.csv.triangles);
     free(check.steps);
     return (int)ctl_exit_of(status, true);

@@ -15,8 +15,8 @@
 #include "near_options.h"
 #include "near_report.h"
 #include "near_run.h"
+#include "part.h"
 #include "pccd_mpi.h"
-#include "slices.h"
 #include "together.h"
 
 enum { OPTION_TIMEOUT = 256 + 24 };
@@ -77,10 +77,10 @@ static int add_object(struct asking *asking, struct near_object *object,
                       struct ctl_error *error)
 {
     const struct pccd_object_settings *settings = &asking->near.run.ask->object;
-    struct slice slice;
+    const struct pccd_mpi_part part = part_to_put(&object->mesh);
     uint32_t mesh = 0;
-    int status =
-        slices_put_mesh(asking->world, &object->mesh, &mesh, &object->info, &slice);
+    int status = pccd_mpi_mesh_put(asking->world, &part, &mesh, &object->info);
+    ctl_mesh_deinit(&object->mesh);
     if (status == PCCD_OK) {
         status = pccd_mpi_add(asking->world, mesh, &object->handle);
     }
@@ -102,14 +102,14 @@ static int add_objects(struct asking *asking, struct ctl_error *error)
     return status;
 }
 
-/* On the root: the CSV has vertices of edges. */
+/* On the root: the CSV has vertices of edges and faces. */
 static int open_csv(struct asking *asking, struct ctl_error *error)
 {
     struct near_run *near = &asking->near;
     int status = PCCD_OK;
     for (uint32_t i = 0; i < near->object_count && status == PCCD_OK; i++) {
-        status =
-            slices_find_edges(&near->objects[i].mesh, &near->objects[i].edges, error);
+        struct near_object *object = &near->objects[i];
+        status = part_read_whole(object->path, &object->mesh, &object->edges, error);
     }
     return status == PCCD_OK ? near_csv_open(&asking->csv, error) : status;
 }
@@ -162,8 +162,10 @@ static int ask_all(struct asking *asking, const struct mpi_near_options *options
 {
     const struct ask_options *asked = &options->near.ask;
     struct pccd_mpi_options world = options->world;
-    int status = together_agree(
-        near_run_read(&asking->near, asked->paths, asked->path_count, error), error);
+    int status =
+        near_run_read(&asking->near, asked->paths, asked->path_count,
+                      (uint32_t)together_rank(), (uint32_t)together_size(), error);
+    status = together_agree(status, error);
     if (status != PCCD_OK) {
         return status;
     }
