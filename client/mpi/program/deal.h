@@ -9,8 +9,9 @@
  * Does:     on the root deal, take the results and pass them on; compute there, too, in a
  *           second thread, because a step takes longer than others should wait.
  * Does not: know what an item is; files of results are results.h.
- * Threads:  work->take and work->is_done run in the main thread of the root, which alone
- *           calls MPI; work->compute in its second thread, in the only one elsewhere.
+ * Threads:  work->take runs in the main thread of the root, which alone calls MPI;
+ *           work->compute in its second thread, in the only one elsewhere. work->is_done
+ *           runs in both of the root, never while it or work->take runs in the other.
  */
 #ifndef PROGRAM_DEAL_H
 #define PROGRAM_DEAL_H

@@ -54,21 +54,24 @@ struct deal_note {
     struct deal_tell tell;
 };
 
+struct dealer; /* what is left to deal, deal_root.c */
+
 struct deal {
     const struct deal_work *work;
     struct deal_hand hand; /* items that this rank has not begun, from `used` on */
     uint64_t used;
-    bool is_asked, is_over;  /* more items are on their way; there are none */
-    struct deal_hand coming; /* the next ones */
-    /* Others than the root: that these come, and what has gone. */
+    bool is_over; /* there are no more */
+    /* Others than the root: the items that come next, and what has gone. */
+    bool is_asked; /* they are on their way */
+    struct deal_hand coming;
     MPI_Request request;
     struct deal_sent sent[DEAL_SENT];
     uint32_t next_sent; /* the place that was used longest ago */
     /* The root: between its two threads. */
     pthread_mutex_t lock;
-    pthread_cond_t told, dealt;
+    pthread_cond_t told;
     struct deal_note *first, **last;
-    bool has_dealt; /* `coming` has an answer */
+    struct dealer *dealer;
 };
 
 /* Tell the root, from any rank, without waiting until it looks. Out of memory in the
@@ -77,8 +80,8 @@ void deal_tell(struct deal *deal, const struct deal_tell *tell);
 
 /* The root: deal until all ranks have ended, while `compute` runs in a thread. */
 int deal_root(struct deal *deal, struct ctl_error *error);
-/* Called by that thread. */
+/* Called by that thread: tell the first one; take the next items, at once. */
 void deal_root_tell(struct deal *deal, const struct deal_tell *tell);
-void deal_root_wait(struct deal *deal);
+void deal_root_take(struct deal *deal, struct deal_hand *hand);
 
 #endif

@@ -31,44 +31,41 @@ void deal_tell(struct deal *deal, const struct deal_tell *tell)
 static void ask(struct deal *deal)
 {
     const struct deal_tell tell = {.word = DEAL_ASK};
-    if (!together_is_root()) {
-        MPI_Irecv(&deal->coming, (int)sizeof deal->coming, MPI_BYTE, 0, DEAL_TAG_HAND,
-                  MPI_COMM_WORLD, &deal->request);
-    }
+    MPI_Irecv(&deal->coming, (int)sizeof deal->coming, MPI_BYTE, 0, DEAL_TAG_HAND,
+              MPI_COMM_WORLD, &deal->request);
     deal->is_asked = true;
     deal_tell(deal, &tell);
 }
 
-/* Until the answer is there. */
-static void wait_for_hand(struct deal *deal)
+/* The next items, which may have to be waited for. */
+static void take_hand(struct deal *deal)
 {
     if (together_is_root()) {
-        deal_root_wait(deal);
-    } else {
-        together_wait(&deal->request);
+        deal_root_take(deal, &deal->hand);
+        return;
     }
+    if (!deal->is_asked) {
+        ask(deal);
+    }
+    together_wait(&deal->request);
+    deal->is_asked = false;
+    deal->hand = deal->coming;
 }
 
 uint64_t deal_next(struct deal *deal)
 {
     if (deal->used == deal->hand.count) {
-        if (deal->is_over) {
-            return DEAL_NONE;
+        if (!deal->is_over) {
+            take_hand(deal);
+            deal->used = 0;
+            deal->is_over = deal->hand.count == 0;
         }
-        if (!deal->is_asked) {
-            ask(deal);
-        }
-        wait_for_hand(deal);
-        deal->is_asked = false;
-        deal->hand = deal->coming;
-        deal->used = 0;
-        deal->is_over = deal->hand.count == 0;
         if (deal->is_over) {
             return DEAL_NONE;
         }
     }
     uint64_t item = deal->hand.items[deal->used++];
-    if (deal->used == deal->hand.count && !deal->is_asked) {
+    if (deal->used == deal->hand.count && !together_is_root()) {
         ask(deal); /* the answer comes while this item is computed */
     }
     return item;
@@ -86,7 +83,7 @@ static void end(struct deal *deal, int status, const struct ctl_error *error)
 {
     struct deal_tell tell = {.word = DEAL_END, .status = status};
     if (deal->is_asked) {
-        wait_for_hand(deal);
+        together_wait(&deal->request);
     }
     if (status != PCCD_OK) {
         tell.with.error = *error;

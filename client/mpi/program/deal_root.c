@@ -3,8 +3,11 @@
  * Room:     client/mpi/program.
  * Does:     listen to the other ranks and to its own second thread, which computes; deal;
  *           pass results on. It looks for messages often, and sleeps between: a thread
- *           that waited in MPI would take a processor from those that compute.
- * Threads:  two: deal_root in the main one, deal_root_tell and _wait in the other.
+ *           that waited in MPI would take a processor from those that compute. It does
+ *           not wait until a message is taken, either: who computes a step for minutes
+ *           takes none.
+ * Threads:  two: deal_root in the main one, deal_root_tell and _take in the other. What is
+ *           left to deal, and work->is_done and work->take, are under the lock.
  * Source:   deal.h.
  */
 #include <stdlib.h>
@@ -21,13 +24,20 @@
 #define PAUSE_NS     100000u  /* between two looks for messages: after one, */
 #define PAUSE_NS_MAX 4000000u /* and at most, when long none has come */
 
+/* What was dealt to a rank, until MPI has it. */
+struct answer {
+    struct deal_hand hand;
+    MPI_Request request;
+};
+
 struct dealer {
     struct deal *deal;
-    uint64_t next;  /* item to be looked at next */
-    uint64_t left;  /* to be dealt yet */
-    uint64_t bound; /* items from here on are not dealt any more */
-    int ranks;      /* that have not ended */
-    int status;     /* of the lowest rank that had an error */
+    struct answer *answers; /* [ranks]; of the root none */
+    uint64_t next;          /* item to be looked at next */
+    uint64_t left;          /* to be dealt yet */
+    uint64_t bound;         /* items from here on are not dealt any more */
+    int ranks;              /* that have not ended */
+    int status;             /* of the lowest rank that had an error */
     int rank;
     struct ctl_error *error;
 };
@@ -55,25 +65,12 @@ void deal_root_tell(struct deal *deal, const struct deal_tell *tell)
     pthread_mutex_unlock(&deal->lock);
 }
 
-void deal_root_wait(struct deal *deal)
-{
-    pthread_mutex_lock(&deal->lock);
-    while (!deal->has_dealt) {
-        pthread_cond_wait(&deal->dealt, &deal->lock);
-    }
-    deal->has_dealt = false;
-    pthread_mutex_unlock(&deal->lock);
-}
-
 static void *compute(void *context)
 {
     struct deal *deal = context;
     struct deal_tell tell = {.word = DEAL_END};
     struct ctl_error error = {.text = ""};
     tell.status = deal->work->compute(deal->work->compute_context, deal, &error);
-    if (deal->is_asked) {
-        deal_root_wait(deal);
-    }
     tell.with.error = error;
     deal_root_tell(deal, &tell);
     return NULL;
@@ -112,49 +109,54 @@ static void deal_hand(struct dealer *dealer, struct deal_hand *hand)
     }
 }
 
-static void answer(struct dealer *dealer, int rank)
+void deal_root_take(struct deal *deal, struct deal_hand *hand)
 {
-    struct deal *deal = dealer->deal;
-    struct deal_hand hand;
-    deal_hand(dealer, &hand);
-    if (rank != 0) {
-        MPI_Send(&hand, (int)sizeof hand, MPI_BYTE, rank, DEAL_TAG_HAND, MPI_COMM_WORLD);
-        return;
-    }
     pthread_mutex_lock(&deal->lock);
-    deal->coming = hand;
-    deal->has_dealt = true;
-    pthread_cond_signal(&deal->dealt);
+    deal_hand(deal->dealer, hand);
     pthread_mutex_unlock(&deal->lock);
 }
 
-static void take(struct dealer *dealer, int rank, const struct deal_tell *tell)
+static void answer(struct dealer *dealer, int rank)
+{
+    struct answer *answer = &dealer->answers[rank];
+    together_wait(&answer->request); /* it asks again when it has the last one */
+    deal_root_take(dealer->deal, &answer->hand);
+    MPI_Isend(&answer->hand, (int)sizeof answer->hand, MPI_BYTE, rank, DEAL_TAG_HAND,
+              MPI_COMM_WORLD, &answer->request);
+}
+
+static void take_result(struct dealer *dealer, const struct deal_tell *tell)
 {
     const struct deal_work *work = dealer->deal->work;
     struct ctl_error error = {.text = ""};
     bool is_last = false;
-    int status;
-    switch ((enum deal_word)tell->word) {
-    case DEAL_ASK:
+    int status =
+        work->take(work->context, tell->item, tell->with.result, &is_last, &error);
+    if (status != PCCD_OK) {
+        note_error(dealer, 0, status, error.text);
+    }
+    if (is_last && tell->item < dealer->bound) {
+        dealer->bound = tell->item;
+    }
+}
+
+static void take(struct dealer *dealer, int rank, const struct deal_tell *tell)
+{
+    struct deal *deal = dealer->deal;
+    if (tell->word == DEAL_ASK) {
         answer(dealer, rank);
         return;
-    case DEAL_RESULT:
-        status =
-            work->take(work->context, tell->item, tell->with.result, &is_last, &error);
-        if (status != PCCD_OK) {
-            note_error(dealer, 0, status, error.text);
-        }
-        if (is_last && tell->item < dealer->bound) {
-            dealer->bound = tell->item;
-        }
-        return;
-    case DEAL_END:
+    }
+    pthread_mutex_lock(&deal->lock);
+    if (tell->word == DEAL_RESULT) {
+        take_result(dealer, tell);
+    } else {
         dealer->ranks--;
         if (tell->status != PCCD_OK) {
             note_error(dealer, rank, tell->status, tell->with.error.text);
         }
-        return;
     }
+    pthread_mutex_unlock(&deal->lock);
 }
 
 /* Everything that has come from other ranks. Returns whether there was anything. */
@@ -203,47 +205,60 @@ static bool take_notes(struct dealer *dealer, uint32_t wait_ns)
     return has_any;
 }
 
+/* Look for messages until all ranks have ended. Of two ranks that compute a step in 40 ms,
+ * one message comes in 20 ms: it is looked for ten times, and not later than half of the
+ * time that it took to come. */
+static void listen(struct dealer *dealer)
+{
+    const struct deal_work *work = dealer->deal->work;
+    uint32_t pause_ns = 0;
+    while (dealer->ranks > 0) {
+        bool has_note = take_notes(dealer, pause_ns);
+        bool has_any = take_messages(dealer) || has_note;
+        uint32_t longer = pause_ns + pause_ns / 2;
+        longer = longer < PAUSE_NS ? PAUSE_NS : longer;
+        pause_ns = has_any ? 0 : longer < PAUSE_NS_MAX ? longer : PAUSE_NS_MAX;
+        if (terminal_was_interrupted()) {
+            work->interrupted(work->context);
+            MPI_Abort(MPI_COMM_WORLD, CTL_FAILED);
+        }
+    }
+}
+
 int deal_root(struct deal *deal, struct ctl_error *error)
 {
     const struct deal_work *work = deal->work;
+    const int size = together_size();
     struct dealer dealer = {
-        .deal = deal, .bound = UINT64_MAX, .ranks = together_size(), .error = error};
+        .deal = deal, .bound = UINT64_MAX, .ranks = size, .error = error};
     pthread_condattr_t clock;
     pthread_t thread;
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
     pthread_mutex_init(&deal->lock, NULL);
     pthread_cond_init(&deal->told, &clock);
-    pthread_cond_init(&deal->dealt, &clock);
     pthread_condattr_destroy(&clock);
     deal->last = &deal->first;
+    deal->dealer = &dealer;
     for (uint64_t i = 0; i < work->count; i++) {
         dealer.left += work->is_done(work->context, i) ? 0 : 1;
     }
+    dealer.answers = malloc((size_t)size * sizeof *dealer.answers);
     terminal_catch_interrupts();
-    if (pthread_create(&thread, NULL, compute, deal) != 0) {
+    if (dealer.answers == NULL || pthread_create(&thread, NULL, compute, deal) != 0) {
         give_up("no thread to compute in");
         return PCCD_E_SYSTEM;
     }
-    /* Of two ranks that compute a step in 40 ms, one message comes in 20 ms: it is looked
-     * for ten times, and not later than half of the time that it took to come. */
-    uint32_t pause_ns = 0;
-    while (dealer.ranks > 0) {
-        bool has_note = take_notes(&dealer, pause_ns);
-        bool has_any = take_messages(&dealer) || has_note;
-        uint32_t longer = pause_ns + pause_ns / 2;
-        pause_ns = has_any                 ? 0
-                   : pause_ns == 0         ? PAUSE_NS
-                   : longer < PAUSE_NS_MAX ? longer
-                                           : PAUSE_NS_MAX;
-        if (terminal_was_interrupted()) {
-            work->interrupted(work->context);
-            MPI_Abort(MPI_COMM_WORLD, CTL_FAILED);
-        }
+    for (int r = 0; r < size; r++) {
+        dealer.answers[r].request = MPI_REQUEST_NULL;
     }
+    listen(&dealer);
     pthread_join(thread, NULL);
+    for (int r = 0; r < size; r++) {
+        together_wait(&dealer.answers[r].request);
+    }
+    free(dealer.answers);
     pthread_cond_destroy(&deal->told);
-    pthread_cond_destroy(&deal->dealt);
     pthread_mutex_destroy(&deal->lock);
     return dealer.status;
 }
