@@ -14,6 +14,8 @@ set -u
 . "$top_srcdir/tests/support/tap.sh"
 # shellcheck source=tests/mpi/ranks.sh
 . "$top_srcdir/tests/mpi/ranks.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
 
 all=${PCCD_MPI_ALL:-0}
 counts='1 2 3 4 8'
@@ -25,6 +27,7 @@ cases='replay_says_what_pccdctl_says verify_says_what_pccdctl_says
     replay_stops_at_the_first_difference run_that_is_killed_goes_on
     run_without_one_rank_ends_and_goes_on torn_line_is_done_again
     results_of_something_else_are_refused missing_file_of_one_rank_is_told
+    scenes_by_turns_begin_where_they_stand no_rank_waits_until_another_takes_a_message
     dealt_check_says_what_pccdctl_says usage_is_told_once'
 
 if [ "${PCCD_MPI:-no}" = no ]; then
@@ -147,6 +150,54 @@ for count in 1 3; do
 done
 cat "$work"/said? >>"$log"
 tap_result $status recordings__replay_stops_at_the_first_difference "$log"
+
+# Two scenes by turns: in each a needle jumps up and down through a plate, and only where it goes is
+# said. If it failed, a rank that does a step of one scene would take the other one, whose steps other
+# ranks have done, for where it stood long ago.
+name=recordings__scenes_by_turns_begin_where_they_stand
+turns_are_the_same() {
+    local count
+    for count in 1 2 3; do
+        program "$count" replay --keep-going "$work/turns" >"$work/said" 2>>"$log"
+        cat "$work/said" >>"$log"
+        grep -q '^compared    120 answers .*: 120 the same, 0 not' "$work/said" || return
+    done
+}
+if [ -z "$python" ]; then
+    tap_skip $name "$no_python"
+else
+    PCCD_RECORD=$work/turns "$python" - >"$log" 2>&1 <<'EOF' && turns_are_the_same
+import numpy as np
+import pccd
+
+plate = np.float64([[0, 0, 0], [4, 0, 0], [0, 4, 0]])
+needle = np.float64([[1, 1, 0], [1.1, 1, 1], [1, 1.1, 1]])
+dice = np.random.default_rng(7)
+with pccd.connect("direct:") as client:
+    scenes = []
+    for _ in range(2):
+        scene = client.scene_create()
+        client.scene_add(scene, client.mesh_create(plate, [[0, 1, 2]]))
+        mesh = client.mesh_create(needle + (0, 0, 2), [[0, 1, 2]])
+        scenes.append((scene, client.scene_add(scene, mesh)))
+    found = 0
+    for step in range(120):
+        scene, body = scenes[step % 2]
+        height = dice.uniform(0.5, 3) * (-1 if step // 2 % 2 else 1)
+        with client.step_x1(scene, body, needle + (0, 0, height)) as answer:
+            found += answer.total
+    assert found > 100
+EOF
+    tap_result $? $name "$log"
+fi
+
+# If it failed, a rank that has computed a step would do nothing until the root looks for messages,
+# and the root until a rank has computed one: MPI_Send may wait until the other side has called MPI.
+binary=$top_builddir/pccd-mpi
+[ ! -e "$top_builddir/.libs/pccd-mpi" ] || binary=$top_builddir/.libs/pccd-mpi
+nm -D --undefined-only "$binary" >"$log" 2>&1 && grep -qw MPI_Isend "$log" &&
+    ! grep -w 'MPI_Send\|MPI_Ssend\|MPI_Rsend' "$log"
+tap_result $? recordings__no_rank_waits_until_another_takes_a_message "$log"
 
 # ---- runs that end in the middle -------------------------------------------------------
 
