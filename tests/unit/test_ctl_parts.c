@@ -249,8 +249,8 @@ static void parts__of_small_files_are_together_what_they_have(void **state)
     }
 }
 
-/* If it failed: a mistake behind the first window of a file would be told of another place
- * than where it is, or by a rank whose part has it alone. */
+/* If it failed: a mistake behind the first window of a file would be told of another
+ * place than where it is, or by a rank whose part has it alone. */
 static void parts__mistakes_are_told_by_all_of_them(void **state)
 {
     struct ctl_error error = {.text = ""};

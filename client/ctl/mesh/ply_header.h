@@ -75,8 +75,8 @@ struct ply_header {
 /* Read the header at text's start; afterwards text stands at the first byte of the body.
  * On success: there is one element "vertex" with scalar x, y, z, and maybe one "face"
  * with a list of indices, and one "edge" with scalar vertex1 and vertex2; no element can
- * be longer than the file. Names of elements lie in the header then, and may be cut; those
- * of properties lie in the text, which may move. */
+ * be longer than the file. Names of elements lie in the header then, and may be cut;
+ * those of properties lie in the text, which may move. */
 int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
                    struct ply_header *header, struct ctl_error *error);
 

@@ -1,5 +1,5 @@
-/* client/ctl/mesh/text.h - reads a file from its beginning to its end, and splits text into
- * lines, words and numbers.
+/* client/ctl/mesh/text.h - reads a file from its beginning to its end, and splits text
+ * into lines, words and numbers.
  *
  * Of a large file a window of a mebibyte is in memory, which goes along with the reader;
  * of others, and where a format needs it, all.
@@ -19,8 +19,8 @@
 
 #include "error.h"
 
-/* A file in memory, or a window of one. data[bytes] is a NUL, so that the C number parsers
- * stop there. */
+/* A file in memory, or a window of one. data[bytes] is a NUL, so that the C number
+ * parsers stop there. */
 struct ctl_file {
     const char *path; /* the caller's; for messages */
     char *data;

@@ -34,8 +34,8 @@ struct near_run {
     struct report_step step; /* the answer; no names of files */
 };
 
-/* Read the files, and keep piece `number` of `pieces` of each (ctl_mesh_read_part; 0: all).
- * Errors: those of ctl_mesh_read. */
+/* Read the files, and keep piece `number` of `pieces` of each, as ctl_mesh_read_part
+ * does; 0 pieces: all. Errors: those of ctl_mesh_read. */
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
                   uint32_t number, uint32_t pieces, struct ctl_error *error);
 /* Register all; with_edges: get their edges, too. */

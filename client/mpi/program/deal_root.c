@@ -6,8 +6,8 @@
  *           that waited in MPI would take a processor from those that compute. It does
  *           not wait until a message is taken, either: who computes a step for minutes
  *           takes none.
- * Threads:  two: deal_root in the main one, deal_root_tell and _take in the other. What is
- *           left to deal, and work->is_done and work->take, are under the lock.
+ * Threads:  two: deal_root in the main one, deal_root_tell and _take in the other. What
+ *           is left to deal, and work->is_done and work->take, are under the lock.
  * Source:   deal.h.
  */
 #include <stdlib.h>
@@ -205,9 +205,9 @@ static bool take_notes(struct dealer *dealer, uint32_t wait_ns)
     return has_any;
 }
 
-/* Look for messages until all ranks have ended. Of two ranks that compute a step in 40 ms,
- * one message comes in 20 ms: it is looked for ten times, and not later than half of the
- * time that it took to come. */
+/* Look for messages until all ranks have ended. Of two ranks that compute a step in 40
+ * ms, one message comes in 20 ms: it is looked for ten times, and not later than half of
+ * the time that it took to come. */
 static void listen(struct dealer *dealer)
 {
     const struct deal_work *work = dealer->deal->work;
