@@ -37,8 +37,7 @@ static void check_mesh(const struct ctl_mesh *mesh)
  * glTF. */
 static const struct reader {
     const char *path;
-    int (*parse)(const struct ctl_file *file, struct ctl_mesh *mesh,
-                 struct ctl_error *error);
+    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 } readers[2][2] = {{{"fuzz.ply", ctl_ply_parse}, {"fuzz.obj", ctl_obj_parse}},
                    {{"fuzz.stl", ctl_stl_parse}, {"fuzz.glb", ctl_glb_parse}}};
 
@@ -50,7 +49,8 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
     uint8_t choice = fuzz_take_u8(&input);
     const struct reader *reader = &readers[choice >= 240][choice % 2];
     fuzz_scarcity_pause();
-    struct ctl_file file = {reader->path, malloc(input.left + 1), input.left, 0};
+    struct ctl_file file = {
+        .path = reader->path, .data = malloc(input.left + 1), .bytes = input.left};
     FUZZ_CHECK(file.data != NULL);
     memcpy(file.data, input.at, input.left);
     file.data[input.left] = '\0';
