@@ -2,7 +2,7 @@
  *
  * Room:     client/mpi.
  * Does:     compare own leaves with the blocks of others, send, and let libpccd know.
- * Threads:  one.
+ * Threads:  one; a look at many vertices is shared (team.h).
  * Source:   ghosts.h.
  */
 #include "ghosts.h"
@@ -17,6 +17,7 @@
 #include "places.h"
 #include "rank_sort.h"
 #include "rooms.h"
+#include "team.h"
 
 /* A ghost under way. */
 struct visitor {
@@ -92,12 +93,10 @@ static int cover(struct pccd_mpi *world, struct ranks_object *object,
     return PCCD_OK;
 }
 
-bool ranks_ghosts_miss(const struct ranks_object *object)
+/* Does any of the vertices `begin` to `end` - 1 leave its box? [team] */
+static bool has_left(const struct ranks_object *object, uint64_t begin, uint64_t end)
 {
-    if (object->cover == NULL) {
-        return true;
-    }
-    for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
+    for (uint64_t i = begin; i < end; i++) {
         for (int k = 0; k < 3; k++) {
             double a = object->from[i][k], b = object->to[i][k];
             double low = a < b ? a : b, high = a > b ? a : b;
@@ -108,6 +107,45 @@ bool ranks_ghosts_miss(const struct ranks_object *object)
         }
     }
     return false;
+}
+
+static bool rests(const struct ranks_object *object)
+{
+    return object->to == (const double(*)[3])object->x &&
+           object->from == (const double(*)[3])object->x;
+}
+
+/* Of the vertices begin .. end - 1 of all objects that do not rest. [team] */
+static void look_at_part(const struct pccd_mpi *world, uint8_t *misses, uint64_t begin,
+                         uint64_t end)
+{
+    uint64_t at = 0;
+    for (uint32_t o = 0; o < world->object_count && at < end; o++) {
+        const struct ranks_object *object = world->objects[o];
+        const uint64_t count = rests(object) ? 0 : object->mesh->vertex_count;
+        uint64_t first, last;
+        if (ranks_part_of_run(at, count, begin, end, &first, &last) &&
+            (object->cover == NULL || has_left(object, first, last))) {
+#pragma omp atomic write
+            misses[o] = 1;
+        }
+        at += count;
+    }
+}
+
+void ranks_ghosts_look(const struct pccd_mpi *world, uint8_t *misses)
+{
+    uint64_t count = 0;
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        misses[o] = 0;
+        count += rests(world->objects[o]) ? 0 : world->objects[o]->mesh->vertex_count;
+    }
+    const int team = ranks_team(world, count);
+#pragma omp parallel for num_threads(team) schedule(static, 1)
+    for (int t = 0; t < team; t++) {
+        look_at_part(world, misses, ranks_part(count, t, team),
+                     ranks_part(count, t + 1, team));
+    }
 }
 
 /* Positions of all local vertices at both ends. */

@@ -23,8 +23,8 @@
  * has_missed: a vertex has left the box that was made for it the last time. */
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed);
 
-/* In this rank alone: would the given vertices of an object, both ends, leave their
- * boxes? */
-bool ranks_ghosts_miss(const struct ranks_object *object);
+/* In this rank alone: of each object, would its given vertices leave their boxes in the
+ * step from object->from to object->to? One that is at rest does not. */
+void ranks_ghosts_look(const struct pccd_mpi *world, uint8_t *misses);
 
 #endif

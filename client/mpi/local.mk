@@ -34,6 +34,7 @@ ranks_sources = \
     client/mpi/sides.c \
     client/mpi/spots.c client/mpi/spots.h \
     client/mpi/step.c client/mpi/step.h \
+    client/mpi/team.h \
     client/mpi/weigh.c client/mpi/weigh.h \
     client/mpi/world.c client/mpi/world.h
 mpi_program_sources = \
@@ -66,6 +67,8 @@ pkgconfig_DATA += client/mpi/pccd-mpi.pc
 
 libranks_la_SOURCES = $(ranks_sources)
 libranks_la_CPPFLAGS = $(AM_CPPFLAGS) $(ranks_cppflags) $(MPI_CPPFLAGS) $(XXHASH_CFLAGS)
+libranks_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
+libranks_la_LDFLAGS = $(OPENMP_CFLAGS)
 libpccd_mpi_la_SOURCES =
 libpccd_mpi_la_LIBADD = libranks.la libpccd.la $(MPI_LIBS) $(LIBM)
 libpccd_mpi_la_LDFLAGS = $(AM_LDFLAGS) -no-undefined -version-info 0:0:0 \

@@ -2,7 +2,7 @@
  *
  * Room:     client/mpi.
  * Does:     copy positions, and compute those that are given by matrices.
- * Threads:  one.
+ * Threads:  one; a loop over many positions is shared (team.h).
  * Source:   motions.h.
  */
 #include "motions.h"
@@ -10,6 +10,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+
+#include "team.h"
 
 #define COORDINATE_MAX 1e18
 
@@ -38,13 +40,14 @@ static void copy_vertex(const struct pccd_motion *motion, const void *from, uint
     }
 }
 
-/* The vertices of a motion, by m or from `from`. Are all coordinates finite, and none
- * beyond 1e18? */
-static bool copy_run(const struct pccd_motion *motion, const void *from,
-                     const double m[12], const double (*registered)[3], double (*to)[3])
+/* One end of vertices begin .. end - 1 of a motion, by m or from `from`. Are all
+ * coordinates finite, and none beyond 1e18? [team] */
+static bool copy_end(const struct pccd_motion *motion, const void *from,
+                     const double m[12], const double (*registered)[3], double (*to)[3],
+                     uint64_t begin, uint64_t end)
 {
     bool is_good = true;
-    for (uint32_t i = 0; i < motion->count; i++) {
+    for (uint32_t i = (uint32_t)begin; i < end; i++) {
         double *out = to[motion->first + i];
         if (m != NULL) {
             transform(m, registered[motion->first + i], out);
@@ -55,6 +58,70 @@ static bool copy_run(const struct pccd_motion *motion, const void *from,
                    fabs(out[2]) <= COORDINATE_MAX;
     }
     return is_good;
+}
+
+static bool has_start(const struct pccd_motion *motion)
+{
+    return motion->x0 != NULL || motion->m0 != NULL;
+}
+
+/* Of the vertices of all motions those from `begin` to `end` - 1. Returns the first one
+ * with a bad coordinate among them, else motion_count. [team] */
+static uint32_t copy_part(const struct pccd_mpi *world, const struct pccd_motion *motions,
+                          uint32_t motion_count, uint64_t begin, uint64_t end)
+{
+    uint32_t bad = motion_count, place = 0;
+    uint64_t at = 0, first, last;
+    for (uint32_t i = 0; i < motion_count && at < end; at += motions[i++].count) {
+        const struct pccd_motion *motion = &motions[i];
+        if (!ranks_part_of_run(at, motion->count, begin, end, &first, &last)) {
+            continue;
+        }
+        const struct ranks_object *object =
+            ranks_find_object_from(world, motion->object, &place);
+        const double(*registered)[3] = (const double(*)[3])object->mesh->x;
+        bool is_good = copy_end(motion, motion->x1, motion->m1, registered, object->next,
+                                first, last);
+        if (has_start(motion)) {
+            is_good &= copy_end(motion, motion->x0, motion->m0, registered, object->start,
+                                first, last);
+        }
+        bad = is_good || bad < i ? bad : i;
+    }
+    return bad;
+}
+
+/* Both ends of all motions. Returns as copy_part. */
+static uint32_t copy_motions(const struct pccd_mpi *world,
+                             const struct pccd_motion *motions, uint32_t motion_count)
+{
+    uint64_t count = 0;
+    uint32_t bad = motion_count;
+    for (uint32_t i = 0; i < motion_count; i++) {
+        count += motions[i].count;
+    }
+    const int team = ranks_team(world, count);
+#pragma omp parallel for num_threads(team) schedule(static, 1) reduction(min : bad)
+    for (int t = 0; t < team; t++) {
+        uint32_t bad_here =
+            copy_part(world, motions, motion_count, ranks_part(count, t, team),
+                      ranks_part(count, t + 1, team));
+        bad = bad_here < bad ? bad_here : bad;
+    }
+    return bad;
+}
+
+/* What a motion does not say stays where it was. */
+static void copy_all(const struct pccd_mpi *world, double (*to)[3],
+                     const double (*from)[3], uint32_t count)
+{
+    const int team = ranks_team(world, count);
+#pragma omp parallel for num_threads(team) schedule(static, 1)
+    for (int t = 0; t < team; t++) {
+        uint64_t begin = ranks_part(count, t, team);
+        memcpy(to[begin], from[begin],
+               (ranks_part(count, t + 1, team) - begin) * sizeof *to);
+    }
 }
 
 /* Does it say where every given vertex is? Then nothing of the last step stays. */
@@ -93,27 +160,36 @@ static int check_motion(struct pccd_mpi *world, const struct pccd_motion *motion
     return PCCD_OK;
 }
 
-/* Note the vertices of a motion; false: one of them is in another motion, too. */
+/* Note the vertices of a motion, which has some; false: one of them is in another motion,
+ * too. */
 static bool note_written(struct ranks_object *object, const struct pccd_motion *motion)
 {
     bool is_free = true;
-    for (uint32_t i = motion->first; i < motion->first + motion->count; i++) {
-        uint64_t bit = 1ull << i % 64;
-        is_free = is_free && (object->written[i / 64] & bit) == 0;
-        object->written[i / 64] |= bit;
+    const uint32_t first = motion->first, last = motion->first + motion->count - 1;
+    for (uint32_t word = first / 64; word <= last / 64; word++) {
+        uint64_t bits = UINT64_MAX;
+        bits &= word == first / 64 ? UINT64_MAX << first % 64 : UINT64_MAX;
+        bits &= word == last / 64 ? UINT64_MAX >> (63 - last % 64) : UINT64_MAX;
+        is_free = is_free && (object->written[word] & bits) == 0;
+        object->written[word] |= bits;
     }
     return is_free;
 }
 
-static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
-                       struct ranks_object *object)
+/* Where the ends of a motion are to be written: object->next, and object->start if it
+ * says where it starts. */
+static int make_room(struct pccd_mpi *world, const struct pccd_motion *motion,
+                     struct ranks_object *object)
 {
-    size_t bytes = object->mesh->vertex_count * sizeof *object->x;
-    size_t words = object->mesh->vertex_count / 64 + 1;
+    const uint32_t count = object->mesh->vertex_count;
+    size_t words = count / 64 + 1;
     if (object->written == NULL) {
         object->written = ranks_array(words, sizeof *object->written);
     }
-    if (object->written == NULL) {
+    if (has_start(motion) && object->start == NULL) {
+        object->start = ranks_array(count, sizeof *object->start);
+    }
+    if (object->written == NULL || (has_start(motion) && object->start == NULL)) {
         return ranks_no_memory(world);
     }
     if (object->to == (const double(*)[3])object->x) {
@@ -128,34 +204,17 @@ static int take_motion(struct pccd_mpi *world, const struct pccd_motion *motion,
     if (object->to == (const double(*)[3])object->x) {
         object->begun = (const double(*)[3])object->x; /* what it was is written over */
         if (!is_of_all(motion, object)) {
-            memcpy(object->next, object->x, bytes);
+            copy_all(world, object->next, (const double(*)[3])object->x, count);
         }
         object->to = (const double(*)[3])object->next;
     }
-    bool is_good = copy_run(motion, motion->x1, motion->m1,
-                            (const double(*)[3])object->mesh->x, object->next);
-    if (motion->x0 != NULL || motion->m0 != NULL) {
-        if (object->start == NULL) {
-            object->start =
-                ranks_array(object->mesh->vertex_count, sizeof *object->start);
+    if (has_start(motion) && object->from == (const double(*)[3])object->x) {
+        if (!is_of_all(motion, object)) {
+            copy_all(world, object->start, (const double(*)[3])object->x, count);
         }
-        if (object->start == NULL) {
-            return ranks_no_memory(world);
-        }
-        if (object->from == (const double(*)[3])object->x) {
-            if (!is_of_all(motion, object)) {
-                memcpy(object->start, object->x, bytes);
-            }
-            object->from = (const double(*)[3])object->start;
-        }
-        is_good &= copy_run(motion, motion->x0, motion->m0,
-                            (const double(*)[3])object->mesh->x, object->start);
+        object->from = (const double(*)[3])object->start;
     }
-    return is_good ? PCCD_OK
-                   : ranks_fail(&world->link, PCCD_E_NOTFINITE,
-                                "rank %d: a position of object %" PRIu32
-                                " is not finite or beyond 1e18",
-                                world->link.rank, motion->object);
+    return PCCD_OK;
 }
 
 int ranks_motions_check(struct pccd_mpi *world, const struct pccd_motion *motions,
@@ -179,9 +238,17 @@ int ranks_motions_take(struct pccd_mpi *world, const struct pccd_motion *motions
     }
     for (uint32_t i = 0; i < motion_count && status == PCCD_OK; i++) {
         if (motions[i].count > 0) {
-            status = take_motion(world, &motions[i],
-                                 ranks_find_object(world, motions[i].object));
+            status = make_room(world, &motions[i],
+                               ranks_find_object(world, motions[i].object));
         }
+    }
+    uint32_t bad =
+        status == PCCD_OK ? copy_motions(world, motions, motion_count) : motion_count;
+    if (bad < motion_count) {
+        status = ranks_fail(&world->link, PCCD_E_NOTFINITE,
+                            "rank %d: a position of object %" PRIu32
+                            " is not finite or beyond 1e18",
+                            world->link.rank, motions[bad].object);
     }
     return status;
 }

@@ -2,7 +2,7 @@
  *
  * Room:     client/mpi.
  * Does:     ask the directories, and remember what they said as a plan.
- * Threads:  one.
+ * Threads:  one; a loop over many positions is shared (team.h).
  * Source:   places.h.
  */
 #include "places.h"
@@ -12,6 +12,7 @@
 
 #include "parts.h"
 #include "rank_sort.h"
+#include "team.h"
 
 int ranks_places(struct pccd_mpi *world, const struct ranks_mesh *mesh,
                  const uint32_t *vertices, uint32_t count, struct ranks_place *places)
@@ -331,42 +332,79 @@ static int make_buffers(struct pccd_mpi *world)
     return plan->out_x == NULL || plan->in_x == NULL ? ranks_no_memory(world) : PCCD_OK;
 }
 
-/* What other ranks need, one rank after the other. */
+/* What other ranks need, one rank after the other: the vertices begin .. end - 1 of all
+ * that go. [team] */
 static void pack(const struct ranks_link *link, const struct ranks_plan *plan,
-                 const double (*const *given)[3])
+                 const double (*const *given)[3], uint64_t begin, uint64_t end)
 {
     uint32_t objects = plan->object_count;
-    double(*out)[3] = plan->out_x;
-    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects; cell++) {
+    uint64_t at = 0;
+    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects && at < end; cell++) {
         const double(*x)[3] = given[cell % objects];
         if (x == NULL || cell / objects == (uint64_t)link->rank) {
             continue;
         }
-        for (uint64_t i = plan->out_first[cell]; i < plan->out_first[cell + 1]; i++) {
-            memcpy(*out++, x[plan->out[i]], sizeof *out);
+        const uint32_t *from = plan->out + plan->out_first[cell];
+        uint64_t count = plan->out_first[cell + 1] - plan->out_first[cell], i, last;
+        (void)ranks_part_of_run(at, count, begin, end, &i, &last);
+        for (; i < last; i++) {
+            memcpy(plan->out_x[at + i], x[from[i]], sizeof *plan->out_x);
         }
+        at += count;
     }
 }
 
-/* What has come, and what this rank has itself, to its place. */
+/* What has come, and what this rank has itself, to its place: the vertices begin ..
+ * end - 1 of all that are sent. [team] */
 static void unpack(const struct ranks_link *link, const struct ranks_plan *plan,
-                   const double (*const *given)[3], double (*const *local)[3])
+                   const double (*const *given)[3], double (*const *local)[3],
+                   uint64_t begin, uint64_t end)
 {
     uint32_t objects = plan->object_count;
-    const double(*in)[3] = (const double(*)[3])plan->in_x;
-    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects; cell++) {
+    const double(*in)[3] = (const double(*)[3])plan->in_x; /* of the cell */
+    uint64_t at = 0;
+    for (uint64_t cell = 0; cell < (uint64_t)link->size * objects && at < end; cell++) {
         const double(*x)[3] = given[cell % objects];
         double(*to)[3] = local[cell % objects];
         const uint32_t *place = plan->in + plan->in_first[cell];
         const uint32_t *from = plan->out + plan->out_first[cell];
-        uint64_t count = plan->in_first[cell + 1] - plan->in_first[cell];
+        uint64_t count = plan->in_first[cell + 1] - plan->in_first[cell], i, last;
+        if (x == NULL) {
+            continue;
+        }
         bool is_here = cell / objects == (uint64_t)link->rank;
-        for (uint64_t i = 0; x != NULL && is_here && i < count; i++) {
+        (void)ranks_part_of_run(at, count, begin, end, &i, &last);
+        for (; is_here && i < last; i++) {
             memcpy(to[place[i]], x[from[i]], sizeof *to);
         }
-        for (uint64_t i = 0; x != NULL && !is_here && i < count; i++) {
-            memcpy(to[place[i]], *in++, sizeof *to);
+        for (; !is_here && i < last; i++) {
+            memcpy(to[place[i]], in[i], sizeof *to);
         }
+        in += is_here ? 0 : count;
+        at += count;
+    }
+}
+
+/* The same by the team, all of it. */
+static void pack_all(const struct pccd_mpi *world, const double (*const *given)[3],
+                     uint64_t count)
+{
+    const int team = ranks_team(world, count);
+#pragma omp parallel for num_threads(team) schedule(static, 1)
+    for (int t = 0; t < team; t++) {
+        pack(&world->link, &world->plan, given, ranks_part(count, t, team),
+             ranks_part(count, t + 1, team));
+    }
+}
+
+static void unpack_all(const struct pccd_mpi *world, const double (*const *given)[3],
+                       double (*const *local)[3], uint64_t count)
+{
+    const int team = ranks_team(world, count);
+#pragma omp parallel for num_threads(team) schedule(static, 1)
+    for (int t = 0; t < team; t++) {
+        unpack(&world->link, &world->plan, given, local, ranks_part(count, t, team),
+               ranks_part(count, t + 1, team));
     }
 }
 
@@ -376,9 +414,11 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
     struct ranks_link *link = &world->link;
     struct ranks_plan *plan = &world->plan;
     uint32_t objects = plan->object_count;
+    uint64_t count = 0; /* of vertices that are needed here */
     bool any = false;
     for (uint32_t o = 0; o < objects; o++) {
         any = any || given[o] != NULL;
+        count += given[o] != NULL ? world->objects[o]->local.vertex_count : 0;
     }
     if (!any) {
         return PCCD_OK;
@@ -390,12 +430,12 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
         uint64_t *first_in = first + link->size + 1;
         count_sent(link, plan->out_first, given, objects, first);
         count_sent(link, plan->in_first, given, objects, first_in);
-        pack(link, plan, given);
+        pack_all(world, given, first[link->size]);
         status = ranks_swap(link, sizeof *plan->out_x, plan->out_x, first, plan->in_x,
                             first_in);
     }
     if (status == PCCD_OK) {
-        unpack(link, plan, given, local);
+        unpack_all(world, given, local, count);
     }
     free(first);
     return status;

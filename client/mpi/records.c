@@ -2,7 +2,7 @@
  *
  * Room:     client/mpi.
  * Does:     translate numbers by the arrays of local.h.
- * Threads:  one.
+ * Threads:  one; a loop over many records is shared (team.h).
  * Source:   records.h; proto/PROTOCOL.md, "The hash of an answer".
  */
 #include "records.h"
@@ -13,6 +13,7 @@
 #include "foreign.h"
 #include "kinds.h"
 #include "local.h"
+#include "team.h"
 
 /* In this file: a record of a length that the compiler knows takes few instructions. */
 #define XXH_INLINE_ALL
@@ -81,17 +82,11 @@ static bool has_bit(const uint64_t *bits, uint32_t i)
     return bits[i / 64] >> i % 64 & 1u;
 }
 
-/* Records of one page have few objects, one after the other. */
-static const struct ranks_object *object_of(struct pccd_mpi *world, uint32_t handle,
-                                            const struct ranks_object *last)
-{
-    return last != NULL && last->handle == handle ? last
-                                                  : ranks_find_object(world, handle);
-}
-
-/* What features of a record are to be called: mostly as those of the one before it. */
+/* What features of a record are to be called: mostly as those of the one before it, as
+ * records of one page have few objects, one after the other. */
 struct reader {
     const struct ranks_object *a, *b;
+    uint32_t at_a, at_b; /* places in world->objects */
     uint32_t kind;
     const uint32_t *numbers_a, *numbers_b; /* of the whole, by local number */
 };
@@ -101,21 +96,21 @@ static const uint32_t *numbers_of(const struct ranks_local *local, uint32_t poin
     return points == 1 ? local->vertices : points == 2 ? local->edges : local->triangles;
 }
 
-static void look_up(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
+static void look_up(const struct pccd_mpi *world, struct reader *reader, uint32_t kind,
                     uint32_t object_a, uint32_t object_b)
 {
     const uint32_t *points = common_kinds[kind].points;
-    reader->a = object_of(world, object_a, reader->a);
-    reader->b = object_of(world, object_b, reader->b);
+    reader->a = ranks_find_object_from(world, object_a, &reader->at_a);
+    reader->b = ranks_find_object_from(world, object_b, &reader->at_b);
     reader->kind = kind;
     reader->numbers_a = numbers_of(&reader->a->local, points[0]);
     reader->numbers_b = numbers_of(&reader->b->local, points[1]);
 }
 
 /* Give a record its numbers. */
-static inline void translate(struct pccd_mpi *world, struct reader *reader, uint32_t kind,
-                             uint32_t object_a, uint32_t *feature_a, uint32_t object_b,
-                             uint32_t *feature_b)
+static inline void translate(const struct pccd_mpi *world, struct reader *reader,
+                             uint32_t kind, uint32_t object_a, uint32_t *feature_a,
+                             uint32_t object_b, uint32_t *feature_b)
 {
     if (reader->a == NULL || reader->kind != kind || reader->a->handle != object_a ||
         reader->b->handle != object_b) {
@@ -229,7 +224,7 @@ static void count_contact(const struct pccd_contact *contact, struct ranks_sums 
 
 /* Give local contacts, which may lie where they are kept, the numbers of the whole. All
  * begin with a feature of this rank's own: libpccd leaves out others. */
-static void take_contacts(struct pccd_mpi *world, struct reader *reader,
+static void take_contacts(const struct pccd_mpi *world, struct reader *reader,
                           const struct pccd_contact *from, struct pccd_contact *to,
                           uint64_t count)
 {
@@ -240,7 +235,7 @@ static void take_contacts(struct pccd_mpi *world, struct reader *reader,
     }
 }
 
-static void take_pairs(struct pccd_mpi *world, struct reader *reader,
+static void take_pairs(const struct pccd_mpi *world, struct reader *reader,
                        const struct pccd_pair *from, struct pccd_pair *to, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) {
@@ -250,17 +245,18 @@ static void take_pairs(struct pccd_mpi *world, struct reader *reader,
     }
 }
 
-/* Contacts or pairs of a page: some get their numbers, then they are hashed. A processor
- * cannot read at once what it has just written in parts. */
-static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
+/* Contacts or pairs begin .. end - 1 of a page: some get their numbers, then they are
+ * hashed. A processor cannot read at once what it has just written in parts. [team] */
+static hash_sum take_part(const struct pccd_mpi *world, const struct pccd_answer *page,
+                          uint64_t begin, uint64_t end)
 {
     struct pccd_contact *contacts =
         (struct pccd_contact *)world->records + world->record_count;
     struct pccd_pair *pairs = (struct pccd_pair *)world->records + world->record_count;
     struct reader reader = {.a = NULL};
     hash_sum sum = 0;
-    for (uint64_t i = 0; i < page->count; i += PIECE) {
-        uint64_t n = page->count - i < PIECE ? page->count - i : PIECE;
+    for (uint64_t i = begin; i < end; i += PIECE) {
+        uint64_t n = end - i < PIECE ? end - i : PIECE;
         if (page->pairs != NULL) {
             take_pairs(world, &reader, page->pairs + i, pairs + i, n);
             add_pairs(&sum, pairs + i, n);
@@ -268,6 +264,20 @@ static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
             take_contacts(world, &reader, page->contacts + i, contacts + i, n);
             add_contacts(&sum, contacts + i, n);
         }
+    }
+    return sum;
+}
+
+static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    hash_sum sum = 0;
+    const int team = ranks_team(world, page->count);
+#pragma omp parallel for num_threads(team) schedule(static, 1)
+    for (int t = 0; t < team; t++) {
+        hash_sum part = take_part(world, page, ranks_part(page->count, t, team),
+                                  ranks_part(page->count, t + 1, team));
+#pragma omp critical(ranks_hash_sum)
+        sum += part;
     }
     add_words(world->page_hash, sum);
     world->record_count += page->count;

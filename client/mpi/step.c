@@ -84,8 +84,9 @@ static void look(struct pccd_mpi *world, struct ranks_moment *moment)
         bool starts = object->from != (const double(*)[3])object->x;
         row(world, moment, MOVES)[o] = moves;
         row(world, moment, STARTS)[o] = starts;
-        row(world, moment, MISSES)[o] = world->link.size > 1 && world->is_covered &&
-                                        (moves || starts) && ranks_ghosts_miss(object);
+    }
+    if (world->link.size > 1 && world->is_covered) {
+        ranks_ghosts_look(world, row(world, moment, MISSES));
     }
     uint8_t *of_all = moment->bytes + (size_t)ROWS * world->object_count;
     of_all[0] = moment->motion_count > 0;
@@ -508,6 +509,9 @@ int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t has
                       int status, struct ranks_moment *moment, struct pccd_answer *answer)
 {
     struct pccd_answer made = PCCD_ANSWER_INIT;
+    uint32_t threads =
+        moment->near != NULL ? moment->near->threads : moment->settings.threads;
+    world->team = threads < world->threads ? threads : world->threads;
     ranks_stop_begin(&world->stop);
     if (status == PCCD_OK) {
         status = moment_init(world, moment);

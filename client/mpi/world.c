@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "foreign.h"
+#include "pccd_daemon.h"
 #include "proto_limits.h"
 
 #define TIMEOUT_MS_DEFAULT 60000
@@ -59,17 +60,23 @@ struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle
 }
 
 /* Whoever asks about many goes through them in their order as a rule. */
-struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle)
+struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32_t handle,
+                                            uint32_t *at)
 {
     uint32_t count = world->object_count;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t at = (uint32_t)(((uint64_t)world->last_found + i) % count);
-        if (world->objects[at]->handle == handle) {
-            world->last_found = at;
-            return world->objects[at];
+        uint32_t place = (uint32_t)(((uint64_t)*at + i) % count);
+        if (world->objects[place]->handle == handle) {
+            *at = place;
+            return world->objects[place];
         }
     }
     return NULL;
+}
+
+struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle)
+{
+    return ranks_find_object_from(world, handle, &world->last_found);
 }
 
 bool ranks_are_ignored(const struct pccd_mpi *world, uint32_t a, uint32_t b)
@@ -214,6 +221,7 @@ static int choose_threads(struct pccd_mpi *world)
 static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
 {
     struct pccd_options options;
+    struct pccd_daemon_info info;
     pccd_options_init(&options);
     options.url = "direct:";
     options.slot_count = 1;
@@ -229,6 +237,12 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
     if (status == PCCD_OK) { /* ranks that share processors leave some to each other; and
                               * where no thread can be started, libgomp calls exit */
         status = cli_foreign_threads(world->client, world->threads);
+    }
+    if (status == PCCD_OK) { /* $OMP_NUM_THREADS may say less, and libpccd obeys it */
+        status = pccd_daemon(world->client, &info);
+    }
+    if (status == PCCD_OK && info.threads_max < world->threads) {
+        world->threads = info.threads_max;
     }
     return status == PCCD_OK ? PCCD_OK
                              : ranks_fail_local(world, status, "no scene of libpccd");

@@ -151,7 +151,8 @@ struct pccd_mpi {
     struct ranks_stop stop; /* of steps and of what is near */
     struct pccd_client *client;
     uint32_t scene;
-    uint32_t threads;
+    uint32_t threads; /* of its steps, unless they say so */
+    uint32_t team;    /* of the call that is being made: as many as libpccd's (team.h) */
     struct ranks_mesh **meshes;
     uint32_t mesh_count, mesh_number; /* the latter: made so far */
     struct ranks_object **objects;
@@ -194,6 +195,10 @@ struct pccd_mpi {
 /* Of a handle; NULL: there is none. */
 struct ranks_mesh *ranks_find_mesh(const struct pccd_mpi *world, uint32_t handle);
 struct ranks_object *ranks_find_object(struct pccd_mpi *world, uint32_t handle);
+/* The same by any thread: looks first at *at, a place in world->objects, and writes where
+ * it is. */
+struct ranks_object *ranks_find_object_from(const struct pccd_mpi *world, uint32_t handle,
+                                            uint32_t *at);
 
 /* Room for one more in an array of pointers; NULL: no memory, and it stays as it was. */
 void **ranks_room_for_one(void **array, uint32_t count);

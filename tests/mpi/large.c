@@ -4,15 +4,16 @@
  * Does:     let each rank make some rows of a rippling sheet and of another one that
  *           comes down on it; step; say what was the most that each rank had at a time,
  *           while it registered its part, in the first step and in later ones.
- * Threads:  one.
+ * Threads:  one; libpccd-mpi has others.
  *
  * Each way to end says why: a rank that ends the program, one that an exit of some
  * library ends, and memory beyond the limit.
  *
- *     mpirun -n R large SIDE STEPS [LIMIT]
+ *     mpirun -n R large SIDE STEPS [LIMIT [THREADS]]
  *
  * Each sheet has SIDE * SIDE squares of two triangles; edges are 1 / SIDE long, and go a
- * fortieth of that in a step. LIMIT: MB of all ranks together that are too many.
+ * fortieth of that in a step; with THREADS, those of a rank's steps, all of it, so that
+ * vertices leave their boxes. LIMIT: MB of all ranks together that are too many.
  */
 #include <math.h>
 #include <stdio.h>
@@ -169,10 +170,10 @@ static double report(struct pccd_mpi *world, const struct rows *rows,
     }
     if (rank == 0) {
         printf("%d ranks, %llu triangles, most MB of all ranks %.0f, imbalance %.3f, "
-               "%llu contacts, hash %016llx%016llx\n",
+               "%llu choices of ghosts, %llu contacts, hash %016llx%016llx\n",
                ranks, 4ull * rows->side * rows->side, most, share.imbalance,
-               (unsigned long long)answer->total, (unsigned long long)answer->hash[0],
-               (unsigned long long)answer->hash[1]);
+               (unsigned long long)share.searches, (unsigned long long)answer->total,
+               (unsigned long long)answer->hash[0], (unsigned long long)answer->hash[1]);
     }
     free(all);
     return most;
@@ -190,10 +191,11 @@ int main(int argc, char **argv)
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     (void)atexit(say_if_early);
     if (argc < 3) {
-        stop("usage: large SIDE STEPS [LIMIT]");
+        stop("usage: large SIDE STEPS [LIMIT [THREADS]]");
     }
     const struct rows rows = rows_of((uint32_t)strtoul(argv[1], NULL, 10));
     const long steps = strtol(argv[2], NULL, 10);
+    const double way = argc > 4 ? 40 : 1;
     const double limit = argc > 3 ? strtod(argv[3], NULL) : INFINITY;
     const uint32_t count = rows.vertex_rows * (rows.side + 1);
     double(*x)[3] = malloc(((size_t)count + 1) * sizeof *x);
@@ -201,10 +203,12 @@ int main(int argc, char **argv)
         stop("no memory for positions");
     }
     const double threads_before = status_of("Threads:");
-    uint32_t threads = 0;
-    const struct pccd_mpi_options options = {.struct_bytes = sizeof options,
-                                             .timeout_ms = 1800000};
-    must(world, pccd_mpi_threads(MPI_COMM_WORLD, &threads));
+    uint32_t threads = argc > 4 ? (uint32_t)strtoul(argv[4], NULL, 10) : 0;
+    const struct pccd_mpi_options options = {
+        .struct_bytes = sizeof options, .timeout_ms = 1800000, .threads = threads};
+    if (threads == 0) {
+        must(world, pccd_mpi_threads(MPI_COMM_WORLD, &threads));
+    }
     must(world, pccd_mpi_open(MPI_COMM_WORLD, &options, &world));
     for (int sheet = 0; sheet < SHEETS; sheet++) {
         place(&rows, sheet, 0, x);
@@ -221,7 +225,7 @@ int main(int argc, char **argv)
     for (long step = 1; step <= steps; step++) {
         for (int sheet = 0; sheet < SHEETS; sheet++) {
             motions[sheet].x1 = ends + (size_t)sheet * count;
-            place(&rows, sheet, (double)step, ends + (size_t)sheet * count);
+            place(&rows, sheet, way * (double)step, ends + (size_t)sheet * count);
         }
         must(world, pccd_mpi_step(world, motions, SHEETS, NULL, &answer));
         double peak = peak_mb(), *to = &peaks[step == 1 ? 1 : 2];

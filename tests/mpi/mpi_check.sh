@@ -34,6 +34,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__${what}_ends_a_call_on_all_ranks" "no --with-mpi"
     done
     tap_skip mpi__rank_of_one_thread_starts_no_others "no --with-mpi"
+    tap_skip mpi__threads_of_a_rank_change_no_byte "no --with-mpi"
     tap_skip mpi__first_is_known_however_few_records_are_kept "no --with-mpi"
     for mistake in $mistakes dies; do
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
@@ -79,6 +80,19 @@ done
 # system starts no more threads.
 ranks 4 "$top_builddir/tests/mpi/large" 200 1 >"$log" 2>&1
 tap_result $? mpi__rank_of_one_thread_starts_no_others "$log"
+
+# If it failed, positions or records of a rank would be lost between its threads, or two of these
+# would have the same ones; or what leaves its box would not be seen. There are so many of each
+# that a team is woken (client/mpi/team.h).
+for run in '1 1' '1 3' '2 1' '2 3'; do # by itself a rank has the processors that it is bound to
+    OMP_NUM_THREADS=3 ranks "${run% *}" "$top_builddir/tests/mpi/large" 200 3 16384 \
+        "${run#* }" 2>&1
+done >"$log"
+grep -o '[0-9]* choices of ghosts, [0-9]* contacts, hash.*' "$log" | awk '{ print }
+    { choices = $1; sub(/.* ghosts, /, ""); records[NR] = $0 }
+    $1 <= 40000 || $0 != records[1] || choices != (NR > 2 ? 2 : 1) { wrong = 1 }
+    END { exit wrong || NR != 4 }' >>"$log"
+tap_result $? mpi__threads_of_a_rank_change_no_byte "$log"
 
 # If it failed, ranks that keep few records would lose the earliest contact, or hide that they had.
 for count in 1 3; do
