@@ -4,9 +4,9 @@
  * Does:     step a scene that libpccd-mpi spreads over the ranks of this program, and
  *           write a line of CSV for each rank and step. With "link", measure what it
  *           takes that two ranks meet. ranks.awk makes the model of it.
- * Threads:  one a rank.
+ * Threads:  one a rank, or THREADS.
  *
- *     mpirun -n R ranks SCENE PARTS ON FRO
+ *     mpirun -n R ranks SCENE PARTS ON FRO [THREADS]
  *     mpirun -n R ranks SCENE PARTS ON FRO alone
  *     mpirun -n 2 ranks link
  *
@@ -55,7 +55,8 @@ struct counter {
     uint32_t parts;
 };
 
-static int rank, ranks; /* of the communicator that a world is made of */
+static int rank, ranks;      /* of the communicator that a world is made of */
+static uint32_t threads = 1; /* of a rank */
 static bool is_alone;
 static bool is_silent; /* another process of those alone writes */
 
@@ -198,7 +199,7 @@ static void count(const struct bench_scene *scene, uint32_t parts, uint32_t on,
     }
     const struct pccd_mpi_options options = {.struct_bytes = sizeof options,
                                              .timeout_ms = MPI_PATIENCE,
-                                             .threads = 1,
+                                             .threads = threads,
                                              .record_limit = RECORD_LIMIT};
     counter.x = bench_alloc((size_t)vertices + 1, sizeof *counter.x);
     counter.objects = bench_alloc(scene->object_count, sizeof *counter.objects);
@@ -278,15 +279,16 @@ int main(int argc, char **argv)
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     if (argc == 2 && strcmp(argv[1], "link") == 0) {
         status = measure_link();
-    } else if (argc != 5 && (argc != 6 || strcmp(argv[5], "alone") != 0)) {
-        fprintf(stderr, "usage: ranks SCENE PARTS ON FRO [alone] | link\n");
+    } else if (argc != 5 && argc != 6) {
+        fprintf(stderr, "usage: ranks SCENE PARTS ON FRO [alone | THREADS] | link\n");
         status = 2;
     } else if (!make_scene(argv[1], &scene)) {
         fprintf(stderr, "ranks: no scene %s, or its frames are not in $PCCD_DATA\n",
                 argv[1]);
         status = 77;
     } else {
-        is_alone = argc == 6;
+        is_alone = argc == 6 && strcmp(argv[5], "alone") == 0;
+        threads = argc == 6 && !is_alone ? (uint32_t)strtoul(argv[5], NULL, 10) : 1;
         is_silent = is_alone && rank > 0;
         rank = is_alone ? 0 : rank;
         ranks = is_alone ? 1 : ranks;
