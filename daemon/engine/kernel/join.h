@@ -47,6 +47,7 @@ struct eng_join {
      * Where features of b are first in no pair there is no b_own. */
     const uint16_t *a_own;
     const uint16_t *b_own;
+    bool has_mixed; /* set where pairs of an own and a foreign box are found */
     enum eng_join_boxes boxes;
     uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */

@@ -65,19 +65,35 @@ ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_roun
     return kept;
 }
 
-ENG_INLINE uint32_t keep_own_lanes(const struct eng_join *job,
-                                   struct eng_join_round *round, uint32_t count)
+/* Is anything foreign in the next `pairs` blocks of the round? */
+ENG_INLINE bool has_foreign(const struct eng_join *job,
+                            const struct eng_join_round *round, uint32_t pairs)
+{
+    uint32_t own = 0xffff;
+    for (uint32_t i = round->count; i < round->count + pairs; i++) {
+        own &= job->a_own[round->a[i]];
+        own &= job->b_own ? job->b_own[round->b[i]] : 0xffff;
+    }
+    return own != 0xffff;
+}
+
+ENG_INLINE uint32_t keep_own_lanes(struct eng_join *job, struct eng_join_round *round,
+                                   uint32_t count)
 {
     uint32_t kept = 0;
+    uint32_t mixed = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t box = round->box[i];
-        uint32_t own = round->lanes[i] &
-                       marked_lanes(job->a_own, own_of(job, round->first_b + (box >> 8)),
-                                    round->first_a * ENG_WIDE + (box & 0xff));
+        uint32_t slot = round->first_a * ENG_WIDE + (box & 0xff);
+        uint32_t is_own = job->a_own[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
+        uint32_t b_own = own_of(job, round->first_b + (box >> 8));
+        uint32_t own = round->lanes[i] & (b_own | (0u - is_own));
+        mixed |= own & ~(b_own & (0u - is_own));
         round->box[kept] = box;
         round->lanes[kept] = own;
         kept += own != 0;
     }
+    job->has_mixed |= mixed != 0;
     return kept;
 }
 

@@ -140,6 +140,7 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     struct eng_join_round *round = &join->round;
     struct eng_wide_chunk *chunk = &join->chunks[kind];
     eng_join_begin(round, a, b, count);
+    job->has_mixed = false;
     for (;;) {
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
@@ -148,6 +149,9 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
             join->kernels->join_features[kind](job, round, out_a, out_b, room);
         if (eng_wide_is_of_free(kind)) {
             found = eng_wide_free_keep(join->wide, kind, 0, out_a, out_b, found);
+        }
+        if (job->has_mixed) {
+            found = eng_wide_foreign_keep(join->wide, kind, out_a, out_b, found);
         }
         chunk->count += found;
         if (eng_join_has_ended(round) || join->stopped) {

@@ -14,7 +14,6 @@
 #include "near_work.h"
 #include "solvers.h"
 #include "thick_work.h"
-#include "wide_foreign.h"
 #include "wide_free.h"
 #include "wide_grid.h"
 #include "wide_state.h"
@@ -405,8 +404,6 @@ static void flush(void *owner, enum pccd_kind kind, struct eng_wide_chunk *chunk
     struct eng_worker *worker = owner;
     uint64_t begin_ns = common_now_ns();
     struct eng_wide_work *work = eng_wide_work_of(worker);
-    chunk->count = eng_wide_foreign_keep(eng_wide_of(worker->scene), kind, chunk->a,
-                                         chunk->b, chunk->count);
     const uint32_t count = chunk->count;
     work->sieves[kind].in_time = work->join.jobs[kind][0].in_time;
     eng_test_count(worker, kind, count + left_out_in_time(work, kind, count));
