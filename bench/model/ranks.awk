@@ -112,15 +112,39 @@ function split_run(run,  part) {
     split(run, part, SUBSEP)
     file = part[1]; scene = part[2]; n = part[3]; R = part[4]
 }
-function measure_constants(  i, key, one, rest) {
-    for (i = 1; i <= run_count; i++) { # of a sheet alone, that meets nothing
-        split_run(known[i])
-        if (scene ~ /^sheet/) {
-            rest = median(known[i] SUBSEP "fro") - median(known[i] SUBSEP "frorefit")
-            rest -= median(known[i] SUBSEP "frotests") + median(known[i] SUBSEP "fromerge")
-            vertex_ns = rest / scene_vertices[known[i]]
-        }
+# Of a run, what is beside libpccd's phases.
+function rest_of(run) {
+    return median(run SUBSEP "fro") - median(run SUBSEP "frorefit") - median(run SUBSEP "frotests") - median(run SUBSEP "fromerge")
+}
+# A record beside libpccd: one rank, two series of the same meshes that differ most in records.
+function measure_record(  i, k, one, many, more) {
+    for (i = 1; i <= run_count; i++) for (k = 1; k <= run_count; k++) {
+        one = known[i]; many = known[k]
+        split(one, part, SUBSEP); split_run(many)
+        if (file !~ /times/ || part[1] != file || n != part[3] || R != 1 || part[4] != 1) continue
+        if (records[many] - records[one] <= more) continue
+        more = records[many] - records[one]
+        record_ns = most(0, (rest_of(many) - rest_of(one)) / more)
     }
+}
+# Of a sheet alone, that meets nothing: what a vertex takes in each of two ranks more than in one.
+function measure_looks(  i, r, vertices, bytes, rest, took) {
+    for (i = 1; i <= run_count; i++) {
+        split_run(known[i])
+        if (scene !~ /^sheet/) continue
+        vertices = bytes = 0
+        for (r = 0; r < R; r++) {
+            vertices = most(vertices, vertices_at[known[i], r])
+            bytes = most(bytes, sent_at[known[i], r])
+        }
+        rest = rest_of(known[i]) - exchange_ns(R, bytes, link["link_latency_ns"], link["link_byte_ns"])
+        took[R] = rest / vertices
+    }
+    look_ns = took[2] - took[1]
+}
+function measure_constants(  i, key, one) {
+    measure_record()
+    measure_looks()
     for (i = 1; i <= run_count; i++) {
         split_run(known[i])
         one = known[i]
@@ -130,19 +154,18 @@ function measure_constants(  i, key, one, rest) {
         leaf_ns[key] = median(one SUBSEP "frorefit") / n
         work_ns[key] = median(one SUBSEP "frotests") / work[one]
         merge_ns[key] = records[one] ? median(one SUBSEP "fromerge") / records[one] : 0
-        rest = whole_ns[key] - median(one SUBSEP "frorefit") - median(one SUBSEP "frotests")
-        rest -= median(one SUBSEP "fromerge") + vertex_ns * scene_vertices[one]
-        record_ns[key] = records[one] && rest > 0 ? rest / records[one] : 0
+        vertex_ns[key] = most(0, rest_of(one) - record_ns * records[one]) / scene_vertices[one]
         slower[key] = length_of[one, "alone"] ? median(one SUBSEP "alone") / whole_ns[key] : 1
     }
 }
 
 # ---- what ranks take ---------------------------------------------------------------------
 
-# One rank's own time; `threads` of it share what libpccd does, not what libpccd-mpi does.
-function compute_ns(key, leaves, work, vertices, records, threads) {
-    return (leaf_ns[key] * leaves + work_ns[key] * work + merge_ns[key] * records) / faster[threads] + \
-        vertex_ns * vertices + record_ns[key] * records
+# The own time of one of R ranks, which `threads` of it share. Of more ranks each looks, too, whether
+# vertices leave their boxes, and packs those that others need.
+function compute_ns(R, key, leaves, work, vertices, records, threads) {
+    return (leaf_ns[key] * leaves + work_ns[key] * work + merge_ns[key] * records + \
+        (vertex_ns[key] + (R > 1 ? look_ns : 0)) * vertices + record_ns * records) / faster[threads]
 }
 # Numbers of all ranks, COLLECTIVES times a step, and positions, to each rank at worst.
 function exchange_ns(R, bytes, latency_ns, byte_ns) {
@@ -160,7 +183,7 @@ function predict_two(  i, key, r, run, longest, said, got) {
         if (file !~ /times/ || R != 2 || !(key in whole_ns)) continue
         longest = 0
         for (r = 0; r < R; r++) {
-            longest = most(longest, compute_ns(key, leaves[run, r], work_at[run, r], vertices_at[run, r],
+            longest = most(longest, compute_ns(R, key, leaves[run, r], work_at[run, r], vertices_at[run, r],
                 records_at[run, r], 1) * slower[key] + sent_at[run, r] * link["link_byte_ns"])
         }
         said = longest + exchange_ns(R, 0, link["link_latency_ns"], 0)
@@ -276,14 +299,14 @@ function predict(scene, n, nodes, each, threads, gbit, latency_us,  R, key, mean
     ghosts_now = ghosts_of(scene, mean)
     records_now = n / R * density[scene]
     work_now = work_a_leaf[scene] * mean * (1 + extra_of(scene, mean))
-    even_ns = compute_ns(key, mean + ghosts_now, work_now, a_leaf[scene] * (mean + ghosts_now), records_now, threads)
+    even_ns = compute_ns(R, key, mean + ghosts_now, work_now, a_leaf[scene] * (mean + ghosts_now), records_now, threads)
     step_compute = even_ns * uneven_of(scene, mean) * (each * threads > 1 ? slower[key] : 1)
     bytes_now = bytes_of(scene, R, mean)
     step_exchange = exchange_ns(R, each * bytes_now, 1e3 * latency_us, 8 / gbit)
     step_search = often[scene] * (search_ns[scene] * (mean + ghosts_now) + R * log2(R) * 1e3 * latency_us + \
         each * search_bytes_of(scene, R, mean) * 8 / gbit)
     step_ns = step_compute + step_exchange + step_search
-    all_ns = compute_ns(key, n, work_a_leaf[scene] * n, a_leaf[scene] * n, n * density[scene], 1)
+    all_ns = compute_ns(1, key, n, work_a_leaf[scene] * n, a_leaf[scene] * n, n * density[scene], 1)
     efficiency = all_ns / (step_ns * R * threads)
     efficiency_without = all_ns / ((step_compute + step_exchange) * R * threads)
     if (step_ns * R * threads < all_ns * 0.999) wrong(n " triangles on " R " ranks: faster than its work")
@@ -338,18 +361,18 @@ END {
     triangle_bytes = (bytes_of_rank["few"] - bytes_of_rank["many"]) / (triangles_of_rank["few"] - triangles_of_rank["many"])
     base_bytes = bytes_of_rank["few"] - triangle_bytes * triangles_of_rank["few"]
     measure_constants()
-    head("Measured with one rank, ns: a triangle, to be refitted; a unit of work; a record, in libpccd and beside it",
-        "scene,triangles,refit,work,record,record beside")
+    head("Measured with one rank, ns: a triangle, to be refitted; a unit of work; a record; a vertex beside libpccd",
+        "scene,triangles,refit,work,record,vertex")
     for (i = 1; i <= run_count; i++) {
         split_run(known[i])
         key = scene SUBSEP n
         if (file ~ /times/ && R == 1 && (key in whole_ns)) {
-            printf "| %s | %s | %.1f | %.1f | %.0f | %.0f |\n", scene, spaced(n), leaf_ns[key], work_ns[key], merge_ns[key],
-                record_ns[key]
+            printf "| %s | %s | %.1f | %.1f | %.0f | %.1f |\n", scene, spaced(n), leaf_ns[key], work_ns[key], merge_ns[key],
+                vertex_ns[key]
         }
     }
-    printf "\nA vertex in libpccd-mpi, %.1f ns (%.2f a byte); a message between two ranks here, %.0f ns, and %.3f a byte.\n",
-        vertex_ns, vertex_ns / 24, link["link_latency_ns"], link["link_byte_ns"]
+    printf "\nA record beside libpccd, %.1f ns; a vertex in each of more ranks, %.1f more; a message between two ranks here, %.0f ns, " \
+        "and %.3f a byte.\n", record_ns, look_ns, link["link_latency_ns"], link["link_byte_ns"]
     predict_two()
     fit_laws()
     compare_counts()

@@ -67,7 +67,7 @@ time_few() {
     local file=$into/times.csv scene
     rm -f "$file"
     { echo "link,value" && ranks 2 "$top_builddir/bench/model/ranks" link; } >"$into/link.csv" || return
-    run "$file" 1 "$sheet" || return
+    run "$file" 1 "$sheet" && run "$file" 2 "$sheet" || return
     for scene in $scenes; do
         run "$file" 1 "$scene" && run "$file" 2 "$scene" alone && run "$file" 2 "$scene" || return
     done
