@@ -161,6 +161,16 @@ static void changed(struct eng_scene *scene)
     eng_near_warm_forget(&eng_step_memory_of(scene)->near.objects.warm);
 }
 
+/* Records may be the last answer's until the next one. */
+static void emptied(struct eng_scene *scene)
+{
+    struct eng_step_memory *memory = eng_step_memory_of(scene);
+    assert(!memory->borrows);
+    eng_pool_deinit(&memory->own_pool);
+    eng_merge_deinit(&memory->own_merge);
+    memory->sorted.may_shrink = memory->found.may_shrink = true;
+}
+
 static uint64_t bytes_of(const struct eng_worker *worker)
 {
     uint64_t bytes = sizeof *worker + eng_exact_bytes();
@@ -191,4 +201,5 @@ uint64_t eng_step_memory_bytes(const struct eng_scene *scene)
 const struct eng_slot_calls eng_step_slot = {.create = create,
                                              .destroy = destroy,
                                              .bytes = eng_step_memory_bytes,
-                                             .changed = changed};
+                                             .changed = changed,
+                                             .emptied = emptied};

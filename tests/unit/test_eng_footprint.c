@@ -166,6 +166,60 @@ static void footprint__of_wide_follows_a_scene_that_shrinks(void **state)
     assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
 }
 
+/* Two sheets of a few triangles come into the scene, and one goes through the other. */
+static void fall_through_another(struct eng_scene *scene)
+{
+    const struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+    struct eng_step_result result;
+    struct eng_mesh *small = kit_sheet(2, 0);
+    uint32_t objects[2];
+    double x1[9][3];
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(eng_scene_add(scene, small, 100 + i, &objects[i]), PCCD_OK);
+    }
+    for (int end = 0; end < 2; end++) { /* it begins where the last one ended */
+        memcpy(x1, eng_mesh_vertices(small), sizeof x1);
+        for (uint32_t v = 0; v < 9; v++) {
+            x1[v][0] += 0.1;
+            x1[v][2] += end == 0 ? APART : -APART;
+        }
+        eng_stage_begin(scene);
+        assert_int_equal(
+            eng_stage_x1(scene, objects[0], PCCD_FORMAT_F64, 0, 9, (const void *)x1),
+            PCCD_OK);
+        assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+    }
+    assert_true(result.count > 0);
+    eng_mesh_release(small);
+}
+
+/* If it failed, a rank whose leaves all travel while a scene is cut anew would keep what
+ * a step of the old ones took beside what the new ones take to arrive. */
+static void footprint__of_an_emptied_scene_is_given_back(void **state)
+{
+    (void)state;
+    struct kit_random random = {44};
+    struct cloth cloth;
+    cloth_init(&cloth);
+    step(&cloth, PCCD_METHOD_WIDE, PCCD_MODE_ALL, &random);
+    uint64_t wide = eng_wide_bytes(eng_wide_of(cloth.scene));
+    const struct eng_step_memory *memory = eng_step_memory_of(cloth.scene);
+    uint64_t records = memory->sorted.capacity_bytes;
+    assert_true(eng_merge_bytes(memory->merge) > records / 8);
+    for (uint32_t i = 0; i < SHEETS; i++) {
+        assert_int_equal(eng_scene_remove(cloth.scene, cloth.objects[i]), PCCD_OK);
+    }
+    assert_true(eng_wide_bytes(eng_wide_of(cloth.scene)) < wide / 16);
+    assert_true(eng_merge_bytes(memory->merge) < records / 16);
+    assert_true(eng_pool_bytes(memory->pool) < records / 16);
+    /* The records are the last answer's until there is another one. */
+    assert_int_equal(memory->sorted.capacity_bytes, records);
+    fall_through_another(cloth.scene);
+    assert_true(memory->sorted.capacity_bytes < records / 16);
+    eng_scene_free(cloth.scene);
+    assert_int_equal(eng_alloc_bytes(), cloth.engine_before);
+}
+
 /* What is promised of wide, of paper; the first step makes its hierarchies. */
 static void footprint__of_paper_is_as_promised(void **state)
 {
@@ -229,6 +283,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(footprint__of_wide_is_as_promised),
         cmocka_unit_test(footprint__of_wide_follows_a_scene_that_shrinks),
+        cmocka_unit_test(footprint__of_an_emptied_scene_is_given_back),
         cmocka_unit_test(footprint__of_paper_is_as_promised),
         cmocka_unit_test(footprint__does_not_follow_the_candidates),
     };

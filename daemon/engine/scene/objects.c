@@ -84,6 +84,24 @@ static void tell_changed(struct eng_scene *scene)
     }
 }
 
+/* A scene of this many leaves, or less, keeps its memory for what will come. */
+#define LEAVES_KEPT  (1u << 15)
+#define EMPTIED_PART 16u
+
+static void look_if_emptied(struct eng_scene *scene)
+{
+    if (scene->leaf_most <= LEAVES_KEPT ||
+        scene->leaf_count >= scene->leaf_most / EMPTIED_PART) {
+        return;
+    }
+    scene->leaf_most = scene->leaf_count;
+    for (int i = 0; i < ENG_SLOTS; i++) {
+        if (scene->owners[i]->emptied) {
+            scene->owners[i]->emptied(scene);
+        }
+    }
+}
+
 void eng_scene_free(struct eng_scene *scene)
 {
     if (!scene) {
@@ -187,6 +205,8 @@ static int place(struct eng_scene *scene, uint32_t idx, struct eng_mesh *mesh,
     scene->objects[idx] = object;
     eng_thickness_look(scene, &object);
     scene->leaf_count += mesh->leaf_count;
+    scene->leaf_most =
+        scene->leaf_count > scene->leaf_most ? scene->leaf_count : scene->leaf_most;
     scene->builds++;
     tell_changed(scene);
     return PCCD_OK;
@@ -261,6 +281,7 @@ void eng_scene_settle(struct eng_scene *scene)
         give_all(scene, before);
         eng_mesh_release(before->mesh);
     }
+    look_if_emptied(scene);
 }
 
 void eng_scene_take_back(struct eng_scene *scene)
@@ -305,6 +326,7 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
     object->mesh = NULL;
     scene->object_count--;
     tell_changed(scene);
+    look_if_emptied(scene);
     return PCCD_OK;
 }
 

@@ -47,6 +47,9 @@ struct eng_slot_calls {
     void (*drop)(struct eng_scene *scene, struct eng_object *object);
     /* Objects came, went or have another mesh since the last step. */
     void (*changed)(struct eng_scene *scene);
+    /* Nearly all leaves that the scene had are gone: give back what was for them. What
+     * the last answer holds stays. */
+    void (*emptied)(struct eng_scene *scene);
 };
 
 /* Vertices first .. end - 1 of an object; none: first >= end. */
@@ -159,6 +162,7 @@ struct eng_scene {
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
     uint64_t leaf_count;           /* of all objects */
+    uint64_t leaf_most;            /* that it was since the slots were told `emptied` */
     struct eng_replaced *replaced; /* not settled yet */
     uint32_t replaced_count, replaced_capacity;
 

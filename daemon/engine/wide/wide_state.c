@@ -90,9 +90,20 @@ static void changed(struct eng_scene *scene)
     eng_wide_of(scene)->is_stale = true;
 }
 
+static void emptied(struct eng_scene *scene)
+{
+    struct eng_wide_state *state = eng_wide_state_of(scene);
+    eng_wide_deinit(&state->trees);
+    eng_wide_owners_deinit(&state->owners);
+    memset(&state->trees, 0, sizeof state->trees);
+    memset(&state->owners, 0, sizeof state->owners);
+    eng_wide_init(&state->trees);
+}
+
 const struct eng_slot_calls eng_wide_slot = {.create = create,
                                              .destroy = destroy,
                                              .bytes = bytes,
                                              .add = add,
                                              .drop = drop,
-                                             .changed = changed};
+                                             .changed = changed,
+                                             .emptied = emptied};
