@@ -1,8 +1,7 @@
 /* cut.c - the scene in pieces along a curve.
  *
  * Room:     client/mpi.
- * Does:     find the places of the cuts by a search over all places, without moving
- *           anything; then move each leaf once.
+ * Does:     find the place of each leaf on the curve; move each leaf once.
  * Threads:  one.
  * Source:   cut.h.
  */
@@ -14,20 +13,9 @@
 
 #include "curve.h"
 #include "local.h"
+#include "pieces.h"
 #include "places.h"
 #include "rank_sort.h"
-
-#define PLACE_BITS  63u /* of the curve */
-#define SEARCH_BITS 4u  /* that one round finds out */
-#define ROUND_WAYS  ((1u << SEARCH_BITS) - 1)
-
-/* A leaf under way. */
-struct traveller {
-    uint64_t place;
-    uint64_t below; /* the weight of those before it here */
-    uint32_t object, weight;
-    struct ranks_leaf leaf;
-};
 
 /* ---- where leaves are ------------------------------------------------------------- */
 
@@ -88,11 +76,12 @@ static int bound(struct pccd_mpi *world, double (*const *x)[3], double box[6])
 
 /* All own leaves and their places, in the order of these. */
 static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
-                        const double box[6], uint64_t count, struct traveller *leaves)
+                        const double box[6], uint64_t count,
+                        struct ranks_traveller *leaves)
 {
     uint64_t at = 0;
     int status = PCCD_OK;
-    struct traveller *sorted = ranks_array(count, sizeof *sorted);
+    struct ranks_traveller *sorted = ranks_array(count, sizeof *sorted);
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
     if (sorted == NULL || keys == NULL || corners == NULL) {
@@ -109,7 +98,7 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
                              x[o][corners[i][2]][k]) /
                             3;
             }
-            sorted[at] = (struct traveller){
+            sorted[at] = (struct ranks_traveller){
                 .place = ranks_curve_place(middle, box, box + 3),
                 .object = o,
                 .weight = object->weights != NULL ? object->weights[i] : 1,
@@ -119,11 +108,8 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
     }
     if (status == PCCD_OK) {
         const struct ranks_key *order = ranks_sort(keys, keys + count, count);
-        uint64_t below = 0;
         for (uint64_t i = 0; i < count; i++) {
             leaves[i] = sorted[order[i].value];
-            leaves[i].below = below;
-            below += leaves[i].weight;
         }
     }
     free(sorted);
@@ -132,79 +118,11 @@ static int place_leaves(struct pccd_mpi *world, double (*const *x)[3],
     return status;
 }
 
-/* ---- where to cut ----------------------------------------------------------------- */
-
-/* How many leaves lie below a place. */
-static uint64_t count_below(const struct traveller *leaves, uint64_t count,
-                            uint64_t place)
-{
-    uint64_t from = 0, end = count;
-    while (from < end) {
-        uint64_t middle = from + (end - from) / 2;
-        if (leaves[middle].place < place) {
-            from = middle + 1;
-        } else {
-            end = middle;
-        }
-    }
-    return from;
-}
-
-/* Their weight. */
-static uint64_t weigh_below(const struct traveller *leaves, uint64_t count,
-                            uint64_t place)
-{
-    uint64_t end = count_below(leaves, count, place);
-    return end > 0 ? leaves[end - 1].below + leaves[end - 1].weight : 0;
-}
-
-/* cuts[r]: the lowest place below which there are r parts in `size` of the weight, or
- * more; found out digit by digit. */
-static int find_cuts(struct pccd_mpi *world, const struct traveller *leaves,
-                     uint64_t count, uint64_t *cuts)
-{
-    struct ranks_link *link = &world->link;
-    int wanted = link->size - 1;
-    uint64_t total = weigh_below(leaves, count, UINT64_MAX);
-    uint64_t *sums = ranks_array((uint64_t)link->size * ROUND_WAYS, sizeof *sums);
-    int status = ranks_agree_on(link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
-    if (status == PCCD_OK) {
-        status = ranks_sum(link, &total, 1);
-    }
-    memset(cuts, 0, ((size_t)link->size + 1) * sizeof *cuts);
-    uint32_t shift = (PLACE_BITS + SEARCH_BITS - 1) / SEARCH_BITS * SEARCH_BITS;
-    while (shift > 0 && status == PCCD_OK) {
-        shift -= SEARCH_BITS;
-        for (int r = 0; r < wanted; r++) {
-            for (uint32_t way = 1; way <= ROUND_WAYS; way++) {
-                uint64_t place = cuts[r + 1] + ((uint64_t)way << shift);
-                sums[(uint32_t)r * ROUND_WAYS + way - 1] =
-                    weigh_below(leaves, count, place);
-            }
-        }
-        status = ranks_sum(link, sums, wanted * (int)ROUND_WAYS);
-        for (int r = 0; r < wanted && status == PCCD_OK; r++) {
-            /* In 128 bits: weights of a long run times ranks. */
-            unsigned __int128 part = (unsigned __int128)total * (unsigned)(r + 1);
-            uint32_t way = 0;
-            while (way < ROUND_WAYS &&
-                   (unsigned __int128)sums[(uint32_t)r * ROUND_WAYS + way] *
-                           (unsigned)link->size <
-                       part) {
-                way++;
-            }
-            cuts[r + 1] += (uint64_t)way << shift;
-        }
-    }
-    cuts[link->size] = UINT64_MAX;
-    free(sums);
-    return status;
-}
-
 /* ---- moving ----------------------------------------------------------------------- */
 
 /* The leaves that came, to their objects, along the curve. */
-static int settle(struct pccd_mpi *world, const struct traveller *leaves, uint64_t count)
+static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
+                  uint64_t count)
 {
     struct ranks_key *keys = ranks_array(2 * count, sizeof *keys);
     if (keys == NULL) {
@@ -235,7 +153,7 @@ static int settle(struct pccd_mpi *world, const struct traveller *leaves, uint64
         object->own_count = 0;
     }
     for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
-        const struct traveller *leaf = &leaves[sorted[i].value];
+        const struct ranks_traveller *leaf = &leaves[sorted[i].value];
         struct ranks_object *object = world->objects[leaf->object];
         object->own[object->own_count++] = leaf->leaf;
     }
@@ -243,21 +161,53 @@ static int settle(struct pccd_mpi *world, const struct traveller *leaves, uint64
     return status;
 }
 
-static int move(struct pccd_mpi *world, const struct traveller *leaves, uint64_t count,
-                const uint64_t *cuts)
+/* Leaves in order of the ranks that get them, first[size + 1]; in the same memory. */
+static int sort_by_rank(struct pccd_mpi *world, struct ranks_traveller **leaves,
+                        uint64_t count, const struct ranks_pieces *pieces,
+                        uint64_t *first)
+{
+    struct ranks_traveller *sorted = ranks_array(count, sizeof *sorted);
+    uint64_t slice = 0, end = 0;
+    if (sorted == NULL) {
+        return ranks_no_memory(world);
+    }
+    memset(first, 0, ((size_t)world->link.size + 1) * sizeof *first);
+    for (uint64_t i = 0; i < count; i++) {
+        while ((*leaves)[i].place >= pieces->ends[slice]) {
+            slice++;
+        }
+        first[pieces->rank[slice]]++;
+    }
+    for (int r = 0; r <= world->link.size; r++) {
+        end += first[r];
+        first[r] = end;
+    }
+    for (uint64_t i = count; i-- > 0;) {
+        while (slice > 0 && (*leaves)[i].place < pieces->ends[slice - 1]) {
+            slice--;
+        }
+        sorted[--first[pieces->rank[slice]]] = (*leaves)[i];
+    }
+    free(*leaves);
+    *leaves = sorted;
+    return PCCD_OK;
+}
+
+/* Each leaf to its rank; *leaves are gone then. */
+static int move(struct pccd_mpi *world, struct ranks_traveller **leaves, uint64_t count,
+                const struct ranks_pieces *pieces)
 {
     struct ranks_link *link = &world->link;
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    struct traveller *came = NULL;
-    int status = ranks_agree_on(link, first == NULL ? ranks_no_memory(world) : PCCD_OK);
+    struct ranks_traveller *came = NULL;
+    int status = first == NULL ? ranks_no_memory(world)
+                               : sort_by_rank(world, leaves, count, pieces, first);
+    status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
         uint64_t *first_in = first + link->size + 1;
-        for (int r = 0; r < link->size; r++) {
-            first[r] = count_below(leaves, count, cuts[r]);
-        }
-        first[link->size] = count;
-        status =
-            ranks_deal(link, sizeof *leaves, leaves, first, (void **)&came, first_in);
+        status = ranks_deal(link, sizeof *came, *leaves, first, (void **)&came, first_in);
+        free(*leaves);
+        *leaves = NULL;
         if (status == PCCD_OK) {
             status = ranks_agree_on(link, settle(world, came, first_in[link->size]));
             link->broken = status; /* leaves may be lost */
@@ -299,9 +249,10 @@ static int take_leaves(struct pccd_mpi *world)
     return PCCD_OK;
 }
 
-static int cut(struct pccd_mpi *world, double (**x)[3], uint64_t *cuts)
+static int cut(struct pccd_mpi *world, double (**x)[3])
 {
     struct ranks_link *link = &world->link;
+    struct ranks_pieces pieces = {.count = 0};
     double box[6];
     uint64_t count = 0;
     int status = fetch_own(world, x);
@@ -314,16 +265,17 @@ static int cut(struct pccd_mpi *world, double (**x)[3], uint64_t *cuts)
     for (uint32_t o = 0; o < world->object_count; o++) {
         count += world->objects[o]->own_count;
     }
-    struct traveller *leaves = ranks_array(count, sizeof *leaves);
+    struct ranks_traveller *leaves = ranks_array(count, sizeof *leaves);
     status = leaves == NULL ? ranks_no_memory(world)
                             : place_leaves(world, x, box, count, leaves);
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = find_cuts(world, leaves, count, cuts);
+        status = ranks_pieces_find(world, leaves, count, &pieces);
     }
     if (status == PCCD_OK) {
-        status = move(world, leaves, count, cuts);
+        status = move(world, &leaves, count, &pieces);
     }
+    ranks_pieces_deinit(&pieces);
     free(leaves);
     return status;
 }
@@ -345,18 +297,16 @@ int ranks_cut(struct pccd_mpi *world)
     struct ranks_link *link = &world->link;
     uint32_t objects = world->object_count;
     double(**x)[3] = calloc((size_t)objects + 1, sizeof *x);
-    uint64_t *cuts = ranks_array((uint64_t)link->size + 1, sizeof *cuts);
-    int status = x == NULL || cuts == NULL ? ranks_no_memory(world) : take_leaves(world);
+    int status = x == NULL ? ranks_no_memory(world) : take_leaves(world);
     world->is_cut = world->is_covered = false;
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
-        status = cut(world, x, cuts);
+        status = cut(world, x);
     }
     for (uint32_t o = 0; o < objects && x != NULL; o++) {
         free(x[o]);
     }
     free((void *)x);
-    free(cuts);
     if (status == PCCD_OK) {
         status = look_around(world);
     }

@@ -25,6 +25,7 @@ ranks_sources = \
     client/mpi/neighbours.c client/mpi/neighbours.h \
     client/mpi/objects.c \
     client/mpi/parts.c client/mpi/parts.h \
+    client/mpi/pieces.c client/mpi/pieces.h \
     client/mpi/places.c client/mpi/places.h \
     client/mpi/rank_link.c client/mpi/rank_link.h \
     client/mpi/rank_sort.c client/mpi/rank_sort.h \

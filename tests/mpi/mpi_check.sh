@@ -43,6 +43,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
+    tap_skip mpi__triangles_lie_evenly_where_work_does_not "no --with-mpi"
     tap_skip mpi__help_is_printed_once "no --with-mpi"
     tap_skip mpi__ghosts_last_while_things_move_steadily "no --with-mpi"
     tap_skip mpi__completion_knows_commands_and_options "no --with-mpi"
@@ -310,6 +311,33 @@ ranks 2 "$top_builddir/pccd-mpi" check --repeat 0 --shares "$work"/steady*.ply >
     sed -n 's/^rank .* cuts \([0-9]*\), searches \([0-9]*\)$/\1 \2/p' "$log" |
     awk '$2 - $1 > 3 { bad = 1 } END { exit bad || NR != 2 }'
 tap_result $? mpi__ghosts_last_while_things_move_steadily "$log"
+
+# Most triangles lie apart and have nothing to do, a heap of others cross each other. If it failed,
+# one rank would keep nearly all that lies apart, because it is so little work, and would need the
+# memory of one process nearly: 2.8 times the mean instead of twice.
+heap() { # BY: how far the heap moves
+    awk -v by="$1" 'function triangle(x, y, z, size) {
+            printf "v %.17g %.17g %.17g\nv %.17g %.17g %.17g\nv %.17g %.17g %.17g\n", x, y, z,
+                x + size, y, z + size / 3, x, y + size, z + size / 2
+            text = text sprintf("f %d %d %d\n", n + 1, n + 2, n + 3)
+            n += 3
+        }
+        BEGIN {
+            for (i = 0; i < 3600; i++) triangle(i % 60, int(i / 60), 0, 0.5)
+            for (i = 0; i < 300; i++)
+                triangle(55 + i % 7 / 7, 55 + int(i / 7) % 7 / 7, 20 + i / 300 + by * (i % 2), 2)
+            printf "%s", text
+        }'
+}
+heap 0 >"$work/heap0.obj"
+heap 0.01 >"$work/heap1.obj"
+ranks 4 "$top_builddir/pccd-mpi" check --repeat 1 --shares "$work"/heap?.obj >"$work/out" 2>"$log" &&
+    "$PCCDCTL" check --url direct: "$work"/heap?.obj >"$work/one" 2>>"$log" &&
+    [ "$(grep '^hash' "$work/out")" = "$(grep '^hash' "$work/one")" ] &&
+    sed -n 's/^rank .* own \([0-9]*\), ghosts.* imbalance \([0-9.]*\), .*/\1 \2/p' "$log" |
+    awk '{ sum += $1; most = $1 > most ? $1 : most; if ($2 > 1.2) bad = 1 }
+        END { exit bad || sum != 3900 || most > 2.1 * sum / 4 }'
+tap_result $? mpi__triangles_lie_evenly_where_work_does_not "$log"
 
 # Work of all ranks beside that of one process, and the largest beside the mean, in the second
 # step, which is the first that knows of work.
