@@ -25,7 +25,7 @@
 
 #define LENGTH     100.0 /* of a needle */
 #define APART      1e6   /* the clusters */
-#define MANY       1500u /* needles of a cluster that takes long */
+#define MANY       2500u /* needles of a cluster that takes long */
 #define TRIES      5     /* as the system may let the other rank wait for once */
 #define TURN_SIZE  12u   /* needles of a cluster that does not */
 #define HITS_MAX   3000u /* clusters */
