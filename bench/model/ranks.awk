@@ -62,10 +62,10 @@ function end_step(  was) {
     }
     if (how == "on" && step > LATE) {
         late_steps[run]++
-        late_searches[run] += $at["searches"] - searches[run]
+        late_searches[run] += $at["searches"] != searches[run] && $at["cuts"] == cuts[run]
     } else if (how == "on" && step > 1) {
         early_steps[run]++
-        early_searches[run] += $at["searches"] - searches[run]
+        early_searches[run] += $at["searches"] != searches[run] && $at["cuts"] == cuts[run]
     }
     cuts[run] = $at["cuts"]; searches[run] = $at["searches"]; scene_vertices[run] = $at["vertices"]
     if (is_plain && how != "on") {

@@ -46,13 +46,13 @@ int balance_tell(struct pccd_mpi *world)
         most = (double)all[r] > most ? (double)all[r] : most;
     }
     world->share.imbalance = sum > 0 ? most * link->size / sum : 1;
+    world->right_work += most;
     free(all);
     return status;
 }
 
 void balance_note_times(struct pccd_mpi *world, uint64_t step_ns, uint64_t cut_ns)
 {
-    world->right_ns += (double)step_ns;
     if (cut_ns > 0) {
         world->cut_ns = cut_ns;
         world->lost_ns = 0;

@@ -22,8 +22,8 @@ struct ranks_block {
 
 /* How much larger than a step the boxes of an object's vertices are. */
 struct ranks_room {
-    double steps; /* further ones, if each vertex goes on like this */
-    double more;  /* on all sides */
+    double steps;   /* further ones, if each vertex goes on like this */
+    double more[3]; /* on both sides, by axis */
 };
 
 struct ranks_boxes {
@@ -60,8 +60,8 @@ static inline void ranks_cover(const double x0[3], const double x1[3],
     for (int k = 0; k < 3; k++) {
         double x2 = x1[k] + room->steps * (x1[k] - x0[k]);
         double low = fmin(fmin(x0[k], x1[k]), x2), high = fmax(fmax(x0[k], x1[k]), x2);
-        box[k] = ranks_float_below(low - room->more);
-        box[k + 3] = ranks_float_above(high + room->more);
+        box[k] = ranks_float_below(low - room->more[k]);
+        box[k + 3] = ranks_float_above(high + room->more[k]);
     }
 }
 

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clock.h"
 #include "local.h"
 #include "neighbours.h"
 #include "places.h"
@@ -466,7 +465,6 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed)
 {
     struct choice choice = {.separation = separation};
-    uint64_t begin_ns = common_now_ns();
     world->is_covered = false;
     ranks_rooms_choose(world, has_missed);
     int status = choose_all(world, &choice);
@@ -475,7 +473,7 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_miss
         status = build(world);
     }
     if (status == PCCD_OK) {
-        status = ranks_rooms_learn(world, begin_ns);
+        status = ranks_rooms_learn(world);
     }
     if (status == PCCD_OK) {
         world->is_covered = true;

@@ -12,14 +12,18 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "clock.h"
 #include "local.h"
 
 #define WAY_UNITS (1 << 20)
 
+/* To choose ghosts takes 630 ns for each leaf and ghost of a rank, and a unit of work 14
+ * (balance.c). Work is counted, not timed, so that ghosts are the same in every run. */
+#define CHOICE_WORK 45.0
+
 /* What moves by less than a part of the size of its leaves gets room for so many steps
- * that go on like this one, and as much again on all sides, up to so many of these sizes:
- * so ghosts stay right for some steps, and are not many more.
+ * that go on like this one, and as much again on both sides along each axis, up to so
+ * many of these sizes: so ghosts stay right for some steps, and are not many more. Along
+ * an axis along which little moves it is less, but no less than a part.
  *
  * Twice the room, and they are right for twice as many steps: that saves half of the part
  * of the time that choosing takes. Ghosts are then at most twice as many, and each takes
@@ -29,6 +33,7 @@
 #define ROOM_SLOW    0.25
 #define ROOM_STEPS   32.0
 #define ROOM_PART    1.0
+#define ASIDE_PART   0.25
 #define ROOM_MAX     64.0 /* times as much */
 #define ROOM_DEAR    0.8
 #define ROOM_CHEAP   0.1
@@ -44,45 +49,43 @@
 #define DEAR_PART      0.25
 #define CHEAP_PART     0.03
 
-/* How far a vertex moves along the axis along which it moves most. */
-static double way_of(const struct ranks_object *object, uint32_t i)
+/* How far a vertex moves along an axis. */
+static double way_of(const struct ranks_object *object, uint32_t i, uint32_t axis)
 {
-    const double *from = object->from[i], *to = object->to[i];
-    return fmax(fabs(to[0] - from[0]),
-                fmax(fabs(to[1] - from[1]), fabs(to[2] - from[2])));
+    return fabs(object->to[i][axis] - object->from[i][axis]);
 }
 
-/* The mean way of each object's vertices: in units of the longest, so that sums over
- * ranks are whole numbers and the same everywhere. */
+/* The mean ways of each object's vertices, ways[3 * object + axis]: in units of the
+ * longest, so that sums over ranks are whole numbers and the same everywhere. */
 static int find_ways(struct pccd_mpi *world, double *ways)
 {
-    uint32_t objects = world->object_count;
-    uint64_t *sums = ranks_array(objects, sizeof *sums);
+    uint32_t count = 3 * world->object_count;
+    uint64_t *sums = ranks_array(count, sizeof *sums);
     int status =
         ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        ways[o] = 0;
+    for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
+        const struct ranks_object *object = world->objects[w / 3];
+        ways[w] = 0;
         for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
-            ways[o] = fmin(ways[o], -way_of(object, i));
+            ways[w] = fmin(ways[w], -way_of(object, i, w % 3));
         }
     }
     if (status == PCCD_OK) {
-        status = ranks_min_doubles(&world->link, ways, (int)objects);
+        status = ranks_min_doubles(&world->link, ways, (int)count);
     }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        sums[o] = 0;
-        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[o] < 0; i++) {
-            sums[o] += (uint64_t)(way_of(object, i) / -ways[o] * WAY_UNITS);
+    for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
+        const struct ranks_object *object = world->objects[w / 3];
+        sums[w] = 0;
+        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[w] < 0; i++) {
+            sums[w] += (uint64_t)(way_of(object, i, w % 3) / -ways[w] * WAY_UNITS);
         }
     }
     if (status == PCCD_OK) {
-        status = ranks_sum(&world->link, sums, (int)objects);
+        status = ranks_sum(&world->link, sums, (int)count);
     }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        double mean = (double)sums[o] / WAY_UNITS / world->objects[o]->mesh->vertex_total;
-        ways[o] = -ways[o] * mean;
+    for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
+        uint32_t vertices = world->objects[w / 3]->mesh->vertex_total;
+        ways[w] = -ways[w] * (double)sums[w] / WAY_UNITS / vertices;
     }
     free(sums);
     return status;
@@ -123,13 +126,17 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
         status = ranks_min_doubles(&world->link, sizes, (int)objects);
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        bool is_slow = ways[o] < ROOM_SLOW * sizes[o];
+        const double *along = ways + 3 * (size_t)o;
+        double way = fmax(along[0], fmax(along[1], along[2]));
+        bool is_slow = way < ROOM_SLOW * sizes[o];
         double room =
-            is_slow ? world->slow_room * fmin(ROOM_STEPS * ways[o], ROOM_PART * sizes[o])
-                    : 0;
-        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN,
-                              ways[o] > 0 ? room / ways[o] : 0);
-        rooms[o].more = fmax(fmin(world->fast_steps, FAST_PART) * ways[o], room);
+            is_slow ? world->slow_room * fmin(ROOM_STEPS * way, ROOM_PART * sizes[o]) : 0;
+        double steps = way > 0 ? room / way : 0;
+        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN, steps);
+        for (int k = 0; k < 3; k++) {
+            rooms[o].more[k] = fmax(fmin(world->fast_steps, FAST_PART) * way,
+                                    fmax(steps * along[k], ASIDE_PART * room));
+        }
     }
     free(sizes);
     return status;
@@ -138,7 +145,7 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
 int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
                      struct ranks_room *rooms)
 {
-    double *ways = ranks_array(world->object_count, sizeof *ways);
+    double *ways = ranks_array(3 * (uint64_t)world->object_count, sizeof *ways);
     int status =
         ranks_agree_on(&world->link, ways == NULL ? ranks_no_memory(world) : PCCD_OK);
     if (status == PCCD_OK) {
@@ -154,33 +161,33 @@ int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
 /* How much room what moves gets from now on. */
 void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
 {
-    if (has_missed && world->choice_ns > DEAR_PART * world->right_ns) {
+    if (has_missed && world->choice_work > DEAR_PART * world->right_work) {
         world->fast_steps = fmin(2 * world->fast_steps, FAST_STEPS_MAX);
-    } else if (has_missed && world->choice_ns < CHEAP_PART * world->right_ns) {
+    } else if (has_missed && world->choice_work < CHEAP_PART * world->right_work) {
         world->fast_steps = world->fast_steps / 2;
     }
     world->fast_steps = fmax(world->fast_steps, FAST_STEPS_MIN);
-    double ghosts_ns = world->ghost_part * world->right_ns;
-    if (has_missed && world->choice_ns > ROOM_DEAR * ghosts_ns) {
+    double ghosts_work = world->ghost_part * world->right_work;
+    if (has_missed && world->choice_work > ROOM_DEAR * ghosts_work) {
         world->slow_room = fmin(2 * world->slow_room, ROOM_MAX);
-    } else if (has_missed && world->choice_ns < ROOM_CHEAP * ghosts_ns) {
+    } else if (has_missed && world->choice_work < ROOM_CHEAP * ghosts_work) {
         world->slow_room = world->slow_room / 2;
     }
     world->slow_room = fmax(world->slow_room, 1);
 }
 
-/* How long the slowest rank took for it, and how many ghosts all have. */
-int ranks_rooms_learn(struct pccd_mpi *world, uint64_t begin_ns)
+/* What it took the rank that has most, and how many ghosts all have. */
+int ranks_rooms_learn(struct pccd_mpi *world)
 {
     uint64_t leaves[2] = {0, 0}; /* own ones, ghosts */
     for (uint32_t o = 0; o < world->object_count; o++) {
         leaves[0] += world->objects[o]->own_count;
         leaves[1] += world->objects[o]->local.leaf_count - world->objects[o]->own_count;
     }
-    world->choice_ns = -(double)(common_now_ns() - begin_ns);
-    world->right_ns = 0;
-    int status = ranks_min_doubles(&world->link, &world->choice_ns, 1);
-    world->choice_ns = -world->choice_ns;
+    world->choice_work = -CHOICE_WORK * (double)(leaves[0] + leaves[1]);
+    world->right_work = 0;
+    int status = ranks_min_doubles(&world->link, &world->choice_work, 1);
+    world->choice_work = -world->choice_work;
     if (status == PCCD_OK) {
         status = ranks_sum(&world->link, leaves, 2);
     }

@@ -17,8 +17,7 @@ void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed);
  * it begins, of local vertices. */
 int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
                      struct ranks_room *rooms);
-/* Collective: ghosts were chosen, since begin_ns: how long that took the slowest rank,
- * and how many ghosts all have. */
-int ranks_rooms_learn(struct pccd_mpi *world, uint64_t begin_ns);
+/* Collective: ghosts were chosen: what that took, and how many ghosts all have. */
+int ranks_rooms_learn(struct pccd_mpi *world);
 
 #endif
