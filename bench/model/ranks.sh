@@ -5,7 +5,7 @@
 #
 #   all      count, time, model; where nothing is named
 #   count    with up to 64 ranks, more than there are processors: no times
-#   large    10 million triangles on 4, 16 and 64 ranks, added to what was counted: 12 GiB, minutes
+#   large    10 million triangles on 4 and 16 ranks, added to what was counted: 12 GiB, minutes
 #   time     with one rank and two; on an idle machine of two processors
 #   model    the tables, of what is in FOLDER
 #   smoke    tiny: does it still run?
@@ -111,7 +111,7 @@ for what in "${@:-all}"; do
         all) count && time_all cloth-ball && model ;;
         count) count ;;
         large)
-            counts='4 16 64'
+            counts='4 16'
             scenes='layers=792,5,2,1'
             count more
             ;;
