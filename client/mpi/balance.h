@@ -11,7 +11,8 @@
 
 /* After a step of libpccd in this rank. */
 void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective: world->share.imbalance. */
+/* Collective: world->share.imbalance; the most work of a rank goes to
+ * world->right_work. */
 int balance_tell(struct pccd_mpi *world);
 
 /* The same on every rank: is the scene to be cut anew before the next step? step_ns,

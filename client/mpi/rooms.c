@@ -17,7 +17,8 @@
 #define WAY_UNITS (1 << 20)
 
 /* To choose ghosts takes 630 ns for each leaf and ghost of a rank, and a unit of work 14
- * (balance.c). Work is counted, not timed, so that ghosts are the same in every run. */
+ * (balance.c). Work is counted, not timed, so that other programs that use the processors
+ * do not change how many ghosts there are. */
 #define CHOICE_WORK 45.0
 
 /* What moves by less than a part of the size of its leaves gets room for so many steps
@@ -33,7 +34,7 @@
 #define ROOM_SLOW    0.25
 #define ROOM_STEPS   32.0
 #define ROOM_PART    1.0
-#define ASIDE_PART   0.25
+#define ASIDE_PART   0.25 /* of the room, along an axis along which little moves */
 #define ROOM_MAX     64.0 /* times as much */
 #define ROOM_DEAR    0.8
 #define ROOM_CHEAP   0.1

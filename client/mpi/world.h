@@ -184,8 +184,8 @@ struct pccd_mpi {
     /* How long the last cut took, and what was lost since because some ranks waited. */
     uint64_t cut_ns;
     double lost_ns;
-    /* What the last choice of ghosts took, in the unit of share.work, and the steps for
-     * which they were right; how many ghosts all ranks have beside what they own. */
+    /* In the unit of share.work: what the last choice of ghosts took, and the steps since
+     * then. How many ghosts all ranks have beside what they own. */
     double choice_work, right_work, ghost_part;
     /* How much room ghosts.c leaves around what moves: so many steps of what is fast, so
      * many times as much as at first of what is slow. */
