@@ -19,8 +19,12 @@
 
 void ranks_boxes_deinit(struct ranks_boxes *boxes)
 {
-    free(boxes->boxes);
-    free(boxes->first);
+    for (uint32_t o = 0; o < boxes->object_count; o++) {
+        free(boxes->vertices[o]);
+        free(boxes->corners[o]);
+    }
+    free((void *)boxes->vertices);
+    free((void *)boxes->corners);
     free(boxes->blocks);
 }
 
@@ -59,40 +63,23 @@ static void grow(float box[6], double growth)
     }
 }
 
-/* Local vertices of an object, each for all leaves that have it. */
-static void bound_vertices(uint32_t count, const double (*x0)[3], const double (*x1)[3],
-                           const struct ranks_room *room, double growth,
-                           float (*boxes)[6])
+/* Of one object: all of its local vertices, each for all leaves that have it. */
+static int bound(struct pccd_mpi *world, const struct ranks_object *object, double growth,
+                 const double (*x0)[3], const double (*x1)[3],
+                 struct ranks_moving_box **vertices, uint32_t (**corners)[3])
 {
+    uint32_t count = object->local.vertex_count;
+    *vertices = ranks_array(count, sizeof **vertices);
+    *corners = ranks_array(object->own_count, sizeof **corners);
+    if (*vertices == NULL || *corners == NULL) {
+        return ranks_no_memory(world);
+    }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_cover(x0[i], x1[i], room, boxes[i]);
-        grow(boxes[i], growth);
+        ranks_vertex_box(x0[i], x1[i], &object->room, &(*vertices)[i]);
+        grow((*vertices)[i].box, growth);
     }
-}
-
-static int bound_leaves(struct pccd_mpi *world, const struct ranks_object *object,
-                        const struct ranks_room *room, double growth,
-                        const double (*x0)[3], const double (*x1)[3], float (*boxes)[6])
-{
-    uint32_t vertices = object->local.vertex_count;
-    uint32_t(*corners)[3] = ranks_array(object->own_count, sizeof *corners);
-    float(*of)[6] = ranks_array(vertices, sizeof *of);
-    int status = corners == NULL || of == NULL
-                     ? ranks_no_memory(world)
-                     : ranks_local_corners(world, &object->local, object->own,
-                                           object->own_count, corners);
-    if (status == PCCD_OK) {
-        bound_vertices(vertices, x0, x1, room, growth, of);
-    }
-    for (uint32_t i = 0; i < object->own_count && status == PCCD_OK; i++) {
-        ranks_box_begin(boxes[i]);
-        for (int k = 0; k < 3; k++) {
-            ranks_box_add(boxes[i], of[corners[i][k]]);
-        }
-    }
-    free(corners);
-    free(of);
-    return status;
+    return ranks_local_corners(world, &object->local, object->own, object->own_count,
+                               *corners);
 }
 
 /* How far apart two boxes are along the axis along which they are farthest apart. */
@@ -122,49 +109,51 @@ static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
         uint32_t count = world->objects[o]->own_count;
         struct ranks_block *block = NULL;
         for (uint32_t i = 0; i < count; i++) {
-            const float *box = boxes->boxes[boxes->first[o] + i];
-            bool jumps_here = block != NULL && block->count < size && jumps < JUMPS_MAX &&
-                              gap_between(block->box, box) > side_of(block->box);
+            struct ranks_moving_box leaf;
+            ranks_leaf_box(boxes, o, i, &leaf);
+            bool jumps_here =
+                block != NULL && block->count < size && jumps < JUMPS_MAX &&
+                gap_between(block->box.box, leaf.box) > side_of(block->box.box);
             if (block == NULL || block->count == size || jumps_here) {
                 block = &boxes->blocks[boxes->block_count++];
                 block->object = o;
                 block->begin = i;
                 block->count = 0;
-                ranks_box_begin(block->box);
+                ranks_moving_box_begin(&block->box);
                 jumps += jumps_here;
             }
             block->count++;
-            ranks_box_add(block->box, box);
+            ranks_moving_box_add(&block->box, &leaf);
         }
     }
 }
 
 int ranks_boxes_make(struct pccd_mpi *world, double separation,
-                     const struct ranks_room *rooms, const double (*const *x0)[3],
-                     const double (*const *x1)[3], struct ranks_boxes *boxes)
+                     const double (*const *x0)[3], const double (*const *x1)[3],
+                     struct ranks_boxes *boxes)
 {
     uint32_t objects = world->object_count;
     uint64_t count = 0;
-    boxes->first = ranks_array(objects, sizeof *boxes->first);
-    for (uint32_t o = 0; o < objects && boxes->first != NULL; o++) {
-        boxes->first[o] = count;
-        count += world->objects[o]->own_count;
-    }
-    boxes->boxes = ranks_array(count, sizeof *boxes->boxes);
-    boxes->blocks =
-        ranks_array(BLOCKS_MAX + JUMPS_MAX + objects + count / BLOCK_LEAVES_MIN,
-                    sizeof *boxes->blocks);
-    if (boxes->first == NULL || boxes->boxes == NULL || boxes->blocks == NULL) {
+    boxes->vertices = calloc((size_t)objects + 1, sizeof *boxes->vertices);
+    boxes->corners = calloc((size_t)objects + 1, sizeof *boxes->corners);
+    if (boxes->vertices == NULL || boxes->corners == NULL) {
         return ranks_no_memory(world);
     }
+    boxes->object_count = objects;
     for (uint32_t o = 0; o < objects; o++) {
         const struct ranks_object *object = world->objects[o];
-        int status =
-            bound_leaves(world, object, &rooms[o], ranks_reach(object, separation), x0[o],
-                         x1[o], boxes->boxes + boxes->first[o]);
+        count += object->own_count;
+        int status = bound(world, object, ranks_reach(object, separation), x0[o], x1[o],
+                           &boxes->vertices[o], &boxes->corners[o]);
         if (status != PCCD_OK) {
             return status;
         }
+    }
+    boxes->blocks =
+        ranks_array(BLOCKS_MAX + JUMPS_MAX + objects + count / BLOCK_LEAVES_MIN,
+                    sizeof *boxes->blocks);
+    if (boxes->blocks == NULL) {
+        return ranks_no_memory(world);
     }
     make_blocks(world, count, boxes);
     return PCCD_OK;

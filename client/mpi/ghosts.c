@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "boxes.h"
 #include "local.h"
 #include "neighbours.h"
 #include "places.h"
@@ -29,27 +30,29 @@ struct visitor {
 #define BAND_BLOCKS 32u
 
 struct band {
-    float box[6];
+    struct ranks_moving_box box;
     uint64_t begin, end; /* of the blocks of all ranks */
 };
 
 /* What choosing ghosts needs for its time. */
 struct choice {
     double separation;
-    struct ranks_room *rooms;    /* [object] */
+    bool is_still;               /* all stands where the last step ended */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
+    double steps;                /* later ones, for which boxes follow */
     struct ranks_boxes mine;     /* of own leaves, and their blocks */
     struct ranks_block *all;     /* blocks of all ranks */
     uint64_t *first;             /* [size + 1] of these */
     struct band *bands;          /* of these, rank by rank */
     uint64_t *band_first;        /* [size + 1] */
     struct visitor *out;
+    uint64_t out_count, out_capacity;
     uint64_t *out_first;
     struct visitor *in;
     uint64_t *in_first;
 };
 
-static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
+static void forget_positions(const struct pccd_mpi *world, struct choice *choice)
 {
     for (uint32_t o = 0; o < world->object_count; o++) {
         if (choice->x0 != NULL) {
@@ -61,7 +64,12 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     }
     free((void *)choice->x0);
     free((void *)choice->x1);
-    free(choice->rooms);
+    choice->x0 = choice->x1 = NULL;
+}
+
+static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
+{
+    forget_positions(world, choice);
     ranks_boxes_deinit(&choice->mine);
     free(choice->all);
     free(choice->first);
@@ -75,9 +83,8 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
 
 /* ---- what ghosts are chosen by ----------------------------------------------------- */
 
-/* Of each given vertex of the object: the box within which it may be. */
-static int cover(struct pccd_mpi *world, struct ranks_object *object,
-                 const struct ranks_room *room)
+/* Of each given vertex of the object: where it may be. */
+static int cover(struct pccd_mpi *world, struct ranks_object *object)
 {
     uint32_t count = object->mesh->vertex_count;
     if (object->cover == NULL) {
@@ -87,36 +94,49 @@ static int cover(struct pccd_mpi *world, struct ranks_object *object,
         return ranks_no_memory(world);
     }
     for (uint32_t i = 0; i < count; i++) {
-        ranks_cover(object->from[i], object->to[i], room, object->cover[i]);
+        ranks_cover(object->from[i], object->to[i], &object->room, object->cover[i]);
     }
     return PCCD_OK;
 }
 
-/* Does any of the vertices `begin` to `end` - 1 leave its box? [team] */
-static bool has_left(const struct ranks_object *object, uint64_t begin, uint64_t end)
+static bool follows(const struct ranks_object *object)
 {
+    return object->room.follows[0] || object->room.follows[1] || object->room.follows[2];
+}
+
+/* A look at vertices: which steps have been made where they begin and end. */
+struct look {
+    double from, to;
+    uint8_t *misses;
+};
+
+/* Does any of the vertices `begin` to `end` - 1 leave its box? Where the last step ended
+ * all were in theirs. [team] */
+static bool has_left(const struct ranks_object *object, const struct look *look,
+                     uint64_t begin, uint64_t end)
+{
+    const struct ranks_room room = object->room;
+    const bool starts = object->from != (const double(*)[3])object->x;
     for (uint64_t i = begin; i < end; i++) {
-        for (int k = 0; k < 3; k++) {
-            double a = object->from[i][k], b = object->to[i][k];
-            double low = a < b ? a : b, high = a > b ? a : b;
-            if (low < (double)object->cover[i][k] ||
-                high > (double)object->cover[i][k + 3]) {
-                return true;
-            }
+        const float *cover = object->cover[i];
+        if (!ranks_is_covered(object->to[i], look->to, &room, cover) ||
+            (starts && !ranks_is_covered(object->from[i], look->from, &room, cover))) {
+            return true;
         }
     }
     return false;
 }
 
+/* It stays where it is, and so does its box. */
 static bool rests(const struct ranks_object *object)
 {
     return object->to == (const double(*)[3])object->x &&
-           object->from == (const double(*)[3])object->x;
+           object->from == (const double(*)[3])object->x && !follows(object);
 }
 
 /* Of the vertices begin .. end - 1 of all objects that do not rest. [team] */
-static void look_at_part(const struct pccd_mpi *world, uint8_t *misses, uint64_t begin,
-                         uint64_t end)
+static void look_at_part(const struct pccd_mpi *world, const struct look *look,
+                         uint64_t begin, uint64_t end)
 {
     uint64_t at = 0;
     for (uint32_t o = 0; o < world->object_count && at < end; o++) {
@@ -124,25 +144,27 @@ static void look_at_part(const struct pccd_mpi *world, uint8_t *misses, uint64_t
         const uint64_t count = rests(object) ? 0 : object->mesh->vertex_count;
         uint64_t first, last;
         if (ranks_part_of_run(at, count, begin, end, &first, &last) &&
-            (object->cover == NULL || has_left(object, first, last))) {
+            (object->cover == NULL || has_left(object, look, first, last))) {
 #pragma omp atomic write
-            misses[o] = 1;
+            look->misses[o] = 1;
         }
         at += count;
     }
 }
 
-void ranks_ghosts_look(const struct pccd_mpi *world, uint8_t *misses)
+void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
+                       uint8_t *misses)
 {
+    const struct look look = {from, to, misses};
     uint64_t count = 0;
     for (uint32_t o = 0; o < world->object_count; o++) {
-        misses[o] = 0;
+        misses[o] = from < 0;
         count += rests(world->objects[o]) ? 0 : world->objects[o]->mesh->vertex_count;
     }
     const int team = ranks_team(world, count);
 #pragma omp parallel for num_threads(team) schedule(static, 1)
     for (int t = 0; t < team; t++) {
-        look_at_part(world, misses, ranks_part(count, t, team),
+        look_at_part(world, &look, ranks_part(count, t, team),
                      ranks_part(count, t + 1, team));
     }
 }
@@ -154,11 +176,9 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
     const double(**given)[3] = calloc((size_t)objects + 1, sizeof *given);
     choice->x0 = calloc((size_t)objects + 1, sizeof *choice->x0);
     choice->x1 = calloc((size_t)objects + 1, sizeof *choice->x1);
-    choice->rooms = ranks_array(objects, sizeof *choice->rooms);
-    int status =
-        given == NULL || choice->x0 == NULL || choice->x1 == NULL || choice->rooms == NULL
-            ? ranks_no_memory(world)
-            : PCCD_OK;
+    int status = given == NULL || choice->x0 == NULL || choice->x1 == NULL
+                     ? ranks_no_memory(world)
+                     : PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         uint32_t count = world->objects[o]->local.vertex_count;
         choice->x0[o] = ranks_array(count, sizeof **choice->x0);
@@ -174,7 +194,7 @@ static int fetch(struct pccd_mpi *world, struct choice *choice)
         status = ranks_plan_send(world, given, end == 0 ? choice->x0 : choice->x1);
     }
     free((void *)given);
-    return status == PCCD_OK ? ranks_rooms_find(world, choice->x0, choice->rooms)
+    return status == PCCD_OK ? ranks_rooms_find(world, choice->is_still, choice->x0)
                              : status;
 }
 
@@ -186,12 +206,12 @@ static uint32_t find_near(const struct pccd_mpi *world, const struct choice *cho
                           const struct ranks_block **near)
 {
     uint32_t count = 0;
-    if (!ranks_boxes_meet(block->box, band->box)) {
+    if (!ranks_moving_boxes_meet(&block->box, &band->box, choice->steps)) {
         return 0;
     }
     for (uint64_t i = band->begin; i < band->end; i++) {
         const struct ranks_block *theirs = &choice->all[i];
-        if (ranks_boxes_meet(block->box, theirs->box) &&
+        if (ranks_moving_boxes_meet(&block->box, &theirs->box, choice->steps) &&
             ranks_may_meet(world, block->object, theirs->object)) {
             near[count++] = theirs;
         }
@@ -199,36 +219,62 @@ static uint32_t find_near(const struct pccd_mpi *world, const struct choice *cho
     return count;
 }
 
-/* Which of the own leaves go to rank r: counts, or with out != NULL writes them. */
-static uint64_t choose_for(const struct pccd_mpi *world, const struct choice *choice,
-                           const struct ranks_block **near, int r, struct visitor *out)
+/* A place for one more that goes out; false: no memory. */
+static bool has_place(struct choice *choice)
 {
-    uint64_t count = 0;
-    const struct ranks_boxes *mine = &choice->mine;
-    for (uint32_t b = 0; b < mine->block_count; b++) {
-        const struct ranks_block *block = &mine->blocks[b];
-        uint32_t near_count = 0;
-        for (uint64_t i = choice->band_first[r]; i < choice->band_first[r + 1]; i++) {
-            near_count +=
-                find_near(world, choice, block, &choice->bands[i], near + near_count);
-        }
-        const struct ranks_object *object = world->objects[block->object];
-        for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
-            uint32_t leaf = block->begin + i;
-            const float *box = mine->boxes[mine->first[block->object] + leaf];
-            uint32_t n = 0;
-            while (n < near_count && !ranks_boxes_meet(box, near[n]->box)) {
-                n++;
-            }
-            if (n < near_count) {
-                if (out != NULL) {
-                    out[count] = (struct visitor){block->object, object->own[leaf]};
-                }
-                count++;
-            }
-        }
+    if (choice->out_count < choice->out_capacity) {
+        return true;
     }
-    return count;
+    uint64_t capacity = choice->out_capacity + choice->out_capacity / 2 + 1024;
+    struct visitor *out = realloc(choice->out, capacity * sizeof *out);
+    if (out != NULL) {
+        choice->out = out;
+        choice->out_capacity = capacity;
+    }
+    return out != NULL;
+}
+
+/* The leaves of an own block that meet any of those near: out they go. */
+static bool choose_of(const struct pccd_mpi *world, struct choice *choice,
+                      const struct ranks_block *block,
+                      const struct ranks_block *const *near, uint32_t near_count)
+{
+    const struct ranks_object *object = world->objects[block->object];
+    for (uint32_t i = 0; i < block->count && near_count > 0; i++) {
+        const uint32_t leaf = block->begin + i;
+        struct ranks_moving_box box;
+        uint32_t n = 0;
+        ranks_leaf_box(&choice->mine, block->object, leaf, &box);
+        while (n < near_count &&
+               !ranks_moving_boxes_meet(&box, &near[n]->box, choice->steps)) {
+            n++;
+        }
+        if (n == near_count) {
+            continue;
+        }
+        if (!has_place(choice)) {
+            return false;
+        }
+        choice->out[choice->out_count++] =
+            (struct visitor){block->object, object->own[leaf]};
+    }
+    return true;
+}
+
+/* Which of the own leaves go to rank r; false: no memory. */
+static bool choose_for(const struct pccd_mpi *world, struct choice *choice,
+                       const struct ranks_block **near, int r)
+{
+    bool has_memory = true;
+    for (uint32_t b = 0; b < choice->mine.block_count && has_memory; b++) {
+        const struct ranks_block *block = &choice->mine.blocks[b];
+        uint32_t count = 0;
+        for (uint64_t i = choice->band_first[r]; i < choice->band_first[r + 1]; i++) {
+            count += find_near(world, choice, block, &choice->bands[i], near + count);
+        }
+        has_memory = choose_of(world, choice, block, near, count);
+    }
+    return has_memory;
 }
 
 /* Of the blocks of each rank those that meet none of this rank's stay out. */
@@ -240,46 +286,31 @@ static int choose(struct pccd_mpi *world, struct choice *choice)
         ranks_array(choice->first[link->size], sizeof *near);
     choice->out_first = ranks_array(cells, sizeof(uint64_t));
     choice->in_first = ranks_array(cells, sizeof(uint64_t));
-    if (near == NULL || choice->out_first == NULL || choice->in_first == NULL) {
-        free(near);
-        return ranks_no_memory(world);
+    bool has_memory =
+        near != NULL && choice->out_first != NULL && choice->in_first != NULL;
+    for (int r = 0; r < link->size && has_memory; r++) {
+        choice->out_first[r] = choice->out_count;
+        has_memory = r == link->rank || choose_for(world, choice, near, r);
+        choice->out_first[r + 1] = choice->out_count;
     }
-    for (int pass = 0; pass < 2; pass++) {
-        uint64_t count = 0;
-        for (int r = 0; r < link->size; r++) {
-            choice->out_first[r] = count;
-            count += r == link->rank
-                         ? 0
-                         : choose_for(world, choice, near, r,
-                                      choice->out ? choice->out + count : NULL);
-        }
-        choice->out_first[link->size] = count;
-        if (pass == 0) {
-            choice->out = ranks_array(count, sizeof *choice->out);
-            if (choice->out == NULL) {
-                free(near);
-                return ranks_no_memory(world);
-            }
-        }
-    }
-    free(near);
-    return PCCD_OK;
+    free((void *)near);
+    return has_memory ? PCCD_OK : ranks_no_memory(world);
 }
 
 /* Blocks far from all of this rank need not be looked at again and again. */
 static void forget_far(const struct pccd_mpi *world, struct choice *choice)
 {
-    float whole[6];
-    ranks_box_begin(whole);
+    struct ranks_moving_box whole;
+    ranks_moving_box_begin(&whole);
     for (uint32_t b = 0; b < choice->mine.block_count; b++) {
-        ranks_box_add(whole, choice->mine.blocks[b].box);
+        ranks_moving_box_add(&whole, &choice->mine.blocks[b].box);
     }
     uint64_t kept = 0;
     for (int r = 0; r < world->link.size; r++) {
         uint64_t begin = choice->first[r];
         choice->first[r] = kept;
         for (uint64_t i = begin; i < choice->first[r + 1]; i++) {
-            if (ranks_boxes_meet(whole, choice->all[i].box)) {
+            if (ranks_moving_boxes_meet(&whole, &choice->all[i].box, choice->steps)) {
                 choice->all[kept++] = choice->all[i];
             }
         }
@@ -303,9 +334,9 @@ static int make_bands(struct pccd_mpi *world, struct choice *choice)
         for (uint64_t i = choice->first[r]; i < end; i++) {
             if ((i - choice->first[r]) % BAND_BLOCKS == 0) {
                 choice->bands[count] = (struct band){.begin = i};
-                ranks_box_begin(choice->bands[count++].box);
+                ranks_moving_box_begin(&choice->bands[count++].box);
             }
-            ranks_box_add(choice->bands[count - 1].box, choice->all[i].box);
+            ranks_moving_box_add(&choice->bands[count - 1].box, &choice->all[i].box);
             choice->bands[count - 1].end = i + 1;
         }
     }
@@ -428,13 +459,15 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
         return status;
     }
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        status = cover(world, world->objects[o], &choice->rooms[o]);
+        choice->steps = world->objects[o]->room.steps;
+        status = cover(world, world->objects[o]);
     }
     if (status == PCCD_OK) {
-        status = ranks_boxes_make(world, choice->separation, choice->rooms,
+        status = ranks_boxes_make(world, choice->separation,
                                   (const double(*const *)[3])choice->x0,
                                   (const double(*const *)[3])choice->x1, &choice->mine);
     }
+    forget_positions(world, choice);
     choice->first = ranks_array((uint64_t)link->size + 1, sizeof(uint64_t));
     if (status == PCCD_OK && choice->first == NULL) {
         status = ranks_no_memory(world);
@@ -462,9 +495,10 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
     return status == PCCD_OK ? ranks_agree_on(link, settle(world, choice)) : status;
 }
 
-int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed)
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
+                        bool has_missed)
 {
-    struct choice choice = {.separation = separation};
+    struct choice choice = {.separation = separation, .is_still = is_still};
     world->is_covered = false;
     ranks_rooms_choose(world, has_missed);
     int status = choose_all(world, &choice);
@@ -477,6 +511,7 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_miss
     }
     if (status == PCCD_OK) {
         world->is_covered = true;
+        world->gone = 0;
         world->reach = separation;
         world->share.searches++;
     }

@@ -5,13 +5,14 @@
  *           libpccd have them.
  * Threads:  one.
  *
- * A pair is found by the rank that owns its first feature, so that rank needs a leaf with
- * the second one. If the two features come together, so do the boxes of all leaves that
- * have them. So it suffices that each leaf goes to each rank of which a block, some
- * leaves one behind the other on the curve, meets it. All boxes hold both ends of the
- * step and what the leaf reaches beyond itself, and then some more: where the vertices
- * will be if they go on like this for some steps. So they are right for later steps,
- * too, until a vertex leaves the box that was made for it.
+ * A pair is found by the rank that owns its first feature, so that rank needs a leaf
+ * with the second one. If the two features come together, so do the boxes of all
+ * leaves that have them. So it suffices that each leaf goes to each rank of which a
+ * block, some leaves one behind the other on the curve, meets it. All boxes hold both
+ * ends of the step and what the leaf reaches beyond itself, and then some more. Those
+ * of vertices that go on as they went follow them (boxes.h). So ghosts are right for
+ * later steps, too, until a vertex leaves the box that was made for it, or boxes have
+ * followed for long enough.
  */
 #ifndef RANKS_GHOSTS_H
 #define RANKS_GHOSTS_H
@@ -21,10 +22,13 @@
 /* Collective: choose ghosts for a step from object->from to object->to and a
  * separation; afterwards world->is_covered, object->cover and the plan are right.
  * has_missed: a vertex has left the box that was made for it the last time. */
-int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool has_missed);
+int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
+                        bool has_missed);
 
 /* In this rank alone: of each object, would its given vertices leave their boxes in the
- * step from object->from to object->to? One that is at rest does not. */
-void ranks_ghosts_look(const struct pccd_mpi *world, uint8_t *misses);
+ * step from object->from to object->to? from, to: how many steps have been made there
+ * since ghosts were chosen. No box says where a vertex was before that. */
+void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
+                       uint8_t *misses);
 
 #endif

@@ -19,6 +19,7 @@ ranks_sources = \
     client/mpi/merge.c client/mpi/merge.h \
     client/mpi/meshes.c \
     client/mpi/motions.c client/mpi/motions.h \
+    client/mpi/moving.h \
     client/mpi/near.c \
     client/mpi/near_objects.c client/mpi/near_objects.h \
     client/mpi/nearest.c \

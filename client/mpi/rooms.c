@@ -21,82 +21,164 @@
  * do not change how many ghosts there are. */
 #define CHOICE_WORK 45.0
 
-/* What moves by less than a part of the size of its leaves gets room for so many steps
- * that go on like this one, and as much again on both sides along each axis, up to so
- * many of these sizes: so ghosts stay right for some steps, and are not many more. Along
- * an axis along which little moves it is less, but no less than a part.
+/* Boxes follow what goes on as it went. Whether it does is seen when ghosts are chosen
+ * anew: how far vertices are, on the average, from where they would be if they had gone
+ * on like in the step for which ghosts were chosen the last time. If that is e * m * m /
+ * 2 after m steps, it will be e * n * n / 2 after n; some vertices have twice the mean.
+ * What does not go on like that has a box that stands. Ghosts are right for as many steps
+ * as the object says that leaves its box first.
  *
- * Twice the room, and they are right for twice as many steps: that saves half of the part
- * of the time that choosing takes. Ghosts are then at most twice as many, and each takes
- * two fifths of the time of an own leaf. So the room is doubled if vertices have left
- * their boxes and choosing had taken more than four fifths of the ghosts' part of the
- * leaves. If it was much less, there are too many ghosts, and the room is halved. */
-#define ROOM_SLOW    0.25
-#define ROOM_STEPS   32.0
-#define ROOM_PART    1.0
-#define ASIDE_PART   0.25 /* of the room, along an axis along which little moves */
-#define ROOM_MAX     64.0 /* times as much */
-#define ROOM_DEAR    0.8
-#define ROOM_CHEAP   0.1
-#define SIZE_SAMPLES 1024u
+ * What moves by less than a part of the size of its leaves has room on both sides for so
+ * many steps, up to one such size. Along an axis along which little moves it is less, but
+ * no less than a part.
+ *
+ * Twice the room, and ghosts are right for up to twice as many steps: that saves half of
+ * the part of the time that choosing takes. Ghosts are then at most twice as many, and
+ * each takes two fifths of the time of an own leaf. So the room is doubled if choosing
+ * had taken more than four fifths of the ghosts' part of the leaves when vertices left
+ * their boxes. If it was much less, there are too many ghosts, and the room is halved. It
+ * stays if they left far too early: not room was missing, it was not known how they
+ * go. */
+#define ROOM_SLOW  0.25
+#define ROOM_STEPS 32.0
+#define ROOM_LEAST 0.0625 /* of a leaf, where boxes follow */
+#define ASIDE_PART 0.25   /* of the room, along an axis along which little moves */
+#define ROOM_MIN   1.0    /* times as much */
+#define ROOM_MAX   64.0
+#define ROOM_DEAR  0.8
+#define ROOM_CHEAP 0.1
+#define SAMPLES    1024u
 
-/* What moves fast gets room for one more step, and on all sides for a part of one, at
- * first the least: twice as much each time that vertices have left their boxes when the
- * choice of ghosts had taken more than this part of the steps for which they were right,
- * half as much if it was less than that. */
-#define FAST_STEPS_MIN 0.125
-#define FAST_STEPS_MAX 4.0
-#define FAST_PART      0.5 /* on all sides there is no more */
-#define DEAR_PART      0.25
-#define CHEAP_PART     0.03
+/* What moves fast has room for a part of a step, at first the least: twice as much each
+ * time that the choice of ghosts had taken more than this part of the steps for which
+ * they were right, half as much if it was less than that. Its boxes follow if it can be
+ * told for so many steps within the way of one. */
+#define FAST_STEPS_MIN  0.125
+#define FAST_STEPS_MAX  4.0
+#define FAST_STEPS_LAST 16.0 /* times as many, at most, do its boxes follow */
+#define FOLLOW_STEPS    2.0
+#define DEAR_PART       0.25
+#define CHEAP_PART      0.03
 
-/* How far a vertex moves along an axis. */
-static double way_of(const struct ranks_object *object, uint32_t i, uint32_t axis)
+/* ---- where vertices go ------------------------------------------------------------ */
+
+static uint32_t sample_count(const struct ranks_object *object)
 {
-    return fabs(object->to[i][axis] - object->from[i][axis]);
+    return object->mesh->vertex_count < SAMPLES ? object->mesh->vertex_count : SAMPLES;
 }
 
-/* The mean ways of each object's vertices, ways[3 * object + axis]: in units of the
- * longest, so that sums over ranks are whole numbers and the same everywhere. */
-static int find_ways(struct pccd_mpi *world, double *ways)
+/* The given vertex that is the j-th of the samples. */
+static uint32_t sample_at(const struct ranks_object *object, uint32_t j)
 {
-    uint32_t count = 3 * world->object_count;
+    return (uint32_t)((uint64_t)j * object->mesh->vertex_count / sample_count(object));
+}
+
+/* Memory for guesses. */
+static int make_guesses(struct pccd_mpi *world)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        struct ranks_object *object = world->objects[o];
+        if (object->guess == NULL) {
+            object->guess = ranks_array(sample_count(object), sizeof *object->guess);
+        }
+        if (object->guess == NULL) {
+            return ranks_no_memory(world);
+        }
+    }
+    return PCCD_OK;
+}
+
+/* Where samples are and how they go, for the next time. */
+static void guess(const struct pccd_mpi *world)
+{
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        struct ranks_object *object = world->objects[o];
+        for (uint32_t j = 0; j < sample_count(object); j++) {
+            const uint32_t i = sample_at(object, j);
+            for (int k = 0; k < 3; k++) {
+                object->guess[j][k] = object->from[i][k];
+                object->guess[j][k + 3] = object->to[i][k] - object->from[i][k];
+            }
+        }
+        object->has_guess = true;
+    }
+}
+
+/* What is known of how an object goes, each along three axes. */
+enum { WAY = 0, GONE = 3, OFF = 6, WAYS = 9 };
+
+/* How far the j-th sample goes in this step; how far it has gone in `steps` since ghosts
+ * were chosen; how far it is from where it would be. */
+static double way_of(const struct ranks_object *object, uint32_t steps, uint32_t j,
+                     uint32_t which)
+{
+    const uint32_t i = sample_at(object, j), k = which % 3;
+    double to = object->to[i][k], way = to - object->from[i][k];
+    if (which >= GONE && object->has_guess) {
+        way = to - object->guess[j][k];
+        way -= which >= OFF ? steps * object->guess[j][k + 3] : 0;
+    }
+    return fabs(way);
+}
+
+/* The mean ways of each object's vertices, ways[WAYS * object + which]: in units of the
+ * longest, so that sums over ranks are whole numbers and the same everywhere. */
+static int find_ways(struct pccd_mpi *world, uint32_t steps, double *ways)
+{
+    uint32_t count = WAYS * world->object_count;
     uint64_t *sums = ranks_array(count, sizeof *sums);
     int status =
         ranks_agree_on(&world->link, sums == NULL ? ranks_no_memory(world) : PCCD_OK);
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
-        const struct ranks_object *object = world->objects[w / 3];
+        const struct ranks_object *object = world->objects[w / WAYS];
         ways[w] = 0;
-        for (uint32_t i = 0; i < object->mesh->vertex_count; i++) {
-            ways[w] = fmin(ways[w], -way_of(object, i, w % 3));
+        for (uint32_t j = 0; j < sample_count(object); j++) {
+            ways[w] = fmin(ways[w], -way_of(object, steps, j, w % WAYS));
         }
     }
     if (status == PCCD_OK) {
         status = ranks_min_doubles(&world->link, ways, (int)count);
     }
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
-        const struct ranks_object *object = world->objects[w / 3];
+        const struct ranks_object *object = world->objects[w / WAYS];
+        uint64_t samples = sample_count(object);
         sums[w] = 0;
-        for (uint32_t i = 0; i < object->mesh->vertex_count && ways[w] < 0; i++) {
-            sums[w] += (uint64_t)(way_of(object, i, w % 3) / -ways[w] * WAY_UNITS);
+        for (uint32_t j = 0; j < samples && ways[w] < 0; j++) {
+            sums[w] +=
+                (uint64_t)(way_of(object, steps, j, w % WAYS) / -ways[w] * WAY_UNITS);
         }
+        sums[w] = samples > 0 ? sums[w] * object->mesh->vertex_count / samples : 0;
     }
     if (status == PCCD_OK) {
         status = ranks_sum(&world->link, sums, (int)count);
     }
     for (uint32_t w = 0; w < count && status == PCCD_OK; w++) {
-        uint32_t vertices = world->objects[w / 3]->mesh->vertex_total;
+        uint32_t vertices = world->objects[w / WAYS]->mesh->vertex_total;
         ways[w] = -ways[w] * (double)sums[w] / WAY_UNITS / vertices;
     }
     free(sums);
     return status;
 }
 
+/* From that to the ways and errors of one step. An object of which nothing is known yet,
+ * as it is new, or ghosts were chosen in the last step, is not followed. */
+static void find_errors(const struct ranks_object *object, double steps, double *ways)
+{
+    bool is_known = object->has_guess && steps >= 2;
+    for (int k = 0; k < 3; k++) {
+        ways[GONE + k] = is_known ? ways[GONE + k] / steps : ways[WAY + k];
+        ways[OFF + k] =
+            is_known ? 2 * ways[OFF + k] / (steps * (steps - 1)) : ways[WAY + k];
+    }
+}
+
+/* ---- rooms ------------------------------------------------------------------------- */
+
 /* How large leaves of the object are here: the mean side of some. */
 static int measure(struct pccd_mpi *world, const struct ranks_object *object,
                    const double (*x)[3], double *size)
 {
-    uint32_t count = object->own_count < SIZE_SAMPLES ? object->own_count : SIZE_SAMPLES;
+    uint32_t count = object->own_count < SAMPLES ? object->own_count : SAMPLES;
     uint32_t(*corners)[3] = ranks_array(count, sizeof *corners);
     int status = corners == NULL ? ranks_no_memory(world)
                                  : ranks_local_corners(world, &object->local, object->own,
@@ -111,14 +193,65 @@ static int measure(struct pccd_mpi *world, const struct ranks_object *object,
     return status;
 }
 
+static double longest_of(const double *along)
+{
+    return fmax(along[0], fmax(along[1], along[2]));
+}
+
+/* The most room of an object, whose leaves have that size; along which axes its boxes
+ * follow, and for how many steps ghosts are right by this object. */
+static double find_steps(const struct pccd_mpi *world, const double *ways, double size,
+                         struct ranks_room *room, double *most)
+{
+    double way = longest_of(ways + WAY), steps = INFINITY;
+    bool is_slow = way < ROOM_SLOW * size;
+    if (!(way > 0)) {
+        *most = 0;
+        return steps;
+    }
+    *most = is_slow ? world->slow_room * fmin(ROOM_STEPS * way, size)
+                    : world->fast_steps * way;
+    for (int k = 0; k < 3; k++) {
+        double error = ways[OFF + k], gone = ways[GONE + k];
+        double near = error > 0 ? sqrt(*most / error) : INFINITY;
+        near = fmax(near, FOLLOW_STEPS);
+        bool is_near = is_slow || FOLLOW_STEPS * FOLLOW_STEPS * error <= way;
+        room->follows[k] = is_near && !(error > 0 && near * error / 2 >= gone);
+        steps = fmin(steps, room->follows[k] ? near
+                            : gone > 0       ? *most / (2 * gone)
+                                             : INFINITY);
+    }
+    return fmin(steps, is_slow ? ROOM_STEPS * world->slow_room
+                               : FAST_STEPS_LAST * world->fast_steps);
+}
+
+/* Of an object that may have `most`, if ghosts are right for so many steps. */
+static void find_room(const double *ways, double size, double steps, double most,
+                      struct ranks_room *room)
+{
+    double way = longest_of(ways + WAY), error = 0;
+    most = fmin(most, 2 * steps * way);
+    for (int k = 0; k < 3; k++) {
+        error = room->follows[k] ? fmax(error, ways[OFF + k]) : error;
+    }
+    for (int k = 0; k < 3; k++) {
+        room->more[k] = way > 0 ? most * fmax(ways[WAY + k] / way, ASIDE_PART) : 0;
+        if (room->follows[k]) {
+            room->more[k] = steps * steps * fmax(ways[OFF + k], ASIDE_PART * error);
+            room->more[k] = fmax(room->more[k], ROOM_LEAST * size);
+        }
+    }
+}
+
 /* From the mean ways of vertices to how much room they get; the smallest size of all
- * ranks counts. */
+ * ranks counts. sizes[object], mosts[object]: scratch. */
 static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
-                        struct ranks_room *rooms)
+                        double *sizes, double *mosts)
 {
     uint32_t objects = world->object_count;
-    double *sizes = ranks_array(objects, sizeof *sizes);
-    int status = sizes == NULL ? ranks_no_memory(world) : PCCD_OK;
+    double steps = INFINITY;
+    bool any = false;
+    int status = PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         status = measure(world, world->objects[o], (const double(*)[3])x[o], &sizes[o]);
     }
@@ -127,33 +260,41 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
         status = ranks_min_doubles(&world->link, sizes, (int)objects);
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        const double *along = ways + 3 * (size_t)o;
-        double way = fmax(along[0], fmax(along[1], along[2]));
-        bool is_slow = way < ROOM_SLOW * sizes[o];
-        double room =
-            is_slow ? world->slow_room * fmin(ROOM_STEPS * way, ROOM_PART * sizes[o]) : 0;
-        double steps = way > 0 ? room / way : 0;
-        rooms[o].steps = fmax(1 + world->fast_steps - FAST_STEPS_MIN, steps);
-        for (int k = 0; k < 3; k++) {
-            rooms[o].more[k] = fmax(fmin(world->fast_steps, FAST_PART) * way,
-                                    fmax(steps * along[k], ASIDE_PART * room));
-        }
+        struct ranks_room *room = &world->objects[o]->room;
+        *room = (struct ranks_room){.steps = 0};
+        steps = fmin(
+            steps, find_steps(world, ways + WAYS * (size_t)o, sizes[o], room, &mosts[o]));
+        any = any || room->follows[0] || room->follows[1] || room->follows[2];
     }
-    free(sizes);
+    steps = any ? floor(fmax(steps, FOLLOW_STEPS)) : INFINITY;
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        struct ranks_room *room = &world->objects[o]->room;
+        find_room(ways + WAYS * (size_t)o, sizes[o], steps, mosts[o], room);
+        room->steps = any ? steps - 1 : 0;
+    }
+    world->lasts = steps < INFINITY ? (uint32_t)steps : UINT32_MAX;
     return status;
 }
 
-int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
-                     struct ranks_room *rooms)
+int ranks_rooms_find(struct pccd_mpi *world, bool is_still, double (*const *x)[3])
 {
-    double *ways = ranks_array(3 * (uint64_t)world->object_count, sizeof *ways);
-    int status =
-        ranks_agree_on(&world->link, ways == NULL ? ranks_no_memory(world) : PCCD_OK);
+    const uint64_t objects = world->object_count;
+    const uint32_t steps = world->gone + (is_still ? 0 : 1);
+    double *ways = ranks_array((WAYS + 2) * objects, sizeof *ways);
+    int status = ways == NULL ? ranks_no_memory(world) : make_guesses(world);
+    status = ranks_agree_on(&world->link, status);
     if (status == PCCD_OK) {
-        status = find_ways(world, ways);
+        status = find_ways(world, steps, ways);
+    }
+    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
+        find_errors(world->objects[o], steps, ways + WAYS * (size_t)o);
     }
     if (status == PCCD_OK) {
-        status = find_by_ways(world, x, ways, rooms);
+        status = find_by_ways(world, x, ways, ways + WAYS * objects,
+                              ways + (WAYS + 1) * objects);
+    }
+    if (status == PCCD_OK) {
+        guess(world);
     }
     free(ways);
     return status;
@@ -162,6 +303,8 @@ int ranks_rooms_find(struct pccd_mpi *world, double (*const *x)[3],
 /* How much room what moves gets from now on. */
 void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
 {
+    bool was_early = world->lasts < UINT32_MAX && world->gone < world->lasts / 2;
+    has_missed = has_missed && !was_early;
     if (has_missed && world->choice_work > DEAR_PART * world->right_work) {
         world->fast_steps = fmin(2 * world->fast_steps, FAST_STEPS_MAX);
     } else if (has_missed && world->choice_work < CHEAP_PART * world->right_work) {
@@ -174,7 +317,7 @@ void ranks_rooms_choose(struct pccd_mpi *world, bool has_missed)
     } else if (has_missed && world->choice_work < ROOM_CHEAP * ghosts_work) {
         world->slow_room = world->slow_room / 2;
     }
-    world->slow_room = fmax(world->slow_room, 1);
+    world->slow_room = fmax(world->slow_room, ROOM_MIN);
 }
 
 /* What it took the rank that has most, and how many ghosts all have. */

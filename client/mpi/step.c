@@ -31,7 +31,9 @@ enum {
     MOVES = 0,  /* rows of struct moment.bytes */
     STARTS = 1, /* some vertex begins elsewhere than it ended */
     MISSES = 2, /* some vertex is outside of the box that ghosts were chosen for */
-    ROWS = 3
+    STILL_MISSES =
+        3, /* the same if nothing moves in any rank, in a question of what is near */
+    ROWS = 4
 };
 
 static uint8_t *row(const struct pccd_mpi *world, const struct ranks_moment *moment,
@@ -86,7 +88,8 @@ static void look(struct pccd_mpi *world, struct ranks_moment *moment)
         row(world, moment, STARTS)[o] = starts;
     }
     if (world->link.size > 1 && world->is_covered) {
-        ranks_ghosts_look(world, row(world, moment, MISSES));
+        ranks_ghosts_look(world, world->gone, world->gone + 1.0,
+                          row(world, moment, MISSES));
     }
     uint8_t *of_all = moment->bytes + (size_t)ROWS * world->object_count;
     of_all[0] = moment->motion_count > 0;
@@ -115,6 +118,23 @@ static void forget_begins(struct pccd_mpi *world, const struct ranks_moment *mom
     }
 }
 
+/* Nothing moves here: all stands where the last step ended, or began. */
+static void look_still(struct pccd_mpi *world, struct ranks_moment *moment,
+                       bool is_at_begin)
+{
+    if (is_at_begin) {
+        begin_at(world, true);
+    }
+    for (uint32_t o = 0; o < world->object_count; o++) {
+        const struct ranks_object *object = world->objects[o];
+        row(world, moment, STARTS)[o] = object->from != (const double(*)[3])object->x;
+    }
+    if (world->link.size > 1 && world->is_covered) {
+        ranks_ghosts_look(world, world->gone - (is_at_begin ? 1.0 : 0.0), world->gone,
+                          row(world, moment, STILL_MISSES));
+    }
+}
+
 /* Each rank takes its motions, says of each object what it knows, and hears of all. */
 static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
 {
@@ -122,10 +142,10 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
     size_t bytes = (size_t)ROWS * world->object_count;
     bool is_at_begin = moment->near != NULL && moment->near->end == 0;
     int status = ranks_motions_take(world, moment->motions, moment->motion_count);
-    if (is_at_begin && moment->motion_count == 0) {
-        begin_at(world, true);
-    }
     look(world, moment);
+    if (moment->near != NULL && moment->motion_count == 0) {
+        look_still(world, moment, is_at_begin);
+    }
     status = ranks_agree_on(link, status);
     if (link->broken == PCCD_OK) {
         int heard = ranks_max_bytes(link, moment->bytes, (int)bytes + 2);
@@ -142,9 +162,11 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
 
 static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *moment)
 {
-    bool misses = false;
+    const int which = moment->is_still ? STILL_MISSES : MISSES;
+    bool misses =
+        world->link.size > 1 && !moment->is_still && world->gone >= world->lasts;
     for (uint32_t o = 0; o < world->object_count; o++) {
-        misses = misses || row(world, moment, MISSES)[o];
+        misses = misses || row(world, moment, which)[o];
     }
     return misses;
 }
@@ -156,7 +178,8 @@ static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
     if (world->is_covered && !is_far && !has_missed) {
         return PCCD_OK;
     }
-    int status = ranks_ghosts_choose(world, moment->settings.separation, has_missed);
+    int status = ranks_ghosts_choose(world, moment->settings.separation, moment->is_still,
+                                     has_missed);
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
@@ -313,6 +336,9 @@ static int compute(struct pccd_mpi *world, const struct ranks_moment *moment,
 static void move_on(struct pccd_mpi *world, const struct ranks_moment *moment,
                     bool is_known)
 {
+    if (!moment->is_still || world->gone == 0) { /* boxes were made for its end */
+        world->gone++;
+    }
     for (uint32_t o = 0; o < world->object_count; o++) {
         struct ranks_object *object = world->objects[o];
         bool starts = object->from != (const double(*)[3])object->x;

@@ -151,6 +151,7 @@ void ranks_object_free(struct ranks_object *object)
         free(object->start);
         free(object->written);
         free(object->cover);
+        free(object->guess);
         free(object->own);
         free(object->weights);
         free(object->ghosts);

@@ -1,6 +1,6 @@
 /* world.h - what a rank keeps of a world: its meshes, its objects, and who needs what.
  *
- * Room:     client/mpi. May include: rank_link.h, pccd_mpi.h.
+ * Room:     client/mpi. May include: moving.h, rank_link.h, pccd_mpi.h.
  * Does:     define the structs that the files of this folder share; find and make them.
  * Threads:  one.
  *
@@ -24,6 +24,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "moving.h"
 #include "pccd_mpi.h"
 #include "rank_link.h"
 #include "rank_stop.h"
@@ -105,9 +106,14 @@ struct ranks_object {
     const double (*begun)[3];
     uint64_t
         *written; /* a bit for each given vertex that the step moves; NULL: none yet */
-    /* Given vertices: low, high; ghosts are right while both ends of a step are in there.
-     * NULL: no ghosts were chosen yet. */
+    /* Where each given vertex may be, in the room that was there when ghosts were chosen
+     * (boxes.h): they are right while both ends of a step are. NULL: none were yet. */
     float (*cover)[6];
+    struct ranks_room room;
+    /* Of some given vertices, when ghosts were chosen: where they were, and their way in
+     * that step (rooms.c). */
+    double (*guess)[6];
+    bool has_guess;
     struct ranks_leaf *own; /* along the curve */
     uint32_t *weights;      /* of own leaves (weigh.h); NULL: each weighs the same */
     uint32_t own_count;
@@ -161,9 +167,10 @@ struct pccd_mpi {
     struct ranks_pair *ignored;
     uint32_t ignored_count;
     struct ranks_plan plan;
-    bool is_cut;     /* each object's `own` is what the curve says */
-    bool is_covered; /* ghosts were chosen for these objects, settings and reach */
-    double reach;    /* separation for which they were */
+    bool is_cut;          /* each object's `own` is what the curve says */
+    bool is_covered;      /* ghosts were chosen for these objects, settings and reach */
+    double reach;         /* separation for which they were */
+    uint32_t gone, lasts; /* steps since then; for how many, at most, they are right */
     /* the last answer */
     enum pccd_mode mode;
     void *records; /* in `copied`, or in the page that is held */
@@ -187,8 +194,8 @@ struct pccd_mpi {
     /* In the unit of share.work: what the last choice of ghosts took, and the steps since
      * then. How many ghosts all ranks have beside what they own. */
     double choice_work, right_work, ghost_part;
-    /* How much room ghosts.c leaves around what moves: so many steps of what is fast, so
-     * many times as much as at first of what is slow. */
+    /* How much room ghosts.c leaves around what moves (rooms.c): so many steps of what is
+     * fast, so many times as much as at first of what is slow. */
     double fast_steps, slow_room;
 };
 

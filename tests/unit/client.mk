@@ -22,6 +22,13 @@ tests_unit_test_reg_registry_CPPFLAGS = $(reg_test_cppflags)
 tests_unit_test_reg_registry_LDADD = $(reg_test_ldadd)
 
 # What libpccd-mpi does without MPI.
+check_PROGRAMS += tests/unit/test_rank_moving
+TESTS += tests/unit/test_rank_moving
+tests_unit_test_rank_moving_SOURCES = tests/unit/test_rank_moving.c
+tests_unit_test_rank_moving_CPPFLAGS = $(AM_CPPFLAGS) -I$(top_srcdir)/client/mpi \
+    -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
+tests_unit_test_rank_moving_LDADD = $(CMOCKA_LIBS) -lm
+
 check_PROGRAMS += tests/unit/test_rank_sort
 TESTS += tests/unit/test_rank_sort
 tests_unit_test_rank_sort_SOURCES = tests/unit/test_rank_sort.c client/mpi/rank_sort.c

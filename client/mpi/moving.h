@@ -1,0 +1,172 @@
+/* moving.h - boxes that go on as what is in them does.
+ *
+ * Room:     client/mpi. May include: nothing of it.
+ * Does:     bound where a vertex may be in some steps; tell whether two such bounds meet.
+ * Threads:  [any].
+ *
+ * Where vertices go on as they went, boxes do, too: two that fall side by side do not
+ * meet, though one box around the whole way of each would meet the other one's. Such a
+ * box is larger than what is checked later (ranks_is_covered) by more than all
+ * roundings of doubles in here. Positions are finite, and at most 1e18.
+ */
+#ifndef RANKS_MOVING_H
+#define RANKS_MOVING_H
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+/* How much larger than a step the boxes of an object's vertices are. */
+struct ranks_room {
+    double more[3];  /* on both sides, by axis */
+    bool follows[3]; /* boxes go on as vertices go in that step */
+    double steps;    /* later ones, at most, if any object's do; else 0 */
+};
+
+/* A box in one step, and how far it goes on in each later one: its sides, for what is in
+ * it goes at more than one pace. */
+struct ranks_moving_box {
+    float box[6];  /* low, high */
+    float pace[6]; /* along each axis of what goes least, and most */
+};
+
+/* The next float at or below, or above, a double; infinite beyond all floats. */
+static inline float ranks_float_below(double x)
+{
+    float f = (float)x;
+    return (double)f > x ? nextafterf(f, -INFINITY) : f;
+}
+static inline float ranks_float_above(double x)
+{
+    float f = (float)x;
+    return (double)f < x ? nextafterf(f, INFINITY) : f;
+}
+/* More than the roundings of a position and of a way to floats. */
+static inline double ranks_blur(float at, float pace)
+{
+    return 2 * (double)FLT_EPSILON * (fabs((double)at) + fabs((double)pace));
+}
+
+/* Where a vertex that goes from x0 to x1 in a step may be then and later, by axis: if the
+ * room follows, near cover[k] + t * cover[k + 3] at the begin of the t-th later step,
+ * else between these two. */
+static inline void ranks_cover(const double x0[3], const double x1[3],
+                               const struct ranks_room *room, float cover[6])
+{
+    for (int k = 0; k < 3; k++) {
+        if (room->follows[k]) {
+            cover[k] = (float)x0[k];
+            cover[k + 3] = (float)(x1[k] - x0[k]);
+        } else {
+            cover[k] = ranks_float_below(fmin(x0[k], x1[k]) - room->more[k]);
+            cover[k + 3] = ranks_float_above(fmax(x0[k], x1[k]) + room->more[k]);
+        }
+    }
+}
+
+/* Is a vertex where it may be, at the begin of the t-th later step? x0 is for t = 0, and
+ * x1 for t = 1. */
+static inline bool ranks_is_covered(const double x[3], double t,
+                                    const struct ranks_room *room, const float cover[6])
+{
+    bool is_in = true;
+    for (int k = 0; k < 3; k++) {
+        double low = (double)cover[k], high = (double)cover[k + 3];
+        if (room->follows[k]) {
+            double near = low + t * high;
+            double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
+            low = near - most;
+            high = near + most;
+        }
+        is_in = is_in && low <= x[k] && x[k] <= high;
+    }
+    return is_in;
+}
+
+/* All that the cover allows, in the step from x0 to x1 and in later ones. */
+static inline void ranks_vertex_box(const double x0[3], const double x1[3],
+                                    const struct ranks_room *room,
+                                    struct ranks_moving_box *moving)
+{
+    float cover[6];
+    ranks_cover(x0, x1, room, cover);
+    for (int k = 0; k < 3; k++) {
+        moving->box[k] = cover[k];
+        moving->box[k + 3] = cover[k + 3];
+        moving->pace[k] = moving->pace[k + 3] = 0;
+        if (room->follows[k]) {
+            double at = (double)cover[k], pace = (double)cover[k + 3];
+            double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
+            most += (double)FLT_EPSILON * (most + room->steps * fabs(pace));
+            double low = fmin(fmin(x0[k], x1[k]), fmin(at, at + pace));
+            double high = fmax(fmax(x0[k], x1[k]), fmax(at, at + pace));
+            moving->box[k] = ranks_float_below(low - most);
+            moving->box[k + 3] = ranks_float_above(high + most);
+            moving->pace[k] = moving->pace[k + 3] = cover[k + 3];
+        }
+    }
+}
+
+static inline void ranks_box_begin(float box[6])
+{
+    for (int k = 0; k < 3; k++) {
+        box[k] = INFINITY;
+        box[k + 3] = -INFINITY;
+    }
+}
+
+static inline void ranks_box_add(float box[6], const float other[6])
+{
+    for (int k = 0; k < 3; k++) {
+        box[k] = other[k] < box[k] ? other[k] : box[k];
+        box[k + 3] = other[k + 3] > box[k + 3] ? other[k + 3] : box[k + 3];
+    }
+}
+
+static inline bool ranks_boxes_meet(const float a[6], const float b[6])
+{
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] &&
+           b[2] <= a[5];
+}
+
+static inline void ranks_moving_box_begin(struct ranks_moving_box *moving)
+{
+    ranks_box_begin(moving->box);
+    ranks_box_begin(moving->pace);
+}
+
+static inline void ranks_moving_box_add(struct ranks_moving_box *moving,
+                                        const struct ranks_moving_box *other)
+{
+    ranks_box_add(moving->box, other->box);
+    ranks_box_add(moving->pace, other->pace);
+}
+
+/* From when on, and until when, is a side that is `gap` above another one, and goes on by
+ * `pace`, above it? */
+static inline void ranks_narrow(double gap, double pace, double *from, double *until)
+{
+    if (gap < 0) {
+        double begin = pace > 0 ? -gap / pace : INFINITY;
+        *from = begin > *from ? begin : *from;
+    } else if (pace < 0) {
+        double end = gap / -pace;
+        *until = end < *until ? end : *until;
+    }
+}
+
+/* Do they meet in this step or one of so many later ones? */
+static inline bool ranks_moving_boxes_meet(const struct ranks_moving_box *a,
+                                           const struct ranks_moving_box *b, double steps)
+{
+    double from = 0, until = steps;
+    for (int k = 0; k < 3; k++) {
+        ranks_narrow((double)a->box[k + 3] - (double)b->box[k],
+                     (double)a->pace[k + 3] - (double)b->pace[k], &from, &until);
+        ranks_narrow((double)b->box[k + 3] - (double)a->box[k],
+                     (double)b->pace[k + 3] - (double)a->pace[k], &from, &until);
+    }
+    return from <= until;
+}
+
+#endif

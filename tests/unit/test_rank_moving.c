@@ -1,0 +1,179 @@
+/* tests/unit/test_rank_moving.c - boxes that go on as vertices go.
+ *
+ * Room:     client/mpi (moving.h), which needs no MPI for it.
+ * Does:     let vertices go wherever they may, and compare the boxes that were promised
+ *           for them with the boxes that they have.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "moving.h"
+#include "prng.h"
+
+#define ROUNDS   40000u
+#define STEPS    12u
+#define VERTICES 3u
+
+struct vertex {
+    double x0[3], x1[3], now[3], next[3];
+    float cover[6];
+};
+
+/* A leaf, and its promise. */
+struct leaf {
+    struct ranks_room room;
+    struct vertex vertices[VERTICES];
+    struct ranks_moving_box promise;
+};
+
+static struct prng prng;
+
+/* Lengths of all kinds: near 1 as a rule, far from it sometimes. */
+static double random_size(void)
+{
+    static const double sizes[] = {1, 1, 1, 1, 1e-12, 1e6, 1e15, 1e18, 0};
+    return sizes[prng_below(&prng, sizeof sizes / sizeof *sizes)];
+}
+
+static void make_leaf(struct leaf *leaf, double scale, double far)
+{
+    *leaf = (struct leaf){.room.steps = STEPS - 1};
+    ranks_moving_box_begin(&leaf->promise);
+    for (int k = 0; k < 3; k++) {
+        leaf->room.follows[k] = prng_below(&prng, 3) > 0;
+        leaf->room.more[k] = scale * (prng_below(&prng, 4) > 0 ? 0.1 : 0);
+    }
+    double way[3], at[3];
+    for (int k = 0; k < 3; k++) {
+        way[k] = scale * prng_between(&prng, -0.4, 0.4);
+        at[k] = far + scale * prng_between(&prng, -2, 2);
+    }
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        struct vertex *vertex = &leaf->vertices[v];
+        struct ranks_moving_box box;
+        for (int k = 0; k < 3; k++) {
+            vertex->x0[k] = at[k] + scale * prng_between(&prng, -0.3, 0.3);
+            vertex->x1[k] =
+                vertex->x0[k] + way[k] + scale * prng_between(&prng, -0.1, 0.1);
+        }
+        ranks_cover(vertex->x0, vertex->x1, &leaf->room, vertex->cover);
+        ranks_vertex_box(vertex->x0, vertex->x1, &leaf->room, &box);
+        ranks_moving_box_add(&leaf->promise, &box);
+        memcpy(vertex->next, vertex->x0, sizeof vertex->next);
+    }
+}
+
+/* Where the cover allows a vertex to be after `t` steps: anywhere, and at its edge
+ * often. */
+static void place(const struct leaf *leaf, struct vertex *vertex, double t)
+{
+    for (int k = 0; k < 3; k++) {
+        double low = (double)vertex->cover[k], high = (double)vertex->cover[k + 3];
+        if (leaf->room.follows[k]) {
+            double near = low + t * high;
+            double most =
+                leaf->room.more[k] + ranks_blur(vertex->cover[k], vertex->cover[k + 3]);
+            low = near - most;
+            high = near + most;
+        }
+        double part = fmin(1, fmax(0, prng_between(&prng, -0.5, 1.5)));
+        vertex->next[k] = part < 1 ? low + part * (high - low) : high;
+    }
+}
+
+/* The box of a step, from where vertices are to where they are next. */
+static void go(struct leaf *leaf, uint32_t step, double low[3], double high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+    for (uint32_t v = 0; v < VERTICES; v++) {
+        struct vertex *vertex = &leaf->vertices[v];
+        memcpy(vertex->now, vertex->next, sizeof vertex->now);
+        if (step == 0) {
+            memcpy(vertex->next, vertex->x1, sizeof vertex->next);
+        } else {
+            place(leaf, vertex, step + 1);
+        }
+        assert_true(ranks_is_covered(vertex->now, step, &leaf->room, vertex->cover));
+        assert_true(ranks_is_covered(vertex->next, step + 1, &leaf->room, vertex->cover));
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], fmin(vertex->now[k], vertex->next[k]));
+            high[k] = fmax(high[k], fmax(vertex->now[k], vertex->next[k]));
+        }
+    }
+}
+
+/* If it failed, a rank would not get a leaf that one of its own meets some steps after
+ * ghosts were chosen, and a contact would be missed. */
+static void rank_moving__boxes_meet_whenever_vertices_do(void **state)
+{
+    (void)state;
+    uint32_t met = 0, apart = 0;
+    prng.state = prng_seed();
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        struct leaf a, b;
+        double far = random_size(), scale = random_size();
+        bool meets = false;
+        make_leaf(&a, scale, far);
+        make_leaf(&b, scale, far);
+        for (uint32_t s = 0; s < STEPS; s++) {
+            double a_low[3], a_high[3], b_low[3], b_high[3];
+            bool meets_now = true;
+            go(&a, s, a_low, a_high);
+            go(&b, s, b_low, b_high);
+            for (int k = 0; k < 3; k++) {
+                meets_now = meets_now && a_low[k] <= b_high[k] && b_low[k] <= a_high[k];
+            }
+            meets = meets || meets_now;
+        }
+        bool promised = ranks_moving_boxes_meet(&a.promise, &b.promise, a.room.steps);
+        assert_true(promised || !meets);
+        assert_true(promised ==
+                    ranks_moving_boxes_meet(&b.promise, &a.promise, a.room.steps));
+        met += meets;
+        apart += !promised;
+    }
+    /* Otherwise nothing was shown, or boxes would be of no use. */
+    assert_true(met > ROUNDS / 20 && apart > ROUNDS / 20);
+}
+
+/* If it failed, what falls side by side would be a ghost of its neighbours, however far
+ * they are: boxes around their ways overlap. */
+static void rank_moving__what_goes_side_by_side_does_not_meet(void **state)
+{
+    (void)state;
+    const struct ranks_room room = {
+        .more = {0.1, 0.1, 0.1}, .follows = {true, true, true}, .steps = 40};
+    const double a0[3] = {0, 0, 10}, a1[3] = {0.1, 0, 9}, b0[3] = {0, 0, 8},
+                 b1[3] = {0.1, 0, 7};
+    const double up[3] = {0, 0, 9};
+    struct ranks_moving_box a, b, c;
+    ranks_vertex_box(a0, a1, &room, &a);
+    ranks_vertex_box(b0, b1, &room, &b);
+    ranks_vertex_box(b0, up, &room, &c); /* against the others' way */
+    assert_false(ranks_moving_boxes_meet(&a, &b, room.steps));
+    assert_true(ranks_moving_boxes_meet(&b, &c, room.steps));
+    assert_true(ranks_moving_boxes_meet(&a, &c, room.steps));
+    const double away[3] = {0, 0, 7.5};
+    ranks_vertex_box(a0, up, &room, &a); /* slower than what is below it */
+    ranks_vertex_box(b0, away, &room, &b);
+    assert_true(ranks_moving_boxes_meet(&a, &b, room.steps));
+    assert_false(ranks_moving_boxes_meet(&a, &b, 0));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rank_moving__boxes_meet_whenever_vertices_do),
+        cmocka_unit_test(rank_moving__what_goes_side_by_side_does_not_meet),
+    };
+    return cmocka_run_group_tests_name("rank_moving", tests, NULL, NULL);
+}
