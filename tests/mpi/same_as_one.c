@@ -21,10 +21,11 @@
 #include "play.h"
 #include "prng.h"
 
-#define OBJECTS_MAX 1024u
-#define MOTIONS_MAX 2048u
-#define STEPS       8u
-#define PAGE_BYTES  65536u /* of a thousand contacts: some answers take many pages */
+#define OBJECTS_MAX  1024u
+#define MOTIONS_MAX  2048u
+#define STEPS        8u
+#define FLIGHT_STEPS 30u
+#define PAGE_BYTES   65536u /* of a thousand contacts: some answers take many pages */
 
 /* An object of the play, on this rank. */
 struct actor {
@@ -50,6 +51,7 @@ static struct {
     struct prng prng; /* the same on every rank */
     bool has_failed;
     uint64_t record_limit; /* of the play; 0: as many as ever */
+    double farthest;       /* nothing asks for what is farther apart */
     uint64_t steps, nears, records;
     uint64_t cut_short;                 /* by a deadline */
     uint64_t answered[PCCD_NEAR_COUNT]; /* questions that had records */
@@ -537,6 +539,7 @@ static struct pccd_step_settings choose_settings(void)
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;
     settings.separation = chance(0.3) ? prng_between(&test.prng, 0, 0.02) : 0;
+    settings.separation = fmin(settings.separation, test.farthest);
     settings.approach = chance(0.3) ? 0.5 : 0;
     settings.deadline_ns = chance(0.03) ? 1 : 0; /* it has passed at once */
     return settings;
@@ -614,6 +617,7 @@ static struct pccd_near_settings choose_question(void)
     if (settings.what == PCCD_NEAR_NEAREST && chance(0.5)) {
         settings.distance = INFINITY;
     }
+    settings.distance = fmin(settings.distance, test.farthest);
     settings.gap = settings.what == PCCD_NEAR_NEAREST && chance(0.1) ? 0.01 : 0;
     settings.end = chance(0.7);
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
@@ -883,9 +887,136 @@ static void perform_boxes(uint32_t triangles)
     }
 }
 
+/* Triangles of a long cloud that flies: each has its own way, which it keeps for some
+ * steps. */
+struct cloud {
+    struct play_act act;
+    double (*way)[3]; /* of each triangle, in a step */
+};
+
+static void make_cloud(struct cloud *cloud, uint32_t triangles, double above)
+{
+    const double lows[3] = {0, 0, above}, sizes[3] = {4, 0.4, 0.4};
+    struct play_act *act = &cloud->act;
+    struct whole whole = {.act = act};
+    *act = (struct play_act){
+        .what = PLAY_X1, .triangle_count = triangles, .vertex_count = 3 * triangles};
+    act->x0 = need(act->vertex_count * sizeof *act->x0);
+    act->x1 = need(act->vertex_count * sizeof *act->x1);
+    act->triangles = need(act->triangle_count * sizeof *act->triangles);
+    cloud->way = need(triangles * sizeof *cloud->way);
+    for (uint32_t v = 0; v < act->vertex_count; v++) {
+        act->triangles[v / 3][v % 3] = v;
+        for (int k = 0; k < 3; k++) {
+            bool is_first = v % 3 == 0;
+            double low = is_first ? lows[k] : act->x0[v / 3 * 3][k];
+            act->x0[v][k] = low + prng_between(&test.prng, 0, is_first ? sizes[k] : 0.1);
+        }
+    }
+    memcpy(act->x1, act->x0, act->vertex_count * sizeof *act->x1);
+    struct actor *actor = test.actors;
+    while (actor->is_there) {
+        actor++;
+    }
+    actor->mesh = actor->one_mesh = 0;
+    put(actor, &whole, true);
+    actor->is_there = true;
+}
+
+/* All of a cloud get new ways: one for all, and a part that is each one's own. */
+static void turn_cloud(struct cloud *cloud, double fast)
+{
+    double all[3], own = chance(0.5) ? 0.1 * fast : 0;
+    for (int k = 0; k < 3; k++) {
+        all[k] = prng_between(&test.prng, -fast, fast);
+    }
+    for (uint32_t t = 0; t < cloud->act.triangle_count; t++) {
+        for (int k = 0; k < 3; k++) {
+            cloud->way[t][k] = all[k] + prng_between(&test.prng, -own, own);
+        }
+    }
+}
+
+/* How clouds fly. */
+struct flight {
+    struct cloud clouds[4];
+    uint32_t count;
+    double fast, blur;
+    bool is_steady; /* each as it began */
+    bool is_chase;  /* steady; one flies in front of the other, until it stops */
+    uint32_t stop;
+};
+
+/* Where a cloud goes in the next step: as before but for a blur, as a rule. */
+static void fly(const struct flight *flight, struct cloud *cloud,
+                const struct actor *actor)
+{
+    struct play_act *act = &cloud->act;
+    if (!flight->is_steady && chance(0.06)) {
+        turn_cloud(cloud, chance(0.3) ? 0 : flight->fast);
+    }
+    if (!flight->is_steady && chance(0.05)) {
+        return; /* it waits */
+    }
+    act->what = !flight->is_steady && chance(0.04) ? PLAY_X0X1 : PLAY_X1;
+    for (uint32_t v = 0; v < act->vertex_count; v++) {
+        for (int k = 0; k < 3; k++) {
+            act->x0[v][k] = act->x1[v][k] + (act->what == PLAY_X0X1 ? 0.01 : 0);
+            act->x1[v][k] = act->x0[v][k] + cloud->way[v / 3][k] +
+                            prng_between(&test.prng, -flight->blur, flight->blur);
+        }
+    }
+    move(actor, act);
+}
+
+/* Clouds that fly through each other, and go on as they went: so ghosts stay right for
+ * many steps, and boxes follow. Some turn, stop, wait, or start elsewhere; others come
+ * from afar, and meet when what was chosen first is right no more, or when one of them
+ * stops. */
+static void perform_flight(uint32_t triangles)
+{
+    struct flight flight = {.is_steady = chance(0.5)};
+    flight.is_chase = flight.is_steady && chance(0.5);
+    flight.stop = 2 + (uint32_t)prng_below(&test.prng, 12);
+    flight.fast = chance(0.5) ? 0.02 : 0.1;
+    flight.blur = !flight.is_steady && chance(0.5) ? 0.02 * flight.fast : 0;
+    flight.count = flight.is_steady ? 2 : 2 + (uint32_t)prng_below(&test.prng, 3);
+    for (uint32_t i = 0; i < flight.count; i++) {
+        double above = flight.is_chase    ? i * (0.5 + 2 * flight.fast)
+                       : flight.is_steady ? i * FLIGHT_STEPS / 2 * flight.fast
+                                          : 0;
+        make_cloud(&flight.clouds[i], 4 * triangles, above);
+        turn_cloud(&flight.clouds[i], flight.fast);
+        for (uint32_t t = 0; t < 4 * triangles && flight.is_steady; t++) {
+            flight.clouds[i].way[t][2] = flight.is_chase ? flight.fast
+                                         : i == 0        ? 0
+                                                         : -flight.fast;
+        }
+    }
+    test.farthest = chance(0.7) ? 0 : 0.05; /* ghosts are right for long if it is 0 */
+    for (uint32_t s = 0; s < FLIGHT_STEPS; s++) {
+        for (uint32_t i = 0; i < flight.count; i++) {
+            if (!flight.is_chase || i == 0 || s < flight.stop) {
+                fly(&flight, &flight.clouds[i], &test.actors[i]);
+            }
+        }
+        chance(0.9) ? step() : ask_near();
+        while (chance(0.1)) {
+            ask_near();
+        }
+    }
+    for (uint32_t i = 0; i < flight.count; i++) {
+        free(flight.clouds[i].act.x0);
+        free(flight.clouds[i].act.x1);
+        free(flight.clouds[i].act.triangles);
+        free(flight.clouds[i].way);
+    }
+}
+
 static void perform_play(uint32_t triangles)
 {
     test.prng.state = test.seed;
+    test.farthest = INFINITY;
     struct pccd_mpi_options of_world = {.struct_bytes = sizeof of_world};
     test.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
     of_world.record_limit = test.record_limit;
@@ -900,6 +1031,8 @@ static void perform_play(uint32_t triangles)
     if (chance(0.1)) {
         perform_hairpins(triangles / 5 + 1);
     } else if (chance(0.3)) {
+        perform_flight(triangles);
+    } else if (chance(0.4)) {
         perform_boxes(triangles);
     } else {
         perform_any(triangles);
