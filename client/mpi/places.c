@@ -209,6 +209,23 @@ static void sum_up(uint64_t *first, uint64_t cells)
     }
 }
 
+/* From which ranks a run comes. */
+static void find_runs(const struct ranks_link *link, struct ranks_plan *plan)
+{
+    for (int r = 0; r < link->size; r++) {
+        uint32_t objects = 0;
+        plan->is_run[r] = r != link->rank;
+        for (uint32_t o = 0; o < plan->object_count; o++) {
+            const uint64_t *cell = plan->in_first + (uint64_t)r * plan->object_count + o;
+            uint64_t count = cell[1] - cell[0];
+            objects += count > 0;
+            plan->is_run[r] = plan->is_run[r] && objects <= 1 &&
+                              (count == 0 || plan->in[cell[1] - 1] - plan->in[cell[0]] ==
+                                                 count - 1); /* they ascend */
+        }
+    }
+}
+
 /* The other side of the plan: what each rank asks of this one. */
 static int hear_requests(struct pccd_mpi *world, const struct request *requests,
                          struct ranks_plan *plan)
@@ -267,9 +284,11 @@ int ranks_plan_make(struct pccd_mpi *world)
         plan.in_first = calloc(cells + 1, sizeof *plan.in_first);
         plan.out_first = calloc(cells + 1, sizeof *plan.out_first);
         plan.in = ranks_array(total, sizeof *plan.in);
+        plan.is_run = ranks_array((uint64_t)link->size, sizeof *plan.is_run);
         requests = ranks_array(total, sizeof *requests);
         status = ranks_agree_on(link, plan.in_first == NULL || plan.out_first == NULL ||
-                                              plan.in == NULL || requests == NULL
+                                              plan.in == NULL || plan.is_run == NULL ||
+                                              requests == NULL
                                           ? ranks_no_memory(world)
                                           : PCCD_OK);
     }
@@ -286,6 +305,7 @@ int ranks_plan_make(struct pccd_mpi *world)
             at -= count;
             place_needs(&plan, places + at, count, o, requests);
         }
+        find_runs(link, &plan);
         status = hear_requests(world, requests, &plan);
     }
     free(places);
@@ -319,17 +339,43 @@ static void count_sent(const struct ranks_link *link, const uint64_t *cells,
 static int make_buffers(struct pccd_mpi *world)
 {
     struct ranks_plan *plan = &world->plan;
-    const uint64_t cells = (uint64_t)world->link.size * plan->object_count;
-    const uint64_t own = (uint64_t)world->link.rank * plan->object_count;
+    const uint64_t objects = plan->object_count;
+    uint64_t out = 0, in = 0;
+    for (uint64_t r = 0; r < (uint64_t)world->link.size; r++) {
+        bool is_other = r != (uint64_t)world->link.rank;
+        const uint64_t *goes = plan->out_first + r * objects;
+        const uint64_t *comes = plan->in_first + r * objects;
+        out += is_other ? goes[objects] - goes[0] : 0;
+        in += is_other && !plan->is_run[r] ? comes[objects] - comes[0] : 0;
+    }
     if (plan->out_x == NULL) {
-        uint64_t kept = plan->out_first[own + plan->object_count] - plan->out_first[own];
-        plan->out_x = ranks_array(plan->out_first[cells] - kept, sizeof *plan->out_x);
+        plan->out_x = ranks_array(out, sizeof *plan->out_x);
     }
     if (plan->in_x == NULL) {
-        uint64_t kept = plan->in_first[own + plan->object_count] - plan->in_first[own];
-        plan->in_x = ranks_array(plan->in_first[cells] - kept, sizeof *plan->in_x);
+        plan->in_x = ranks_array(in, sizeof *plan->in_x);
     }
     return plan->out_x == NULL || plan->in_x == NULL ? ranks_no_memory(world) : PCCD_OK;
+}
+
+/* Where what each rank sends is received: in[size]; first: of what comes. */
+static void choose_places(const struct ranks_link *link, const struct ranks_plan *plan,
+                          double (*const *local)[3], const uint64_t *first, void **in)
+{
+    double(*next)[3] = plan->in_x;
+    for (int r = 0; r < link->size; r++) {
+        uint64_t count = first[r + 1] - first[r];
+        const uint64_t *cell = plan->in_first + (uint64_t)r * plan->object_count;
+        uint32_t o = 0;
+        if (!plan->is_run[r] || count == 0) {
+            in[r] = next;
+            next += count;
+            continue;
+        }
+        while (cell[o + 1] == cell[o]) {
+            o++;
+        }
+        in[r] = local[o][plan->in[cell[o]]];
+    }
 }
 
 /* What other ranks need, one rank after the other: the vertices begin .. end - 1 of all
@@ -354,8 +400,8 @@ static void pack(const struct ranks_link *link, const struct ranks_plan *plan,
     }
 }
 
-/* What has come, and what this rank has itself, to its place: the vertices begin ..
- * end - 1 of all that are sent. [team] */
+/* What has come elsewhere, and what this rank has itself, to its place: the vertices
+ * begin .. end - 1 of all that are sent. [team] */
 static void unpack(const struct ranks_link *link, const struct ranks_plan *plan,
                    const double (*const *given)[3], double (*const *local)[3],
                    uint64_t begin, uint64_t end)
@@ -369,7 +415,7 @@ static void unpack(const struct ranks_link *link, const struct ranks_plan *plan,
         const uint32_t *place = plan->in + plan->in_first[cell];
         const uint32_t *from = plan->out + plan->out_first[cell];
         uint64_t count = plan->in_first[cell + 1] - plan->in_first[cell], i, last;
-        if (x == NULL) {
+        if (x == NULL || plan->is_run[cell / objects]) {
             continue;
         }
         bool is_here = cell / objects == (uint64_t)link->rank;
@@ -397,6 +443,20 @@ static void pack_all(const struct pccd_mpi *world, const double (*const *given)[
     }
 }
 
+/* How many vertices that is. */
+static uint64_t count_unpacked(const struct ranks_link *link,
+                               const struct ranks_plan *plan,
+                               const double (*const *given)[3])
+{
+    uint64_t count = 0;
+    for (uint64_t cell = 0; cell < (uint64_t)link->size * plan->object_count; cell++) {
+        bool is_copied = given[cell % plan->object_count] != NULL &&
+                         !plan->is_run[cell / plan->object_count];
+        count += is_copied ? plan->in_first[cell + 1] - plan->in_first[cell] : 0;
+    }
+    return count;
+}
+
 static void unpack_all(const struct pccd_mpi *world, const double (*const *given)[3],
                        double (*const *local)[3], uint64_t count)
 {
@@ -414,29 +474,31 @@ int ranks_plan_send(struct pccd_mpi *world, const double (*const *given)[3],
     struct ranks_link *link = &world->link;
     struct ranks_plan *plan = &world->plan;
     uint32_t objects = plan->object_count;
-    uint64_t count = 0; /* of vertices that are needed here */
     bool any = false;
     for (uint32_t o = 0; o < objects; o++) {
         any = any || given[o] != NULL;
-        count += given[o] != NULL ? world->objects[o]->local.vertex_count : 0;
     }
     if (!any) {
         return PCCD_OK;
     }
     uint64_t *first = ranks_array(2 * ((uint64_t)link->size + 1), sizeof *first);
-    int status = first == NULL ? ranks_no_memory(world) : make_buffers(world);
+    void **in = ranks_array((uint64_t)link->size, sizeof *in);
+    int status =
+        first == NULL || in == NULL ? ranks_no_memory(world) : make_buffers(world);
     status = ranks_agree_on(link, status);
     if (status == PCCD_OK) {
         uint64_t *first_in = first + link->size + 1;
         count_sent(link, plan->out_first, given, objects, first);
         count_sent(link, plan->in_first, given, objects, first_in);
         pack_all(world, given, first[link->size]);
-        status = ranks_swap(link, sizeof *plan->out_x, plan->out_x, first, plan->in_x,
-                            first_in);
+        choose_places(link, plan, local, first_in, in);
+        status =
+            ranks_swap_apart(link, sizeof *plan->out_x, plan->out_x, first, in, first_in);
     }
     if (status == PCCD_OK) {
-        unpack_all(world, given, local, count);
+        unpack_all(world, given, local, count_unpacked(link, plan, given));
     }
     free(first);
+    free((void *)in);
     return status;
 }

@@ -315,8 +315,8 @@ static void give_up(MPI_Request *requests, int count)
     }
 }
 
-int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
-               const uint64_t *first_out, void *in, const uint64_t *first_in)
+int ranks_swap_apart(struct ranks_link *link, size_t item_bytes, const void *out,
+                     const uint64_t *first_out, void *const *in, const uint64_t *first_in)
 {
     uint64_t count = count_messages(link, item_bytes, first_out) +
                      count_messages(link, item_bytes, first_in);
@@ -328,9 +328,8 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
     }
     for (int turn = 1; turn < link->size; turn++) {
         int r = (link->rank + link->size - turn) % link->size;
-        begun += begin(link, false, (char *)in + first_in[r] * item_bytes,
-                       (first_in[r + 1] - first_in[r]) * item_bytes, r, requests + begun,
-                       &status);
+        begun += begin(link, false, in[r], (first_in[r + 1] - first_in[r]) * item_bytes,
+                       r, requests + begun, &status);
     }
     for (int turn = 1; turn < link->size; turn++) {
         int r = (link->rank + turn) % link->size;
@@ -339,11 +338,6 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
                        bytes, r, requests + begun, &status);
         link->sent_bytes += bytes;
     }
-    if (first_out[link->rank + 1] > first_out[link->rank]) {
-        memcpy((char *)in + first_in[link->rank] * item_bytes,
-               (const char *)out + first_out[link->rank] * item_bytes,
-               (first_out[link->rank + 1] - first_out[link->rank]) * item_bytes);
-    }
     if (status == PCCD_OK) {
         status = ranks_wait(link, requests, begun);
     }
@@ -351,6 +345,26 @@ int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
         give_up(requests, begun);
     }
     free((void *)requests);
+    return status;
+}
+
+int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
+               const uint64_t *first_out, void *in, const uint64_t *first_in)
+{
+    const int own = link->rank;
+    void **places = shared_array(link, (uint64_t)link->size, sizeof *places);
+    if (places == NULL) {
+        return link->broken;
+    }
+    for (int r = 0; r < link->size; r++) {
+        places[r] = (char *)in + first_in[r] * item_bytes;
+    }
+    if (first_out[own + 1] > first_out[own]) {
+        memcpy(places[own], (const char *)out + first_out[own] * item_bytes,
+               (first_out[own + 1] - first_out[own]) * item_bytes);
+    }
+    int status = ranks_swap_apart(link, item_bytes, out, first_out, places, first_in);
+    free((void *)places);
     return status;
 }
 

@@ -77,6 +77,11 @@ int ranks_min_doubles(struct ranks_link *link, double *numbers, int count);
  * on both sides; own items are copied. */
 int ranks_swap(struct ranks_link *link, size_t item_bytes, const void *out,
                const uint64_t *first_out, void *in, const uint64_t *first_in);
+/* The same, but what comes from rank r goes to in[r], and nothing is copied of what this
+ * rank has for itself. */
+int ranks_swap_apart(struct ranks_link *link, size_t item_bytes, const void *out,
+                     const uint64_t *first_out, void *const *in,
+                     const uint64_t *first_in);
 /* The same where the receiver does not know: *in is allocated, first_in[size + 1]
  * written. */
 int ranks_deal(struct ranks_link *link, size_t item_bytes, const void *out,

@@ -137,6 +137,7 @@ void ranks_plan_deinit(struct ranks_plan *plan)
     free(plan->in_first);
     free(plan->out);
     free(plan->in);
+    free(plan->is_run);
     free(plan->out_x);
     free(plan->in_x);
     *plan = (struct ranks_plan){.object_count = 0};

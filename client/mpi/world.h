@@ -136,8 +136,12 @@ struct ranks_plan {
     uint64_t *out_first, *in_first; /* [size * object_count + 1] */
     uint32_t *out;                  /* given vertex of that object */
     uint32_t *in;                   /* local vertex of that object */
-    /* Positions on their way to other ranks and from them, at one end of a step: memory
-     * that steps do not ask for again. */
+    /* [size] What comes from a rank is of one object, of which it is one run of local
+     * vertices: so it is received where it goes. That is so of what ranks were given one
+     * run of a mesh each. */
+    bool *is_run;
+    /* Positions on their way to other ranks, and from them unless they are runs, at one
+     * end of a step: memory that steps do not ask for again. */
     double (*out_x)[3], (*in_x)[3];
 };
 
