@@ -226,12 +226,23 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
     return ctl_mesh_read_part(path, 0, 0, mesh, error);
 }
 
-void ctl_mesh_deinit(struct ctl_mesh *mesh)
+void ctl_mesh_drop_shape(struct ctl_mesh *mesh)
 {
-    free(mesh->x);
     free(mesh->triangles);
     free(mesh->edges);
     free(mesh->points);
+    mesh->triangles = NULL;
+    mesh->edges = NULL;
+    mesh->points = NULL;
+    mesh->triangle_count = mesh->triangle_capacity = 0;
+    mesh->edge_count = mesh->edge_capacity = 0;
+    mesh->point_count = mesh->point_capacity = 0;
+}
+
+void ctl_mesh_deinit(struct ctl_mesh *mesh)
+{
+    free(mesh->x);
+    ctl_mesh_drop_shape(mesh);
     *mesh = (struct ctl_mesh){0};
 }
 

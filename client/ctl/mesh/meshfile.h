@@ -65,6 +65,8 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
 int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
                        struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
+/* Keep the vertices alone. */
+void ctl_mesh_drop_shape(struct ctl_mesh *mesh);
 /* Whether a file has the name of a mesh file. */
 bool ctl_mesh_is_named(const char *path);
 

@@ -97,9 +97,11 @@ struct check {
     struct check_run run; /* its client stays NULL */
     struct contacts_csv csv;
     uint32_t object;
-    struct ctl_mesh before, after; /* this rank's parts */
-    struct report_step *steps;     /* [path_count - 1] */
-    uint32_t number;               /* of the step, from 1 */
+    /* This rank's parts. The shape is that of both, and kept once, while a frame comes
+     * that is to have it, too. */
+    struct ctl_mesh before, after;
+    struct report_step *steps; /* [path_count - 1] */
+    uint32_t number;           /* of the step, from 1 */
     FILE *report;
 };
 
@@ -122,13 +124,15 @@ static int read_after(struct check *check, uint32_t index, struct ctl_error *err
             status = ctl_mesh_promote(&check->after, error);
         }
     }
+    ctl_mesh_drop_shape(&check->after);
     return together_agree(status, error);
 }
 
 static void keep_frame(struct check *check)
 {
-    ctl_mesh_deinit(&check->before);
-    check->before = check->after;
+    free(check->before.x);
+    check->before.x = check->after.x;
+    check->before.format = check->after.format;
     check->after = (struct ctl_mesh){.x = NULL};
 }
 
@@ -232,6 +236,9 @@ static int walk(struct check *check, struct ctl_error *error)
         if (i > 1) {
             keep_frame(check);
             status = read_after(check, i, error);
+        }
+        if (i + 1 == ask->path_count) {
+            ctl_mesh_drop_shape(&check->before);
         }
         if (status == PCCD_OK) {
             status = make_step(check, error);
