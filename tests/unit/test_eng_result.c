@@ -360,6 +360,8 @@ static void result__memory_is_used_again(void **state)
     add_contacts(lists, &random, 5000);
     assert_int_equal(sort(lists), PCCD_OK);
     eng_pool_reset(&lists->pool, 2); /* what was spilled becomes the pool's own */
+    add_pairs(lists, &random, 5000); /* of two lists they take more scratch */
+    assert_int_equal(sort(lists), PCCD_OK);
     uint64_t allocations = eng_alloc_count();
     for (int round = 0; round < 5; round++) {
         add_contacts(lists, &random, 5000);

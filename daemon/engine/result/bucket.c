@@ -124,7 +124,8 @@ static void gather(const struct eng_merge *merge, unsigned char *to,
 }
 
 /* Bring the parts of bucket `b` together, list by list; one list's are together. *place:
- * of its first record in the answer. */
+ * of its first record in the answer. They may lie at the end of these places: a record is
+ * at least as long as an item, so that those to come are behind what is filled. */
 static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32_t *place,
                                      uint32_t *count)
 {
@@ -141,14 +142,21 @@ static struct eng_radix_key *collect(struct eng_merge *merge, uint32_t b, uint32
     if (merge->threads == 1) {
         return merge->items + first->begin[b];
     }
-    struct eng_radix_key *items = merge->other + position;
+    struct eng_radix_key *together =
+        merge->items + merge->total + position; /* if not there */
+    if (!eng_merge_needs_other(merge)) {
+        unsigned char *end =
+            merge->out->data + ((size_t)position + n) * merge->out->record_bytes;
+        together = (struct eng_radix_key *)(void *)end - n;
+    }
+    struct eng_radix_key *items = together;
     for (uint32_t t = 0; t < merge->threads; t++) {
         const struct eng_merge_share *share = &merge->shares[t];
         uint32_t part = share->begin[b + 1] - share->begin[b];
         memcpy(items, merge->items + share->begin[b], part * sizeof *items);
         items += part;
     }
-    return merge->other + position;
+    return together;
 }
 
 void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *counts)
@@ -165,7 +173,8 @@ void eng_bucket_finish(struct eng_merge *merge, uint32_t b, struct eng_counts *c
     }
     uint64_t kept = merge->kept - begin < count ? merge->kept - begin : count;
     /* The places of the records are the sort's scratch before they are filled: 20 bytes
-     * or more for 16, behind at most 4 to the next place that is aligned. */
+     * or more for 16, behind at most 4 to the next place that is aligned; or 64, and the
+     * last 16 of them have items. */
     unsigned char *to = merge->out->data + (size_t)begin * merge->out->record_bytes;
     uintptr_t place = ((uintptr_t)to + 7) & ~(uintptr_t)7;
     sort_items(merge, items, (struct eng_radix_key *)place, count, 0);

@@ -32,8 +32,19 @@ static_assert(sizeof(struct eng_name) == sizeof(struct pccd_pair), "its words");
 #define SAMPLES_MAX            2048u /* of all threads, if each has few */
 #define SAMPLES_PER_THREAD_MIN 32u
 
-/* Bytes of scratch for each record: an item twice, and its bucket. */
-#define SCRATCH_BYTES (2 * sizeof(struct eng_radix_key) + sizeof(uint16_t))
+/* Where the records will be: first the items as they come, then the bucket of each. */
+static_assert(sizeof(struct eng_radix_key) + sizeof(uint16_t) <= sizeof(struct pccd_pair),
+              "room for both");
+
+static struct eng_radix_key *items_as_they_come(const struct eng_merge *merge)
+{
+    return (struct eng_radix_key *)(void *)merge->out->data;
+}
+
+static uint16_t *buckets_as_they_come(const struct eng_merge *merge)
+{
+    return (uint16_t *)(items_as_they_come(merge) + merge->total);
+}
 
 static const struct eng_counts no_counts = {.toi_first = 2};
 
@@ -62,7 +73,7 @@ static uint32_t samples_of(uint32_t threads)
 
 uint64_t eng_merge_bytes(const struct eng_merge *merge)
 {
-    return merge->capacity * SCRATCH_BYTES +
+    return merge->capacity * sizeof *merge->items +
            merge->share_capacity * sizeof *merge->shares +
            (merge->share_capacity == 0
                 ? 0
@@ -105,16 +116,15 @@ static int reserve_scratch(struct eng_merge *merge)
             return PCCD_E_NOMEM;
         }
     }
-    if (merge->total > merge->capacity) {
-        uint64_t capacity = merge->total + merge->total / 2;
-        struct eng_radix_key *items = eng_alloc(capacity, SCRATCH_BYTES);
+    uint64_t wanted = merge->total * (eng_merge_needs_other(merge) ? 2 : 1);
+    if (wanted > merge->capacity) {
+        uint64_t capacity = wanted + wanted / 2;
+        struct eng_radix_key *items = eng_alloc(capacity, sizeof *items);
         if (!items) {
             return PCCD_E_NOMEM;
         }
         eng_free(merge->items);
         merge->items = items;
-        merge->other = items + capacity;
-        merge->buckets = (uint16_t *)(merge->other + capacity);
         merge->capacity = capacity;
     }
     return eng_records_reserve(merge->out, merge->total);
@@ -214,8 +224,8 @@ static void choose_buckets(struct eng_merge *merge)
         }
     }
     eng_splitters_set(&merge->splitters,
-                      eng_radix_sort(merge->items, merge->other, count), count,
-                      bucket_count(merge->total, merge->threads));
+                      eng_radix_sort(merge->items, items_as_they_come(merge), count),
+                      count, bucket_count(merge->total, merge->threads));
 }
 
 /* All lists are looked at: choose memory, keys and buckets. One thread. */
@@ -260,8 +270,8 @@ static int plan(struct eng_merge *merge)
 static bool find_buckets(struct eng_merge *merge, const struct eng_merge_share *share,
                          uint32_t *count)
 {
-    struct eng_radix_key *item = merge->other + share->first;
-    uint16_t *bucket = merge->buckets + share->first;
+    struct eng_radix_key *item = items_as_they_come(merge) + share->first;
+    uint16_t *bucket = buckets_as_they_come(merge) + share->first;
     uint32_t bytes = share->found->record_bytes;
     for (struct eng_block *block = share->found->first; block; block = block->next) {
         const uint64_t *keys =
@@ -310,8 +320,8 @@ void eng_merge_divide(struct eng_merge *merge, uint32_t thread)
         at += n;
     }
     begin[0] = share->first;
-    const struct eng_radix_key *item = merge->other + share->first;
-    const uint16_t *bucket = merge->buckets + share->first;
+    const struct eng_radix_key *item = items_as_they_come(merge) + share->first;
+    const uint16_t *bucket = buckets_as_they_come(merge) + share->first;
     for (uint32_t i = 0; i < share->count; i++) {
         merge->items[begin[bucket[i] + 1]++] = item[i];
     }

@@ -65,10 +65,12 @@ struct eng_merge {
     bool is_cut;       /* after the end: there were more than the limit */
     struct eng_order order;
     struct eng_splitters splitters;
-    /* Scratch, one allocation of `capacity` records. */
-    struct eng_radix_key *items;   /* list by list, each by buckets */
-    struct eng_radix_key *other;   /* bucket by bucket */
-    uint16_t *buckets;             /* of the items before they are divided */
+    /* Scratch, [capacity]: list by list, each by buckets. What else there is to write
+     * down has the places of the records in `out` before they are filled: the items as
+     * they come and the bucket of each, 18 bytes a record; then, bucket by bucket, the
+     * items of several lists together, 16 bytes, and as many for their sort. Pairs have
+     * 20: of several lists their items are together behind the others in here. */
+    struct eng_radix_key *items;
     struct eng_merge_fold *folded; /* if it folds: [ENG_SPLIT_BUCKETS_MAX] */
     uint64_t capacity;
     const atomic_bool *cancel; /* set by any thread: give the merge up; may be NULL */
@@ -76,5 +78,11 @@ struct eng_merge {
     atomic_uint arrived;            /* lists looked at */
     _Alignas(128) atomic_uint next; /* bucket to be taken */
 };
+
+/* Have the places of the records no room for items beside those that are sorted? */
+static inline bool eng_merge_needs_other(const struct eng_merge *merge)
+{
+    return merge->threads > 1 && merge->out->record_bytes < 2 * sizeof *merge->items;
+}
 
 #endif
