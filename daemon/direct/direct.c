@@ -247,6 +247,7 @@ static struct srv_service *make_service(void)
         return NULL;
     }
     service->is_pinned = true;
+    service->lends_pages = true; /* clients are this process */
     service->workspaces[0].affinity.is_guest = true;
     service->start_ns = common_now_ns();
     return service;

@@ -85,6 +85,7 @@ int eng_detect_prepare(struct eng_scene *scene, const struct eng_step_settings *
         eng_thick_work_begin(memory->workers[i]);
     }
     eng_pool_reset(memory->pool, team->count);
+    eng_pool_lend(memory->pool, settings->lent, settings->lent_bytes);
     for (uint32_t i = 0; i < team->count; i++) {
         eng_worker_begin(memory->workers[i], scene, settings, stop, memory->pool);
         memory->workers[i]->thread = i;

@@ -104,6 +104,7 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     uint64_t begin_ns = common_now_ns();
     eng_answer_end(memory, team, result);
     eng_pool_reset(memory->pool, team->count); /* ready for the next step */
+    eng_pool_lend(memory->pool, NULL, 0);
     uint64_t end_ns = common_now_ns();
     result->times.merge = end_ns - detect_ns;
     worker->record.merge_ns += end_ns - begin_ns;

@@ -357,6 +357,41 @@ static void direct__warm_frames_allocate_nothing(void **state)
     pccd_close(client);
 }
 
+/* If it failed, what a step finds, which lies where its page will, would be written over
+ * the answers that the client still reads. */
+static void direct__held_answers_stay_while_others_are_found(void **state)
+{
+    enum { CONTACTS = 150 * 150, HELD = 2 };
+    static struct pccd_contact copies[HELD][CONTACTS];
+    struct pccd_answer held[HELD] = {PCCD_ANSWER_INIT, PCCD_ANSWER_INIT};
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+    struct test_grid grid;
+    uint64_t step = 0;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = "direct:";
+    options.result_bytes = 5u << 20; /* three pages and a half, so that they go round */
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_grid_make(client, 150, &grid), 0);
+    for (int i = 0; i < 12; i++) {
+        struct pccd_answer *oldest = &held[i % HELD];
+
+        pccd_answer_release(client, oldest);
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, oldest), 0);
+        assert_int_equal(oldest->total, CONTACTS);
+        assert_int_equal(oldest->count, CONTACTS);
+        memcpy(copies[i % HELD], oldest->contacts, sizeof copies[0]);
+        for (int k = 0; k < HELD && i > 0; k++) {
+            assert_memory_equal(held[k].contacts, copies[k], sizeof copies[0]);
+        }
+    }
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
 /* If it failed, a program that connects now and then would grow. */
 static void direct__last_client_leaves_nothing(void **state)
 {
@@ -521,6 +556,7 @@ int main(void)
         cmocka_unit_test(direct__answers_as_a_daemon_does),
         cmocka_unit_test(direct__clients_of_two_threads_do_not_disturb_each_other),
         cmocka_unit_test(direct__warm_frames_allocate_nothing),
+        cmocka_unit_test(direct__held_answers_stay_while_others_are_found),
         cmocka_unit_test(direct__last_client_leaves_nothing),
         cmocka_unit_test(direct__descriptor_is_readable_while_answers_wait),
         cmocka_unit_test(direct__deadline_counts_computing_alone),

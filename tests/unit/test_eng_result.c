@@ -372,6 +372,37 @@ static void result__memory_is_used_again(void **state)
     assert_int_equal(eng_alloc_count(), allocations);
 }
 
+static bool lies_in(const struct eng_block *block, const struct eng_block *memory,
+                    uint32_t count)
+{
+    return block >= memory && block < memory + count;
+}
+
+/* If it failed: a step would take memory beside what it was lent, or go on to use that
+ * when it is somebody else's again. */
+static void result__lent_memory_is_taken_first(void **state)
+{
+    struct lists *lists = *state;
+    enum { LENT = 3, TAKEN = 9 };
+    static _Alignas(ENG_BLOCK_HEADER_BYTES) struct eng_block memory[LENT + 1];
+    for (int round = 0; round < 3; round++) {
+        eng_pool_reset(&lists->pool, 1);
+        eng_pool_lend(&lists->pool, memory, sizeof memory - 1);
+        for (int i = 0; i < TAKEN; i++) {
+            struct eng_block *block = eng_pool_take(&lists->pool);
+            assert_non_null(block);
+            assert_true(lies_in(block, memory, LENT + 1) == (i < LENT));
+            assert_true(i >= LENT || block == &memory[i]);
+            memset(block->data, i, sizeof block->data);
+        }
+    }
+    eng_pool_reset(&lists->pool, 1);
+    /* Its own are as many as it took of these, with a quarter and two more. */
+    assert_int_equal(eng_pool_bytes(&lists->pool), 9 * sizeof *memory);
+    eng_pool_lend(&lists->pool, NULL, 0);
+    assert_false(lies_in(eng_pool_take(&lists->pool), memory, LENT + 1));
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, setup, teardown)
 
 int main(void)
@@ -386,6 +417,7 @@ int main(void)
         TEST(result__keys_of_several_words_are_not_kept),
         TEST(result__limit_counts_all_workers_together),
         TEST(result__memory_is_used_again),
+        TEST(result__lent_memory_is_taken_first),
     };
     return cmocka_run_group_tests_name("eng_result", tests, NULL, NULL);
 }

@@ -92,6 +92,11 @@ struct eng_step_settings {
      * scenes few have workers. No step of that scene is computed meanwhile. NULL, or the
      * scene itself: its own. Only of eng_step, and not of brief ones. */
     struct eng_scene *lender;
+    /* Memory, aligned to 64 bytes, that nobody else uses until the step returns, as where
+     * the caller will write the answer to: for what the step finds, before that is in
+     * order. NULL: it has its own for all of that. Of eng_step alone. */
+    void *lent;
+    uint64_t lent_bytes;
     const struct eng_near_query *near; /* looked for in the place of contacts, by eng_near
                                         * alone; NULL: this is a step */
 };
@@ -101,7 +106,7 @@ struct eng_step_settings {
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, NULL, NULL, 16u << 20,     \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
-            NULL, NULL, 0, NULL, false, false, 0, 0, NULL, NULL                          \
+            NULL, NULL, 0, NULL, false, false, 0, 0, NULL, NULL, 0, NULL                 \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

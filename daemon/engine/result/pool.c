@@ -1,20 +1,21 @@
 /* daemon/engine/result/pool.c - blocks of memory shared by the workers of a step.
  *
  * Room:     engine.
- * Does:     one array and a counter; what the array cannot give comes one by one.
+ * Does:     two arrays and a counter; what these cannot give comes one by one.
  * Threads:  take: any worker; the rest: [compute], between steps.
  */
 #include "pool.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "memory.h"
 
 void eng_pool_init(struct eng_pool *pool)
 {
-    pool->blocks = NULL;
-    pool->capacity = 0;
+    pool->blocks = pool->lent = NULL;
+    pool->capacity = pool->lent_count = 0;
     atomic_init(&pool->taken, 0);
     atomic_init(&pool->spilled, NULL);
 }
@@ -41,6 +42,7 @@ void eng_pool_reset(struct eng_pool *pool, uint32_t workers)
 {
     assert(workers >= 1);
     uint32_t taken = atomic_load_explicit(&pool->taken, memory_order_relaxed);
+    taken = taken > pool->lent_count ? taken - pool->lent_count : 0;
     free_spilled(pool);
     if (taken > pool->capacity || pool->capacity < workers) {
         uint32_t capacity = taken + taken / 4 + 2 * workers;
@@ -52,6 +54,15 @@ void eng_pool_reset(struct eng_pool *pool, uint32_t workers)
         }
     }
     atomic_store_explicit(&pool->taken, 0, memory_order_relaxed);
+}
+
+void eng_pool_lend(struct eng_pool *pool, void *memory, uint64_t bytes)
+{
+    assert(atomic_load_explicit(&pool->taken, memory_order_relaxed) == 0);
+    assert((uintptr_t)memory % ENG_BLOCK_HEADER_BYTES == 0);
+    uint64_t count = memory ? bytes / sizeof *pool->lent : 0;
+    pool->lent = memory;
+    pool->lent_count = count < UINT32_MAX / 2 ? (uint32_t)count : UINT32_MAX / 2;
 }
 
 /* A block that the pool did not foresee. */
@@ -74,7 +85,11 @@ struct eng_block *eng_pool_take(struct eng_pool *pool)
 {
     /* Relaxed: each number is handed out once; the block is nobody else's. */
     uint32_t i = atomic_fetch_add_explicit(&pool->taken, 1, memory_order_relaxed);
-    struct eng_block *block = i < pool->capacity ? &pool->blocks[i] : spill(pool);
+    bool is_lent = i < pool->lent_count;
+    uint32_t own = i - pool->lent_count; /* if it is not */
+    struct eng_block *block = is_lent                ? &pool->lent[i]
+                              : own < pool->capacity ? &pool->blocks[own]
+                                                     : spill(pool);
     if (block) {
         block->next = NULL;
         block->count = 0;

@@ -29,8 +29,9 @@ static_assert(sizeof(struct eng_block) == ENG_BLOCK_BYTES, "header and data");
 
 struct eng_pool {
     struct eng_block *blocks; /* [capacity] */
-    uint32_t capacity;
-    atomic_uint taken; /* this step; beyond capacity they come from the system */
+    struct eng_block *lent;   /* [lent_count] somebody else's, which are taken first */
+    uint32_t capacity, lent_count;
+    atomic_uint taken; /* this step; beyond these and its own they come from the system */
     _Atomic(struct eng_block *) spilled; /* those that do, linked by spill_next */
 };
 
@@ -41,6 +42,10 @@ void eng_pool_deinit(struct eng_pool *pool);
  * more than it took and two for each worker, whose last block is partly empty: the same
  * step again takes none from the system. If memory is short, the old size stays. */
 void eng_pool_reset(struct eng_pool *pool, uint32_t workers);
+
+/* After a reset: take blocks of `memory`, of 64 bytes' alignment, before its own, until
+ * the next reset at least and this is called again. NULL: of none. */
+void eng_pool_lend(struct eng_pool *pool, void *memory, uint64_t bytes);
 
 /* An empty block, or NULL: no memory. [team] */
 struct eng_block *eng_pool_take(struct eng_pool *pool);

@@ -415,6 +415,20 @@ int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wa
     return 0;
 }
 
+void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
+                    uint64_t *bytes)
+{
+    struct srv_region before = ring->region;
+    struct srv_page page;
+    struct proto_error error;
+    void *data = NULL;
+    int status = srv_ring_reserve(ring, item_bytes, wanted, &page, &data, &error);
+    before.taken = ring->region.taken;
+    ring->region = before;
+    *bytes = status == 0 ? page.count * item_bytes : 0;
+    return *bytes > 0 ? data : NULL;
+}
+
 /* Give back a part, or nothing. Returns whether there is more. */
 static bool give_back_part(struct srv_ring *ring)
 {

@@ -89,6 +89,12 @@ int srv_ring_reserve(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted
 int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                          struct srv_page *page, void **data, struct proto_error *error);
 
+/* Where the next page will begin, if it is of so many items and the client releases none
+ * until then; nobody uses that memory so long. *bytes: how much there is; 0: nothing.
+ * [compute] */
+void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
+                    uint64_t *bytes);
+
 /* A request has been answered: when no other one follows for a while, the ring gives
  * back, and refunds, what the result region has taken beyond what it began with and
  * behind all pages that the client has not released, and the slots that the client says

@@ -95,11 +95,30 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
     return 0;
 }
 
+/* Records below which a step has memory of its own for what it finds. */
+#define LENT_BYTES_MIN (1u << 20)
+
+/* What a step finds lies where its page will, and has gone from there, into order, when
+ * that is written: so there is memory for one of the two alone. The page is taken to be
+ * as long as the last one. A client that could write there meanwhile would make the
+ * engine read what it has not found. [compute] */
+static void lend_page(const struct srv_request *request,
+                      struct eng_step_settings *settings)
+{
+    const struct proto_FRAME_SUBMIT_result *last = &request->plan.scene->answer;
+    if (request->session->service->lends_pages &&
+        last->total * last->record_bytes >= LENT_BYTES_MIN) {
+        settings->lent = srv_ring_next(request->plan.ring, last->record_bytes,
+                                       last->total, &settings->lent_bytes);
+    }
+}
+
 /* Run the staged step and keep its result in the scene. [compute] */
 static int compute_step(struct srv_request *request)
 {
     struct srv_scene *scene = request->plan.scene;
     struct eng_step_settings settings = settings_of(request);
+    lend_page(request, &settings);
     const struct srv_stepper by = {request->session->id,
                                    request->params.FRAME_SUBMIT.step,
                                    request->params.FRAME_SUBMIT.place};

@@ -52,6 +52,7 @@ struct srv_service {
     bool does_brief;        /* what is brief is done on [loop]; constant */
     uint64_t brief_from_ns; /* not before */
     bool is_pinned;         /* threads of steps are put on them; constant */
+    bool lends_pages;       /* to steps, as no client does harm there; constant */
     struct srv_quota quota;
     struct srv_metrics metrics;
     /* Whether the client whose message is handled wants no more: asked by the thread that
