@@ -227,8 +227,6 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide.h \
     daemon/engine/wide/wide_faces.c \
     daemon/engine/wide/wide_faces.h \
-    daemon/engine/wide/wide_foreign.c \
-    daemon/engine/wide/wide_foreign.h \
     daemon/engine/wide/wide_free.c \
     daemon/engine/wide/wide_free.h \
     daemon/engine/wide/wide_grid.c \

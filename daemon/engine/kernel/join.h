@@ -47,7 +47,10 @@ struct eng_join {
      * Where features of b are first in no pair there is no b_own. */
     const uint16_t *a_own;
     const uint16_t *b_own;
-    bool has_mixed; /* set where pairs of an own and a foreign box are found */
+    /* Of features, where both have it: keys[key_stride * slot]. Of two the one with the
+     * lower key comes first; if it is foreign they are left out. NULL: as boxes. */
+    const uint64_t *keys;
+    uint32_t key_stride;
     enum eng_join_boxes boxes;
     uint32_t farthest;      /* the most that a whole number grows by (quantised_blocks) */
     float t_end;            /* 0 .. 1; swept boxes: not looked at */

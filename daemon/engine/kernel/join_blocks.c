@@ -533,7 +533,8 @@ ENG_INLINE uint32_t join(struct eng_join *job, struct eng_join_round *round,
         if (job->a_moving) {
             round->end = keep_moving_lanes(job, round, round->end);
         }
-        if (job->a_own && has_foreign(job, round, pairs)) {
+        /* Without b_own list_boxes has left out what is foreign. */
+        if (job->b_own && has_foreign(job, round, pairs)) {
             round->end = keep_own_lanes(job, round, round->end);
         }
         round->next = 0;

@@ -65,35 +65,58 @@ ENG_INLINE uint32_t keep_moving_lanes(struct eng_join *job, struct eng_join_roun
     return kept;
 }
 
-/* Is anything foreign in the next `pairs` blocks of the round? */
+/* Is anything foreign in the next `pairs` blocks of the round, whichever side may be
+ * first? */
 ENG_INLINE bool has_foreign(const struct eng_join *job,
                             const struct eng_join_round *round, uint32_t pairs)
 {
     uint32_t own = 0xffff;
     for (uint32_t i = round->count; i < round->count + pairs; i++) {
-        own &= job->a_own[round->a[i]];
-        own &= job->b_own ? job->b_own[round->b[i]] : 0xffff;
+        own &= job->a_own[round->a[i]] & job->b_own[round->b[i]];
     }
     return own != 0xffff;
 }
 
-ENG_INLINE uint32_t keep_own_lanes(struct eng_join *job, struct eng_join_round *round,
-                                   uint32_t count)
+ENG_INLINE uint64_t key_of(const struct eng_join *job, uint32_t slot)
+{
+    return job->keys[(size_t)slot * job->key_stride];
+}
+
+/* Lanes that are pairs of an own and a foreign feature, `slot` and those from `first` on:
+ * those of which the own one comes first. They are few. */
+ENG_INLINE uint32_t own_before(const struct eng_join *job, uint32_t slot, bool is_own,
+                               uint32_t first, uint32_t lanes)
+{
+    const uint64_t key = key_of(job, slot);
+    for (uint32_t left = lanes; left != 0; left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left);
+        bool is_first = key < key_of(job, first + lane);
+        lanes ^= (uint32_t)(is_first != is_own) << lane;
+    }
+    return lanes;
+}
+
+/* Of the `count` boxes with lanes of b, either of which may come first, those lanes that
+ * are pairs which are not left out. */
+ENG_INLINE uint32_t keep_own_lanes(const struct eng_join *job,
+                                   struct eng_join_round *round, uint32_t count)
 {
     uint32_t kept = 0;
-    uint32_t mixed = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t box = round->box[i];
         uint32_t slot = round->first_a * ENG_WIDE + (box & 0xff);
+        uint32_t block = round->first_b + (box >> 8);
         uint32_t is_own = job->a_own[slot / ENG_WIDE] >> slot % ENG_WIDE & 1;
-        uint32_t b_own = own_of(job, round->first_b + (box >> 8));
-        uint32_t own = round->lanes[i] & (b_own | (0u - is_own));
-        mixed |= own & ~(b_own & (0u - is_own));
+        uint32_t b_own = job->b_own[block];
+        uint32_t both = round->lanes[i] & b_own & (0u - is_own);
+        uint32_t one = round->lanes[i] & (b_own ^ (0u - is_own));
+        if (one != 0 && job->keys) {
+            one = own_before(job, slot, is_own != 0, block * ENG_WIDE, one);
+        }
         round->box[kept] = box;
-        round->lanes[kept] = own;
-        kept += own != 0;
+        round->lanes[kept] = both | one;
+        kept += (both | one) != 0;
     }
-    job->has_mixed |= mixed != 0;
     return kept;
 }
 

@@ -12,7 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "wide_foreign.h"
 #include "wide_free.h"
 #include "wide_owner.h"
 #include "wide_quantised.h"
@@ -24,6 +23,26 @@
  * boxes that move, and take half as long to compare. Nor are times looked at: hardly
  * anything comes or goes until then, and what is apart at first is left out for that. */
 #define NEAR_MOST 0x1p-4f
+
+/* The marks of what is not foreign, of a side of a kind; NULL: there are none, or what is
+ * on that side is first in no pair. */
+static const uint16_t *own_marks(const struct eng_wide *wide, enum pccd_kind kind,
+                                 int side, uint32_t level)
+{
+    const struct eng_wide_tree *tree = &wide->trees[eng_wide_tree_of(kind, side)];
+    bool may_be_first = eng_wide_tree_of(kind, side) == eng_wide_tree_of(kind, 0);
+    return tree->has_own && may_be_first ? tree->own + tree->first[level] : NULL;
+}
+
+/* What says which of two features comes first. */
+static void set_keys(const struct eng_wide *wide, enum pccd_kind kind,
+                     struct eng_join *job)
+{
+    enum pccd_tree tree = eng_wide_tree_of(kind, 0);
+    bool is_of_vertices = tree == PCCD_TREE_VERTICES;
+    job->keys = is_of_vertices ? &wide->points[0].word1 : wide->trees[tree].keys;
+    job->key_stride = is_of_vertices ? sizeof *wide->points / sizeof *job->keys : 1;
+}
 
 void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide,
                          enum eng_join_boxes boxes)
@@ -46,15 +65,17 @@ void eng_wide_join_begin(struct eng_wide_join *join, const struct eng_wide *wide
         join->chunks[kind].count = 0;
         for (uint32_t level = 0; level < wide->level_count; level++) {
             struct eng_join *job = &join->jobs[kind][level];
-            *job =
-                (struct eng_join){.a = eng_wide_blocks(a, level),
-                                  .b = eng_wide_blocks(b, level),
-                                  .b_boxes = eng_wide_boxes(b, level),
-                                  .a_own = eng_wide_foreign_marks(wide, kind, 0, level),
-                                  .b_own = eng_wide_foreign_marks(wide, kind, 1, level),
-                                  .boxes = boxes,
-                                  .farthest = farthest,
-                                  .t_end = 1};
+            *job = (struct eng_join){.a = eng_wide_blocks(a, level),
+                                     .b = eng_wide_blocks(b, level),
+                                     .b_boxes = eng_wide_boxes(b, level),
+                                     .a_own = own_marks(wide, kind, 0, level),
+                                     .b_own = own_marks(wide, kind, 1, level),
+                                     .boxes = boxes,
+                                     .farthest = farthest,
+                                     .t_end = 1};
+            if (job->b_own && level == 0) {
+                set_keys(wide, kind, job);
+            }
             if (is_quantised && level == 0) {
                 job->a_quantised = eng_wide_quantised_blocks(a);
                 job->b_quantised = eng_wide_quantised_blocks(b);
@@ -140,7 +161,6 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
     struct eng_join_round *round = &join->round;
     struct eng_wide_chunk *chunk = &join->chunks[kind];
     eng_join_begin(round, a, b, count);
-    job->has_mixed = false;
     for (;;) {
         uint32_t *out_a = chunk->a + chunk->count;
         uint32_t *out_b = chunk->b + chunk->count;
@@ -149,9 +169,6 @@ static void join_features(struct eng_wide_join *join, enum pccd_kind kind,
             join->kernels->join_features[kind](job, round, out_a, out_b, room);
         if (eng_wide_is_of_free(kind)) {
             found = eng_wide_free_keep(join->wide, kind, 0, out_a, out_b, found);
-        }
-        if (job->has_mixed) {
-            found = eng_wide_foreign_keep(join->wide, kind, out_a, out_b, found);
         }
         chunk->count += found;
         if (eng_join_has_ended(round) || join->stopped) {
