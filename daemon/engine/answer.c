@@ -84,6 +84,7 @@ int eng_answer_begin(struct eng_step_memory *memory, const struct eng_team *team
     }
     int status = eng_merge_begin(memory->merge, lists, team->count, out);
     eng_merge_set_cancel(memory->merge, team->workers[0]->settings->cancel);
+    memory->merge->no_hash = team->workers[0]->settings->no_hash;
     return status;
 }
 
@@ -240,7 +241,9 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     result->thick.is_crowded = team->scene->thickness.is_on &&
                                counts->initial + counts->inside > result->count / 2;
     result->toi_first = counts->toi_first;
-    eng_hash_end(counts->hash, result->count, result->hash);
+    if (!memory->merge->no_hash) {
+        eng_hash_end(counts->hash, result->count, result->hash);
+    }
     return PCCD_OK;
 }
 

@@ -173,7 +173,8 @@ bool eng_kept_fits(const struct eng_kept *kept, const struct eng_scene *scene,
            kept->masks_version == scene->masks.version &&
            kept->thickness == scene->thickness.number &&
            kept->separation == settings->separation &&
-           kept->approach == settings->approach && !scene->thickness.has_changed;
+           kept->approach == settings->approach && kept->no_hash == settings->no_hash &&
+           !scene->thickness.has_changed;
 }
 
 bool eng_kept_is_brief(const struct eng_kept *kept)
@@ -270,7 +271,9 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
     }
     *counts = (struct eng_counts){.toi_first = 2};
     uint64_t standing = mark(kept, scene, records, counts, &bound);
-    bool by_loss = 2 * standing > records->count; /* hash whichever are fewer */
+    /* Hash whichever are fewer; the hash of those that go is taken from that of all. */
+    bool by_loss = 2 * standing > records->count && !kept->no_hash;
+    bool by_gain = !by_loss && !kept->no_hash;
     eng_hash_sum sum = by_loss ? kept->counts.hash : 0;
     unsigned char *to = records->data;
     for (uint64_t i = 0; i < records->count;) {
@@ -279,7 +282,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
         if (!kept->stands[i]) {
             sum -= by_loss ? eng_hash_records(run, end - i, bytes) : 0;
         } else {
-            sum += by_loss ? 0 : eng_hash_records(run, end - i, bytes);
+            sum += by_gain ? eng_hash_records(run, end - i, bytes) : 0;
             if (to != run) {
                 memmove(to, run, (end - i) * bytes);
             }
@@ -370,6 +373,7 @@ void eng_kept_finish(struct eng_kept *kept, const struct eng_scene *scene,
     kept->thickness = scene->thickness.number;
     kept->separation = settings->separation;
     kept->approach = settings->approach;
+    kept->no_hash = settings->no_hash;
     kept->count = result->count;
     kept->counts = *counts;
     kept->verdict = result->verdict;

@@ -38,6 +38,7 @@ struct eng_kept {
     uint64_t thickness; /* scene->thickness.number */
     double separation;
     double approach;
+    bool no_hash;
     uint64_t count;
     struct eng_counts counts;
     enum pccd_verdict verdict;

@@ -367,6 +367,27 @@ static void tolerance__is_that_of_each_step(void **state)
     for_each_way(change_tolerance);
 }
 
+static void change_hash(struct world *world)
+{
+    for (int i = 0; i < 3; i++) {
+        world->settings.no_hash = true;
+        move_patch(world);
+        assert_int_equal(player_step(&world->player, &world->settings, &world->result),
+                         PCCD_OK);
+        assert_true(world->result.count > 0 && world->result.hash[0] == 0);
+        world->settings.no_hash = false;
+        go_on(world, 1);
+    }
+}
+
+/* If this failed, an answer after one without a hash would have that of a part of its
+ * records. */
+static void hash__is_made_where_it_was_not(void **state)
+{
+    (void)state;
+    for_each_way(change_hash);
+}
+
 /* The methods take turns, four steps each. The tile goes away in steps of the one and
  * comes back in steps of the other; a patch meets it, or not, while it stands. */
 static void change_method(struct world *world)
@@ -675,6 +696,7 @@ int main(void)
         cmocka_unit_test(replaced_mesh__is_what_stands_from_then_on),
         cmocka_unit_test(mode__is_that_of_each_step),
         cmocka_unit_test(tolerance__is_that_of_each_step),
+        cmocka_unit_test(hash__is_made_where_it_was_not),
         cmocka_unit_test(method__has_no_boxes_of_steps_by_another),
         cmocka_unit_test(team__may_be_another_one_in_each_step),
         cmocka_unit_test(incomplete_step__is_not_gone_by),

@@ -82,6 +82,7 @@ struct eng_step_settings {
     const struct eng_kernels *kernels;
     bool team_always; /* by `threads` threads however small the work: for tests */
     bool brief;       /* end soon or not at all (brief.h) */
+    bool no_hash;     /* nobody reads it: of records none is made */
     /* Thickness: two features meet where they come within r of each other, the exact sum
      * of their radii (scene.h) and of the separation, which is 0 .. 1e18. Of pairs that
      * begin within r, approach 0 reports each, at t = 0; 0 < approach < 1: those that
@@ -106,7 +107,7 @@ struct eng_step_settings {
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, NULL, NULL, 16u << 20,     \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
-            NULL, NULL, 0, NULL, false, false, 0, 0, NULL, NULL, 0, NULL                 \
+            NULL, NULL, 0, NULL, false, false, false, 0, 0, NULL, NULL, 0, NULL          \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

@@ -119,7 +119,7 @@ static void gather(const struct eng_merge *merge, unsigned char *to,
             gather_contacts((struct pccd_contact *)(void *)place, items + i, n, count - i,
                             counts);
         }
-        counts->hash += eng_hash_records(place, n, bytes);
+        counts->hash += merge->no_hash ? 0 : eng_hash_records(place, n, bytes);
     }
 }
 

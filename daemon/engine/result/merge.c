@@ -143,7 +143,7 @@ int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
     }
     merge->threads = count;
     merge->folds = lists[0]->folds;
-    merge->is_cut = false;
+    merge->is_cut = merge->no_hash = false;
     merge->out = out;
     merge->state = ENG_MERGE_OPEN;
     merge->begin_ns = 0;

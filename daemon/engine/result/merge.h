@@ -26,8 +26,8 @@ void eng_merge_deinit(struct eng_merge *merge);
 uint64_t eng_merge_bytes(const struct eng_merge *merge);
 
 /* Get ready to merge `count` lists into `out`; they are read by survey or end. All have
- * the same record_bytes and limit, and keys by one order or none; count >= 1.
- * PCCD_E_NOMEM. */
+ * the same record_bytes and limit, and keys by one order or none; count >= 1. Records are
+ * hashed unless merge->no_hash is set then. PCCD_E_NOMEM. */
 int eng_merge_begin(struct eng_merge *merge, struct eng_found *const *lists,
                     uint32_t count, struct eng_records *out);
 

@@ -63,6 +63,7 @@ struct eng_merge {
     uint64_t kept;     /* of these, in the answer; before they are folded */
     bool folds;        /* the lists do */
     bool is_cut;       /* after the end: there were more than the limit */
+    bool no_hash;      /* counts.hash stays 0 */
     struct eng_order order;
     struct eng_splitters splitters;
     /* Scratch, [capacity]: list by list, each by buckets. What else there is to write
