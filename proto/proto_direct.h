@@ -17,7 +17,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 4u
+#define PROTO_DIRECT_VERSION 5u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -59,10 +59,14 @@ struct proto_direct {
     void (*watch)(struct proto_direct_inbox *line, bool (*is_stopped)(void *asked),
                   void *asked);
 
-    /* What lies so many bytes from the start of the client's result region, as the
-     * service sees it: the client's own view of it cannot be written to. NULL: there is
-     * no such byte. For libpccd-mpi. [owner] */
-    void *(*results)(struct proto_direct_inbox *line, uint64_t offset);
+    /* Likewise, contacts and pairs come to a page of an answer to a step by write(writer,
+     * to, from, count), which is to write as many there, in the place of a copy, by the
+     * thread that brought the message. `to` may be written to, by way of this address,
+     * until the page is released. The answer has no hash then. NULL: they are copied.
+     * [owner] */
+    void (*write)(struct proto_direct_inbox *line,
+                  void (*write)(void *writer, void *to, const void *from, uint64_t count),
+                  void *writer);
 
     /* For libpccd-mpi, too: while a message of the client's is handled, threads_max is at
      * most `threads`; 0: as it is. [owner] */

@@ -180,16 +180,17 @@ int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
     return 0;
 }
 
-void *cli_foreign_records(struct pccd_client *client, const struct pccd_answer *answer)
+int cli_foreign_write(struct pccd_client *client,
+                      void (*write)(void *writer, void *to, const void *from,
+                                    uint64_t count),
+                      void *writer)
 {
-    const void *records =
-        answer->contacts != NULL ? (const void *)answer->contacts : answer->pairs;
-    uintptr_t base = (uintptr_t)client->ring.result.base;
-    if (client->direct.line == NULL || records == NULL || (uintptr_t)records < base ||
-        (uintptr_t)records - base >= client->ring.result.bytes) {
-        return NULL;
+    if (client->direct.line == NULL || client->recorder != NULL) {
+        return cli_fail(client, PCCD_E_STATE,
+                        "only direct: lets a client write records, and no recorded one");
     }
-    return client->direct.host->results(client->direct.line, (uintptr_t)records - base);
+    client->direct.host->write(client->direct.line, write, writer);
+    return 0;
 }
 
 int cli_direct_descriptor(const struct pccd_client *client)

@@ -38,10 +38,14 @@ cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *
 __attribute__((visibility("default"))) int cli_foreign_threads(struct pccd_client *client,
                                                                uint32_t threads);
 
-/* With the url direct:, the contacts or pairs of an answer, to be written where they lie;
- * they are the answer's until pccd_answer_release. NULL: it has none, or there is no way
- * to write them. */
-__attribute__((visibility("default"))) void *
-cli_foreign_records(struct pccd_client *client, const struct pccd_answer *answer);
+/* With the url direct:, the contacts and pairs of the client's steps come to the page of
+ * an answer by write(writer, to, from, count), which the thread that called calls. It is
+ * to make `count` records of those that it reads, and may write there until
+ * pccd_answer_release. The answer has no hash then. PCCD_E_STATE: it is another url, or
+ * the client was recorded; they are copied. */
+__attribute__((visibility("default"))) int
+cli_foreign_write(struct pccd_client *client,
+                  void (*write)(void *writer, void *to, const void *from, uint64_t count),
+                  void *writer);
 
 #endif

@@ -222,8 +222,8 @@ static void count_contact(const struct pccd_contact *contact, struct ranks_sums 
     sums->toi_first = contact->toi < sums->toi_first ? contact->toi : sums->toi_first;
 }
 
-/* Give local contacts, which may lie where they are kept, the numbers of the whole. All
- * begin with a feature of this rank's own: libpccd leaves out others. */
+/* Give local contacts the numbers of the whole. All begin with a feature of this rank's
+ * own: libpccd leaves out others. */
 static void take_contacts(const struct pccd_mpi *world, struct reader *reader,
                           const struct pccd_contact *from, struct pccd_contact *to,
                           uint64_t count)
@@ -245,41 +245,60 @@ static void take_pairs(const struct pccd_mpi *world, struct reader *reader,
     }
 }
 
-/* Contacts or pairs begin .. end - 1 of a page: some get their numbers, then they are
- * hashed. A processor cannot read at once what it has just written in parts. [team] */
-static hash_sum take_part(const struct pccd_mpi *world, const struct pccd_answer *page,
-                          uint64_t begin, uint64_t end)
+/* Contacts or pairs begin .. end - 1: some get their numbers, then they are hashed. A
+ * processor cannot read at once what it has just written in parts. [team] */
+static hash_sum write_part(const struct pccd_mpi *world, void *to, const void *from,
+                           uint64_t begin, uint64_t end)
 {
-    struct pccd_contact *contacts =
-        (struct pccd_contact *)world->records + world->record_count;
-    struct pccd_pair *pairs = (struct pccd_pair *)world->records + world->record_count;
     struct reader reader = {.a = NULL};
     hash_sum sum = 0;
     for (uint64_t i = begin; i < end; i += PIECE) {
         uint64_t n = end - i < PIECE ? end - i : PIECE;
-        if (page->pairs != NULL) {
-            take_pairs(world, &reader, page->pairs + i, pairs + i, n);
-            add_pairs(&sum, pairs + i, n);
+        if (world->mode == PCCD_MODE_PAIRS) {
+            struct pccd_pair *pairs = (struct pccd_pair *)to + i;
+            take_pairs(world, &reader, (const struct pccd_pair *)from + i, pairs, n);
+            add_pairs(&sum, pairs, n);
         } else {
-            take_contacts(world, &reader, page->contacts + i, contacts + i, n);
-            add_contacts(&sum, contacts + i, n);
+            struct pccd_contact *contacts = (struct pccd_contact *)to + i;
+            take_contacts(world, &reader, (const struct pccd_contact *)from + i, contacts,
+                          n);
+            add_contacts(&sum, contacts, n);
         }
     }
     return sum;
 }
 
-static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
+/* For cli_foreign_write: contacts or pairs, as the mode says, get their numbers and are
+ * hashed. */
+static void write_records(void *writer, void *to, const void *from, uint64_t count)
 {
+    struct pccd_mpi *world = writer;
     hash_sum sum = 0;
-    const int team = ranks_team(world, page->count);
+    const int team = ranks_team(world, count);
 #pragma omp parallel for num_threads(team) schedule(static, 1)
     for (int t = 0; t < team; t++) {
-        hash_sum part = take_part(world, page, ranks_part(page->count, t, team),
-                                  ranks_part(page->count, t + 1, team));
+        hash_sum part = write_part(world, to, from, ranks_part(count, t, team),
+                                   ranks_part(count, t + 1, team));
 #pragma omp critical(ranks_hash_sum)
         sum += part;
     }
     add_words(world->page_hash, sum);
+    world->written = to;
+}
+
+/* Of a page that was written, or only copied. */
+static void take_step(struct pccd_mpi *world, const struct pccd_answer *page)
+{
+    const void *records =
+        page->pairs != NULL ? (const void *)page->pairs : page->contacts;
+    size_t bytes = ranks_record_bytes(world->mode);
+    char *to = (char *)world->records + world->record_count * bytes;
+    if (world->written != NULL) {
+        memcpy(to, records, page->count * bytes);
+    } else {
+        write_records(world, to, records, page->count);
+    }
+    world->written = NULL;
     world->record_count += page->count;
 }
 
@@ -304,17 +323,13 @@ int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page)
 
 bool ranks_records_hold(struct pccd_mpi *world, const struct pccd_answer *page)
 {
-    struct pccd_answer writable = *page;
-    bool is_all = page->cursor >= page->total;
-    void *records = is_all ? cli_foreign_records(world->client, page) : NULL;
-    if (records == NULL) {
+    if (world->written == NULL || page->cursor < page->total) {
         return false;
     }
-    writable.contacts = page->contacts != NULL ? records : NULL;
-    writable.pairs = page->pairs != NULL ? records : NULL;
-    world->records = records;
+    world->records = world->written;
+    world->record_count = page->count;
+    world->written = NULL;
     world->page = *page;
-    take_step(world, &writable);
     return true;
 }
 
@@ -322,6 +337,9 @@ void ranks_records_begin(struct pccd_mpi *world)
 {
     pccd_answer_release(world->client, &world->page);
     world->records = world->copied;
+    world->written = NULL;
+    /* Of one rank that is recorded, a page is only copied. */
+    (void)cli_foreign_write(world->client, write_records, world);
     world->record_count = 0;
     memset(world->page_hash, 0, sizeof world->page_hash);
 }

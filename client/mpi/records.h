@@ -18,10 +18,11 @@ struct ranks_sums {
     double toi_first; /* 2: there is none */
 };
 
-/* Before an answer: there are no records yet, and no page of the last one is held. */
+/* Before libpccd computes an answer: there are no records yet, and no page of the last
+ * one is held. Contacts and pairs of a step get their numbers on their way to a page. */
 void ranks_records_begin(struct pccd_mpi *world);
 
-/* One page of local records; keeps the right ones behind those of the pages before.
+/* One page of records; keeps the right ones behind those of the pages before.
  * PCCD_E_NOMEM. */
 int ranks_records_take(struct pccd_mpi *world, const struct pccd_answer *page);
 /* The same of a page that is all contacts or pairs of a step, without a copy: it stays

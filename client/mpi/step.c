@@ -419,6 +419,7 @@ static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *mom
                                    .distance_min = 2e18};
     if (status == PCCD_OK) {
         pccd_answer_release(world->client, &said);
+        ranks_records_begin(world);
         status = make_answer(world, moment, cut_ns, answer);
     }
     return status;

@@ -181,6 +181,7 @@ struct pccd_mpi {
     uint64_t record_count;
     uint64_t page_hash[4]; /* of contacts and pairs, as in struct ranks_sums */
     struct pccd_answer page;
+    void *written; /* where records of the page that comes next were; NULL: nowhere yet */
     void *copied;
     uint64_t copied_bytes;
     uint64_t record_limit; /* of all ranks together */

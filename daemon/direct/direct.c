@@ -46,6 +46,8 @@ struct proto_direct_inbox {
     struct srv_conn conn;            /* first */
     bool (*is_stopped)(void *asked); /* NULL: nobody is asked */
     void *asked;
+    void (*write)(void *writer, void *to, const void *from, uint64_t count);
+    void *writer;
     uint32_t threads; /* at most, for its messages; 0: as many as others */
 };
 
@@ -384,9 +386,12 @@ static int send_message(struct proto_direct_inbox *line, const void *message,
     }
     the_service->is_stopped = line->is_stopped;
     the_service->asked = line->asked;
+    the_service->write = line->write;
+    the_service->writer = line->writer;
     srv_dispatch(line->conn.session, message, bytes);
     work_off(the_service);
     the_service->is_stopped = NULL;
+    the_service->write = NULL;
     if (is_limited && the_service->live.threads_max == line->threads) {
         the_service->live.threads_max = threads; /* else the message has set it */
     }
@@ -480,20 +485,13 @@ static void watch_line(struct proto_direct_inbox *line, bool (*is_stopped)(void 
     line->asked = asked;
 }
 
-static void *results_of(struct proto_direct_inbox *line, uint64_t offset)
+static void write_line(struct proto_direct_inbox *line,
+                       void (*write)(void *writer, void *to, const void *from,
+                                     uint64_t count),
+                       void *writer)
 {
-    char *at = NULL;
-    if (is_forked || srv_inbox_is_finished(&line->conn)) {
-        return NULL;
-    }
-    take_turn();
-    const struct srv_session *session = line->conn.session;
-    if (session != NULL && session->ring != NULL &&
-        offset < session->ring->result_bytes) {
-        at = (char *)session->ring->results.base + offset;
-    }
-    end_turn();
-    return at;
+    line->write = write;
+    line->writer = writer;
 }
 
 static void close_line(struct proto_direct_inbox *line)
@@ -531,7 +529,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .own = tell_own,
                                              .watch = watch_line,
                                              .limit = limit_line,
-                                             .results = results_of,
+                                             .write = write_line,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;
 }

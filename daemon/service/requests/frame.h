@@ -57,6 +57,7 @@ struct srv_records {
     uint32_t record_bytes;
     uint64_t total;
     uint32_t incomplete; /* enum pccd_incomplete */
+    bool is_of_step;
 };
 
 /* Those of them that have been written to the result region; `incomplete` counts that

@@ -15,6 +15,7 @@
 #include "invariant.h"
 #include "now.h"
 #include "request.h"
+#include "service.h"
 #include "session.h"
 
 static_assert(sizeof(struct proto_FRAME_SUBMIT_result) ==
@@ -30,9 +31,15 @@ static_assert(sizeof(struct proto_SCENE_NEAR_result) ==
 
 /* Copy `count` records, or fewer if the request is cancelled. Returns how many. */
 static uint64_t copy_records(struct srv_request *request, uint8_t *to,
-                             const uint8_t *from, uint64_t count, uint32_t record_bytes)
+                             const uint8_t *from, uint64_t count, uint32_t record_bytes,
+                             bool is_of_step)
 {
+    const struct srv_service *service = request->session->service;
     uint64_t done = 0;
+    if (is_of_step && service->write != NULL && count > 0) {
+        service->write(service->writer, to, from, count);
+        return count;
+    }
     while (done < count && (done == 0 || !atomic_load_explicit(&request->job.cancel,
                                                                memory_order_relaxed))) {
         uint64_t n = count - done < COPY_RECORDS ? count - done : COPY_RECORDS;
@@ -57,8 +64,8 @@ int srv_records_write(struct srv_request *request, const struct srv_records *rec
     if (first > 0) {
         from += first * records->record_bytes;
     }
-    uint64_t count =
-        copy_records(request, data, from, place.count, records->record_bytes);
+    uint64_t count = copy_records(request, data, from, place.count, records->record_bytes,
+                                  records->is_of_step);
     *page = (struct srv_records_page){.first = first,
                                       .count = count,
                                       .cursor = first + count,
@@ -77,7 +84,8 @@ int srv_frame_page(struct srv_request *request, uint64_t first,
 {
     const struct srv_scene *scene = request->plan.scene;
     const struct srv_records records = {scene->records, scene->answer.record_bytes,
-                                        scene->answer.total, scene->answer.incomplete};
+                                        scene->answer.total, scene->answer.incomplete,
+                                        true};
     struct srv_records_page page;
     PCCD_ASSERT(scene->has_answer);
     *answer = scene->answer; /* also of a step without a page: others hear of it */
@@ -93,7 +101,7 @@ int srv_near_page(struct srv_request *request, uint64_t first,
 {
     const struct srv_scene *scene = request->plan.scene;
     const struct srv_records records = {scene->near_records, scene->near.record_bytes,
-                                        scene->near.total, scene->near.incomplete};
+                                        scene->near.total, scene->near.incomplete, false};
     struct srv_records_page page;
     PCCD_ASSERT(scene->has_near);
     int status = srv_records_write(request, &records, first, &page);

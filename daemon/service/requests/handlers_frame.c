@@ -60,7 +60,10 @@ static void describe(const struct eng_step_result *step,
 /* The engine's settings for a request that was checked. [compute] */
 static struct eng_step_settings settings_of(struct srv_request *request)
 {
-    return srv_frame_settings(request, &SRV_WANTED_OF(&request->params.FRAME_SUBMIT));
+    struct eng_step_settings settings =
+        srv_frame_settings(request, &SRV_WANTED_OF(&request->params.FRAME_SUBMIT));
+    settings.no_hash = request->session->service->write != NULL;
+    return settings;
 }
 
 /* Whether it was staged before: only what is brief goes on. [compute] */

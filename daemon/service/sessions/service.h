@@ -59,6 +59,10 @@ struct srv_service {
      * computes; NULL: nobody is asked. */
     bool (*is_stopped)(void *asked);
     void *asked;
+    /* Likewise: whether that client copies the records of its steps to their page itself,
+     * and reads no hash of them; NULL: no. */
+    void (*write)(void *writer, void *to, const void *from, uint64_t count);
+    void *writer;
     struct srv_timer *linger; /* runs while sessions wait for their clients (linger.h) */
     uint32_t waiting_count;   /* of these */
     struct srv_deadlines deadlines; /* of requests */
