@@ -57,7 +57,8 @@ struct pccd_mpi_options {
     int timeout_ms;        /* how long to wait for another rank; 0 = 60000 */
     uint32_t threads;      /* of a rank's steps; 0: its processors, divided by the ranks
                               of the machine that may run on the same ones */
-    uint64_t result_bytes; /* of the memory for a page of records; 0 = 64 MiB */
+    uint64_t result_bytes; /* most memory for a page of records, taken as they come;
+                              0: for record_limit, but 4 GiB at most */
     uint64_t record_limit; /* records of an answer that are kept, of all ranks together,
                               the first in order; 0 = 16 Mi, as in one process. The same
                               on every rank */

@@ -330,6 +330,9 @@ bool ranks_records_hold(struct pccd_mpi *world, const struct pccd_answer *page)
     world->record_count = page->count;
     world->written = NULL;
     world->page = *page;
+    free(world->copied); /* those of before */
+    world->copied = NULL;
+    world->copied_bytes = 0;
     return true;
 }
 

@@ -220,6 +220,19 @@ static int choose_threads(struct pccd_mpi *world)
     return ranks_mpi(&world->link, code, what);
 }
 
+/* Room for all records that a rank may have, within this: memory comes as they do, so all
+ * of an answer is a page, which stays where it is. */
+#define RESULT_BYTES_LEAST (64ull << 20)
+#define RESULT_BYTES_MOST  (4ull << 30)
+
+static uint64_t result_bytes_of(const struct pccd_mpi *world)
+{
+    const uint64_t bytes = sizeof(struct pccd_contact);
+    uint64_t records = world->record_limit;
+    records = records < RESULT_BYTES_MOST / bytes ? records : RESULT_BYTES_MOST / bytes;
+    return records * bytes > RESULT_BYTES_LEAST ? records * bytes : RESULT_BYTES_LEAST;
+}
+
 static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
 {
     struct pccd_options options;
@@ -227,7 +240,7 @@ static int connect_direct(struct pccd_mpi *world, uint64_t result_bytes)
     pccd_options_init(&options);
     options.url = "direct:";
     options.slot_count = 1;
-    options.result_bytes = result_bytes;
+    options.result_bytes = result_bytes > 0 ? result_bytes : result_bytes_of(world);
     options.no_keep = true;
     int status = pccd_connect(&options, &world->client);
     if (status == PCCD_OK) {
