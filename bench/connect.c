@@ -18,6 +18,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "process_status.h"
 #include "raw.h"
 #include "report.h"
 
@@ -53,24 +54,6 @@ static void row(const char *scene, const char *what, const char *unit,
                                   .base = &base});
     bench_free(samples);
     *samples = (struct bench_samples){NULL, 0, 0};
-}
-
-/* A number of /proc/PID/status, such as VmHWM, in KiB. */
-static double status_kib(pid_t pid, const char *name)
-{
-    char path[64];
-    char line[256];
-    double value = 0;
-    snprintf(path, sizeof path, "/proc/%ld/status", (long)pid);
-    FILE *file = fopen(path, "r");
-    must(file != NULL, path);
-    while (fgets(line, sizeof line, file) != NULL) {
-        if (strncmp(line, name, strlen(name)) == 0) {
-            value = atof(line + strlen(name) + 1);
-        }
-    }
-    fclose(file);
-    return value;
 }
 
 static struct pccd_client *connect_by_default(void)
@@ -284,7 +267,7 @@ int main(int argc, char **argv)
         check("check, private", "--private", 30);
     }
     bench_number("daemon", "its memory at most", "MiB",
-                 status_kib(daemon_.pid, "VmHWM") / KIB);
+                 (double)common_process_status(daemon_.pid, "VmHWM:") / KIB);
     if (bench_is_wanted(&options, "first step")) {
         first_step(options.smoke ? 30 : SIDE_LARGE);
     }

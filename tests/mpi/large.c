@@ -19,8 +19,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "pccd_mpi.h"
+#include "process_status.h"
 
 #define SHEETS 2
 #define PARTS  3 /* registration, first step, later steps */
@@ -50,33 +52,17 @@ static void say_if_early(void)
     }
 }
 
-/* Of /proc/self/status, a number. */
 static double status_of(const char *name)
 {
-    char line[256];
-    double value = 0;
-    FILE *status = fopen("/proc/self/status", "r");
-    while (status != NULL && fgets(line, sizeof line, status) != NULL) {
-        if (strncmp(line, name, strlen(name)) == 0) {
-            value = strtod(line + strlen(name), NULL);
-        }
-    }
-    if (status != NULL) {
-        fclose(status);
-    }
-    return value;
+    return (double)common_process_status((long)getpid(), name);
 }
 
 /* Most memory of the process, in MB, since the last call; it begins anew. */
 static double peak_mb(void)
 {
-    double kb = status_of("VmHWM:");
-    FILE *clear = fopen("/proc/self/clear_refs", "w");
-    if (clear != NULL) {
-        fputs("5", clear);
-        fclose(clear);
-    }
-    return kb / 1024;
+    double kib = status_of("VmHWM:");
+    common_forget_most_memory();
+    return kib / 1024;
 }
 
 /* Of `side` rows of squares those of this rank; the last one has the last row of

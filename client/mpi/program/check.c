@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "check_apart.h"
 #include "check_options.h"
@@ -21,6 +22,7 @@
 #include "items.h"
 #include "part.h"
 #include "pccd_mpi.h"
+#include "process_status.h"
 #include "shown.h"
 #include "together.h"
 
@@ -191,6 +193,9 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     answer->contacts = NULL;
     answer->pairs = NULL;
     answer->count = 0;
+    if (check->options->tells_shares && check->number == 1 && !is_again) {
+        common_forget_most_memory();
+    }
     return status;
 }
 
@@ -323,9 +328,11 @@ static int report_all(struct check *check, struct ctl_error *error)
     return PCCD_OK;
 }
 
-/* A line of each rank, in turn. */
+/* A line of each rank, in turn. Its memory: from the second step on. */
 static void tell_shares(const struct check *check)
 {
+    const double most_mb =
+        (double)common_process_status((long)getpid(), "VmHWM:") * 1024 / 1e6;
     struct pccd_mpi_share share = {.struct_bytes = sizeof share};
     int status = pccd_mpi_get_share(check->world, &share);
     for (int r = 0; r < together_size(); r++) {
@@ -334,9 +341,10 @@ static void tell_shares(const struct check *check)
             fprintf(stderr,
                     "rank %d: own %" PRIu64 ", ghosts %" PRIu64 ", own vertices %" PRIu64
                     ", ghost vertices %" PRIu64 ", sent %" PRIu64 " bytes, work %" PRIu64
-                    ", imbalance %.3f, cuts %" PRIu64 ", searches %" PRIu64 "\n",
+                    ", imbalance %.3f, memory %.0f MB at most, cuts %" PRIu64
+                    ", searches %" PRIu64 "\n",
                     r, share.own, share.ghosts, share.own_vertices, share.ghost_vertices,
-                    share.sent_bytes, share.work, share.imbalance, share.cuts,
+                    share.sent_bytes, share.work, share.imbalance, most_mb, share.cuts,
                     share.searches);
             fflush(stderr);
         }
