@@ -60,6 +60,7 @@ clean-bench-model:
 # make bench-ranks                            all; minutes. Tables, and CSV in
 #                                             bench/model/results/ranks of the build
 # make bench-ranks RANKS_ARGS='time model'    times anew, on an idle machine; ranks.sh has more
+# make bench-ranks RANKS_ARGS=replay          recordings dealt to ranks
 EXTRA_DIST += bench/model/ranks.awk bench/model/ranks.c bench/model/ranks.sh
 if HAVE_MPI
 check_PROGRAMS += bench/model/ranks
@@ -77,6 +78,6 @@ bench_model_ranks_CPPFLAGS = $(bench_cppflags) -I$(top_srcdir)/tests/support \
 bench_model_ranks_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(GMP_LIBS) $(LIBM)
 endif
 .PHONY: bench-ranks
-bench-ranks: bench/model/model bench/model/ranks tests/mpi/large libpccd-direct.la
+bench-ranks: bench/model/model bench/model/ranks tests/mpi/large libpccd-direct.la pccdctl pccd-mpi
 	@$(AM_TESTS_ENVIRONMENT) PCCD_DIRECT=$(abs_builddir)/.libs/libpccd-direct.so.0 \
 	    $(BASH) $(top_srcdir)/bench/model/ranks.sh bench/model/results/ranks $(RANKS_ARGS)

@@ -7,11 +7,13 @@
 #   count    with up to 64 ranks, more than there are processors: no times
 #   large    10 million triangles on 4 and 16 ranks, added to what was counted: 12 GiB, minutes
 #   time     with one rank and two; on an idle machine of two processors
+#   replay   recordings of 200 steps and of 1000, dealt to one rank and to two, starting
+#            included; idle, too. 8 minutes, and for a while 1.2 GB. Not a part of all
 #   model    the tables, of what is in FOLDER
 #   smoke    tiny: does it still run?
 #
 # Room:     bench/model.
-# Does:     run ranks (here), large (tests/mpi), model (here) and ranks.awk.
+# Does:     run ranks (here), large (tests/mpi), model (here), pccd-mpi and ranks.awk.
 
 set -u -o pipefail
 : "${top_srcdir:?is set by make}" "${top_builddir:=.}"
@@ -34,6 +36,8 @@ steady_ranks=8
 sheet=sheet=360,5,2,21
 large=500
 modelled=layers/5
+lengths='200 1000' # of recordings
+turns=5
 
 # run FILE RANKS SCENE,PARTS,ON,FRO [alone]; a scene that is not here is left out.
 run() {
@@ -100,6 +104,36 @@ time_all() {
     time_few && measure_memory >"$into/memory.csv" && model_threads "$@"
 }
 
+# replay STEPS: of the way between two frames, again and again, each time by its ends.
+replay() {
+    local recording=$into/replayed turn number begin
+    "$top_builddir/pccdctl" record --force -o "$recording" -- "$top_builddir/pccdctl" check --url direct: \
+        --threads 1 --repeat $(($1 - 1)) "$PCCD_DATA/${ball}92.ply" "$PCCD_DATA/${ball}93.ply" >"$into/log" || return
+    for ((turn = 0; turn < turns; turn++)); do
+        for number in 1 2; do
+            begin=$(date +%s%N)
+            ranks "$number" "$top_builddir/pccd-mpi" replay --threads 1 "$recording" >"$into/log" || return
+            echo "$1,$number,$(($(date +%s%N) - begin))" >>"$into/replays.csv"
+        done
+    done
+    rm -f "$recording"
+}
+
+replay_all() {
+    local steps
+    [ -e "${PCCD_DATA:-}/${ball}92.ply" ] || { echo "ranks.sh: skipped, not in \$PCCD_DATA: $ball" >&2; return 0; }
+    echo steps,ranks,ns >"$into/replays.csv"
+    for steps in $lengths; do
+        replay "$steps" || return
+    done
+    sed 1d "$into/replays.csv" | sort -t, -n -k1,1 -k2,2 -k3,3 | awk -F, -v turns="$turns" '
+        NR % turns == int(turns / 2) + (turns == 1 ? 0 : 1) { seconds[$1, $2] = $3 / 1e9 }
+        NR % (2 * turns) == 0 {
+            printf "%d steps: %.2f s by one rank, %.2f s by two: each does %.3f of what one does\n",
+                $1, seconds[$1, 1], seconds[$1, 2], seconds[$1, 1] / seconds[$1, 2] / 2
+        }'
+}
+
 model() {
     (cd "$into" && awk -F, -v scene="$modelled" -f "$here/ranks.awk" threads.csv memory.csv link.csv \
         counts.csv rates.csv choices.csv times.csv)
@@ -116,6 +150,7 @@ for what in "${@:-all}"; do
             count more
             ;;
         time) time_all cloth-ball ;;
+        replay) replay_all ;;
         model) model ;;
         smoke)
             counts='1 4'
@@ -123,7 +158,9 @@ for what in "${@:-all}"; do
             steady=layers=12,5,61,0
             sheet=sheet=12,5,1,3
             large=100
-            count && time_all --smoke && model
+            lengths=2
+            turns=1
+            count && time_all --smoke && model && replay_all
             ;;
         *) echo "ranks.sh: unknown: $what" >&2 && false ;;
     esac || exit 1
