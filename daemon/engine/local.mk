@@ -233,6 +233,8 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_grid.h \
     daemon/engine/wide/wide_join.c \
     daemon/engine/wide/wide_join.h \
+    daemon/engine/wide/wide_lists.c \
+    daemon/engine/wide/wide_lists.h \
     daemon/engine/wide/wide_method.c \
     daemon/engine/wide/wide_method.h \
     daemon/engine/wide/wide_quantised.c \
@@ -243,6 +245,7 @@ libengine_la_SOURCES = \
     daemon/engine/wide/wide_owner.h \
     daemon/engine/wide/wide_pieces.c \
     daemon/engine/wide/wide_pieces.h \
+    daemon/engine/wide/wide_range.h \
     daemon/engine/wide/wide_refit.c \
     daemon/engine/wide/wide_resort.c \
     daemon/engine/wide/wide_resort.h \

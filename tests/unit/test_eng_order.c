@@ -6,10 +6,12 @@
  */
 #include "eng_kit.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "memory.h"
 #include "topology.h"
+#include "wide_lists.h"
 #include "wide_order.h"
 
 /* If a feature were missing from its order it would never be tested; if an aligned group
@@ -61,6 +63,62 @@ static void order__has_every_feature_once_in_tight_groups(void **state)
     }
     eng_free(order);
     eng_mesh_release(mesh);
+}
+
+static int compare_ids(const void *a, const void *b)
+{
+    const struct eng_split_item *x = a;
+    const struct eng_split_item *y = b;
+    return x->id < y->id ? -1 : x->id > y->id;
+}
+
+/* Without order within groups, which is none of the contract. */
+static void sort_groups(struct eng_split_item *items, struct eng_wide_range range)
+{
+    for (uint32_t i = 0; i < range.count;) {
+        uint32_t end = i + 16 - (range.slot + i) % 16;
+        end = end < range.count ? end : range.count;
+        qsort(items + range.first + i, end - i, sizeof *items, compare_ids);
+        i = end;
+    }
+}
+
+/* If it failed, a mesh would have another order where there is memory for lists, or where
+ * more threads divide it first; on a grid, where most coordinates are equal, as well. */
+static void lists__make_the_groups_that_medians_make(void **state)
+{
+    (void)state;
+    static struct eng_wide_lists lists;
+    static struct eng_split_item items[2][ENG_WIDE_LISTS_MAX + 300];
+    const uint32_t counts[] = {1, 16, 17, 255, 256, 257, 1000, 2048, ENG_WIDE_LISTS_MAX};
+    struct kit_random random = {11};
+    for (uint32_t round = 0; round < 4 * sizeof counts / sizeof *counts; round++) {
+        uint32_t count = counts[round / 4], kind = round % 4;
+        struct eng_wide_range range = {0, 0, count + (kind == 2 ? 300 : 0)};
+        for (uint32_t i = 0; i < range.count; i++) {
+            struct eng_split_item *item = &items[0][i];
+            item->id = kind == 1 ? i : (i * 7919u + 13u) % 104729u;
+            for (int k = 0; k < 3; k++) {
+                double x = kit_between(&random, -4, 4);
+                item->centroid[k] = kind == 3 ? 1 : kind == 1 ? (float)(int)x : (float)x;
+                item->centroid[k] *= k == 2 && i % 2 == 0 ? -0.0f : 1;
+            }
+        }
+        if (kind == 2) { /* a part behind another, from a slot that is no multiple */
+            range = (struct eng_wide_range){37, 256 * 3 + 5, count};
+        }
+        memcpy(items[1], items[0], sizeof items[0]);
+        struct eng_wide_sorter sorter;
+        eng_wide_sorter_begin(&sorter, range, 16);
+        while (eng_wide_sorter_advance(&sorter, items[0], 64)) {
+        }
+        eng_wide_lists_sort(&lists, items[1], range, 16);
+        sort_groups(items[0], range);
+        sort_groups(items[1], range);
+        for (uint32_t i = 0; i < count; i++) {
+            assert_int_equal(items[0][range.first + i].id, items[1][range.first + i].id);
+        }
+    }
 }
 
 /* `count` sheets of 8 x 8 squares in the same place, the first one of 8 x 8 x `times`. */
@@ -149,6 +207,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(order__has_every_feature_once_in_tight_groups),
+        cmocka_unit_test(lists__make_the_groups_that_medians_make),
         cmocka_unit_test(order__is_the_same_by_any_number_of_threads),
         cmocka_unit_test(order__pieces_are_told_apart_if_they_are_many),
     };

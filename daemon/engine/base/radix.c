@@ -7,6 +7,7 @@
  */
 #include "radix.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 /* Bits of a digit: of more items wider ones, as a pass costs more than its counters. */
@@ -80,28 +81,41 @@ static void word_pass(const uint64_t *from, uint64_t *to, size_t count, unsigned
     }
 }
 
+/* The passes that words of such keys take. */
+static unsigned word_digits(size_t count, unsigned bits)
+{
+    unsigned most = count < FEW_WORDS ? WORD_DIGIT_FEW : WORD_DIGIT_MAX;
+    return (bits + most - 1) / most;
+}
+
+uint64_t *eng_radix_sort_words(uint64_t *words, uint64_t *spare, size_t count,
+                               unsigned low, unsigned bits)
+{
+    unsigned digits = word_digits(count, bits);
+    unsigned size = digits > 0 ? (bits + digits - 1) / digits : 0;
+    for (unsigned digit = 0; digit < digits; digit++) {
+        word_pass(words, spare, count, low + digit * size, size);
+        uint64_t *swap = words;
+        words = spare;
+        spare = swap;
+    }
+    return words;
+}
+
 /* Keys differ in `bits` bits from bit `low` on, at most 64 - PLACE_BITS. The words are in
  * two halves of spare; sorted they are in the second one, so that items can be written
  * over them from the front: item i ends where word i does, at most. */
 static void sort_words(const struct eng_radix_key *items, struct eng_radix_key *spare,
                        size_t count, unsigned low, unsigned bits)
 {
-    unsigned most = count < FEW_WORDS ? WORD_DIGIT_FEW : WORD_DIGIT_MAX;
-    unsigned digits = (bits + most - 1) / most;
-    unsigned size = (bits + digits - 1) / digits;
     uint64_t *first = (uint64_t *)(void *)spare;
     uint64_t *second = first + count;
-    uint64_t *from = digits % 2 == 0 ? second : first;
-    uint64_t *to = digits % 2 == 0 ? first : second;
+    bool is_even = word_digits(count, bits) % 2 == 0;
+    uint64_t *from = is_even ? second : first;
     for (size_t i = 0; i < count; i++) {
         from[i] = items[i].key >> low << PLACE_BITS | i;
     }
-    for (unsigned digit = 0; digit < digits; digit++) {
-        word_pass(from, to, count, PLACE_BITS + digit * size, size);
-        uint64_t *swap = from;
-        from = to;
-        to = swap;
-    }
+    (void)eng_radix_sort_words(from, is_even ? first : second, count, PLACE_BITS, bits);
     for (size_t i = 0; i < count; i++) {
         spare[i] = items[second[i] & (WORDS_MAX - 1)];
     }

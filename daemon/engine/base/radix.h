@@ -22,4 +22,9 @@ struct eng_radix_key {
 struct eng_radix_key *eng_radix_sort(struct eng_radix_key *items,
                                      struct eng_radix_key *spare, size_t count);
 
+/* Sort words[count] by `bits` of their bits, from bit `low` on; otherwise the same. Best
+ * where all of them fit into a near cache. */
+uint64_t *eng_radix_sort_words(uint64_t *words, uint64_t *spare, size_t count,
+                               unsigned low, unsigned bits);
+
 #endif

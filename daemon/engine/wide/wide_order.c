@@ -9,6 +9,7 @@
 #include "wide_order.h"
 
 #include <assert.h>
+#include <omp.h>
 #include <string.h>
 
 #include "boxes.h"
@@ -16,6 +17,7 @@
 #include "kernel.h"
 #include "memory.h"
 #include "topology.h"
+#include "wide_lists.h"
 #include "wide_pieces.h"
 
 /* Features of an object below which one thread orders them: some 3 ms. */
@@ -24,29 +26,13 @@
 /* Parts for each thread, so that they end together, and of the three trees at most. */
 #define PARTS_PER_THREAD 8u
 #define PARTS_MAX        (ENG_WIDE_TREES << 8)
+#define PART_SPLIT_MIN   (4 * ENG_WIDE_LISTS_MIN)
 
 /* Pieces of a mesh that are told apart, and triangles of each on average: with fewer,
  * more than an eighth of all slots would be behind pieces. */
 #define PIECES_MIN          16u
 #define PIECES_MAX          4096u
 #define PIECE_TRIANGLES_MIN 64u
-
-static bool is_across(struct eng_wide_range range, uint64_t step)
-{
-    return range.slot % step + range.count > step;
-}
-
-/* Of a range across a multiple of `least`: how many items come before the split. */
-static uint32_t middle_of(struct eng_wide_range range, uint32_t least)
-{
-    uint64_t step = least;
-    while (is_across(range, step * ENG_WIDE)) {
-        step *= ENG_WIDE;
-    }
-    uint64_t middle = ((uint64_t)range.slot + range.count / 2 + step / 2) / step * step;
-    assert(middle > range.slot && middle - range.slot < range.count);
-    return (uint32_t)(middle - range.slot);
-}
 
 static struct eng_wide_range behind(struct eng_wide_range range, uint32_t middle)
 {
@@ -60,9 +46,9 @@ static struct eng_wide_range split(struct eng_split_item *items,
                                    struct eng_wide_range *part, uint32_t least)
 {
     struct eng_wide_range second = behind(*part, part->count);
-    if (is_across(*part, least)) {
+    if (eng_wide_is_across(*part, least)) {
         struct eng_split_item *first = items + part->first;
-        uint32_t middle = middle_of(*part, least);
+        uint32_t middle = eng_wide_middle_of(*part, least);
         eng_median_split(first, part->count, middle, eng_median_axis(first, part->count),
                          eng_kernels()->come_before);
         second = behind(*part, middle);
@@ -89,14 +75,19 @@ static void push(struct eng_wide_sorter *sorter, struct eng_wide_range range)
     sorter->stack[sorter->waiting++] = range;
 }
 
+/* lists: NULL, or memory with which many items are sorted sooner; their places are lost
+ * then. */
 static void sort_range(struct eng_split_item *items, struct eng_wide_range all,
-                       uint32_t least)
+                       uint32_t least, struct eng_wide_lists *lists)
 {
     struct eng_wide_sorter sorter;
     eng_wide_sorter_begin(&sorter, all, least);
     while (sorter.waiting > 0) {
         struct eng_wide_range range = sorter.stack[--sorter.waiting];
-        if (is_across(range, least)) {
+        if (lists && range.count >= ENG_WIDE_LISTS_MIN &&
+            range.count <= ENG_WIDE_LISTS_MAX) {
+            eng_wide_lists_sort(lists, items, range, least);
+        } else if (eng_wide_is_across(range, least)) {
             struct eng_wide_range second = split(items, &range, least);
             push(&sorter, second);
             push(&sorter, range);
@@ -129,11 +120,12 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
     }
     struct eng_wide_range range = sorter->stack[--sorter->waiting];
     if (range.count <= whole) {
-        sort_range(items, range, sorter->least);
-    } else if (is_across(range, sorter->least)) {
+        sort_range(items, range, sorter->least, NULL);
+    } else if (eng_wide_is_across(range, sorter->least)) {
         sorter->range = range;
         sorter->is_splitting = true;
-        eng_median_begin(&sorter->median, range.count, middle_of(range, sorter->least),
+        eng_median_begin(&sorter->median, range.count,
+                         eng_wide_middle_of(range, sorter->least),
                          eng_median_axis(items + range.first, range.count),
                          eng_kernels()->come_before);
     }
@@ -143,31 +135,36 @@ bool eng_wide_sorter_advance(struct eng_wide_sorter *sorter, struct eng_split_it
 void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 {
     assert(least == 1 || least == 16);
-    sort_range(items, (struct eng_wide_range){0, 0, count}, least);
+    sort_range(items, (struct eng_wide_range){0, 0, count}, least, NULL);
 }
 
-/* All parts, by as many threads. */
+/* All parts, by as many threads, with lists for each of them or NULL. No part is split
+ * here that has too few items for lists to take both halves: they alone decide how the
+ * items of a group follow each other. */
 static void sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
-                       uint32_t count, int threads)
+                       uint32_t count, int threads, struct eng_wide_lists *lists)
 {
     while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
            2 * count <= PARTS_MAX) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (uint32_t i = 0; i < count; i++) {
-            parts[count + i] = split(items, &parts[i], ENG_WIDE);
+            parts[count + i] = parts[i].count >= PART_SPLIT_MIN
+                                   ? split(items, &parts[i], ENG_WIDE)
+                                   : behind(parts[i], parts[i].count);
         }
         count *= 2;
     }
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (uint32_t i = 0; i < count; i++) {
-        sort_range(items, parts[i], ENG_WIDE);
+        sort_range(items, parts[i], ENG_WIDE,
+                   lists ? lists + omp_get_thread_num() : NULL);
     }
 }
 
 /* The centroid of `count` vertices times their number: the order is the same. */
-static struct eng_split_item item_of(struct eng_wide_positions positions,
-                                     const uint32_t *vertices, uint32_t count,
-                                     uint32_t id)
+static inline struct eng_split_item item_of(struct eng_wide_positions positions,
+                                            const uint32_t *vertices, uint32_t count,
+                                            uint32_t id)
 {
     struct eng_split_item item = {.id = id};
     for (int k = 0; k < 3; k++) {
@@ -243,8 +240,12 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
     for (uint32_t i = first; i < first + count; i++) {
         const uint32_t *v = kind == PCCD_TREE_EDGES ? mesh->edges[i] : mesh->leaves[i].v;
         uint32_t *place = &next[piece_of ? piece_of[v[0]] : 0];
-        if (kind != PCCD_TREE_VERTICES) {
-            items[(*place)++] = item_of(positions, v, kind == PCCD_TREE_EDGES ? 2 : 3, i);
+        if (kind == PCCD_TREE_EDGES) {
+            items[(*place)++] = item_of(positions, v, 2, i);
+            continue;
+        }
+        if (kind == PCCD_TREE_FACES) {
+            items[(*place)++] = item_of(positions, v, 3, i);
             continue;
         }
         for (unsigned k = 0; k < 3; k++) {
@@ -442,7 +443,12 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                             eng_wide_order_sources(mesh, kind), items, making.next);
         first += made->count[kind];
     }
-    sort_parts(making.items, making.parts, parts, threads_for(first, threads));
+    int team = threads_for(first, threads);
+    bool is_long = first >= ENG_WIDE_LISTS_MIN;
+    struct eng_wide_lists *lists = is_long ? eng_alloc((size_t)team, sizeof *lists)
+                                           : NULL; /* without it goes, too */
+    sort_parts(making.items, making.parts, parts, team, lists);
+    eng_free(lists);
     for (size_t i = 0; i < first; i++) {
         made->feature[0][i] = making.items[i].id; /* the trees follow each other */
     }

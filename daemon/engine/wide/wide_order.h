@@ -1,7 +1,8 @@
 /* daemon/engine/wide/wide_order.h - chooses the order in which the features of an object
  * are stored, so that neighbours share a small box.
  *
- * Room:     engine. May include: box_frame.h, median.h, mesh.h.
+ * Room:     engine. May include: box_frame.h, median.h, mesh.h,
+ *           wide_range.h.
  * Does:     put features that are near each other next to each other, so that every
  *           aligned group of 16, 256, ... of them has a tight box.
  * Threads:  [any]; one caller for one order.
@@ -22,6 +23,7 @@
 #include "median.h"
 #include "mesh.h"
 #include "pccd_trace.h"
+#include "wide_range.h"
 
 /* The three trees of the method `wide`. */
 #define ENG_WIDE_TREES (PCCD_TREE_FACES + 1) /* PCCD_TREE_VERTICES, EDGES, FACES */
@@ -92,13 +94,6 @@ void eng_wide_order_list(const struct eng_wide_order *order, const struct eng_me
                          struct eng_wide_positions positions, enum pccd_tree kind,
                          uint32_t first, uint32_t count, struct eng_split_item *items,
                          uint32_t *next);
-
-/* Items first .. first + count - 1 of a list; the first goes to a slot. */
-struct eng_wide_range {
-    size_t first;
-    uint32_t slot;
-    uint32_t count;
-};
 
 /* Sort items[count], from slot 0 on, by splits at the median of the longest axis, each at
  * a multiple of the largest power of 16 at which the range can be split; until none is
