@@ -393,6 +393,19 @@ static void set_mark(const struct eng_wide *wide, const struct eng_wide_tree *tr
     }
 }
 
+/* The same of all nodes above marks that are set. */
+static void mark_above(const struct eng_wide *wide, const struct eng_wide_tree *tree,
+                       uint16_t *marks)
+{
+    for (uint32_t level = 1; level < wide->level_count; level++) {
+        const uint16_t *below = marks + tree->first[level - 1];
+        uint16_t *above = marks + tree->first[level];
+        for (uint32_t i = 0; i < tree->block_count[level - 1]; i++) {
+            above[i / ENG_WIDE] |= (uint16_t)((below[i] != 0) << i % ENG_WIDE);
+        }
+    }
+}
+
 static void mark_free(struct eng_wide *wide, const struct eng_scene *scene,
                       enum pccd_tree kind)
 {
@@ -430,15 +443,15 @@ static void mark_own(struct eng_wide *wide, const struct eng_scene *scene,
     for (uint32_t i = 0; i < scene->object_count; i++) {
         const struct eng_object *object = &scene->objects[wide->items[i].id];
         const struct eng_wide_order *order = eng_wide_order_of(object);
+        uint32_t first = eng_wide_object_of(object)->first[kind];
         for (uint32_t k = 0; k < order->count[kind]; k++) {
-            uint32_t feature = order->feature[kind][k];
-            if (feature != ENG_WIDE_NO_FEATURE &&
-                !eng_mesh_is_foreign(object->mesh, kind, feature)) {
-                set_mark(wide, tree, tree->own,
-                         eng_wide_object_of(object)->first[kind] + k);
-            }
+            uint32_t feature = order->feature[kind][k], slot = first + k;
+            bool is_own = feature != ENG_WIDE_NO_FEATURE &&
+                          !eng_mesh_is_foreign(object->mesh, kind, feature);
+            tree->own[slot / ENG_WIDE] |= (uint16_t)(is_own << slot % ENG_WIDE);
         }
     }
+    mark_above(wide, tree, tree->own);
 }
 
 static void set_nowhere(struct eng_extents *boxes, uint32_t count)
