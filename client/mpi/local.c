@@ -13,11 +13,7 @@
 #include "foreign.h"
 #include "places.h"
 #include "rank_sort.h"
-
-static void set_bit(uint64_t *bits, uint32_t i)
-{
-    bits[i / 64] |= 1ull << i % 64;
-}
+#include "recent.h"
 
 /* Leaf i of an object: first its own, then ghosts. */
 static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint32_t i)
@@ -26,54 +22,132 @@ static const struct ranks_leaf *leaf_of(const struct ranks_object *object, uint3
                                  : &object->ghosts[i - object->own_count];
 }
 
-/* What the leaves name, each once and ascending: to *numbers. at[3 * leaf + k], unless it
- * is NULL: the place there of what leaf names by k. keys: scratch for six a leaf. */
-static uint32_t list(const struct ranks_object *object, uint32_t leaf_count,
-                     bool of_sides, struct ranks_key *keys, uint32_t *numbers,
-                     uint64_t *bits, uint32_t *at)
+/* What leaves name, on its way to be listed. */
+struct naming {
+    uint64_t *words, *other; /* [3 * leaf_count] a number, its place among the words, and
+                              * bit 0: it is owned. Most numbers come once or twice. */
+    uint32_t *named;         /* [3 * leaf_count] by leaf and corner: the word */
+    uint32_t *listed;        /* of each word: the place of its number in the list */
+    struct ranks_recent recent;
+};
+
+static void naming_free(struct naming *naming)
 {
-    uint64_t count = 0;
+    if (naming != NULL) {
+        free(naming->words);
+        free(naming->other);
+        free(naming->named);
+        free(naming->listed);
+        free(naming);
+    }
+}
+
+static struct naming *naming_new(uint64_t leaf_count)
+{
+    struct naming *naming = calloc(1, sizeof *naming);
+    if (naming == NULL) {
+        return NULL;
+    }
+    naming->words = ranks_array(3 * leaf_count, sizeof *naming->words);
+    naming->other = ranks_array(3 * leaf_count, sizeof *naming->other);
+    naming->named = ranks_array(3 * leaf_count, sizeof *naming->named);
+    naming->listed = ranks_array(3 * leaf_count, sizeof *naming->listed);
+    if (naming->words == NULL || naming->other == NULL || naming->named == NULL ||
+        naming->listed == NULL) {
+        naming_free(naming);
+        return NULL;
+    }
+    return naming;
+}
+
+/* A number that a leaf names, and whether the leaf owns what it means; behind `count`
+ * words, unless it has one that is remembered. Returns the word. */
+static inline uint32_t name(struct naming *naming, uint32_t number, uint32_t is_owned,
+                            uint32_t *count)
+{
+    bool is_known;
+    uint32_t *word = ranks_recent_value(&naming->recent, number, &is_known);
+    if (!is_known) {
+        *word = (*count)++;
+        naming->words[*word] = (uint64_t)number << 32 | (uint64_t)*word << 1;
+    }
+    naming->words[*word] |= is_owned;
+    return *word;
+}
+
+/* The numbers of all words, each once and ascending: to *numbers. */
+static uint32_t list(struct naming *naming, uint32_t count, uint32_t *numbers,
+                     uint64_t *bits)
+{
+    const uint64_t *words = ranks_sort_words(naming->words, naming->other, count);
     uint32_t each = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t number = (uint32_t)(words[i] >> 32);
+        each += i == 0 || number != (uint32_t)(words[i - 1] >> 32);
+        numbers[each - 1] = number;
+        bits[(each - 1) / 64] |= (words[i] & 1u) << (each - 1) % 64;
+        naming->listed[(uint32_t)words[i] >> 1] = each - 1;
+    }
+    return each;
+}
+
+/* What is at the corners of leaf i, to at[i], in the list of all that is. */
+static uint32_t list_vertices(const struct ranks_object *object, uint32_t leaf_count,
+                              struct naming *naming, struct ranks_local *local,
+                              uint32_t (*at)[3])
+{
+    uint32_t count = 0;
+    ranks_recent_begin(&naming->recent);
     for (uint32_t i = 0; i < leaf_count; i++) {
         const struct ranks_leaf *leaf = leaf_of(object, i);
+        uint32_t owns = i < object->own_count ? leaf->owns : 0;
         for (uint32_t k = 0; k < 3; k++) {
-            uint32_t number = of_sides ? leaf->side[k] : leaf->v[k];
-            uint32_t owned = of_sides ? RANKS_OWNS_SIDE(k) : RANKS_OWNS_CORNER(k);
-            if (number != RANKS_NONE) {
-                bool is_owned = i < object->own_count && (leaf->owns & owned) != 0;
-                keys[count++] =
-                    (struct ranks_key){number, 2 * (3 * (uint64_t)i + k) + is_owned};
-            }
+            naming->named[3 * (size_t)i + k] =
+                name(naming, leaf->v[k], (owns & RANKS_OWNS_CORNER(k)) != 0, &count);
         }
     }
-    keys = ranks_sort(keys, keys + count, count);
-    for (uint64_t i = 0; i < count; i++) {
-        if (i == 0 || keys[i].key != keys[i - 1].key) {
-            numbers[each++] = (uint32_t)keys[i].key;
-        }
-        if (keys[i].value % 2 != 0) {
-            set_bit(bits, each - 1);
-        }
-        if (at != NULL) {
-            at[keys[i].value / 2] = each - 1;
+    uint32_t each = list(naming, count, local->vertices, local->owns_vertex);
+    for (uint32_t i = 0; i < leaf_count; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            at[i][k] = naming->listed[naming->named[3 * (size_t)i + k]];
         }
     }
     return each;
 }
 
+static uint32_t list_edges(const struct ranks_object *object, uint32_t leaf_count,
+                           struct naming *naming, struct ranks_local *local)
+{
+    uint32_t count = 0;
+    ranks_recent_begin(&naming->recent);
+    for (uint32_t i = 0; i < leaf_count; i++) {
+        const struct ranks_leaf *leaf = leaf_of(object, i);
+        uint32_t owns = i < object->own_count ? leaf->owns : 0;
+        for (uint32_t k = 0; k < 3; k++) {
+            if (leaf->side[k] != RANKS_NONE) {
+                (void)name(naming, leaf->side[k], (owns & RANKS_OWNS_SIDE(k)) != 0,
+                           &count);
+            }
+        }
+    }
+    return list(naming, count, local->edges, local->owns_edge);
+}
+
 /* Leaves by their numbers: their corners, at[leaf] so far, to local->named, and which of
  * them are triangles. */
-static void order_leaves(const struct ranks_object *object, struct ranks_key *keys,
+static void order_leaves(const struct ranks_object *object, struct naming *naming,
                          const uint32_t (*at)[3], struct ranks_local *local)
 {
     for (uint32_t i = 0; i < local->leaf_count; i++) {
-        keys[i] = (struct ranks_key){leaf_of(object, i)->number, i};
+        naming->words[i] = (uint64_t)leaf_of(object, i)->number << 32 | i;
     }
-    keys = ranks_sort(keys, keys + local->leaf_count, local->leaf_count);
+    const uint64_t *words =
+        ranks_sort_words(naming->words, naming->other, local->leaf_count);
     for (uint32_t i = 0; i < local->leaf_count; i++) {
-        memcpy(local->named[i], at[keys[i].value], sizeof *at);
-        if (keys[i].key < object->mesh->triangle_total) {
-            local->triangles[local->triangle_count++] = (uint32_t)keys[i].key;
+        uint32_t number = (uint32_t)(words[i] >> 32);
+        memcpy(local->named[i], at[(uint32_t)words[i]], sizeof *at);
+        if (number < object->mesh->triangle_total) {
+            local->triangles[local->triangle_count++] = number;
         }
     }
 }
@@ -86,7 +160,7 @@ static void shrink(uint32_t **array, uint32_t count)
 }
 
 static int fill(const struct ranks_object *object, uint32_t leaf_count,
-                struct ranks_key *keys, struct ranks_local *local)
+                struct naming *naming, struct ranks_local *local)
 {
     local->leaf_count = leaf_count;
     local->vertices = ranks_array(3 * (uint64_t)leaf_count, sizeof(uint32_t));
@@ -103,11 +177,9 @@ static int fill(const struct ranks_object *object, uint32_t leaf_count,
         free(at);
         return PCCD_E_NOMEM;
     }
-    local->vertex_count =
-        list(object, leaf_count, false, keys, local->vertices, local->owns_vertex, at[0]);
-    local->edge_count =
-        list(object, leaf_count, true, keys, local->edges, local->owns_edge, NULL);
-    order_leaves(object, keys, (const uint32_t(*)[3])at, local);
+    local->vertex_count = list_vertices(object, leaf_count, naming, local, at);
+    local->edge_count = list_edges(object, leaf_count, naming, local);
+    order_leaves(object, naming, (const uint32_t(*)[3])at, local);
     free(at);
     shrink(&local->vertices, local->vertex_count);
     shrink(&local->edges, local->edge_count);
@@ -119,11 +191,10 @@ int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object)
 {
     uint64_t leaf_count = (uint64_t)object->own_count + object->ghost_count;
     struct ranks_local local = {.vertex_count = 0};
-    struct ranks_key *keys =
-        leaf_count < INT32_MAX ? ranks_array(6 * leaf_count, sizeof *keys) : NULL;
-    int status =
-        keys != NULL ? fill(object, (uint32_t)leaf_count, keys, &local) : PCCD_E_NOMEM;
-    free(keys);
+    struct naming *naming = leaf_count < UINT32_MAX / 6 ? naming_new(leaf_count) : NULL;
+    int status = naming != NULL ? fill(object, (uint32_t)leaf_count, naming, &local)
+                                : PCCD_E_NOMEM;
+    naming_free(naming);
     if (status != PCCD_OK) {
         ranks_local_deinit(&local);
         return ranks_no_memory(world);
@@ -133,39 +204,27 @@ int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object)
     return PCCD_OK;
 }
 
-/* Leaves of which the corners are sorted at a time: each time all vertices are gone
- * through, so that it is an eighth of them at least. */
-static uint32_t corners_at_a_time(uint32_t count)
-{
-    uint32_t eighth = count / 8 + 1;
-    return eighth < 1u << 14 ? 1u << 14 : eighth;
-}
-
 int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
                         const struct ranks_leaf *leaves, uint32_t count,
                         uint32_t (*at)[3])
 {
-    uint32_t each = corners_at_a_time(count);
-    struct ranks_key *keys =
-        ranks_array(6 * (uint64_t)(each < count ? each : count), sizeof *keys);
-    if (keys == NULL) {
+    struct ranks_recent *recent = malloc(sizeof *recent);
+    if (recent == NULL) {
         return ranks_no_memory(world);
     }
-    for (uint32_t first = 0; first < count; first += each) {
-        uint64_t corners = 3 * (uint64_t)(count - first < each ? count - first : each);
-        for (uint64_t i = 0; i < corners; i++) {
-            keys[i] = (struct ranks_key){leaves[first + i / 3].v[i % 3], i};
-        }
-        const struct ranks_key *sorted = ranks_sort(keys, keys + corners, corners);
-        uint32_t v = 0;
-        for (uint64_t i = 0; i < corners; i++) {
-            while (local->vertices[v] != sorted[i].key) {
-                v++;
+    ranks_recent_begin(recent);
+    for (uint32_t i = 0; i < count; i++) {
+        for (int k = 0; k < 3; k++) {
+            uint32_t number = leaves[i].v[k];
+            bool is_known;
+            uint32_t *place = ranks_recent_value(recent, number, &is_known);
+            if (!is_known) {
+                *place = ranks_place_of(local->vertices, local->vertex_count, number);
             }
-            at[first + sorted[i].value / 3][sorted[i].value % 3] = v;
+            at[i][k] = *place;
         }
     }
-    free(keys);
+    free(recent);
     return PCCD_OK;
 }
 

@@ -30,6 +30,7 @@ ranks_sources = \
     client/mpi/places.c client/mpi/places.h \
     client/mpi/rank_link.c client/mpi/rank_link.h \
     client/mpi/rank_sort.c client/mpi/rank_sort.h \
+    client/mpi/recent.h \
     client/mpi/rank_stop.c client/mpi/rank_stop.h \
     client/mpi/records.c client/mpi/records.h \
     client/mpi/rooms.c client/mpi/rooms.h \

@@ -19,4 +19,7 @@ struct ranks_key {
 struct ranks_key *ranks_sort(struct ranks_key *keys, struct ranks_key *other,
                              uint64_t count);
 
+/* The same of words, by their upper 32 bits: half as many bytes for each pass. */
+uint64_t *ranks_sort_words(uint64_t *words, uint64_t *other, uint64_t count);
+
 #endif

@@ -1,6 +1,6 @@
 /* tests/unit/test_rank_sort.c - numbers sorted with what is attached.
  *
- * Room:     client/mpi (rank_sort.h), which needs no MPI for it.
+ * Room:     client/mpi (rank_sort.h, recent.h), which needs no MPI for it.
  * Does:     compare with a sort that is slow and simple.
  * Threads:  one.
  */
@@ -13,6 +13,7 @@
 
 #include "prng.h"
 #include "rank_sort.h"
+#include "recent.h"
 
 #define KEYS 3000u
 
@@ -48,10 +49,57 @@ static void rank_sort__sorts_and_keeps_the_order_of_equal_keys(void **state)
     }
 }
 
+/* If it failed: the same of what leaves name. */
+static void rank_sort__sorts_words_by_their_upper_halves(void **state)
+{
+    (void)state;
+    static uint64_t words[KEYS], other[KEYS];
+    static struct ranks_key keys[KEYS], more[KEYS];
+    static const uint32_t masks[] = {0,       1,           0x7ff,     0x800,
+                                     0xfffff, 0x80000001u, UINT32_MAX};
+    struct prng random = {prng_seed()};
+    for (size_t m = 0; m < sizeof masks / sizeof *masks; m++) {
+        for (uint32_t count = 0; count <= KEYS; count = count * 5 + 1) {
+            uint32_t same = (uint32_t)prng_next(&random) & ~masks[m];
+            for (uint32_t i = 0; i < count; i++) {
+                uint32_t key = same | ((uint32_t)prng_next(&random) & masks[m]);
+                keys[i] = (struct ranks_key){key, (uint32_t)prng_next(&random)};
+                words[i] = (uint64_t)key << 32 | keys[i].value;
+            }
+            const uint64_t *sorted = ranks_sort_words(words, other, count);
+            const struct ranks_key *slow = ranks_sort(keys, more, count);
+            for (uint32_t i = 0; i < count; i++) {
+                assert_true(sorted[i] == (slow[i].key << 32 | slow[i].value));
+            }
+        }
+    }
+}
+
+/* If it failed, a rank would take one vertex for another that came before. */
+static void recent__knows_numbers_or_forgets_them(void **state)
+{
+    (void)state;
+    static struct ranks_recent recent;
+    struct prng random = {prng_seed()};
+    uint32_t known = 0;
+    ranks_recent_begin(&recent);
+    for (uint32_t i = 0; i < 100000; i++) {
+        uint32_t number = i / 100 + (uint32_t)(prng_next(&random) % 3000);
+        bool is_known;
+        uint32_t *value = ranks_recent_value(&recent, number, &is_known);
+        assert_true(!is_known || *value == number * 3);
+        known += is_known;
+        *value = number * 3;
+    }
+    assert_true(known > 10000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rank_sort__sorts_and_keeps_the_order_of_equal_keys),
+        cmocka_unit_test(rank_sort__sorts_words_by_their_upper_halves),
+        cmocka_unit_test(recent__knows_numbers_or_forgets_them),
     };
     return cmocka_run_group_tests_name("rank_sort", tests, NULL, NULL);
 }
