@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "feature.h"
+
 struct eng_mesh *kit_mesh(const double (*x)[3], uint32_t vertex_count,
                           const uint32_t (*triangles)[3], uint32_t triangle_count)
 {
@@ -33,6 +35,7 @@ struct eng_mesh *kit_mesh_thick(const double (*x)[3], uint32_t vertex_count,
         assert_int_equal(eng_mesh_write_radii(mesh, 0, vertex_count, radii), PCCD_OK);
     }
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_true(eng_feature_validate(mesh));
     return mesh;
 }
 

@@ -23,6 +23,7 @@
 #include "near.h"
 #include "near_kit.h"
 #include "thick.h"
+#include "feature.h"
 #include "topology.h"
 
 /* ---- meshes ------------------------------------------------------------------------ */
@@ -57,6 +58,7 @@ static struct eng_mesh *mesh_of(const struct shape *shape)
             eng_mesh_write_points(mesh, 0, counts->points, shape->points, &bad), 0);
     }
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
+    assert_true(eng_feature_validate(mesh));
     return mesh;
 }
 

@@ -71,6 +71,7 @@ static void mesh__chunks_in_order_make_a_mesh(void **state)
     assert_false(eng_mesh_is_committed(mesh));
     assert_int_equal(eng_mesh_commit(mesh), PCCD_OK);
     assert_true(eng_mesh_is_committed(mesh));
+    assert_true(eng_feature_validate(mesh));
     assert_memory_equal(mesh->x, square_x, sizeof square_x);
     eng_mesh_release(mesh);
 }

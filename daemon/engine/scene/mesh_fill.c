@@ -297,7 +297,6 @@ int eng_mesh_commit(struct eng_mesh *mesh)
     mesh->fineness = fineness_of(mesh);
     measure_radii(mesh);
     mesh->committed = true;
-    assert(eng_feature_validate(mesh));
     return PCCD_OK;
 }
 
