@@ -83,18 +83,23 @@ static int bound(struct pccd_mpi *world, const struct ranks_object *object, doub
 }
 
 /* How far apart two boxes are along the axis along which they are farthest apart. */
-static float gap_between(const float a[6], const float b[6])
+static double gap_between(const float a[6], const float b[6])
 {
-    float gap = 0;
+    double gap = 0;
     for (int k = 0; k < 3; k++) {
-        gap = fmaxf(gap, fmaxf(a[k] - b[k + 3], b[k] - a[k + 3]));
+        gap = ranks_most(gap, ranks_most((double)a[k] - (double)b[k + 3],
+                                         (double)b[k] - (double)a[k + 3]));
     }
     return gap;
 }
 
-static float side_of(const float box[6])
+static double side_of(const float box[6])
 {
-    return fmaxf(box[3] - box[0], fmaxf(box[4] - box[1], box[5] - box[2]));
+    double side = 0;
+    for (int k = 0; k < 3; k++) {
+        side = ranks_most(side, (double)box[k + 3] - (double)box[k]);
+    }
+    return side;
 }
 
 /* Where the curve leaves the scene and comes back elsewhere, a box around both places

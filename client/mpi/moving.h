@@ -15,6 +15,8 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 /* How much larger than a step the boxes of an object's vertices are. */
 struct ranks_room {
@@ -30,17 +32,42 @@ struct ranks_moving_box {
     float pace[6]; /* along each axis of what goes least, and most */
 };
 
+/* Neighbours of a float towards -INFINITY and INFINITY: nextafterf, without a call. */
+static inline float ranks_float_before(float f)
+{
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    bits = f > 0 ? bits - 1 : f < 0 ? bits + 1 : 0x80000001u;
+    memcpy(&f, &bits, sizeof f);
+    return f;
+}
+static inline float ranks_float_after(float f)
+{
+    return -ranks_float_before(-f);
+}
+
 /* The next float at or below, or above, a double; infinite beyond all floats. */
 static inline float ranks_float_below(double x)
 {
     float f = (float)x;
-    return (double)f > x ? nextafterf(f, -INFINITY) : f;
+    return (double)f > x ? ranks_float_before(f) : f;
 }
 static inline float ranks_float_above(double x)
 {
     float f = (float)x;
-    return (double)f < x ? nextafterf(f, INFINITY) : f;
+    return (double)f < x ? ranks_float_after(f) : f;
 }
+
+/* fmin and fmax of what is a number, without a call. */
+static inline double ranks_least(double a, double b)
+{
+    return a < b ? a : b;
+}
+static inline double ranks_most(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* More than the roundings of a position and of a way to floats. */
 static inline double ranks_blur(float at, float pace)
 {
@@ -58,8 +85,8 @@ static inline void ranks_cover(const double x0[3], const double x1[3],
             cover[k] = (float)x0[k];
             cover[k + 3] = (float)(x1[k] - x0[k]);
         } else {
-            cover[k] = ranks_float_below(fmin(x0[k], x1[k]) - room->more[k]);
-            cover[k + 3] = ranks_float_above(fmax(x0[k], x1[k]) + room->more[k]);
+            cover[k] = ranks_float_below(ranks_least(x0[k], x1[k]) - room->more[k]);
+            cover[k + 3] = ranks_float_above(ranks_most(x0[k], x1[k]) + room->more[k]);
         }
     }
 }
@@ -98,8 +125,9 @@ static inline void ranks_vertex_box(const double x0[3], const double x1[3],
             double at = (double)cover[k], pace = (double)cover[k + 3];
             double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
             most += (double)FLT_EPSILON * (most + room->steps * fabs(pace));
-            double low = fmin(fmin(x0[k], x1[k]), fmin(at, at + pace));
-            double high = fmax(fmax(x0[k], x1[k]), fmax(at, at + pace));
+            double low =
+                ranks_least(ranks_least(x0[k], x1[k]), ranks_least(at, at + pace));
+            double high = ranks_most(ranks_most(x0[k], x1[k]), ranks_most(at, at + pace));
             moving->box[k] = ranks_float_below(low - most);
             moving->box[k + 3] = ranks_float_above(high + most);
             moving->pace[k] = moving->pace[k + 3] = cover[k + 3];

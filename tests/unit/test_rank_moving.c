@@ -169,10 +169,31 @@ static void rank_moving__what_goes_side_by_side_does_not_meet(void **state)
     assert_false(ranks_moving_boxes_meet(&a, &b, 0));
 }
 
+/* If it failed, a box would be smaller than what is in it by a rounding, or larger by more
+ * than one. */
+static void rank_moving__floats_are_rounded_outward(void **state)
+{
+    (void)state;
+    static const double some[] = {0, 1, 1e-50, 1e-42, 3e38, 3.5e38, 1e300, 0.1, 1 + 1e-9};
+    for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            double x = sign * some[i];
+            float f = (float)x;
+            assert_true(ranks_float_below(x) ==
+                        ((double)f > x ? nextafterf(f, -INFINITY) : f));
+            assert_true(ranks_float_above(x) ==
+                        ((double)f < x ? nextafterf(f, INFINITY) : f));
+            assert_true((double)ranks_float_below(x) <= x);
+            assert_true((double)ranks_float_above(x) >= x);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rank_moving__boxes_meet_whenever_vertices_do),
+        cmocka_unit_test(rank_moving__floats_are_rounded_outward),
         cmocka_unit_test(rank_moving__what_goes_side_by_side_does_not_meet),
     };
     return cmocka_run_group_tests_name("rank_moving", tests, NULL, NULL);
