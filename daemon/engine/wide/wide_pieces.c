@@ -20,6 +20,9 @@ static uint32_t root_of(uint32_t *parent, uint32_t vertex)
 /* The lesser root becomes the parent, so that no parent is greater than its child. */
 static void join(uint32_t *parent, uint32_t a, uint32_t b)
 {
+    if (parent[a] == parent[b]) {
+        return; /* as of most neighbours */
+    }
     a = root_of(parent, a);
     b = root_of(parent, b);
     if (a < b) {
