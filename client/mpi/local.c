@@ -204,27 +204,53 @@ int ranks_local_make(struct pccd_mpi *world, struct ranks_object *object)
     return PCCD_OK;
 }
 
+/* Leaves whose corners are looked for at a time: each time all vertices are gone through,
+ * so that it is an eighth of them at least. */
+static uint32_t corners_at_a_time(uint32_t count)
+{
+    uint32_t eighth = count / 8 + 1;
+    return eighth < 1u << 14 ? 1u << 14 : eighth;
+}
+
+/* Where the numbers of words are among the local vertices, which have all of them. */
+static void find_vertices(const struct ranks_local *local, struct naming *naming,
+                          uint32_t count)
+{
+    const uint64_t *words = ranks_sort_words(naming->words, naming->other, count);
+    uint32_t v = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        while (local->vertices[v] != words[i] >> 32) {
+            v++;
+        }
+        naming->listed[(uint32_t)words[i] >> 1] = v;
+    }
+}
+
 int ranks_local_corners(struct pccd_mpi *world, const struct ranks_local *local,
                         const struct ranks_leaf *leaves, uint32_t count,
                         uint32_t (*at)[3])
 {
-    struct ranks_recent *recent = malloc(sizeof *recent);
-    if (recent == NULL) {
+    uint32_t each = corners_at_a_time(count);
+    struct naming *naming = naming_new(each < count ? each : count);
+    if (naming == NULL) {
         return ranks_no_memory(world);
     }
-    ranks_recent_begin(recent);
-    for (uint32_t i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
-            uint32_t number = leaves[i].v[k];
-            bool is_known;
-            uint32_t *place = ranks_recent_value(recent, number, &is_known);
-            if (!is_known) {
-                *place = ranks_place_of(local->vertices, local->vertex_count, number);
+    for (uint32_t first = 0; first < count; first += each) {
+        uint32_t end = count - first < each ? count : first + each, words = 0;
+        ranks_recent_begin(&naming->recent);
+        for (uint32_t i = first; i < end; i++) {
+            for (int k = 0; k < 3; k++) {
+                at[i][k] = name(naming, leaves[i].v[k], 0, &words);
             }
-            at[i][k] = *place;
+        }
+        find_vertices(local, naming, words);
+        for (uint32_t i = first; i < end; i++) {
+            for (int k = 0; k < 3; k++) {
+                at[i][k] = naming->listed[at[i][k]];
+            }
         }
     }
-    free(recent);
+    naming_free(naming);
     return PCCD_OK;
 }
 
