@@ -62,6 +62,7 @@ function end_step(  was) {
     }
     if (how == "on" && step > LATE) {
         late_steps[run]++
+        late_ghosts[run] += ghosts[run]
         late_searches[run] += $at["searches"] != searches[run] && $at["cuts"] == cuts[run]
     } else if (how == "on" && step > 1) {
         early_steps[run]++
@@ -213,10 +214,10 @@ function bytes_of(scene, R, own) {
     return 24 * a_leaf[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R)
 }
 # The same where ghosts are chosen: beside positions and numbers of vertices, of each 16
-# leaves a box of 36 bytes to all.
+# leaves a box of 60 bytes to all.
 function blocks_of(own) { return own / 16 < 4096 ? own / 16 : 4096 }
 function search_bytes_of(scene, R, own) {
-    return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 36 * blocks_of(own) * (R - 1)
+    return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 60 * blocks_of(own) * (R - 1)
 }
 # The largest work of a rank beside the mean: what is wrong with weights is at the rim of a piece.
 function uneven_of(scene, own) { return 1 + uneven[scene] / sqrt(own) }
@@ -241,7 +242,7 @@ function fit_laws(  i, run, most_ranks) {
         fits[scene]++
         rim[scene] += sqrt((n + ghosts[run]) / R) - sqrt(n / R)
         a_leaf[scene] += here[run] / (n + ghosts[run])
-        if (search_sent[run]) searched[scene] += (search_sent[run] - 36 * blocks_of(n / R) * R * (R - 1)) / (n + ghosts[run]) / (1 - 1 / R)
+        if (search_sent[run]) searched[scene] += (search_sent[run] - 60 * blocks_of(n / R) * R * (R - 1)) / (n + ghosts[run]) / (1 - 1 / R)
         extra[scene] += (work[run] / work[run_of(file, scene, n, 1)] - 1) * n / ghosts[run]
     }
     for (i = 1; i <= run_count; i++) { # smaller pieces are not modelled
@@ -258,16 +259,17 @@ function fit_laws(  i, run, most_ranks) {
     }
 }
 # How often ghosts are chosen, and the rim that they have when room has grown.
-function find_rates(  i, run, rim_now) {
+function find_rates(  i, run, ghosts_now, rim_now) {
     for (i = 1; i <= run_count; i++) {
         run = known[i]
         split_run(run)
         if (file !~ /rates/ || !late_steps[run]) continue
         often[scene] = late_searches[run] / late_steps[run]
-        rim_now = sqrt((n + ghosts[run]) / R) - sqrt(n / R)
+        ghosts_now = late_ghosts[run] / late_steps[run]
+        rim_now = sqrt((n + ghosts_now) / R) - sqrt(n / R)
         printf "\n%s, %s triangles on %d ranks: ghosts are chosen %.3f times a step in the first %d, %.3f times in the next %d; " \
-            "then they are %.0f %% of own triangles, a rim of %.1f.\n", scene, spaced(n), R, early_searches[run] / early_steps[run],
-            LATE, often[scene], late_steps[run], 100 * ghosts[run] / n, rim_now
+            "there they are %.0f %% of own triangles, a rim of %.1f.\n", scene, spaced(n), R, early_searches[run] / early_steps[run],
+            LATE, often[scene], late_steps[run], 100 * ghosts_now / n, rim_now
         rim[scene] = most(rim[scene], rim_now)
     }
 }

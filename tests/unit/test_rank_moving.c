@@ -169,8 +169,8 @@ static void rank_moving__what_goes_side_by_side_does_not_meet(void **state)
     assert_false(ranks_moving_boxes_meet(&a, &b, 0));
 }
 
-/* If it failed, a box would be smaller than what is in it by a rounding, or larger by more
- * than one. */
+/* If it failed, a box would be smaller than what is in it by a rounding, or larger by
+ * more than one. */
 static void rank_moving__floats_are_rounded_outward(void **state)
 {
     (void)state;
