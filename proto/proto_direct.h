@@ -17,7 +17,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 5u
+#define PROTO_DIRECT_VERSION 6u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -26,6 +26,14 @@
 #define PROTO_DIRECT_TEXT_BYTES 256u
 
 struct proto_direct_inbox; /* of one client */
+
+/* Of positions that are written to where the engine has them. */
+enum proto_direct_lend {
+    PROTO_DIRECT_LEND,     /* say where */
+    PROTO_DIRECT_HAS_X1,   /* those at the end are there */
+    PROTO_DIRECT_HAS_X0X1, /* both are */
+    PROTO_DIRECT_FORGET    /* they will not be */
+};
 
 struct proto_direct {
     /* Another client of this process. Returns 0, PCCD_E_NOMEM, PCCD_E_QUOTA or
@@ -67,6 +75,15 @@ struct proto_direct {
     void (*write)(struct proto_direct_inbox *line,
                   void (*write)(void *writer, void *to, const void *from, uint64_t count),
                   void *writer);
+
+    /* For libpccd-mpi, too. Of all vertices of an object of the client's scene, which it
+     * does not share: where their positions at the end of the next step go, and, unless
+     * x0 is NULL, those at its start; then, before any other use of the scene, that they
+     * are there, for its next frame.submit, which has no others of the object, or that
+     * they will not be. Returns 0, PCCD_E_HANDLE, PCCD_E_NOMEM or PCCD_E_DISCONNECTED.
+     * [owner] */
+    int (*lend)(struct proto_direct_inbox *line, uint32_t scene, uint32_t object,
+                enum proto_direct_lend what, double (**x0)[3], double (**x1)[3]);
 
     /* For libpccd-mpi, too: while a message of the client's is handled, threads_max is at
      * most `threads`; 0: as it is. [owner] */

@@ -180,6 +180,35 @@ int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
     return 0;
 }
 
+static int lend(struct pccd_client *client, uint32_t scene, uint32_t object,
+                enum proto_direct_lend what, double (**x0)[3], double (**x1)[3])
+{
+    if (client->direct.line == NULL) {
+        return cli_fail(client, PCCD_E_STATE, "only direct: has positions to write to");
+    }
+    int status =
+        client->direct.host->lend(client->direct.line, scene, object, what, x0, x1);
+    return status == 0 ? 0
+                       : cli_fail(client, status, "object 0x%x: its positions: %s",
+                                  object, pccd_status_text(status));
+}
+
+int cli_foreign_lend(struct pccd_client *client, uint32_t scene, uint32_t object,
+                     double (**x0)[3], double (**x1)[3])
+{
+    return lend(client, scene, object, PROTO_DIRECT_LEND, x0, x1);
+}
+
+int cli_foreign_lent(struct pccd_client *client, uint32_t scene, uint32_t object,
+                     enum cli_foreign_lent which)
+{
+    static const enum proto_direct_lend what[] = {
+        [CLI_FOREIGN_NONE] = PROTO_DIRECT_FORGET,
+        [CLI_FOREIGN_X1] = PROTO_DIRECT_HAS_X1,
+        [CLI_FOREIGN_X0X1] = PROTO_DIRECT_HAS_X0X1};
+    return lend(client, scene, object, what[which], NULL, NULL);
+}
+
 int cli_foreign_write(struct pccd_client *client,
                       void (*write)(void *writer, void *to, const void *from,
                                     uint64_t count),

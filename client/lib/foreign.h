@@ -5,7 +5,8 @@
  *           others are foreign: pairs of which such a one is the first feature are left
  *           out of steps and of what is near, because another process looks for them.
  *           Let that process end a step that this one computes, have its share of the
- *           processors, and write the records of an answer.
+ *           processors, write positions to where the engine has them, and the records of
+ *           an answer.
  * Threads:  [owner].
  */
 #ifndef CLI_FOREIGN_H
@@ -37,6 +38,23 @@ cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *
  * PCCD_E_STATE: it is another url. */
 __attribute__((visibility("default"))) int cli_foreign_threads(struct pccd_client *client,
                                                                uint32_t threads);
+
+/* With the url direct:, of all vertices of an object of the client's scene, which it does
+ * not share: where their positions at the end of its next step can be written, and,
+ * unless x0 is NULL, those at its start. Until cli_foreign_lent says how that ended,
+ * nothing else is asked of the scene. PCCD_E_STATE, PCCD_E_HANDLE, PCCD_E_NOMEM. */
+__attribute__((visibility("default"))) int
+cli_foreign_lend(struct pccd_client *client, uint32_t scene, uint32_t object,
+                 double (**x0)[3], double (**x1)[3]);
+
+/* Those at the end are there, or both, for the scene's next step, whose frame has no
+ * others of the object; or none will be, and where the object's last step began is not
+ * known any more. */
+enum cli_foreign_lent { CLI_FOREIGN_NONE, CLI_FOREIGN_X1, CLI_FOREIGN_X0X1 };
+__attribute__((visibility("default"))) int cli_foreign_lent(struct pccd_client *client,
+                                                            uint32_t scene,
+                                                            uint32_t object,
+                                                            enum cli_foreign_lent which);
 
 /* With the url direct:, the contacts and pairs of the client's steps come to the page of
  * an answer by write(writer, to, from, count), which the thread that called calls. It is

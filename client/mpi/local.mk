@@ -34,6 +34,7 @@ ranks_sources = \
     client/mpi/rank_stop.c client/mpi/rank_stop.h \
     client/mpi/records.c client/mpi/records.h \
     client/mpi/rooms.c client/mpi/rooms.h \
+    client/mpi/sending.c client/mpi/sending.h \
     client/mpi/sides.c \
     client/mpi/spots.c client/mpi/spots.h \
     client/mpi/step.c client/mpi/step.h \

@@ -22,8 +22,8 @@
 #include "merge.h"
 #include "motions.h"
 #include "near_objects.h"
-#include "places.h"
 #include "records.h"
+#include "sending.h"
 #include "weigh.h"
 
 /* What all ranks know of an object's motion. */
@@ -193,78 +193,14 @@ static void give_back(void)
 
 /* ---- computing -------------------------------------------------------------------- */
 
-/* A frame with a segment for each object that is sent and has leaves here: the places for
- * its positions. */
-static int begin_frame(struct pccd_mpi *world, const struct ranks_moment *moment,
-                       struct pccd_frame *frame, double (**x0)[3], double (**x1)[3])
+static struct ranks_sending sending_of(const struct pccd_mpi *world,
+                                       const struct ranks_moment *moment)
 {
-    uint64_t bytes = 0;
-    uint32_t segments = 0;
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        const struct ranks_object *object = world->objects[o];
-        if (moment->given[o] != NULL && object->local.vertex_count > 0) {
-            segments++;
-            bytes += 48 * (uint64_t)object->local.vertex_count;
-        }
-    }
-    int status = pccd_frame_begin(world->client, world->scene, segments, bytes, frame);
-    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        const struct ranks_object *object = world->objects[o];
-        uint32_t count = object->local.vertex_count;
-        bool starts = row(world, moment, STARTS)[o] || object->is_elsewhere;
-        void *to[2] = {NULL, NULL};
-        if (moment->given[o] == NULL || count == 0) {
-            continue;
-        }
-        status = starts ? pccd_frame_x0x1(frame, object->handle, PCCD_FORMAT_F64, 0,
-                                          count, &to[0], &to[1])
-                        : pccd_frame_x1(frame, object->handle, PCCD_FORMAT_F64, 0, count,
-                                        &to[1]);
-        x0[o] = to[0];
-        x1[o] = to[1];
-        if (status != PCCD_OK) {
-            pccd_frame_abort(frame);
-        }
-    }
-    return status == PCCD_OK ? PCCD_OK
-                             : ranks_fail_local(world, status, "no frame of libpccd");
-}
-
-/* Positions of all that moves, or that libpccd has elsewhere, to the frame. */
-static int send_positions(struct pccd_mpi *world, struct ranks_moment *moment,
-                          struct pccd_frame *frame)
-{
-    uint32_t objects = world->object_count;
-    double(**x0)[3] = calloc((size_t)objects + 1, sizeof *x0);
-    int status = x0 == NULL ? ranks_no_memory(world) : PCCD_OK;
-    bool has_frame = false;
-    for (uint32_t o = 0; o < objects; o++) {
-        const struct ranks_object *object = world->objects[o];
-        bool is_sent = row(world, moment, MOVES)[o] || row(world, moment, STARTS)[o] ||
-                       object->is_elsewhere;
-        moment->given[o] = is_sent ? object->to : NULL;
-    }
-    if (status == PCCD_OK) {
-        status = begin_frame(world, moment, frame, x0, moment->local);
-        has_frame = status == PCCD_OK;
-    }
-    status = ranks_agree_on(&world->link, status);
-    if (status == PCCD_OK) {
-        status = ranks_plan_send(world, moment->given, moment->local);
-    }
-    for (uint32_t o = 0; o < objects; o++) {
-        const struct ranks_object *object = world->objects[o];
-        bool starts = row(world, moment, STARTS)[o] || object->is_elsewhere;
-        moment->given[o] = starts ? object->from : NULL;
-    }
-    if (status == PCCD_OK) {
-        status = ranks_plan_send(world, moment->given, x0);
-    }
-    if (status != PCCD_OK && has_frame) {
-        pccd_frame_abort(frame);
-    }
-    free((void *)x0);
-    return status;
+    return (struct ranks_sending){.moves = row(world, moment, MOVES),
+                                  .starts = row(world, moment, STARTS),
+                                  .given = moment->given,
+                                  .local = moment->local,
+                                  .is_question = moment->near != NULL};
 }
 
 /* All pages of libpccd's answer. */
@@ -310,7 +246,8 @@ static int commit(struct pccd_mpi *world, const struct ranks_moment *moment,
     } else {
         struct pccd_step_settings settings = moment->settings;
         settings.deadline_ns = ranks_stop_rest(&world->stop);
-        status = pccd_frame_commit(frame, &settings, &step);
+        const struct ranks_sending sending = sending_of(world, moment);
+        status = ranks_sending_commit(world, &sending, frame, &settings, &step);
     }
     if (status == PCCD_OK) {
         status = pccd_wait(world->client, step, -1, answer);
@@ -429,6 +366,7 @@ static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *mom
 static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
                        uint64_t begin_ns, bool is_cut, struct pccd_answer *answer)
 {
+    const struct ranks_sending sending = sending_of(world, moment);
     struct pccd_frame frame;
     int status = choose_ghosts(world, moment);
     if (is_cut) {
@@ -439,7 +377,7 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
         return answer_nothing(world, moment, begin_ns, cut_ns, answer);
     }
     if (status == PCCD_OK) {
-        status = send_positions(world, moment, &frame);
+        status = ranks_sending_make(world, &sending, &frame);
     }
     if (status != PCCD_OK) {
         return status;

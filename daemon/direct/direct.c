@@ -473,6 +473,51 @@ static int tell_own(struct proto_direct_inbox *line, uint32_t mesh,
     return status;
 }
 
+/* In its turn. */
+static int lend_positions(struct srv_session *session, uint32_t handle, uint32_t object,
+                          enum proto_direct_lend what, double (**x0)[3], double (**x1)[3])
+{
+    struct srv_scene *scene = srv_handles_get(&session->scenes, handle);
+    if (scene == NULL || scene->shared != NULL) {
+        return PCCD_E_HANDLE;
+    }
+    struct srv_placed *placed = srv_scene_find(scene, object);
+    if (placed == NULL) {
+        return PCCD_E_HANDLE;
+    }
+    if (what == PROTO_DIRECT_LEND) {
+        return eng_stage_lend(scene->engine, placed->engine_idx, x0, x1);
+    }
+    if (what == PROTO_DIRECT_FORGET) {
+        eng_stage_forget(scene->engine, placed->engine_idx);
+        return 0;
+    }
+    placed->lent = what == PROTO_DIRECT_HAS_X0X1 ? SRV_LENT_X0X1 : SRV_LENT_X1;
+    scene->has_lent = true;
+    return 0;
+}
+
+static int lend_in_turn(struct proto_direct_inbox *line, uint32_t scene, uint32_t object,
+                        enum proto_direct_lend what, double (**x0)[3], double (**x1)[3])
+{
+    if (is_forked || srv_inbox_is_finished(&line->conn)) {
+        return PCCD_E_DISCONNECTED;
+    }
+    take_turn();
+    struct srv_session *session = line->conn.session;
+    int status = PCCD_E_DISCONNECTED;
+    if (session != NULL) {
+        struct srv_enginemem memory;
+        srv_thread_enter(SRV_THREAD_COMPUTE);
+        srv_enginemem_begin(&memory, session->owner.user);
+        status = lend_positions(session, scene, object, what, x0, x1);
+        (void)srv_enginemem_end(&memory);
+        srv_thread_enter(SRV_THREAD_LOOP);
+    }
+    end_turn();
+    return status;
+}
+
 static void limit_line(struct proto_direct_inbox *line, uint32_t threads)
 {
     line->threads = threads;
@@ -527,6 +572,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .receive = receive_message,
                                              .descriptor = descriptor_of,
                                              .own = tell_own,
+                                             .lend = lend_in_turn,
                                              .watch = watch_line,
                                              .limit = limit_line,
                                              .write = write_line,

@@ -43,7 +43,9 @@ int eng_ingest_positions(double (*out)[3], enum pccd_format format, uint32_t cou
         double *to = out[done];
         bool good;
         if (format == PCCD_FORMAT_F64) {
-            copy_once(to, from, (size_t)n * 24u);
+            if (from != (const unsigned char *)to) {
+                copy_once(to, from, (size_t)n * 24u);
+            }
             from += (size_t)n * 24u;
             good = kernels->all_within(to, n * 3u, PROTO_COORDINATE_MAX);
         } else {

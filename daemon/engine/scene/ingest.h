@@ -22,8 +22,8 @@ struct eng_copiers {
 };
 
 /* `count` positions of `format` at `source` to double[count][3]. Conversion from float is
- * exact. Bounds, unless NULL, are widened to hold them. Returns 0, or PCCD_E_NOTFINITE
- * with part of `out` written. */
+ * exact. Bounds, unless NULL, are widened to hold them. Of doubles `source` may be `out`:
+ * they are only checked. Returns 0, or PCCD_E_NOTFINITE with part of `out` written. */
 int eng_ingest_positions(double (*out)[3], enum pccd_format format, uint32_t count,
                          const void *source, struct eng_bounds *bounds);
 

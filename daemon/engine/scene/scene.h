@@ -176,6 +176,14 @@ int eng_stage_x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format 
 /* Both ends. */
 int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_format format,
                    uint32_t first, uint32_t count, const void *x0, const void *x1);
+/* Before begin: where all end positions of an object can be written, and, unless x0 is
+ * NULL, its start positions; after begin, that they are there. Nothing else happens to
+ * the scene in between, or it is told, then or after begin, to forget them, and where the
+ * last step began is not known any more. PCCD_E_INVAL: no such object. PCCD_E_NOMEM. */
+int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
+                   double (**x1)[3]);
+int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start);
+void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx);
 /* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
  * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the
  * result of that computation is the exact input of the step. */

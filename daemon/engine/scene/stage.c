@@ -50,9 +50,8 @@ void eng_stage_share(struct eng_scene *scene, uint32_t threads,
 
 /* Where the last step began is lost for what was written to: it stands where it is, so
  * that boxes of what does not move stay true. */
-static void mend(struct eng_scene *scene, const struct eng_write *write)
+static void mend(struct eng_scene *scene, struct eng_object *object)
 {
-    struct eng_object *object = &scene->objects[write->object];
     uint32_t first = object->vertices.first;
     memcpy(scene->x[1 - scene->now] + first, scene->x[scene->now] + first,
            object->vertices.count * sizeof *scene->x[0]);
@@ -63,7 +62,7 @@ void eng_stage_abort(struct eng_scene *scene)
 {
     bool has_written = scene->staging && !scene->is_trial;
     for (uint32_t i = 0; has_written && i < scene->write_count; i++) {
-        mend(scene, &scene->writes[i]);
+        mend(scene, &scene->objects[scene->writes[i].object]);
         scene->has_lost_start = true;
     }
     scene->staging = false;
@@ -178,6 +177,59 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_forma
     }
     scene->stage_ns += common_now_ns() - begin_ns;
     return status;
+}
+
+int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
+                   double (**x1)[3])
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    assert(!scene->staging);
+    if (!object) {
+        return PCCD_E_INVAL;
+    }
+    int status = x0 ? reserve_start(scene) : PCCD_OK;
+    if (status != PCCD_OK) {
+        return status;
+    }
+    object->is_spoilt = scene->has_lost_start = true;
+    object->still = false;
+    *x1 = scene->x[1 - scene->now] + object->vertices.first;
+    if (x0) {
+        *x0 = scene->start + object->vertices.first;
+    }
+    return PCCD_OK;
+}
+
+/* Positions that are in their place already are checked alone. */
+int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start)
+{
+    const struct eng_object *object = eng_scene_object(scene, object_idx);
+    uint32_t count = object ? object->vertices.count : 0;
+    uint64_t begin_ns = common_now_ns();
+    int status = open_write(scene, object_idx, 0, count, has_start);
+    if (status == PCCD_OK) {
+        double(*x0)[3] = scene->start + object->vertices.first;
+        double(*x1)[3] = ends_of_staging(scene) + object->vertices.first;
+        struct eng_write *write = last_write(scene);
+        if (has_start) {
+            status = eng_ingest_by_team(x0, PCCD_FORMAT_F64, count, x0, scene->copiers,
+                                        &write->bounds[0]);
+        }
+        if (status == PCCD_OK) {
+            status = eng_ingest_by_team(x1, PCCD_FORMAT_F64, count, x1, scene->copiers,
+                                        &write->bounds[1]);
+        }
+    }
+    scene->stage_ns += common_now_ns() - begin_ns;
+    return status;
+}
+
+void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx)
+{
+    struct eng_object *object = eng_scene_object(scene, object_idx);
+    if (object) {
+        mend(scene, object);
+    }
 }
 
 /* out = R x + t, checked against the coordinate range like any other input. */

@@ -147,6 +147,31 @@ static int compute_step(struct srv_request *request)
     return 0;
 }
 
+/* What the engine has already; nothing of it if something went wrong. [compute] */
+static int stage_lent(struct srv_request *request, int status)
+{
+    struct srv_scene *scene = request->plan.scene;
+    for (uint32_t i = 0; scene->has_lent && i < scene->placed_count; i++) {
+        struct srv_placed *placed = &scene->placed[i];
+        if (placed->handle == 0 || placed->lent == SRV_LENT_NOTHING) {
+            continue;
+        }
+        if (status == 0) {
+            status = eng_stage_lent(scene->engine, placed->engine_idx,
+                                    placed->lent == SRV_LENT_X0X1);
+            status = status == 0
+                         ? 0
+                         : proto_error_set(&request->error, status, "object 0x%x: %s",
+                                           placed->handle, proto_status_text(status));
+        } else {
+            eng_stage_forget(scene->engine, placed->engine_idx);
+        }
+        placed->lent = SRV_LENT_NOTHING;
+    }
+    scene->has_lent = false;
+    return status;
+}
+
 /* Stage what others hold for this step, and what the step itself moves, out of its slot
  * or of the copy of it. [compute] */
 static int stage(struct srv_request *request, struct eng_scene *engine)
@@ -163,7 +188,8 @@ static int stage(struct srv_request *request, struct eng_scene *engine)
         srv_request_return_slot(request);
         return status;
     }
-    return srv_stepping_stage(request);
+    status = srv_stepping_stage(request);
+    return scene->has_lent ? stage_lent(request, status) : status;
 }
 
 /* One that goes on was staged before. [compute] */

@@ -27,6 +27,10 @@ struct srv_session;
 struct srv_shared;
 
 /* An object (meshes.h) as the compute thread sees it. */
+/* What the engine has of an object's next step before that is submitted: proto_direct.h.
+ */
+enum srv_lent { SRV_LENT_NOTHING, SRV_LENT_X1, SRV_LENT_X0X1 };
+
 struct srv_placed {
     uint32_t handle; /* 0: none here */
     uint32_t engine_idx;
@@ -35,6 +39,7 @@ struct srv_placed {
     uint64_t mesh_number;
     const struct srv_member *member; /* as the loop's */
     struct common_attributes attributes;
+    enum srv_lent lent;
 };
 
 struct srv_scene {
@@ -51,6 +56,7 @@ struct srv_scene {
     struct eng_scene *engine;  /* NULL until the first object or step */
     struct srv_placed *placed; /* by index of the object's handle */
     uint32_t placed_count;
+    bool has_lent;           /* some of these are */
     struct proto_error owed; /* of a step that was answered before; code 0: none. A member
                               * has its own */
     struct srv_held *held;   /* frames for its next step (held.h), oldest first */
