@@ -39,7 +39,7 @@ struct choice {
     double separation;
     bool is_still;               /* all stands where the last step ended */
     double (**x0)[3], (**x1)[3]; /* [object] of local vertices */
-    double steps;                /* later ones, for which boxes follow */
+    double steps;                /* for which boxes go on */
     struct ranks_boxes mine;     /* of own leaves, and their blocks */
     struct ranks_block *all;     /* blocks of all ranks */
     uint64_t *first;             /* [size + 1] of these */
@@ -107,16 +107,17 @@ static bool follows(const struct ranks_object *object)
 /* A look at vertices: which steps have been made where they begin and end. */
 struct look {
     double from, to;
+    bool is_anew; /* it may not have been so where the last step ended */
     uint8_t *misses;
 };
 
 /* Does any of the vertices `begin` to `end` - 1 leave its box? Where the last step ended
- * all were in theirs. [team] */
+ * all were in theirs, unless look->is_anew. [team] */
 static bool has_left(const struct ranks_object *object, const struct look *look,
                      uint64_t begin, uint64_t end)
 {
     const struct ranks_room room = object->room;
-    const bool starts = object->from != (const double(*)[3])object->x;
+    const bool starts = look->is_anew || object->from != (const double(*)[3])object->x;
     for (uint64_t i = begin; i < end; i++) {
         const float *cover = object->cover[i];
         if (!ranks_is_covered(object->to[i], look->to, &room, cover) ||
@@ -155,7 +156,7 @@ static void look_at_part(const struct pccd_mpi *world, const struct look *look,
 void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
                        uint8_t *misses)
 {
-    const struct look look = {from, to, misses};
+    const struct look look = {from, to, world->is_once, misses};
     uint64_t count = 0;
     for (uint32_t o = 0; o < world->object_count; o++) {
         misses[o] = from < 0;
@@ -459,7 +460,7 @@ static int choose_all(struct pccd_mpi *world, struct choice *choice)
         return status;
     }
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
-        choice->steps = world->objects[o]->room.steps;
+        choice->steps = ranks_room_time(&world->objects[o]->room);
         status = cover(world, world->objects[o]);
     }
     if (status == PCCD_OK) {

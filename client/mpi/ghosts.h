@@ -6,13 +6,16 @@
  * Threads:  one.
  *
  * A pair is found by the rank that owns its first feature, so that rank needs a leaf
- * with the second one. If the two features come together, so do the boxes of all
- * leaves that have them. So it suffices that each leaf goes to each rank of which a
- * block, some leaves one behind the other on the curve, meets it. All boxes hold both
- * ends of the step and what the leaf reaches beyond itself, and then some more. Those
- * of vertices that go on as they went follow them (boxes.h). So ghosts are right for
- * later steps, too, until a vertex leaves the box that was made for it, or boxes have
- * followed for long enough.
+ * with the second one. If the two features come together, so do the boxes of all leaves
+ * that have them, at that time. So it suffices that each leaf goes to each rank of which
+ * a block, some leaves one behind the other on the curve, meets it. A box is larger than
+ * the leaf by what that reaches beyond itself, and then by some more. Where vertices go
+ * on as they went it moves with them, else it stands around the whole step (moving.h). So
+ * ghosts are right for later steps, too, until a vertex leaves the box that was made for
+ * it, or boxes have moved for long enough.
+ *
+ * Mode `pairs` asks which boxes of the whole step meet: once it was used, boxes that move
+ * are those.
  */
 #ifndef RANKS_GHOSTS_H
 #define RANKS_GHOSTS_H
@@ -21,7 +24,8 @@
 
 /* Collective: choose ghosts for a step from object->from to object->to and a
  * separation; afterwards world->is_covered, object->cover and the plan are right.
- * has_missed: a vertex has left the box that was made for it the last time. */
+ * is_still: all stands where the last step ended. has_missed: a vertex has left the box
+ * that was made for it the last time. */
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
                         bool has_missed);
 

@@ -8,6 +8,8 @@
  * meet, though one box around the whole way of each would meet the other one's. Such a
  * box is larger than what is checked later (ranks_is_covered) by more than all
  * roundings of doubles in here. Positions are finite, and at most 1e18.
+ *
+ * More than 200 lines: all of it is inline, as it is done for each vertex and leaf.
  */
 #ifndef RANKS_MOVING_H
 #define RANKS_MOVING_H
@@ -22,11 +24,12 @@
 struct ranks_room {
     double more[3];  /* on both sides, by axis */
     bool follows[3]; /* boxes go on as vertices go in that step */
-    double steps;    /* later ones, at most, if any object's do; else 0 */
+    bool is_whole;   /* they hold both ends of each step, not where it is at each time */
+    double steps;    /* how many, at most, if any object's do; else 1 */
 };
 
-/* A box in one step, and how far it goes on in each later one: its sides, for what is in
- * it goes at more than one pace. */
+/* A box, and how far it goes on in a step: its sides, for what is in it goes at more than
+ * one pace. */
 struct ranks_moving_box {
     float box[6];  /* low, high */
     float pace[6]; /* along each axis of what goes least, and most */
@@ -71,7 +74,8 @@ static inline double ranks_most(double a, double b)
 /* More than the roundings of a position and of a way to floats. */
 static inline double ranks_blur(float at, float pace)
 {
-    return 2 * (double)FLT_EPSILON * (fabs((double)at) + fabs((double)pace));
+    return 2 * (double)FLT_EPSILON * (fabs((double)at) + fabs((double)pace)) +
+           (double)FLT_MIN;
 }
 
 /* Where a vertex that goes from x0 to x1 in a step may be then and later, by axis: if the
@@ -110,7 +114,7 @@ static inline bool ranks_is_covered(const double x[3], double t,
     return is_in;
 }
 
-/* All that the cover allows, in the step from x0 to x1 and in later ones. */
+/* All that the cover allows, from the begin of the step from x0 to x1 on. */
 static inline void ranks_vertex_box(const double x0[3], const double x1[3],
                                     const struct ranks_room *room,
                                     struct ranks_moving_box *moving)
@@ -125,14 +129,18 @@ static inline void ranks_vertex_box(const double x0[3], const double x1[3],
             double at = (double)cover[k], pace = (double)cover[k + 3];
             double most = room->more[k] + ranks_blur(cover[k], cover[k + 3]);
             most += (double)FLT_EPSILON * (most + room->steps * fabs(pace));
-            double low =
-                ranks_least(ranks_least(x0[k], x1[k]), ranks_least(at, at + pace));
-            double high = ranks_most(ranks_most(x0[k], x1[k]), ranks_most(at, at + pace));
-            moving->box[k] = ranks_float_below(low - most);
-            moving->box[k + 3] = ranks_float_above(high + most);
+            double ahead = room->is_whole ? pace : 0;
+            moving->box[k] = ranks_float_below(at + ranks_least(ahead, 0) - most);
+            moving->box[k + 3] = ranks_float_above(at + ranks_most(ahead, 0) + most);
             moving->pace[k] = moving->pace[k + 3] = cover[k + 3];
         }
     }
+}
+
+/* How long such boxes go on: whole ones are those of the begin of a step. */
+static inline double ranks_room_time(const struct ranks_room *room)
+{
+    return room->is_whole ? room->steps - 1 : room->steps;
 }
 
 static inline void ranks_box_begin(float box[6])
@@ -170,8 +178,8 @@ static inline void ranks_moving_box_add(struct ranks_moving_box *moving,
     ranks_box_add(moving->pace, other->pace);
 }
 
-/* From when on, and until when, is a side that is `gap` above another one, and goes on by
- * `pace`, above it? */
+/* From when on, until when, is a side above one that is `gap` below it, when it goes on
+ * by `pace`? */
 static inline void ranks_narrow(double gap, double pace, double *from, double *until)
 {
     if (gap < 0) {
@@ -183,7 +191,7 @@ static inline void ranks_narrow(double gap, double pace, double *from, double *u
     }
 }
 
-/* Do they meet in this step or one of so many later ones? */
+/* Do they meet within `steps`? */
 static inline bool ranks_moving_boxes_meet(const struct ranks_moving_box *a,
                                            const struct ranks_moving_box *b, double steps)
 {

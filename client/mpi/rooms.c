@@ -49,10 +49,12 @@
 #define ROOM_CHEAP 0.1
 #define SAMPLES    1024u
 
-/* What moves fast has room for a part of a step, at first the least: twice as much each
- * time that the choice of ghosts had taken more than this part of the steps for which
- * they were right, half as much if it was less than that. Its boxes follow if it can be
- * told for so many steps within the way of one. */
+/* What moves fast, and not as it went, has the least room as long as nobody has left it:
+ * ghosts are for that one step, and for the same one again. When that has happened, it
+ * has room for a part of a step, at first the least: twice as much each time that the
+ * choice of ghosts had taken more than this part of the steps for which they were right,
+ * half as much if it was less than that. Its boxes follow if it can be told for so many
+ * steps within the way of one. */
 #define FAST_STEPS_MIN  0.125
 #define FAST_STEPS_MAX  4.0
 #define FAST_STEPS_LAST 16.0 /* times as many, at most, do its boxes follow */
@@ -243,6 +245,14 @@ static void find_room(const double *ways, double size, double steps, double most
     }
 }
 
+/* Does it move fast, and not as it went? */
+static bool is_fast(const double *ways, double size, const struct ranks_room *room)
+{
+    double way = longest_of(ways + WAY);
+    return way >= ROOM_SLOW * size &&
+           !(room->follows[0] && room->follows[1] && room->follows[2]);
+}
+
 /* From the mean ways of vertices to how much room they get; the smallest size of all
  * ranks counts. sizes[object], mosts[object]: scratch. */
 static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const double *ways,
@@ -250,7 +260,7 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
 {
     uint32_t objects = world->object_count;
     double steps = INFINITY;
-    bool any = false;
+    bool any = false, has_fast = false;
     int status = PCCD_OK;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         status = measure(world, world->objects[o], (const double(*)[3])x[o], &sizes[o]);
@@ -265,14 +275,21 @@ static int find_by_ways(struct pccd_mpi *world, double (*const *x)[3], const dou
         steps = fmin(
             steps, find_steps(world, ways + WAYS * (size_t)o, sizes[o], room, &mosts[o]));
         any = any || room->follows[0] || room->follows[1] || room->follows[2];
+        has_fast = has_fast || is_fast(ways + WAYS * (size_t)o, sizes[o], room);
     }
+    world->is_once =
+        has_fast && !world->is_for_pairs && world->fast_steps <= FAST_STEPS_MIN;
     steps = any ? floor(fmax(steps, FOLLOW_STEPS)) : INFINITY;
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         struct ranks_room *room = &world->objects[o]->room;
         find_room(ways + WAYS * (size_t)o, sizes[o], steps, mosts[o], room);
-        room->steps = any ? steps - 1 : 0;
+        room->steps = any ? steps : 1;
+        room->is_whole = world->is_for_pairs;
+        if (world->is_once) {
+            *room = (struct ranks_room){.follows = {true, true, true}, .steps = 1};
+        }
     }
-    world->lasts = steps < INFINITY ? (uint32_t)steps : UINT32_MAX;
+    world->lasts = any && !world->is_once ? (uint32_t)steps : UINT32_MAX;
     return status;
 }
 

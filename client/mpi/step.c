@@ -31,9 +31,12 @@ enum {
     MOVES = 0,  /* rows of struct moment.bytes */
     STARTS = 1, /* some vertex begins elsewhere than it ended */
     MISSES = 2, /* some vertex is outside of the box that ghosts were chosen for */
-    STILL_MISSES =
-        3, /* the same if nothing moves in any rank, in a question of what is near */
-    ROWS = 4
+    /* The same if the step for which ghosts are right once is made backwards; and both if
+     * nothing moves in any rank, in a question of what is near. */
+    BACK_MISSES = 3,
+    STILL_MISSES = 4,
+    STILL_BACK_MISSES = 5,
+    ROWS = 6
 };
 
 static uint8_t *row(const struct pccd_mpi *world, const struct ranks_moment *moment,
@@ -77,6 +80,23 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
 
 /* ---- ghosts ----------------------------------------------------------------------- */
 
+/* Do vertices leave their boxes between two ends, steps from where the scene is? */
+static void look_at_boxes(const struct pccd_mpi *world, struct ranks_moment *moment,
+                          int which, double from, double to)
+{
+    if (world->link.size == 1 || !world->is_covered) {
+        return;
+    }
+    if (world->is_once) { /* the scene is at an end of that step */
+        double begin = from == to ? 1 : 0;
+        ranks_ghosts_look(world, begin, 1, row(world, moment, which));
+        ranks_ghosts_look(world, 1 - begin, 0, row(world, moment, which + 1));
+    } else {
+        ranks_ghosts_look(world, world->gone + from, world->gone + to,
+                          row(world, moment, which));
+    }
+}
+
 /* What this rank knows of each object. */
 static void look(struct pccd_mpi *world, struct ranks_moment *moment)
 {
@@ -87,10 +107,7 @@ static void look(struct pccd_mpi *world, struct ranks_moment *moment)
         row(world, moment, MOVES)[o] = moves;
         row(world, moment, STARTS)[o] = starts;
     }
-    if (world->link.size > 1 && world->is_covered) {
-        ranks_ghosts_look(world, world->gone, world->gone + 1.0,
-                          row(world, moment, MISSES));
-    }
+    look_at_boxes(world, moment, MISSES, 0, 1);
     uint8_t *of_all = moment->bytes + (size_t)ROWS * world->object_count;
     of_all[0] = moment->motion_count > 0;
     of_all[1] = (uint8_t)ranks_stop_reason(&world->stop);
@@ -129,10 +146,7 @@ static void look_still(struct pccd_mpi *world, struct ranks_moment *moment,
         const struct ranks_object *object = world->objects[o];
         row(world, moment, STARTS)[o] = object->from != (const double(*)[3])object->x;
     }
-    if (world->link.size > 1 && world->is_covered) {
-        ranks_ghosts_look(world, world->gone - (is_at_begin ? 1.0 : 0.0), world->gone,
-                          row(world, moment, STILL_MISSES));
-    }
+    look_at_boxes(world, moment, STILL_MISSES, is_at_begin ? -1 : 0, 0);
 }
 
 /* Each rank takes its motions, says of each object what it knows, and hears of all. */
@@ -163,21 +177,27 @@ static int take_motions(struct pccd_mpi *world, struct ranks_moment *moment)
 static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *moment)
 {
     const int which = moment->is_still ? STILL_MISSES : MISSES;
+    bool back_misses = !world->is_once;
     bool misses =
         world->link.size > 1 && !moment->is_still && world->gone >= world->lasts;
     for (uint32_t o = 0; o < world->object_count; o++) {
         misses = misses || row(world, moment, which)[o];
+        back_misses = back_misses || row(world, moment, which + 1)[o];
     }
+    misses = misses && back_misses;
     return misses;
 }
 
 static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
 {
-    bool is_far = world->reach < moment->settings.separation;
+    bool is_of_pairs = moment->near == NULL && moment->settings.mode == PCCD_MODE_PAIRS;
+    bool is_far = world->reach < moment->settings.separation ||
+                  (is_of_pairs && !world->is_for_pairs);
     bool has_missed = world->is_covered && has_misses(world, moment);
     if (world->is_covered && !is_far && !has_missed) {
         return PCCD_OK;
     }
+    world->is_for_pairs |= is_of_pairs; /* and later, as they will be asked for again */
     int status = ranks_ghosts_choose(world, moment->settings.separation, moment->is_still,
                                      has_missed);
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;

@@ -174,6 +174,8 @@ struct pccd_mpi {
     bool is_cut;          /* each object's `own` is what the curve says */
     bool is_covered;      /* ghosts were chosen for these objects, settings and reach */
     double reach;         /* separation for which they were */
+    bool is_for_pairs;    /* they do for mode `pairs`, too, which asks for whole steps */
+    bool is_once;         /* they do for that step alone, made again or backwards, too */
     uint32_t gone, lasts; /* steps since then; for how many, at most, they are right */
     /* the last answer */
     enum pccd_mode mode;

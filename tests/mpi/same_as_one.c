@@ -52,6 +52,7 @@ static struct {
     bool has_failed;
     uint64_t record_limit; /* of the play; 0: as many as ever */
     double farthest;       /* nothing asks for what is farther apart */
+    int mode;              /* of steps; -1: any */
     uint64_t steps, nears, records;
     uint64_t cut_short;                 /* by a deadline */
     uint64_t answered[PCCD_NEAR_COUNT]; /* questions that had records */
@@ -536,6 +537,7 @@ static struct pccd_step_settings choose_settings(void)
     struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
     settings.mode = chance(0.5) ? PCCD_MODE_ALL
                                 : (enum pccd_mode)prng_below(&test.prng, PCCD_MODE_COUNT);
+    settings.mode = test.mode >= 0 ? (enum pccd_mode)test.mode : settings.mode;
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;
     settings.separation = chance(0.3) ? prng_between(&test.prng, 0, 0.02) : 0;
@@ -969,6 +971,22 @@ static void fly(const struct flight *flight, struct cloud *cloud,
     move(actor, act);
 }
 
+/* The last step once more, or backwards. */
+static void fly_again(struct flight *flight, bool is_back)
+{
+    for (uint32_t i = 0; i < flight->count; i++) {
+        struct play_act *act = &flight->clouds[i].act;
+        double(*before)[3] = act->x0;
+        act->what = is_back ? PLAY_X1 : PLAY_X0X1;
+        if (is_back) {
+            act->x0 = act->x1;
+            act->x1 = before;
+        }
+        move(&test.actors[i], act);
+    }
+    step();
+}
+
 /* Clouds that fly through each other, and go on as they went: so ghosts stay right for
  * many steps, and boxes follow. Some turn, stop, wait, or start elsewhere; others come
  * from afar, and meet when what was chosen first is right no more, or when one of them
@@ -1004,6 +1022,18 @@ static void perform_flight(uint32_t triangles)
         while (chance(0.1)) {
             ask_near();
         }
+        while (chance(0.15)) {
+            fly_again(&flight, chance(0.3));
+        }
+        if (s == 0 && chance(0.3)) { /* ghosts are right for contacts, not for pairs */
+            test.mode = PCCD_MODE_ALL;
+            for (int i = 0; i < 5; i++) {
+                fly_again(&flight, false);
+            }
+            test.mode = PCCD_MODE_PAIRS;
+            fly_again(&flight, false);
+            test.mode = -1;
+        }
     }
     for (uint32_t i = 0; i < flight.count; i++) {
         free(flight.clouds[i].act.x0);
@@ -1017,6 +1047,7 @@ static void perform_play(uint32_t triangles)
 {
     test.prng.state = test.seed;
     test.farthest = INFINITY;
+    test.mode = -1;
     struct pccd_mpi_options of_world = {.struct_bytes = sizeof of_world};
     test.record_limit = chance(0.2) ? 1 + prng_below(&test.prng, 100) : 0;
     of_world.record_limit = test.record_limit;

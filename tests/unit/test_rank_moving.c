@@ -41,9 +41,9 @@ static double random_size(void)
     return sizes[prng_below(&prng, sizeof sizes / sizeof *sizes)];
 }
 
-static void make_leaf(struct leaf *leaf, double scale, double far)
+static void make_leaf(struct leaf *leaf, bool is_whole, double scale, double far)
 {
-    *leaf = (struct leaf){.room.steps = STEPS - 1};
+    *leaf = (struct leaf){.room.steps = STEPS, .room.is_whole = is_whole};
     ranks_moving_box_begin(&leaf->promise);
     for (int k = 0; k < 3; k++) {
         leaf->room.follows[k] = prng_below(&prng, 3) > 0;
@@ -87,13 +87,9 @@ static void place(const struct leaf *leaf, struct vertex *vertex, double t)
     }
 }
 
-/* The box of a step, from where vertices are to where they are next. */
-static void go(struct leaf *leaf, uint32_t step, double low[3], double high[3])
+/* Vertices go on by a step. */
+static void go(struct leaf *leaf, uint32_t step)
 {
-    for (int k = 0; k < 3; k++) {
-        low[k] = INFINITY;
-        high[k] = -INFINITY;
-    }
     for (uint32_t v = 0; v < VERTICES; v++) {
         struct vertex *vertex = &leaf->vertices[v];
         memcpy(vertex->now, vertex->next, sizeof vertex->now);
@@ -104,11 +100,36 @@ static void go(struct leaf *leaf, uint32_t step, double low[3], double high[3])
         }
         assert_true(ranks_is_covered(vertex->now, step, &leaf->room, vertex->cover));
         assert_true(ranks_is_covered(vertex->next, step + 1, &leaf->room, vertex->cover));
-        for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], fmin(vertex->now[k], vertex->next[k]));
-            high[k] = fmax(high[k], fmax(vertex->now[k], vertex->next[k]));
+    }
+}
+
+/* The box of the leaf from one part of the step to another one. */
+static void bound(const struct leaf *leaf, double from, double to, double low[3],
+                  double high[3])
+{
+    for (int k = 0; k < 3; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+        for (uint32_t v = 0; v < VERTICES; v++) {
+            double now = leaf->vertices[v].now[k], next = leaf->vertices[v].next[k];
+            double a = from < 1 ? now + from * (next - now) : next;
+            double b = to < 1 ? now + to * (next - now) : next;
+            low[k] = fmin(low[k], fmin(a, b));
+            high[k] = fmax(high[k], fmax(a, b));
         }
     }
+}
+
+static bool meet(const struct leaf *a, const struct leaf *b, double from, double to)
+{
+    double a_low[3], a_high[3], b_low[3], b_high[3];
+    bool meets = true;
+    bound(a, from, to, a_low, a_high);
+    bound(b, from, to, b_low, b_high);
+    for (int k = 0; k < 3; k++) {
+        meets = meets && a_low[k] <= b_high[k] && b_low[k] <= a_high[k];
+    }
+    return meets;
 }
 
 /* If it failed, a rank would not get a leaf that one of its own meets some steps after
@@ -121,23 +142,21 @@ static void rank_moving__boxes_meet_whenever_vertices_do(void **state)
     for (uint32_t round = 0; round < ROUNDS; round++) {
         struct leaf a, b;
         double far = random_size(), scale = random_size();
-        bool meets = false;
-        make_leaf(&a, scale, far);
-        make_leaf(&b, scale, far);
+        bool is_whole = prng_below(&prng, 2) == 0, meets = false;
+        make_leaf(&a, is_whole, scale, far);
+        make_leaf(&b, is_whole, scale, far);
         for (uint32_t s = 0; s < STEPS; s++) {
-            double a_low[3], a_high[3], b_low[3], b_high[3];
-            bool meets_now = true;
-            go(&a, s, a_low, a_high);
-            go(&b, s, b_low, b_high);
-            for (int k = 0; k < 3; k++) {
-                meets_now = meets_now && a_low[k] <= b_high[k] && b_low[k] <= a_high[k];
+            go(&a, s);
+            go(&b, s);
+            for (int part = 0; part <= 4; part++) {
+                meets = meets || (is_whole ? meet(&a, &b, 0, 1)
+                                           : meet(&a, &b, 0.25 * part, 0.25 * part));
             }
-            meets = meets || meets_now;
         }
-        bool promised = ranks_moving_boxes_meet(&a.promise, &b.promise, a.room.steps);
+        double time = ranks_room_time(&a.room);
+        bool promised = ranks_moving_boxes_meet(&a.promise, &b.promise, time);
         assert_true(promised || !meets);
-        assert_true(promised ==
-                    ranks_moving_boxes_meet(&b.promise, &a.promise, a.room.steps));
+        assert_true(promised == ranks_moving_boxes_meet(&b.promise, &a.promise, time));
         met += meets;
         apart += !promised;
     }
