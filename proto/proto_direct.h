@@ -17,7 +17,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 6u
+#define PROTO_DIRECT_VERSION 7u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -88,6 +88,10 @@ struct proto_direct {
     /* For libpccd-mpi, too: while a message of the client's is handled, threads_max is at
      * most `threads`; 0: as it is. [owner] */
     void (*limit)(struct proto_direct_inbox *line, uint32_t threads);
+
+    /* For libpccd-mpi, too: memory of pages that the client has released is given back.
+     * [owner] */
+    void (*trim)(struct proto_direct_inbox *line);
 
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);

@@ -141,7 +141,7 @@ function measure_looks(  i, r, vertices, bytes, rest, took) {
         rest = rest_of(known[i]) - exchange_ns(R, bytes, link["link_latency_ns"], link["link_byte_ns"])
         took[R] = rest / vertices
     }
-    look_ns = took[2] - took[1]
+    look_ns = most(0, took[2] - took[1]) # of a tiny sheet it is noise
 }
 function measure_constants(  i, key, one) {
     measure_record()
@@ -215,9 +215,12 @@ function bytes_of(scene, R, own) {
 }
 # The same where ghosts are chosen: beside positions and numbers of vertices, of each 16
 # leaves a box of 60 bytes to all.
-function blocks_of(own) { return own / 16 < 4096 ? own / 16 : 4096 }
+function blocks_of(own, R,  most) {
+    most = 1048576 / R < 256 ? 256 : least_of(16384, 1048576 / R)
+    return least_of(own / 16, most)
+}
 function search_bytes_of(scene, R, own) {
-    return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 60 * blocks_of(own) * (R - 1)
+    return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 60 * blocks_of(own, R) * (R - 1)
 }
 # The largest work of a rank beside the mean: what is wrong with weights is at the rim of a piece.
 function uneven_of(scene, own) { return 1 + uneven[scene] / sqrt(own) }
@@ -242,7 +245,7 @@ function fit_laws(  i, run, most_ranks) {
         fits[scene]++
         rim[scene] += sqrt((n + ghosts[run]) / R) - sqrt(n / R)
         a_leaf[scene] += here[run] / (n + ghosts[run])
-        if (search_sent[run]) searched[scene] += (search_sent[run] - 60 * blocks_of(n / R) * R * (R - 1)) / (n + ghosts[run]) / (1 - 1 / R)
+        if (search_sent[run]) searched[scene] += (search_sent[run] - 60 * blocks_of(n / R, R) * R * (R - 1)) / (n + ghosts[run]) / (1 - 1 / R)
         extra[scene] += (work[run] / work[run_of(file, scene, n, 1)] - 1) * n / ghosts[run]
     }
     for (i = 1; i <= run_count; i++) { # smaller pieces are not modelled

@@ -180,6 +180,13 @@ int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
     return 0;
 }
 
+void cli_foreign_trim(struct pccd_client *client)
+{
+    if (client->direct.line != NULL) {
+        client->direct.host->trim(client->direct.line);
+    }
+}
+
 static int lend(struct pccd_client *client, uint32_t scene, uint32_t object,
                 enum proto_direct_lend what, double (**x0)[3], double (**x1)[3])
 {

@@ -39,6 +39,9 @@ cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *
 __attribute__((visibility("default"))) int cli_foreign_threads(struct pccd_client *client,
                                                                uint32_t threads);
 
+/* With the url direct:, memory of pages that the client has released is given back. */
+__attribute__((visibility("default"))) void cli_foreign_trim(struct pccd_client *client);
+
 /* With the url direct:, of all vertices of an object of the client's scene, which it does
  * not share: where their positions at the end of its next step can be written, and,
  * unless x0 is NULL, those at its start. Until cli_foreign_lent says how that ended,

@@ -13,8 +13,10 @@
 #include "local.h"
 #include "places.h"
 
-#define BLOCKS_MAX       4096u /* of a rank, and one more for each object and jump */
-#define JUMPS_MAX        4096u
+/* Each rank gets the blocks of all, so of many ranks each has few. */
+#define BLOCKS_OF_ALL    (1u << 20)
+#define BLOCKS_MAX       32768u /* of a rank, one for each object and as many for jumps */
+#define BLOCKS_MIN       256u   /* the same, where ranks are many */
 #define BLOCK_LEAVES_MIN 16u
 
 void ranks_boxes_deinit(struct ranks_boxes *boxes)
@@ -107,7 +109,9 @@ static double side_of(const float box[6])
 static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
                         struct ranks_boxes *boxes)
 {
-    uint64_t size = leaf_count / BLOCKS_MAX + 1;
+    uint64_t most = BLOCKS_OF_ALL / (uint32_t)world->link.size;
+    most = most < BLOCKS_MIN ? BLOCKS_MIN : most < BLOCKS_MAX ? most : BLOCKS_MAX;
+    uint64_t size = leaf_count / most + 1;
     uint32_t jumps = 0;
     size = size < BLOCK_LEAVES_MIN ? BLOCK_LEAVES_MIN : size;
     for (uint32_t o = 0; o < world->object_count; o++) {
@@ -117,7 +121,7 @@ static void make_blocks(const struct pccd_mpi *world, uint64_t leaf_count,
             struct ranks_moving_box leaf;
             ranks_leaf_box(boxes, o, i, &leaf);
             bool jumps_here =
-                block != NULL && block->count < size && jumps < JUMPS_MAX &&
+                block != NULL && block->count < size && jumps < most &&
                 gap_between(block->box.box, leaf.box) > side_of(block->box.box);
             if (block == NULL || block->count == size || jumps_here) {
                 block = &boxes->blocks[boxes->block_count++];
@@ -154,9 +158,8 @@ int ranks_boxes_make(struct pccd_mpi *world, double separation,
             return status;
         }
     }
-    boxes->blocks =
-        ranks_array(BLOCKS_MAX + JUMPS_MAX + objects + count / BLOCK_LEAVES_MIN,
-                    sizeof *boxes->blocks);
+    boxes->blocks = ranks_array(2 * BLOCKS_MAX + objects + count / BLOCK_LEAVES_MIN,
+                                sizeof *boxes->blocks);
     if (boxes->blocks == NULL) {
         return ranks_no_memory(world);
     }

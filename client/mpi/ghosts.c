@@ -31,7 +31,7 @@ struct visitor {
 
 struct band {
     struct ranks_moving_box box;
-    uint64_t begin, end; /* of the blocks of all ranks */
+    uint64_t begin, end; /* of its blocks */
 };
 
 /* What choosing ghosts needs for its time. */
@@ -45,6 +45,8 @@ struct choice {
     uint64_t *first;             /* [size + 1] of these */
     struct band *bands;          /* of these, rank by rank */
     uint64_t *band_first;        /* [size + 1] */
+    struct band *own_bands;      /* of mine.blocks */
+    uint64_t own_band_count;
     struct visitor *out;
     uint64_t out_count, out_capacity;
     uint64_t *out_first;
@@ -75,6 +77,7 @@ static void choice_deinit(const struct pccd_mpi *world, struct choice *choice)
     free(choice->first);
     free(choice->bands);
     free(choice->band_first);
+    free(choice->own_bands);
     free(choice->out);
     free(choice->out_first);
     free(choice->in);
@@ -262,18 +265,34 @@ static bool choose_of(const struct pccd_mpi *world, struct choice *choice,
     return true;
 }
 
+/* What is near an own band, or a block of it. */
+struct near {
+    const struct band **bands;
+    const struct ranks_block **blocks;
+};
+
 /* Which of the own leaves go to rank r; false: no memory. */
 static bool choose_for(const struct pccd_mpi *world, struct choice *choice,
-                       const struct ranks_block **near, int r)
+                       const struct near *near, int r)
 {
     bool has_memory = true;
-    for (uint32_t b = 0; b < choice->mine.block_count && has_memory; b++) {
-        const struct ranks_block *block = &choice->mine.blocks[b];
-        uint32_t count = 0;
+    for (uint64_t m = 0; m < choice->own_band_count && has_memory; m++) {
+        const struct band *own = &choice->own_bands[m];
+        uint64_t bands = 0;
         for (uint64_t i = choice->band_first[r]; i < choice->band_first[r + 1]; i++) {
-            count += find_near(world, choice, block, &choice->bands[i], near + count);
+            near->bands[bands] = &choice->bands[i];
+            bands +=
+                ranks_moving_boxes_meet(&own->box, &choice->bands[i].box, choice->steps);
         }
-        has_memory = choose_of(world, choice, block, near, count);
+        for (uint64_t b = own->begin; b < own->end && bands > 0 && has_memory; b++) {
+            const struct ranks_block *block = &choice->mine.blocks[b];
+            uint32_t count = 0;
+            for (uint64_t i = 0; i < bands; i++) {
+                count +=
+                    find_near(world, choice, block, near->bands[i], near->blocks + count);
+            }
+            has_memory = choose_of(world, choice, block, near->blocks, count);
+        }
     }
     return has_memory;
 }
@@ -283,18 +302,20 @@ static int choose(struct pccd_mpi *world, struct choice *choice)
 {
     struct ranks_link *link = &world->link;
     uint64_t cells = (uint64_t)link->size + 1;
-    const struct ranks_block **near =
-        ranks_array(choice->first[link->size], sizeof *near);
+    const struct near near = {
+        .bands = ranks_array(choice->band_first[link->size] + 1, sizeof *near.bands),
+        .blocks = ranks_array(choice->first[link->size], sizeof *near.blocks)};
     choice->out_first = ranks_array(cells, sizeof(uint64_t));
     choice->in_first = ranks_array(cells, sizeof(uint64_t));
-    bool has_memory =
-        near != NULL && choice->out_first != NULL && choice->in_first != NULL;
+    bool has_memory = near.bands != NULL && near.blocks != NULL &&
+                      choice->out_first != NULL && choice->in_first != NULL;
     for (int r = 0; r < link->size && has_memory; r++) {
         choice->out_first[r] = choice->out_count;
-        has_memory = r == link->rank || choose_for(world, choice, near, r);
+        has_memory = r == link->rank || choose_for(world, choice, &near, r);
         choice->out_first[r + 1] = choice->out_count;
     }
-    free((void *)near);
+    free((void *)near.bands);
+    free((void *)near.blocks);
     return has_memory ? PCCD_OK : ranks_no_memory(world);
 }
 
@@ -319,29 +340,41 @@ static void forget_far(const struct pccd_mpi *world, struct choice *choice)
     choice->first[world->link.size] = kept;
 }
 
+/* Bands of the blocks begin .. end - 1, to bands[]. Returns how many. */
+static uint64_t band_up(const struct ranks_block *blocks, uint64_t begin, uint64_t end,
+                        struct band *bands)
+{
+    uint64_t count = 0;
+    for (uint64_t i = begin; i < end; i++) {
+        if ((i - begin) % BAND_BLOCKS == 0) {
+            bands[count] = (struct band){.begin = i};
+            ranks_moving_box_begin(&bands[count++].box);
+        }
+        ranks_moving_box_add(&bands[count - 1].box, &blocks[i].box);
+        bands[count - 1].end = i + 1;
+    }
+    return count;
+}
+
 static int make_bands(struct pccd_mpi *world, struct choice *choice)
 {
-    uint32_t size = (uint32_t)world->link.size;
+    const uint32_t size = (uint32_t)world->link.size, own = choice->mine.block_count;
     uint64_t count = 0;
     choice->bands =
         ranks_array(choice->first[size] / BAND_BLOCKS + size, sizeof *choice->bands);
     choice->band_first = ranks_array((uint64_t)size + 1, sizeof *choice->band_first);
-    if (choice->bands == NULL || choice->band_first == NULL) {
+    choice->own_bands = ranks_array(own / BAND_BLOCKS + 1, sizeof *choice->own_bands);
+    if (choice->bands == NULL || choice->band_first == NULL ||
+        choice->own_bands == NULL) {
         return ranks_no_memory(world);
     }
     for (uint32_t r = 0; r < size; r++) {
-        uint64_t end = choice->first[r + 1];
         choice->band_first[r] = count;
-        for (uint64_t i = choice->first[r]; i < end; i++) {
-            if ((i - choice->first[r]) % BAND_BLOCKS == 0) {
-                choice->bands[count] = (struct band){.begin = i};
-                ranks_moving_box_begin(&choice->bands[count++].box);
-            }
-            ranks_moving_box_add(&choice->bands[count - 1].box, &choice->all[i].box);
-            choice->bands[count - 1].end = i + 1;
-        }
+        count += band_up(choice->all, choice->first[r], choice->first[r + 1],
+                         choice->bands + count);
     }
     choice->band_first[size] = count;
+    choice->own_band_count = band_up(choice->mine.blocks, 0, own, choice->own_bands);
     return PCCD_OK;
 }
 

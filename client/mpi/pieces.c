@@ -24,9 +24,9 @@
 #define SLICES_MAX     65536u
 
 /* No rank is to have many more leaves than the mean, because memory goes by leaves: a
- * tenth more, or as many again where all of them are few. */
+ * thirtieth more, or as many again where all of them are few. */
 #define MEAN_FEW         65536u
-#define LEAVES_MAX(mean) ((mean) < MEAN_FEW ? 2 * (mean) + 1 : (mean) / 10 * 11)
+#define LEAVES_MAX(mean) ((mean) < MEAN_FEW ? 2 * (mean) + 1 : (mean) / 30 * 31)
 
 /* What all slices have, as each rank finds them out. */
 struct table {

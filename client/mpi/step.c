@@ -17,6 +17,7 @@
 #include "balance.h"
 #include "clock.h"
 #include "cut.h"
+#include "foreign.h"
 #include "ghosts.h"
 #include "local.h"
 #include "merge.h"
@@ -391,6 +392,7 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
     int status = choose_ghosts(world, moment);
     if (is_cut) {
         give_back();
+        world->was_cut = true;
     }
     uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
     if (status == PCCD_OK && moment->stopped != PCCD_COMPLETE) {
@@ -451,6 +453,10 @@ static int make(struct pccd_mpi *world, struct ranks_moment *moment,
     uint64_t begin_ns = common_now_ns();
     world->link.sent_bytes = 0;
     ranks_records_begin(world);
+    if (world->was_cut) { /* a rank may have had more records before */
+        cli_foreign_trim(world->client);
+        world->was_cut = false;
+    }
     world->bound_count = world->stray_count = 0;
     world->is_merged = moment->near != NULL && moment->near->what == PCCD_NEAR_FEATURES;
     world->mode = moment->near != NULL ? PCCD_MODE_ALL : moment->settings.mode;

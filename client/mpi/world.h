@@ -172,6 +172,7 @@ struct pccd_mpi {
     uint32_t ignored_count;
     struct ranks_plan plan;
     bool is_cut;          /* each object's `own` is what the curve says */
+    bool was_cut;         /* in the last step */
     bool is_covered;      /* ghosts were chosen for these objects, settings and reach */
     double reach;         /* separation for which they were */
     bool is_for_pairs;    /* they do for mode `pairs`, too, which asks for whole steps */

@@ -518,6 +518,21 @@ static int lend_in_turn(struct proto_direct_inbox *line, uint32_t scene, uint32_
     return status;
 }
 
+static void trim_line(struct proto_direct_inbox *line)
+{
+    if (is_forked || srv_inbox_is_finished(&line->conn)) {
+        return;
+    }
+    take_turn();
+    const struct srv_session *session = line->conn.session;
+    if (session != NULL && session->ring != NULL) {
+        srv_thread_enter(SRV_THREAD_COMPUTE);
+        srv_ring_give_back(session->ring);
+        srv_thread_enter(SRV_THREAD_LOOP);
+    }
+    end_turn();
+}
+
 static void limit_line(struct proto_direct_inbox *line, uint32_t threads)
 {
     line->threads = threads;
@@ -575,6 +590,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .lend = lend_in_turn,
                                              .watch = watch_line,
                                              .limit = limit_line,
+                                             .trim = trim_line,
                                              .write = write_line,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;

@@ -465,6 +465,13 @@ static void give_back(struct srv_job *job)
     job->goes_on = give_back_part(ring);
 }
 
+void srv_ring_give_back(struct srv_ring *ring)
+{
+    srv_assert_compute();
+    while (give_back_part(ring)) {
+    }
+}
+
 void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim)
 {
     uint64_t taken = atomic_load_explicit(&ring->result_taken, memory_order_relaxed);

@@ -95,6 +95,9 @@ int srv_ring_reserve_all(struct srv_ring *ring, uint32_t item_bytes, uint64_t wa
 void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
                     uint64_t *bytes);
 
+/* Give back, and refund, at once what the result region has taken beyond what it began
+ * with and behind all pages that the client has not released. [compute] */
+void srv_ring_give_back(struct srv_ring *ring);
 /* A request has been answered: when no other one follows for a while, the ring gives
  * back, and refunds, what the result region has taken beyond what it began with and
  * behind all pages that the client has not released, and the slots that the client says
