@@ -207,18 +207,16 @@ function predict_two(  i, key, r, run, longest, said, got) {
 
 # A piece of a surface, as a square of `own` leaves: ghosts are what a rim around it adds. The
 # rim is in sides of leaves.
-function ghosts_of(scene, own) { return 2 * rim[scene] * sqrt(own) + rim[scene] * rim[scene] }
+function ghosts_by(rim, own) { return 2 * rim * sqrt(own) + rim * rim }
+function ghosts_of(scene, own) { return ghosts_by(rim[scene], own) }
 # Of all work, what one process has not.
-function extra_of(scene, own) { return extra[scene] * ghosts_of(scene, own) / own }
+function extra_of(scene, own) { return extra[scene] * ghosts_by(fitted_rim[scene], own) / own }
 function bytes_of(scene, R, own) {
     return 24 * a_leaf[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R)
 }
 # The same where ghosts are chosen: beside positions and numbers of vertices, of each 16
 # leaves a box of 60 bytes to all.
-function blocks_of(own, R,  most) {
-    most = 1048576 / R < 256 ? 256 : least_of(16384, 1048576 / R)
-    return least_of(own / 16, most)
-}
+function blocks_of(own, R) { return least_of(own / 16, most(256, least_of(32768, 1048576 / R))) }
 function search_bytes_of(scene, R, own) {
     return searched[scene] * (own + ghosts_of(scene, own)) * (1 - 1 / R) + 60 * blocks_of(own, R) * (R - 1)
 }
@@ -255,7 +253,7 @@ function fit_laws(  i, run, most_ranks) {
             uneven[scene] = most(uneven[scene], (busiest[run] * R / evenly[run] - 1) * sqrt(n / R))
     }
     for (scene in fits) {
-        rim[scene] /= fits[scene]
+        fitted_rim[scene] = rim[scene] /= fits[scene]
         a_leaf[scene] /= fits[scene]
         searched[scene] /= fits[scene]
         extra[scene] /= fits[scene]
@@ -273,7 +271,7 @@ function find_rates(  i, run, ghosts_now, rim_now) {
         printf "\n%s, %s triangles on %d ranks: ghosts are chosen %.3f times a step in the first %d, %.3f times in the next %d; " \
             "there they are %.0f %% of own triangles, a rim of %.1f.\n", scene, spaced(n), R, early_searches[run] / early_steps[run],
             LATE, often[scene], late_steps[run], 100 * ghosts_now / n, rim_now
-        rim[scene] = most(rim[scene], rim_now)
+        rim[scene] = rim_now
     }
 }
 function compare_counts(  i, run, got) {

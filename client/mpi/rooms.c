@@ -16,10 +16,10 @@
 
 #define WAY_UNITS (1 << 20)
 
-/* To choose ghosts takes 420 ns for each leaf and ghost of a rank, and a unit of work 14
+/* To choose ghosts takes 600 ns for each leaf and ghost of a rank, and a unit of work 14
  * (balance.c). Work is counted, not timed, so that other programs that use the processors
  * do not change how many ghosts there are. */
-#define CHOICE_WORK 30.0
+#define CHOICE_WORK 43.0
 
 /* Boxes follow what goes on as it went. Whether it does is seen when ghosts are chosen
  * anew: how far vertices are, on the average, from where they would be if they had gone
