@@ -284,7 +284,7 @@ function compare_counts(  i, run, got) {
         printf "| %s | %s | %d | %s | %.0f %% | %s | %.0f | %s |", scene, spaced(n), R, spaced(ghosts[run] / R), 100 * ghosts[run] / n,
             off(ghosts_of(scene, n / R), ghosts[run] / R), sent[run] / R / 1e3, off(bytes_of(scene, R, n / R), sent[run] / R)
         got = search_sent[run] / R
-        if (got) printf " %.0f | %s |", got / 1e3, off(search_bytes_of(scene, R, n / R), got); else printf " | |"
+        if (got && searched[scene]) printf " %.0f | %s |", got / 1e3, off(search_bytes_of(scene, R, n / R), got); else printf " | |"
         got = work[run] / one_work(scene, n, file)
         printf " %.3f | %s | %.3f | %s | %s |\n", got, off(1 + extra_of(scene, n / R), got), busiest[run] * R / evenly[run],
             off(uneven_of(scene, n / R), busiest[run] * R / evenly[run]), n == fitted[scene] && (R == 4 || R == 8) ? "yes" : ""

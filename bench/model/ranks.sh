@@ -55,11 +55,13 @@ run() {
 }
 
 count() {
-    local file=$into/counts.csv scene number
+    local file=$into/counts.csv scene number fro
     [ "${1:-}" = more ] || rm -f "$file"
     for scene in $scenes; do
         for number in $counts; do
-            run "$file" "$number" "${scene%,*},4" || return # no times, so few steps; cuts take three
+            # No times, so few steps: cuts take three, and what goes on need not turn.
+            case $scene in *,1,21) fro=4 ;; *) fro=0 ;; esac
+            run "$file" "$number" "${scene%,*},$fro" || return
         done
     done
     [ "${1:-}" = more ] && return
