@@ -91,21 +91,34 @@ static uint32_t list(struct naming *naming, uint32_t count, uint32_t *numbers,
     return each;
 }
 
-/* What is at the corners of leaf i, to at[i], in the list of all that is. */
-static uint32_t list_vertices(const struct ranks_object *object, uint32_t leaf_count,
-                              struct naming *naming, struct ranks_local *local,
-                              uint32_t (*at)[3])
+/* Of all leaves the words of their corners, or of their sides: to naming->named, but not
+ * where there is no side. Returns how many words there are. */
+static uint32_t name_all(const struct ranks_object *object, uint32_t leaf_count,
+                         bool is_of_sides, struct naming *naming)
 {
     uint32_t count = 0;
     ranks_recent_begin(&naming->recent);
     for (uint32_t i = 0; i < leaf_count; i++) {
         const struct ranks_leaf *leaf = leaf_of(object, i);
+        const uint32_t *numbers = is_of_sides ? leaf->side : leaf->v;
         uint32_t owns = i < object->own_count ? leaf->owns : 0;
         for (uint32_t k = 0; k < 3; k++) {
-            naming->named[3 * (size_t)i + k] =
-                name(naming, leaf->v[k], (owns & RANKS_OWNS_CORNER(k)) != 0, &count);
+            uint32_t mark = is_of_sides ? RANKS_OWNS_SIDE(k) : RANKS_OWNS_CORNER(k);
+            if (numbers[k] != RANKS_NONE) {
+                naming->named[3 * (size_t)i + k] =
+                    name(naming, numbers[k], (owns & mark) != 0, &count);
+            }
         }
     }
+    return count;
+}
+
+/* What is at the corners of leaf i, to at[i], in the list of all that is. */
+static uint32_t list_vertices(const struct ranks_object *object, uint32_t leaf_count,
+                              struct naming *naming, struct ranks_local *local,
+                              uint32_t (*at)[3])
+{
+    uint32_t count = name_all(object, leaf_count, false, naming);
     uint32_t each = list(naming, count, local->vertices, local->owns_vertex);
     for (uint32_t i = 0; i < leaf_count; i++) {
         for (uint32_t k = 0; k < 3; k++) {
@@ -118,18 +131,7 @@ static uint32_t list_vertices(const struct ranks_object *object, uint32_t leaf_c
 static uint32_t list_edges(const struct ranks_object *object, uint32_t leaf_count,
                            struct naming *naming, struct ranks_local *local)
 {
-    uint32_t count = 0;
-    ranks_recent_begin(&naming->recent);
-    for (uint32_t i = 0; i < leaf_count; i++) {
-        const struct ranks_leaf *leaf = leaf_of(object, i);
-        uint32_t owns = i < object->own_count ? leaf->owns : 0;
-        for (uint32_t k = 0; k < 3; k++) {
-            if (leaf->side[k] != RANKS_NONE) {
-                (void)name(naming, leaf->side[k], (owns & RANKS_OWNS_SIDE(k)) != 0,
-                           &count);
-            }
-        }
-    }
+    uint32_t count = name_all(object, leaf_count, true, naming);
     return list(naming, count, local->edges, local->owns_edge);
 }
 

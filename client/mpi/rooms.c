@@ -53,8 +53,8 @@
  * ghosts are for that one step, and for the same one again. When that has happened, it
  * has room for a part of a step, at first the least: twice as much each time that the
  * choice of ghosts had taken more than this part of the steps for which they were right,
- * half as much if it was less than that. Its boxes follow if it can be told for so many
- * steps within the way of one. */
+ * half as much if it was less than that. What moves fast goes on as it went if it will be
+ * off by no more than its way in a step, FOLLOW_STEPS later. */
 #define FAST_STEPS_MIN  0.125
 #define FAST_STEPS_MAX  4.0
 #define FAST_STEPS_LAST 16.0 /* times as many, at most, do its boxes follow */

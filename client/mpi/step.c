@@ -185,8 +185,7 @@ static bool has_misses(const struct pccd_mpi *world, const struct ranks_moment *
         misses = misses || row(world, moment, which)[o];
         back_misses = back_misses || row(world, moment, which + 1)[o];
     }
-    misses = misses && back_misses;
-    return misses;
+    return misses && back_misses;
 }
 
 static int choose_ghosts(struct pccd_mpi *world, struct ranks_moment *moment)
