@@ -129,6 +129,15 @@ static void merge(struct eng_team *team, struct eng_step_memory *memory, uint64_
     result->threads = team->count;
 }
 
+/* The scene was emptied: the answer may be of another size. */
+static void forget_records(struct eng_step_memory *memory)
+{
+    eng_records_deinit(&memory->sorted);
+    eng_records_deinit(&memory->found);
+    memory->kept.is_valid = false;
+    memory->was_emptied = false;
+}
+
 /* The step, by the workers that the scene has, or was lent. */
 static int step(struct eng_scene *scene, const struct eng_step_settings *settings,
                 struct eng_step_result *result)
@@ -143,6 +152,9 @@ static int step(struct eng_scene *scene, const struct eng_step_settings *setting
         eng_thickness_choose(scene, settings->separation);
         eng_stop_init(&stop, settings);
         struct eng_step_memory *memory = eng_step_memory_of(scene);
+        if (memory->was_emptied) {
+            forget_records(memory);
+        }
         status =
             eng_detect_prepare(scene, settings, &memory->effort[eng_method_of(settings)],
                                &memory->sorted, &stop, &team);

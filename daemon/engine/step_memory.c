@@ -161,14 +161,14 @@ static void changed(struct eng_scene *scene)
     eng_near_warm_forget(&eng_step_memory_of(scene)->near.objects.warm);
 }
 
-/* Records may be the last answer's until the next one. */
+/* The last answer's records are read until the next step. */
 static void emptied(struct eng_scene *scene)
 {
     struct eng_step_memory *memory = eng_step_memory_of(scene);
     assert(!memory->borrows);
     eng_pool_deinit(&memory->own_pool);
     eng_merge_deinit(&memory->own_merge);
-    memory->sorted.may_shrink = memory->found.may_shrink = true;
+    memory->was_emptied = true;
 }
 
 static uint64_t bytes_of(const struct eng_worker *worker)

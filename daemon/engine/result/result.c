@@ -21,17 +21,10 @@ void eng_records_deinit(struct eng_records *records)
 int eng_records_reserve(struct eng_records *records, uint64_t count)
 {
     assert(records->record_bytes > 0);
-    uint64_t capacity = count + count / 2;
-    if (records->may_shrink &&
-        capacity * records->record_bytes < records->capacity_bytes) {
-        eng_free(records->data); /* first, so that both are never there together */
-        records->data = NULL;
-        records->count = records->capacity_bytes = 0;
-    }
-    records->may_shrink = false;
     if (count * records->record_bytes <= records->capacity_bytes) {
         return PCCD_OK;
     }
+    uint64_t capacity = count + count / 2;
     unsigned char *data = eng_alloc(capacity, records->record_bytes);
     if (!data) {
         return PCCD_E_NOMEM;

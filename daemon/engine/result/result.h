@@ -65,7 +65,6 @@ struct eng_records {
     uint32_t record_bytes;
     uint64_t count;
     uint64_t capacity_bytes;
-    bool may_shrink; /* the next reserve gives back what is far too much */
 };
 
 /* Keep `count` records at most, those that were found first. */
