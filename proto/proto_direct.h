@@ -17,7 +17,7 @@
 #include "seqpacket.h"
 
 /* Changes when a member of struct proto_direct does. */
-#define PROTO_DIRECT_VERSION 7u
+#define PROTO_DIRECT_VERSION 8u
 
 /* The file, and what it exports: a proto_direct_fn. */
 #define PROTO_DIRECT_LIBRARY "libpccd-direct.so.0"
@@ -89,9 +89,8 @@ struct proto_direct {
      * most `threads`; 0: as it is. [owner] */
     void (*limit)(struct proto_direct_inbox *line, uint32_t threads);
 
-    /* For libpccd-mpi, too: memory of pages that the client has released is given back.
-     * [owner] */
-    void (*trim)(struct proto_direct_inbox *line);
+    /* For libpccd-mpi, too: cli_foreign_expect. [owner] */
+    void (*expect)(struct proto_direct_inbox *line, uint32_t scene, uint64_t records);
 
     /* All that the client has is freed, with the last client everything. [owner] */
     void (*close)(struct proto_direct_inbox *line);

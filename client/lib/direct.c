@@ -180,10 +180,10 @@ int cli_foreign_threads(struct pccd_client *client, uint32_t threads)
     return 0;
 }
 
-void cli_foreign_trim(struct pccd_client *client)
+void cli_foreign_expect(struct pccd_client *client, uint32_t scene, uint64_t records)
 {
     if (client->direct.line != NULL) {
-        client->direct.host->trim(client->direct.line);
+        client->direct.host->expect(client->direct.line, scene, records);
     }
 }
 

@@ -39,8 +39,12 @@ cli_foreign_watch(struct pccd_client *client, bool (*is_stopped)(void *), void *
 __attribute__((visibility("default"))) int cli_foreign_threads(struct pccd_client *client,
                                                                uint32_t threads);
 
-/* With the url direct:, memory of pages that the client has released is given back. */
-__attribute__((visibility("default"))) void cli_foreign_trim(struct pccd_client *client);
+/* With the url direct:, the next step of the client's scene is to find about so many
+ * contacts or pairs, which would otherwise be taken to be as many as the last one found:
+ * what it finds has memory first. Memory of pages that the client has released is given
+ * back. Neither changes an answer. */
+__attribute__((visibility("default"))) void
+cli_foreign_expect(struct pccd_client *client, uint32_t scene, uint64_t records);
 
 /* With the url direct:, of all vertices of an object of the client's scene, which it does
  * not share: where their positions at the end of its next step can be written, and,

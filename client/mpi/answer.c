@@ -198,6 +198,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
         balance_note_times(world, answer->times.step, cut_ns);
     }
     totals.sums.toi_first = toi_first;
+    world->found = totals.sums.total;
     if (status == PCCD_OK && totals.sums.total > world->record_limit) {
         status = shorten(world, &totals);
     }

@@ -327,10 +327,13 @@ static int drop_meshes(struct pccd_mpi *world)
     return ranks_agree_on(&world->link, status);
 }
 
-/* The scene is cut, if that is due or it never was. */
+/* The scene is cut, if that is due or it never was. A rank may have had many more records
+ * than others; after a cut by work they have about as many. */
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment)
 {
     int status = PCCD_OK;
+    cli_foreign_expect(world->client, world->scene,
+                       world->found / (uint64_t)world->link.size);
     if (world->is_covered) {
         status = drop_meshes(world);
         if (status == PCCD_OK) {
@@ -391,7 +394,6 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
     int status = choose_ghosts(world, moment);
     if (is_cut) {
         give_back();
-        world->was_cut = true;
     }
     uint64_t cut_ns = is_cut ? common_now_ns() - begin_ns : 0;
     if (status == PCCD_OK && moment->stopped != PCCD_COMPLETE) {
@@ -452,10 +454,6 @@ static int make(struct pccd_mpi *world, struct ranks_moment *moment,
     uint64_t begin_ns = common_now_ns();
     world->link.sent_bytes = 0;
     ranks_records_begin(world);
-    if (world->was_cut) { /* a rank may have had more records before */
-        cli_foreign_trim(world->client);
-        world->was_cut = false;
-    }
     world->bound_count = world->stray_count = 0;
     world->is_merged = moment->near != NULL && moment->near->what == PCCD_NEAR_FEATURES;
     world->mode = moment->near != NULL ? PCCD_MODE_ALL : moment->settings.mode;

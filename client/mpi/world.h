@@ -172,7 +172,6 @@ struct pccd_mpi {
     uint32_t ignored_count;
     struct ranks_plan plan;
     bool is_cut;          /* each object's `own` is what the curve says */
-    bool was_cut;         /* in the last step */
     bool is_covered;      /* ghosts were chosen for these objects, settings and reach */
     double reach;         /* separation for which they were */
     bool is_for_pairs;    /* they do for mode `pairs`, too, which asks for whole steps */
@@ -182,6 +181,7 @@ struct pccd_mpi {
     enum pccd_mode mode;
     void *records; /* in `copied`, or in the page that is held */
     uint64_t record_count;
+    uint64_t found;        /* by the last step, of all ranks together */
     uint64_t page_hash[4]; /* of contacts and pairs, as in struct ranks_sums */
     struct pccd_answer page;
     void *written; /* where records of the page that comes next were; NULL: nowhere yet */

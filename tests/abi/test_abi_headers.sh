@@ -69,7 +69,7 @@ if [ -e "$library" ]; then
     nm -D --defined-only "$library" | awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' |
         LC_ALL=C sort >"$work/exported"
     # Those of client/lib/foreign.h, which are for libpccd-mpi alone, have a version of their own.
-    { cat "$work/map" && printf 'cli_foreign_%s\n' lend lent own threads trim watch write; } | LC_ALL=C sort |
+    { cat "$work/map" && printf 'cli_foreign_%s\n' expect lend lent own threads watch write; } | LC_ALL=C sort |
         diff - "$work/exported" >"$work/log" 2>&1 &&
         [ "$(nm -D "$library" | grep -c 'cli_foreign_[a-z]*@@PCCD_PRIVATE$')" -eq 7 ]
     # If this failed, a symbol came or went unnoticed, or a private one leaked.

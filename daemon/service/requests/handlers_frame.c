@@ -93,6 +93,7 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
     }
     scene->stepper = by->session;
     scene->records = step->records;
+    scene->expected = step->count;
     scene->has_answer = true;
     PCCD_ASSERT(step->count == 0 || step->record_bytes == scene->answer.record_bytes);
     return 0;
@@ -102,17 +103,18 @@ int srv_frame_compute(struct srv_scene *scene, const struct eng_step_settings *s
 #define LENT_BYTES_MIN (1u << 20)
 
 /* What a step finds lies where its page will, and has gone from there, into order, when
- * that is written: so there is memory for one of the two alone. The page is taken to be
- * as long as the last one. A client that could write there meanwhile would make the
+ * that is written: so there is memory for one of the two alone, as long as the page is
+ * expected to be. A client that could write there meanwhile would make the
  * engine read what it has not found. [compute] */
 static void lend_page(const struct srv_request *request,
                       struct eng_step_settings *settings)
 {
-    const struct proto_FRAME_SUBMIT_result *last = &request->plan.scene->answer;
+    const struct srv_scene *scene = request->plan.scene;
+    uint32_t record_bytes = scene->answer.record_bytes; /* 0: there was no step yet */
     if (request->session->service->lends_pages &&
-        last->total * last->record_bytes >= LENT_BYTES_MIN) {
-        settings->lent = srv_ring_next(request->plan.ring, last->record_bytes,
-                                       last->total, &settings->lent_bytes);
+        scene->expected * record_bytes >= LENT_BYTES_MIN) {
+        settings->lent = srv_ring_next(request->plan.ring, record_bytes, scene->expected,
+                                       &settings->lent_bytes);
     }
 }
 
