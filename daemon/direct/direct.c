@@ -518,8 +518,7 @@ static int lend_in_turn(struct proto_direct_inbox *line, uint32_t scene, uint32_
     return status;
 }
 
-static void expect_records(struct proto_direct_inbox *line, uint32_t handle,
-                           uint64_t records)
+static void expect(struct proto_direct_inbox *line, uint32_t handle, uint64_t records)
 {
     if (is_forked || srv_inbox_is_finished(&line->conn)) {
         return;
@@ -528,11 +527,9 @@ static void expect_records(struct proto_direct_inbox *line, uint32_t handle,
     const struct srv_session *session = line->conn.session;
     struct srv_scene *scene =
         session != NULL ? srv_handles_get(&session->scenes, handle) : NULL;
-    if (scene != NULL) {
-        scene->expected = records;
-    }
-    if (session != NULL && session->ring != NULL) {
+    if (scene != NULL && session->ring != NULL) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
+        scene->expected = records;
         srv_ring_give_back(session->ring);
         srv_thread_enter(SRV_THREAD_LOOP);
     }
@@ -596,7 +593,7 @@ const struct proto_direct *pccd_direct_host(uint32_t version)
                                              .lend = lend_in_turn,
                                              .watch = watch_line,
                                              .limit = limit_line,
-                                             .expect = expect_records,
+                                             .expect = expect,
                                              .write = write_line,
                                              .close = close_line};
     return version == PROTO_DIRECT_VERSION ? &host : NULL;

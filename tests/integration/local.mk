@@ -13,6 +13,7 @@ integration_names = \
     tests/integration/test_int_deadline \
     tests/integration/test_int_death \
     tests/integration/test_int_direct \
+    tests/integration/test_int_expected \
     tests/integration/test_int_filter \
     tests/integration/test_int_flow \
     tests/integration/test_int_free \
@@ -124,6 +125,10 @@ tests_integration_test_int_direct_SOURCES = tests/integration/test_int_direct.c 
 tests_integration_test_int_direct_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_direct_CFLAGS = $(AM_CFLAGS) -pthread
 tests_integration_test_int_direct_LDADD = $(integration_libs)
+
+tests_integration_test_int_expected_SOURCES = tests/integration/test_int_expected.c
+tests_integration_test_int_expected_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_expected_LDADD = $(integration_libs)
 
 # The programs that need no daemon, once more without one.
 TESTS += tests/integration/direct_check.sh

@@ -25,11 +25,19 @@
 #include "allocations.h"
 #include "crossing.h"
 #include "daemon.h"
-#include "foreign.h"
 #include "grid.h"
 #include "pccd.h"
 #include "prng.h"
-#include "process_status.h"
+
+static struct pccd_client *connect_direct(void)
+{
+    struct pccd_options options;
+    struct pccd_client *client = NULL;
+
+    pccd_options_init(&options);
+    options.url = "direct:";
+    return pccd_connect(&options, &client) == 0 ? client : NULL;
+}
 
 static struct pccd_client *connect_to(const char *url)
 {
@@ -39,11 +47,6 @@ static struct pccd_client *connect_to(const char *url)
     pccd_options_init(&options);
     options.url = url;
     return pccd_connect(&options, &client) == 0 ? client : NULL;
-}
-
-static struct pccd_client *connect_direct(void)
-{
-    return connect_to("direct:");
 }
 
 static uint32_t count_entries(const char *path)
@@ -374,6 +377,7 @@ static void direct__held_answers_stay_while_others_are_found(void **state)
     assert_int_equal(test_grid_make(client, 150, &grid), 0);
     for (int i = 0; i < 12; i++) {
         struct pccd_answer *oldest = &held[i % HELD];
+
         pccd_answer_release(client, oldest);
         assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, oldest), 0);
@@ -383,43 +387,6 @@ static void direct__held_answers_stay_while_others_are_found(void **state)
         for (int k = 0; k < HELD && i > 0; k++) {
             assert_memory_equal(held[k].contacts, copies[k], sizeof copies[0]);
         }
-    }
-    test_grid_free(&grid);
-    pccd_close(client);
-}
-
-static uint64_t shared_mb(void)
-{
-    return common_process_status((long)getpid(), "RssShmem:") >> 10;
-}
-
-/* If it failed, a process of libpccd-mpi would keep the memory of records that went to
- * others, or miss some. */
-static void direct__memory_follows_expected_records(void **state)
-{
-    enum { WIDTH = 512, CONTACTS = WIDTH * WIDTH, MB = CONTACTS >> 14 };
-    static const uint64_t expected[] = {CONTACTS, 0, 4 * CONTACTS, 0};
-    struct pccd_client *client = connect_direct();
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct test_grid grid;
-    uint64_t step = 0, answered = 0, rest = 0;
-
-    (void)state;
-    assert_int_equal(test_grid_make(client, WIDTH, &grid), 0);
-    for (int i = 0; i < 4; i++) {
-        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
-        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
-        assert_true(test_grid_is_right(&grid, &answer));
-        answered = shared_mb();
-        if (answered == 0) { /* this system does not tell */
-            skip();
-        }
-        pccd_answer_release(client, &answer);
-        cli_foreign_expect(client, grid.scene, expected[i]);
-        rest = i == 0 ? shared_mb() : rest; /* slots for positions */
-        assert_in_range(shared_mb(), rest, rest + 1);
-        /* What the client has read was mapped twice. */
-        assert_in_range(answered - rest - (i == 3 ? 5u : 2u) * MB, 0, 8);
     }
     test_grid_free(&grid);
     pccd_close(client);
@@ -590,7 +557,6 @@ int main(void)
         cmocka_unit_test(direct__clients_of_two_threads_do_not_disturb_each_other),
         cmocka_unit_test(direct__warm_frames_allocate_nothing),
         cmocka_unit_test(direct__held_answers_stay_while_others_are_found),
-        cmocka_unit_test(direct__memory_follows_expected_records),
         cmocka_unit_test(direct__last_client_leaves_nothing),
         cmocka_unit_test(direct__descriptor_is_readable_while_answers_wait),
         cmocka_unit_test(direct__deadline_counts_computing_alone),

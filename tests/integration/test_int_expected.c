@@ -1,0 +1,70 @@
+/* test_int_expected.c - how many records libpccd-mpi says that a step will find.
+ *
+ * Room:     tests/integration. May include: pccd.h, foreign.h, tests/support.
+ * Does:     steps that find as many, more and fewer: the answers are the same, and the
+ *           memory of pages is as much as was expected, or as it took.
+ * Threads:  one.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <unistd.h>
+
+#include "foreign.h"
+#include "grid.h"
+#include "pccd.h"
+#include "process_status.h"
+
+static uint64_t shared_mb(void)
+{
+    return common_process_status((long)getpid(), "RssShmem:") >> 10;
+}
+
+/* If it failed, a process of libpccd-mpi would keep the memory of records that went to
+ * others, or miss some. */
+static void expected__memory_follows_records(void **state)
+{
+    enum { WIDTH = 512, CONTACTS = WIDTH * WIDTH, MB = CONTACTS >> 14 };
+    static const uint64_t expected[] = {CONTACTS, 0, 4 * CONTACTS, 0};
+    struct pccd_client *client = NULL;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_options options;
+    struct test_grid grid;
+    uint64_t step = 0, answered = 0, rest = 0;
+
+    (void)state;
+    pccd_options_init(&options);
+    options.url = "direct:";
+    assert_int_equal(pccd_connect(&options, &client), 0);
+    assert_int_equal(test_grid_make(client, WIDTH, &grid), 0);
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(test_grid_submit(&grid, NULL, &step), 0);
+        assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+        assert_true(test_grid_is_right(&grid, &answer));
+        answered = shared_mb();
+        if (answered == 0) { /* this system does not tell */
+            skip();
+        }
+        pccd_answer_release(client, &answer);
+        cli_foreign_expect(client, grid.scene, expected[i]);
+        rest = i == 0 ? shared_mb() : rest; /* slots for positions */
+        assert_in_range(shared_mb(), rest, rest + 1);
+        /* What the client has read was mapped twice. */
+        assert_in_range(answered - rest - (i == 3 ? 5u : 2u) * MB, 0, 8);
+    }
+    test_grid_free(&grid);
+    pccd_close(client);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(expected__memory_follows_records),
+    };
+
+    return cmocka_run_group_tests_name("expected", tests, NULL, NULL);
+}
