@@ -7,11 +7,12 @@
  */
 #include "balance.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
- * as long as a cut takes. At once after the first step, whose cut knew nothing of work,
- * and after the second, as the first tells little of large scenes. */
+ * as long as a cut takes. At once in the first step, after a cut that knew nothing of
+ * work, and in the next one, as weights are a guess before any work was counted. */
 #define IMBALANCE_MAX 1.05
 
 /* What passes the filter takes some times as long as a box test: in one process 102 and
@@ -32,22 +33,37 @@ void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *count
                         SURVIVOR_WORK * (counters->survivors + counters->thick_survivors);
 }
 
-int balance_tell(struct pccd_mpi *world)
+/* The most of all ranks, and what that is beside the mean. */
+static int compare(struct pccd_mpi *world, uint64_t mine, double *most)
 {
     struct ranks_link *link = &world->link;
     uint64_t *all = ranks_array((uint64_t)link->size, sizeof *all);
     int status = ranks_agree_on(link, all == NULL ? ranks_no_memory(world) : PCCD_OK);
     if (status == PCCD_OK) {
-        status = ranks_tell_all(link, world->share.work, all);
+        status = ranks_tell_all(link, mine, all);
     }
-    double sum = 0, most = 0;
+    double sum = 0;
+    *most = 0;
     for (int r = 0; r < link->size && status == PCCD_OK; r++) {
         sum += (double)all[r];
-        most = (double)all[r] > most ? (double)all[r] : most;
+        *most = fmax(*most, (double)all[r]);
     }
-    world->share.imbalance = sum > 0 ? most * link->size / sum : 1;
-    world->right_work += most;
+    world->share.imbalance = sum > 0 ? *most * link->size / sum : 1;
     free(all);
+    return status;
+}
+
+int balance_guess(struct pccd_mpi *world, uint64_t weight)
+{
+    double most;
+    return compare(world, weight, &most);
+}
+
+int balance_tell(struct pccd_mpi *world)
+{
+    double most;
+    int status = compare(world, world->share.work, &most);
+    world->right_work += most;
     return status;
 }
 

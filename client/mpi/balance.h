@@ -11,7 +11,9 @@
 
 /* After a step of libpccd in this rank. */
 void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective: world->share.imbalance; the most work of a rank goes to
+/* Collective, before a step: world->share.imbalance by the weights of own leaves. */
+int balance_guess(struct pccd_mpi *world, uint64_t weight);
+/* Collective, after a step: world->share.imbalance; the most work of a rank goes to
  * world->right_work. */
 int balance_tell(struct pccd_mpi *world);
 

@@ -146,8 +146,6 @@ static int settle(struct pccd_mpi *world, const struct ranks_traveller *leaves,
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         struct ranks_object *object = world->objects[o];
         free(object->own);
-        free(object->weights);
-        object->weights = NULL;
         object->own = ranks_array(object->own_count, sizeof *object->own);
         status = object->own == NULL ? ranks_no_memory(world) : PCCD_OK;
         object->own_count = 0;
@@ -312,6 +310,7 @@ int ranks_cut(struct pccd_mpi *world)
     }
     if (status == PCCD_OK) {
         world->is_cut = true;
+        world->share.work = 0; /* that was of another cut */
         world->share.cuts++;
     }
     return status;

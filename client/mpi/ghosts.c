@@ -453,8 +453,8 @@ static int settle(struct pccd_mpi *world, const struct choice *choice)
     return status;
 }
 
-/* Let libpccd have the objects that have changed in any rank. */
-static int build(struct pccd_mpi *world)
+/* Number what is here of the objects that have changed in any rank. */
+static int name_local(struct pccd_mpi *world)
 {
     struct ranks_link *link = &world->link;
     uint32_t objects = world->object_count;
@@ -472,14 +472,10 @@ static int build(struct pccd_mpi *world)
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         any = any || changed[o];
+        world->objects[o]->is_renamed |= changed[o] != 0;
     }
     if (any && status == PCCD_OK) {
         status = ranks_plan_make(world);
-    }
-    for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
-        if (changed[o]) {
-            status = ranks_local_put(world, world->objects[o]);
-        }
     }
     free(changed);
     return status;
@@ -538,7 +534,7 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still
     int status = choose_all(world, &choice);
     choice_deinit(world, &choice);
     if (status == PCCD_OK) {
-        status = build(world);
+        status = name_local(world);
     }
     if (status == PCCD_OK) {
         status = ranks_rooms_learn(world);
@@ -549,5 +545,19 @@ int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still
         world->reach = separation;
         world->share.searches++;
     }
+    return status;
+}
+
+int ranks_ghosts_build(struct pccd_mpi *world)
+{
+    int status = PCCD_OK;
+    for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
+        struct ranks_object *object = world->objects[o];
+        if (object->is_renamed) {
+            status = ranks_local_put(world, object);
+            object->is_renamed = status != PCCD_OK;
+        }
+    }
+    world->is_covered = world->is_covered && status == PCCD_OK;
     return status;
 }

@@ -28,6 +28,8 @@
  * that was made for it the last time. */
 int ranks_ghosts_choose(struct pccd_mpi *world, double separation, bool is_still,
                         bool has_missed);
+/* Collective, after that: libpccd has them, and own leaves. */
+int ranks_ghosts_build(struct pccd_mpi *world);
 
 /* In this rank alone: of each object, would its given vertices leave their boxes in the
  * step from object->from to object->to? from, to: how many steps have been made there

@@ -327,23 +327,44 @@ static int drop_meshes(struct pccd_mpi *world)
     return ranks_agree_on(&world->link, status);
 }
 
-/* The scene is cut, if that is due or it never was. A rank may have had many more records
- * than others; after a cut by work they have about as many. */
-static int cut(struct pccd_mpi *world, struct ranks_moment *moment)
+/* Cut by what this step is for each leaf: ghosts are right for it. */
+static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool is_due)
 {
-    int status = PCCD_OK;
+    uint64_t weight;
+    int status = ranks_weigh(world, moment->settings.separation, &weight);
+    if (status == PCCD_OK && !is_due) {
+        status = balance_guess(world, weight);
+    }
+    if (status == PCCD_OK && (is_due || balance_wants_cut(world))) {
+        status = ranks_cut(world);
+    }
+    ranks_weights_forget(world);
+    return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
+}
+
+/* The scene is cut, as that is due or it never was. A rank may have had many more records
+ * than others; after a cut by work they have about as many. */
+static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
+{
     cli_foreign_expect(world->client, world->scene,
                        world->found / (uint64_t)world->link.size);
     if (world->is_covered) {
-        status = drop_meshes(world);
-        if (status == PCCD_OK) {
-            status = ranks_weigh(world, moment->settings.separation);
-        }
+        int status = drop_meshes(world);
+        return status == PCCD_OK ? cut_by_work(world, moment, true) : status;
     }
+    int status = ranks_cut(world);
     if (status == PCCD_OK) {
-        status = ranks_cut(world);
+        status = ranks_stop_agree(&world->stop, &moment->stopped);
     }
-    return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
+    if (status != PCCD_OK || moment->stopped != PCCD_COMPLETE || world->link.size == 1 ||
+        !is_of_leaves) {
+        return status;
+    }
+    /* That was by leaves: what they meet is known only where ghosts are. */
+    status = choose_ghosts(world, moment);
+    return status == PCCD_OK && moment->stopped == PCCD_COMPLETE
+               ? cut_by_work(world, moment, false)
+               : status;
 }
 
 static int make_answer(struct pccd_mpi *world, const struct ranks_moment *moment,
@@ -392,6 +413,9 @@ static int ask_libpccd(struct pccd_mpi *world, struct ranks_moment *moment,
     const struct ranks_sending sending = sending_of(world, moment);
     struct pccd_frame frame;
     int status = choose_ghosts(world, moment);
+    if (status == PCCD_OK) {
+        status = ranks_ghosts_build(world);
+    }
     if (is_cut) {
         give_back();
     }
@@ -430,7 +454,7 @@ static int answer_by(struct pccd_mpi *world, struct ranks_moment *moment,
     bool is_stopped = is_of_leaves && moment->stopped != PCCD_COMPLETE;
     bool is_cut =
         !is_stopped && (!world->is_cut || (is_of_leaves && balance_wants_cut(world)));
-    int status = is_cut ? cut(world, moment) : PCCD_OK;
+    int status = is_cut ? cut(world, moment, is_of_leaves) : PCCD_OK;
     if (status != PCCD_OK) {
         return status;
     }

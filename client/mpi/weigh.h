@@ -11,7 +11,9 @@
 #include "world.h"
 
 /* Collective, while ghosts are right for some step: object->weights, for a step from
- * object->from to object->to. */
-int ranks_weigh(struct pccd_mpi *world, double separation);
+ * object->from to object->to, and the sum of this rank's. */
+int ranks_weigh(struct pccd_mpi *world, double separation, uint64_t *sum);
+/* In this rank alone: they all weigh the same again. */
+void ranks_weights_forget(struct pccd_mpi *world);
 
 #endif

@@ -126,6 +126,7 @@ struct ranks_object {
     uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
     bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */
+    bool is_renamed;   /* `local` is another than it has, on some rank */
     bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
 };
 

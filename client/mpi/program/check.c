@@ -104,7 +104,6 @@ struct check {
     struct ctl_mesh before, after;
     struct report_step *steps; /* [path_count - 1] */
     uint32_t number;           /* of the step, from 1 */
-    uint32_t made;             /* steps so far, repeated ones, too */
     FILE *report;
 };
 
@@ -180,10 +179,6 @@ static int begin(struct check *check, struct ctl_error *error)
     return status == PCCD_OK ? PCCD_OK : fail(check, status, error);
 }
 
-/* Steps that may begin with a cut, as the one before told how the work is spread. What
- * the first ones leave is given back. */
-#define STEPS_OF_CUTS 3u
-
 /* What check_run_repeat asks for: the answer without its records, which stay here until
  * the next step. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
@@ -198,9 +193,6 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
     answer->contacts = NULL;
     answer->pairs = NULL;
     answer->count = 0;
-    if (++check->made == STEPS_OF_CUTS && check->options->tells_shares) {
-        common_forget_most_memory();
-    }
     return status;
 }
 
@@ -333,7 +325,7 @@ static int report_all(struct check *check, struct ctl_error *error)
     return PCCD_OK;
 }
 
-/* A line of each rank, in turn. Its memory: after these steps. */
+/* A line of each rank, in turn. */
 static void tell_shares(const struct check *check)
 {
     const double most_mb =
