@@ -491,6 +491,7 @@ static int make(struct pccd_mpi *world, struct ranks_moment *moment,
         return PCCD_OK;
     }
     world->record_count = world->bound_count = 0;
+    world->is_covered = false; /* ghosts may be those of the step that was not made */
     forget_begins(world, moment);
     if (world->link.broken == PCCD_OK) {
         int settled = ranks_stop_settle_alone(&world->stop);

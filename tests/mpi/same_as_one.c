@@ -987,6 +987,49 @@ static void fly_again(struct flight *flight, bool is_back)
     step();
 }
 
+/* Each cloud begins elsewhere, and comes to x1 there; or goes from where it is. */
+static void jump(const struct flight *flight, double away, bool begins)
+{
+    for (uint32_t i = 0; i < flight->count; i++) {
+        struct play_act act = flight->clouds[i].act;
+        const double(*at)[3] = (const double(*)[3])act.x1;
+        act.what = begins ? PLAY_X0X1 : PLAY_X1;
+        act.x0 = keep(need(act.vertex_count * sizeof *act.x0));
+        act.x1 = keep(need(act.vertex_count * sizeof *act.x1));
+        for (uint32_t v = 0; v < act.vertex_count; v++) {
+            for (int k = 0; k < 3; k++) {
+                act.x1[v][k] = at[v][k] + (k == 2 ? i * away : 0);
+                act.x0[v][k] = act.x1[v][k] - 0.001;
+            }
+        }
+        move(&test.actors[i], &act);
+    }
+}
+
+/* A step elsewhere is refused: all stays where it was. What was found out for it is not
+ * right for the way there, and back. */
+static void jump_in_vain(const struct flight *flight)
+{
+    struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    const double away = prng_between(&test.prng, -1, 1);
+    settings.tolerance = 5;
+    jump(flight, away, true);
+    int status =
+        pccd_mpi_step(test.world, test.motions, test.motion_count, &settings, &answer);
+    if (test.rank == 0 &&
+        (status != PCCD_E_INVAL ||
+         pccd_step(test.one, test.scene, test.one_motions, test.one_motion_count,
+                   &settings, &answer) != PCCD_E_INVAL)) {
+        fail("a tolerance of 5 was taken");
+    }
+    forget_all_motions();
+    jump(flight, away, false);
+    step();
+    jump(flight, 0, false);
+    step();
+}
+
 /* Clouds that fly through each other, and go on as they went: so ghosts stay right for
  * many steps, and boxes follow. Some turn, stop, wait, or start elsewhere; others come
  * from afar, and meet when what was chosen first is right no more, or when one of them
@@ -1013,6 +1056,9 @@ static void perform_flight(uint32_t triangles)
     }
     test.farthest = chance(0.7) ? 0 : 0.05; /* ghosts are right for long if it is 0 */
     for (uint32_t s = 0; s < FLIGHT_STEPS; s++) {
+        if (chance(0.1)) {
+            jump_in_vain(&flight);
+        }
         for (uint32_t i = 0; i < flight.count; i++) {
             if (!flight.is_chase || i == 0 || s < flight.stop) {
                 fly(&flight, &flight.clouds[i], &test.actors[i]);
