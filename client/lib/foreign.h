@@ -66,8 +66,8 @@ __attribute__((visibility("default"))) int cli_foreign_lent(struct pccd_client *
 /* With the url direct:, the contacts and pairs of the client's steps come to the page of
  * an answer by write(writer, to, from, count), which the thread that called calls. It is
  * to make `count` records of those that it reads, and may write there until
- * pccd_answer_release. The answer has no hash then. PCCD_E_STATE: it is another url, or
- * the client was recorded; they are copied. */
+ * pccd_answer_release. The answer has no hash then. NULL: they are copied, as ever.
+ * PCCD_E_STATE: so they are, as it is another url, or the client is recorded. */
 __attribute__((visibility("default"))) int
 cli_foreign_write(struct pccd_client *client,
                   void (*write)(void *writer, void *to, const void *from, uint64_t count),

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 
 /* Beyond this the scene is cut anew, as soon as what was lost by it since the last cut is
- * as long as a cut takes. At once in the first step, after a cut that knew nothing of
- * work, and in the next one, as weights are a guess before any work was counted. */
+ * as long as a cut takes. At once after a cut that knew nothing of work, and as long as
+ * there were fewer than three cuts, as weights are a guess before work was counted. */
 #define IMBALANCE_MAX 1.05
 
 /* What passes the filter takes some times as long as a box test: in one process 102 and
@@ -34,7 +34,7 @@ void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *count
 }
 
 /* The most of all ranks, and what that is beside the mean. */
-static int compare(struct pccd_mpi *world, uint64_t mine, double *most)
+static int compare(struct pccd_mpi *world, uint64_t mine, double *most, double *imbalance)
 {
     struct ranks_link *link = &world->link;
     uint64_t *all = ranks_array((uint64_t)link->size, sizeof *all);
@@ -48,21 +48,24 @@ static int compare(struct pccd_mpi *world, uint64_t mine, double *most)
         sum += (double)all[r];
         *most = fmax(*most, (double)all[r]);
     }
-    world->share.imbalance = sum > 0 ? *most * link->size / sum : 1;
+    *imbalance = sum > 0 ? *most * link->size / sum : 1;
     free(all);
     return status;
 }
 
-int balance_guess(struct pccd_mpi *world, uint64_t weight)
+int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven)
 {
-    double most;
-    return compare(world, weight, &most);
+    double most, imbalance;
+    int status = compare(world, weight, &most, &imbalance);
+    *is_uneven = imbalance > IMBALANCE_MAX;
+    return status;
 }
 
 int balance_tell(struct pccd_mpi *world)
 {
     double most;
-    int status = compare(world, world->share.work, &most);
+    int status = compare(world, world->share.work, &most, &world->share.imbalance);
+    world->known_work = world->share.work;
     world->right_work += most;
     return status;
 }

@@ -11,9 +11,10 @@
 
 /* After a step of libpccd in this rank. */
 void balance_note(struct pccd_mpi *world, const struct pccd_step_counters *counters);
-/* Collective, before a step: world->share.imbalance by the weights of own leaves. */
-int balance_guess(struct pccd_mpi *world, uint64_t weight);
-/* Collective, after a step: world->share.imbalance; the most work of a rank goes to
+/* Collective: are the weights of what the ranks have so uneven that a cut pays? */
+int balance_guess(struct pccd_mpi *world, uint64_t weight, bool *is_uneven);
+/* Collective, after a step that each rank did all its work for: world->share.imbalance,
+ * and what this rank's work was to world->known_work; the most work of a rank goes to
  * world->right_work. */
 int balance_tell(struct pccd_mpi *world);
 

@@ -310,7 +310,8 @@ int ranks_cut(struct pccd_mpi *world)
     }
     if (status == PCCD_OK) {
         world->is_cut = true;
-        world->share.work = 0; /* that was of another cut */
+        world->share.imbalance = 1; /* nothing is known of this one */
+        world->known_work = 0;
         world->share.cuts++;
     }
     return status;

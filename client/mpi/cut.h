@@ -11,7 +11,7 @@
 #include "world.h"
 
 /* Collective: deal out the leaves by where their given vertices are (object->x), and by
- * their weights (weigh.h). Afterwards there are neither ghosts nor weights. */
+ * their weights (weigh.h), which are of no use then. Afterwards there are no ghosts. */
 int ranks_cut(struct pccd_mpi *world);
 
 #endif

@@ -472,12 +472,13 @@ static int name_local(struct pccd_mpi *world)
     }
     for (uint32_t o = 0; o < objects && status == PCCD_OK; o++) {
         any = any || changed[o];
-        world->objects[o]->is_renamed |= changed[o] != 0;
+        world->objects[o]->is_unsent |= changed[o] != 0;
     }
     if (any && status == PCCD_OK) {
         status = ranks_plan_make(world);
     }
     free(changed);
+    world->is_cut = world->is_cut && status == PCCD_OK; /* else the plan is another's */
     return status;
 }
 
@@ -553,9 +554,9 @@ int ranks_ghosts_build(struct pccd_mpi *world)
     int status = PCCD_OK;
     for (uint32_t o = 0; o < world->object_count && status == PCCD_OK; o++) {
         struct ranks_object *object = world->objects[o];
-        if (object->is_renamed) {
+        if (object->is_unsent) {
             status = ranks_local_put(world, object);
-            object->is_renamed = status != PCCD_OK;
+            object->is_unsent = status != PCCD_OK;
         }
     }
     world->is_covered = world->is_covered && status == PCCD_OK;

@@ -366,6 +366,7 @@ int ranks_local_put(struct pccd_mpi *world, struct ranks_object *object)
         if (status == PCCD_OK) {
             object->is_built = true;
             status = ranks_local_show(world, object);
+            object->is_built = status == PCCD_OK;
         }
     }
     status = ranks_agree_on(&world->link, status);

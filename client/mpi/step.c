@@ -327,32 +327,36 @@ static int drop_meshes(struct pccd_mpi *world)
     return ranks_agree_on(&world->link, status);
 }
 
-/* Cut by what this step is for each leaf: ghosts are right for it. */
-static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool is_due)
+/* Cut by what leaves meet in this step, as ghosts tell; if that is uneven, or always. */
+static int cut_by_work(struct pccd_mpi *world, struct ranks_moment *moment, bool always)
 {
     uint64_t weight;
+    bool is_uneven = always;
     int status = ranks_weigh(world, moment->settings.separation, &weight);
-    if (status == PCCD_OK && !is_due) {
-        status = balance_guess(world, weight);
+    if (status == PCCD_OK && !always) {
+        status = balance_guess(world, weight, &is_uneven);
     }
-    if (status == PCCD_OK && (is_due || balance_wants_cut(world))) {
+    if (status == PCCD_OK && is_uneven) {
         status = ranks_cut(world);
     }
     ranks_weights_forget(world);
     return status == PCCD_OK ? ranks_stop_agree(&world->stop, &moment->stopped) : status;
 }
 
-/* The scene is cut, as that is due or it never was. A rank may have had many more records
- * than others; after a cut by work they have about as many. */
+/* The scene is cut, as that is due or it never was. By work, so that ranks have about as
+ * many records, too; first by leaves, if there are no ghosts to weigh by. */
 static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_leaves)
 {
+    bool has_ghosts = world->is_covered;
     cli_foreign_expect(world->client, world->scene,
                        world->found / (uint64_t)world->link.size);
-    if (world->is_covered) {
-        int status = drop_meshes(world);
-        return status == PCCD_OK ? cut_by_work(world, moment, true) : status;
+    int status = drop_meshes(world);
+    if (status == PCCD_OK && has_ghosts) {
+        return cut_by_work(world, moment, true);
     }
-    int status = ranks_cut(world);
+    if (status == PCCD_OK) {
+        status = ranks_cut(world);
+    }
     if (status == PCCD_OK) {
         status = ranks_stop_agree(&world->stop, &moment->stopped);
     }
@@ -360,7 +364,6 @@ static int cut(struct pccd_mpi *world, struct ranks_moment *moment, bool is_of_l
         !is_of_leaves) {
         return status;
     }
-    /* That was by leaves: what they meet is known only where ghosts are. */
     status = choose_ghosts(world, moment);
     return status == PCCD_OK && moment->stopped == PCCD_COMPLETE
                ? cut_by_work(world, moment, false)
@@ -383,6 +386,8 @@ static int answer_nothing(struct pccd_mpi *world, const struct ranks_moment *mom
     struct pccd_frame frame;
     struct pccd_answer said = PCCD_ANSWER_INIT;
     world->stop.is_set = true;
+    /* It may have a mesh of before a cut: no record gets numbers of what is there now. */
+    (void)cli_foreign_write(world->client, NULL, NULL);
     int status = pccd_frame_begin(world->client, world->scene, 0, 0, &frame);
     status = status == PCCD_OK ? commit(world, moment, &frame, &said)
                                : ranks_fail_local(world, status, "no frame of libpccd");

@@ -509,7 +509,7 @@ static int scale(struct pccd_mpi *world, uint64_t *sum)
             met += world->objects[o]->weights[i];
         }
     }
-    const uint64_t mine[3] = {leaves, met, world->share.work};
+    const uint64_t mine[3] = {leaves, met, world->known_work};
     for (int i = 0; i < 3 && status == PCCD_OK; i++) {
         status = ranks_tell_all(link, mine[i], all + i * link->size);
     }

@@ -126,7 +126,7 @@ struct ranks_object {
     uint32_t neighbour_rings; /* for which they are right */
     struct ranks_local local;
     bool is_built;     /* libpccd has the mesh of `own` and `ghosts` */
-    bool is_renamed;   /* `local` is another than it has, on some rank */
+    bool is_unsent;    /* on some rank libpccd has not got the last `local` yet */
     bool is_elsewhere; /* libpccd has it elsewhere than at x, on every rank */
 };
 
@@ -197,6 +197,8 @@ struct pccd_mpi {
     double *bound_values;
     uint64_t bound_count;
     struct pccd_mpi_share share;
+    uint64_t known_work; /* share.work of the last whole step of this cut; 0: there was
+                            none */
     /* How long the last cut took, and what was lost since because some ranks waited. */
     uint64_t cut_ns;
     double lost_ns;

@@ -50,8 +50,8 @@ struct eng_step_memory {
     struct eng_pool own_pool;
     struct eng_merge *merge;
     struct eng_merge own_merge;
-    bool was_emptied;          /* the scene, since then */
     struct eng_records sorted; /* the last answer */
+    bool was_emptied;          /* the scene, since that answer */
     struct eng_records found;  /* what a step adds to those of it that it keeps */
     struct eng_kept kept;
     struct eng_counts kept_counts; /* of what a step keeps */

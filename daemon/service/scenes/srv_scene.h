@@ -67,7 +67,7 @@ struct srv_scene {
     bool has_answer;             /* `records` and `answer` are of the last step */
     const void *records;
     struct proto_FRAME_SUBMIT_result answer; /* but for the page */
-    uint64_t expected; /* records of the next step: as many, unless somebody says */
+    uint64_t expected; /* records of the next step: as many, or what its client said */
     bool is_placed; /* its last step only brought objects back: where the one began that
                      * had brought them there is not known */
     bool has_near;  /* likewise, of the last scene.near */
