@@ -478,7 +478,7 @@ static int name_local(struct pccd_mpi *world)
         status = ranks_plan_make(world);
     }
     free(changed);
-    world->is_cut = world->is_cut && status == PCCD_OK; /* else the plan is another's */
+    world->is_cut = world->is_cut && status == PCCD_OK; /* else the plan is old */
     return status;
 }
 
@@ -559,6 +559,5 @@ int ranks_ghosts_build(struct pccd_mpi *world)
             object->is_unsent = status != PCCD_OK;
         }
     }
-    world->is_covered = world->is_covered && status == PCCD_OK;
     return status;
 }

@@ -183,7 +183,7 @@ struct pccd_mpi_share {
     uint64_t sent_bytes; /* by this rank, in the last step */
     uint64_t work;       /* counted, of this rank, in the last step */
     double imbalance;    /* largest work of a rank over the mean, of the last step
-                            since a cut that did not end early; 1: there was none */
+                            that did not end early; 1: none since the last cut */
     uint64_t cuts;       /* how often the scene was cut anew so far */
     uint64_t searches;   /* how often ghosts were chosen so far */
 };

@@ -13,7 +13,7 @@
 /* Collective, while there are ghosts, which may be those of another step:
  * object->weights, for a step from object->from to object->to, and this rank's sum. */
 int ranks_weigh(struct pccd_mpi *world, double separation, uint64_t *sum);
-/* In this rank alone: they all weigh the same again. */
+/* In this rank alone: all leaves weigh the same again. */
 void ranks_weights_forget(struct pccd_mpi *world);
 
 #endif

@@ -183,7 +183,7 @@ static int begin(struct check *check, struct ctl_error *error)
  * the next step. */
 static int move_once(void *context, bool is_again, struct pccd_answer *answer)
 {
-    struct check *check = context;
+    const struct check *check = context;
     const struct pccd_motion motion = {.object = check->object,
                                        .count = check->after.vertex_count,
                                        .format = check->after.format,
