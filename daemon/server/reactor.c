@@ -494,7 +494,7 @@ static int serve(struct srv_reactor *reactor)
 int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lockfile)
 {
     srv_thread_enter(SRV_THREAD_LOOP);
-    srv_sandbox_keep_files(options);
+    srv_sandbox_begin(options);
     struct srv_reactor *reactor = calloc(1, sizeof *reactor);
     if (reactor == NULL || uv_loop_init(&reactor->server.uv) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "no memory for the event loop");

@@ -1,7 +1,8 @@
 /* sandbox.c - give up what a daemon that serves has no use for.
  *
  * Room:     server. See sandbox.h.
- * Does:     one list; what is not on it fails with EPERM.
+ * Does:     one list; what is not on it fails with EPERM. Before that, a filter for what
+ *           the event loop's library must not even begin.
  * Threads:  [loop].
  */
 #include "sandbox.h"
@@ -14,6 +15,7 @@
 #include "pccd_types.h"
 
 static int landlock_version; /* 0: not in use */
+static int begin_status;     /* 0, or why there is to be no sandbox: a negative errno */
 
 #ifdef HAVE_SECCOMP
 
@@ -144,6 +146,23 @@ static int allow_binding(scmp_filter_ctx filter)
     return status;
 }
 
+/* From 1.45 on, libuv makes an io_uring with each loop, and ends the process when a call
+ * on that is forbidden. Where none can be made it takes epoll. 0 or a negative errno. */
+static int forbid_rings(void)
+{
+    scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
+    if (filter == NULL) {
+        return -ENOMEM;
+    }
+    int status =
+        seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(io_uring_setup), 0);
+    if (status == 0) {
+        status = seccomp_load(filter);
+    }
+    seccomp_release(filter);
+    return status;
+}
+
 /* 0 or a negative errno. */
 static int enter(const struct srv_options *options)
 {
@@ -178,10 +197,15 @@ bool srv_sandbox_is_default(void)
 
 #else
 
+static int forbid_rings(void)
+{
+    return -ENOSYS; /* built without libseccomp */
+}
+
 static int enter(const struct srv_options *options)
 {
     (void)options;
-    return -ENOSYS; /* built without libseccomp */
+    return -ENOSYS;
 }
 
 bool srv_sandbox_is_default(void)
@@ -199,10 +223,11 @@ static bool is_wanted(const struct srv_options *options)
            (options->sandbox == SRV_SANDBOX_AUTO && srv_sandbox_is_default());
 }
 
-void srv_sandbox_keep_files(const struct srv_options *options)
+void srv_sandbox_begin(const struct srv_options *options)
 {
     if (is_wanted(options)) {
         landlock_version = srv_landlock_enter(options);
+        begin_status = forbid_rings();
     }
 }
 
@@ -218,7 +243,7 @@ int srv_sandbox_enter(const struct srv_options *options)
     if (!is_wanted(options)) {
         return 0;
     }
-    int status = enter(options);
+    int status = begin_status == 0 ? enter(options) : begin_status;
     if (status == 0) {
         is_filtered = true;
         srv_log(SRV_LOG_DEBUG, 0, "in the sandbox");

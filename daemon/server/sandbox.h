@@ -14,10 +14,11 @@
 
 #include "options.h"
 
-/* The first step, before there is a second thread: from here on no file but the socket
- * and its lock is made, written or removed, and none is read, where the kernel has
- * Landlock. Unless options->sandbox says otherwise. */
-void srv_sandbox_keep_files(const struct srv_options *options);
+/* The first step, before there is a second thread or an event loop: from here on no
+ * io_uring is made; and, where the kernel has Landlock, no file but the socket and its
+ * lock is made, written or removed, and none is read. Unless options->sandbox says
+ * otherwise. */
+void srv_sandbox_begin(const struct srv_options *options);
 
 /* Of which parts it is made, for the log: "" or words that begin with a comma. */
 const char *srv_sandbox_text(void);

@@ -134,6 +134,10 @@ tests_integration_test_int_expected_LDADD = $(integration_libs)
 TESTS += tests/integration/direct_check.sh
 dist_check_SCRIPTS += tests/integration/direct_check.sh
 
+# The sandbox, over what other Debians have.
+TESTS += tests/integration/libuv_check.sh
+dist_check_SCRIPTS += tests/integration/libuv_check.sh
+
 tests_integration_test_int_autostart_SOURCES = tests/integration/test_int_autostart.c
 tests_integration_test_int_autostart_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_autostart_LDADD = $(integration_libs)
