@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -33,6 +34,10 @@ static void shown__lets_nothing_control_a_terminal(void **state)
          "\\x9b2J\\xff"},                                      /* no UTF-8 */
         {"\xc0\xaf\xed\xa0\x80", "\\xc0\\xaf\\xed\\xa0\\x80"}, /* overlong, surrogate */
         {"cut \xe2\x82", "cut \\xe2\\x82"},
+        /* Right to left from here on, as in "a.rec" for "cer.a". */
+        {"\xe2\x80\xae"
+         "cer.a",
+         "\\xe2\\x80\\xaecer.a"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -40,6 +45,46 @@ static void shown__lets_nothing_control_a_terminal(void **state)
         assert_string_equal(tool_shown(tool_shown(cases[i].text)), cases[i].shown);
     }
     assert_string_equal(tool_shown_field("0.1.0\033xyz", 6), "0.1.0\\x1b");
+}
+
+/* A code point as UTF-8, and as it is shown when it is not to be seen. */
+static void encode(uint32_t at, char text[5], char shown[17])
+{
+    uint32_t length = at < 0x80 ? 1 : at < 0x800 ? 2 : at < 0x10000 ? 3 : 4;
+    memset(text, 0, 5);
+    for (uint32_t i = length; i-- > 1; at >>= 6) {
+        text[i] = (char)(0x80 | (at & 0x3f));
+    }
+    text[0] = (char)(length == 1 ? at : (0xf00u >> length & 0xf0) | at);
+    for (uint32_t i = 0; i < length; i++) {
+        snprintf(shown + 4 * i, 5, "\\x%02x", (unsigned char)text[i]);
+    }
+}
+
+/* If it failed: a name could look like another one, as what turns text, joins or hides it
+ * is not seen itself; or names in other scripts would not be readable any more. */
+static void shown__has_no_character_that_is_not_seen(void **state)
+{
+    static const uint32_t unseen[] = {
+        0x80,    0x9f,    0xad,    0x600,   0x605,   0x61c,   0x6dd,   0x70f,   0x890,
+        0x8e2,   0x180e,  0x200b,  0x200c,  0x200d,  0x200e,  0x200f,  0x2028,  0x2029,
+        0x202a,  0x202b,  0x202c,  0x202d,  0x202e,  0x2060,  0x2064,  0x2066,  0x2067,
+        0x2068,  0x2069,  0x206f,  0xfeff,  0xfff9,  0xfffb,  0x110bd, 0x110cd, 0x13430,
+        0x1343f, 0x1bca0, 0x1bca3, 0x1d173, 0x1d17a, 0xe0001, 0xe0020, 0xe007f};
+    static const uint32_t seen[] = {0x20,   0x7e,   0xa0,   0xae,    0xe4,
+                                    0x5d0,  0x606,  0x627,  0x905,   0x200a,
+                                    0x2010, 0x2027, 0x202f, 0x205f,  0x2070,
+                                    0x4e2d, 0xfefe, 0xfffc, 0x1f600, 0x10ffff};
+    char text[5], shown[17];
+    (void)state;
+    for (size_t i = 0; i < sizeof unseen / sizeof unseen[0]; i++) {
+        encode(unseen[i], text, shown);
+        assert_string_equal(tool_shown(text), shown);
+    }
+    for (size_t i = 0; i < sizeof seen / sizeof seen[0]; i++) {
+        encode(seen[i], text, shown);
+        assert_string_equal(tool_shown(text), text);
+    }
 }
 
 /* If it failed: half an \xNN or half a character would be shown, or memory overrun. */
@@ -84,6 +129,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shown__lets_nothing_control_a_terminal),
+        cmocka_unit_test(shown__has_no_character_that_is_not_seen),
         cmocka_unit_test(printable__cuts_between_characters),
         cmocka_unit_test(shown__is_as_wide_as_its_column),
         cmocka_unit_test(plural__goes_with_the_number),
