@@ -145,7 +145,8 @@ int record_reader_open(struct record_reader *reader, const char *path)
 {
     struct stat info;
 
-    *reader = (struct record_reader){.fd = open(path, O_RDONLY | O_CLOEXEC)};
+    /* A pipe without a writer would not open; it is refused below. */
+    *reader = (struct record_reader){.fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     if (reader->fd < 0 || fstat(reader->fd, &info) != 0) {
         return fail(reader, PCCD_E_SYSTEM, "%s", strerror(errno));
     }
