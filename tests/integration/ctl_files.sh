@@ -253,4 +253,37 @@ too_large 4 'none of 0 steps\|damaged\|at byte' "$PCCDCTL" verify short.rec
 [ ! -s "$log" ]
 tap_result $? files__are_judged_by_their_beginning "$log"
 
+# If it failed, a command would wait for ever, without a word, for who writes into a pipe.
+: >"$log"
+mkfifo pipe.rec
+for command in replay verify render 'render --near' export 'export --list' ${has_page:+inspect}; do
+    case $command in
+    replay | verify | *--list) output= ;;
+    render*) output='-o no.png' ;;
+    export) output='-o no.glb' ;;
+    inspect) output='-o no.html' ;;
+    esac
+    # shellcheck disable=SC2086 # words
+    too_large 4 'pipe.rec: not a file' "$PCCDCTL" $command $output pipe.rec
+done
+[ ! -s "$log" ]
+tap_result $? files__a_recording_is_no_pipe "$log"
+
+# If it failed, a device that never ends would be read for ever, or a mesh could not come out
+# of another program.
+: >"$log"
+for file in /dev/zero /dev/urandom; do
+    too_large 4 "$file: a device, neither file nor pipe" "$PCCDCTL" check $file $file
+done
+endless() { "$PCCDCTL" check /dev/stdin a.obj </dev/zero; }
+piped() { cat /dev/zero | "$PCCDCTL" check /dev/stdin a.obj; }
+export -f endless piped
+too_large 4 'stdin: a device' bash -c endless
+too_large 4 'stdin: neither PLY' bash -c piped
+mkfifo a.pipe.obj
+cat a.obj >a.pipe.obj &
+timeout 10 "$PCCDCTL" check --private a.pipe.obj b.obj >out 2>&1 && grep -q '^contacts  *1' out || cat out >>"$log"
+[ ! -s "$log" ]
+tap_result $? files__a_mesh_is_a_file_or_a_pipe "$log"
+
 tap_end

@@ -86,11 +86,15 @@ static const struct format *format_of(const struct ctl_file *file,
     return NULL;
 }
 
-/* Of a large file: whether it can be what its first bytes say. */
+/* Of a large file: whether it can be what its first bytes say. Of a pipe nobody knows how
+ * long it is: only whether that is anything. */
 static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
     const struct format *format = format_of(begin, error);
-    return format != NULL ? format->judge(begin, is_text, error) : PCCD_E_FORMAT;
+    if (format == NULL) {
+        return PCCD_E_FORMAT;
+    }
+    return begin->size > 0 ? format->judge(begin, is_text, error) : PCCD_OK;
 }
 
 /* ---- parts ------------------------------------------------------------------------- */

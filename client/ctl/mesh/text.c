@@ -90,22 +90,27 @@ static int read_up_to(struct ctl_file *file, size_t bytes, struct ctl_error *err
     return PCCD_OK;
 }
 
-/* The first bytes of a large file, or all. */
+/* The first bytes of a large file, or all. A pipe that goes on is judged, too, before all
+ * of it is read. */
 static int begin(struct ctl_file *file, ctl_file_judge judge, struct ctl_error *error)
 {
     bool is_large = file->size > WINDOW_BYTES;
+    bool is_pipe = file->size == 0;
     size_t capacity = is_large                      ? WINDOW_BYTES
                       : file->size > READ_BYTES_MIN ? (size_t)file->size
                                                     : READ_BYTES_MIN;
     /* Two more bytes: one for the NUL, one so that the end is seen without growing. */
     int status = grow(file, capacity + 2, error);
     if (status == PCCD_OK) {
-        status = read_up_to(file, is_large ? WINDOW_BYTES : SIZE_MAX, error);
+        status = read_up_to(file, is_large || is_pipe ? WINDOW_BYTES : SIZE_MAX, error);
     }
-    if (status == PCCD_OK && is_large) {
+    if (status == PCCD_OK && (is_large || (is_pipe && file->has_more))) {
         status = judge(file, &file->is_text, error);
     }
-    return status == PCCD_OK && file->is_text ? look_for_hole(file, 0, error) : status;
+    if (status == PCCD_OK && file->is_text) {
+        status = look_for_hole(file, 0, error);
+    }
+    return status == PCCD_OK && is_pipe ? read_up_to(file, SIZE_MAX, error) : status;
 }
 
 int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
@@ -122,6 +127,9 @@ int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
     if (fstat(file->fd, &info) != 0) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot stat: %s", path,
                                strerror(errno));
+    } else if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode)) {
+        status = ctl_error_set(error, PCCD_E_FORMAT,
+                               "%s: a device, neither file nor pipe", path);
     } else {
         file->size = S_ISREG(info.st_mode) ? (uint64_t)info.st_size : 0;
         status = begin(file, judge, error);

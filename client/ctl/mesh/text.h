@@ -28,7 +28,7 @@ struct ctl_file {
     uint64_t rest_bytes; /* of the file, after these; 0 for all of it */
     uint64_t offset;     /* of data[0] in the file */
     /* The rest is for text.c; all zero in a file that is in memory as a whole. */
-    uint64_t size;   /* when it was opened */
+    uint64_t size;   /* when it was opened; 0: a pipe */
     size_t capacity; /* of data */
     int fd;
     bool is_open, has_more; /* fd; behind the window */
@@ -38,8 +38,8 @@ struct ctl_file {
 };
 
 /* What is thought of a file's first bytes, before the others are read, which may take
- * minutes; `is_text`: there is no byte 0 in what is to come. Called for large files
- * only. */
+ * minutes, or for ever; `is_text`: there is no byte 0 in what is to come. Called for
+ * large files, and for pipes that have more than a mebibyte. */
 typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
                               struct ctl_error *error);
 
@@ -62,8 +62,8 @@ struct ctl_word {
 };
 
 /* Open `path` (a file, or a pipe, which is read to its end), and read the beginning of a
- * large file, all of another. Errors: E_SYSTEM, E_NOMEM, E_FORMAT for a text with a byte
- * 0, and those of `judge`. */
+ * large file, all of another. Errors: E_SYSTEM, E_NOMEM, E_FORMAT for a device, or a
+ * text with a byte 0, and those of `judge`. */
 int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
                   struct ctl_error *error);
 /* Read all of it, before any text of it has moved. The same errors. */
