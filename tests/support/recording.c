@@ -11,6 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -62,11 +63,13 @@ uint64_t test_recording_repeats(const char *options, const char *file, uint64_t 
 {
     char said[4096];
     int status = test_ctl("replay", options, file, said, sizeof said);
+    /* Of no step nothing is the same, which is no success. */
+    int expected = least == 0 && strstr(said, "it holds no step") != NULL ? 4 : 0;
 
-    if (status != 0 || test_ctl_number(said, "same") < least) {
+    if (status != expected || test_ctl_number(said, "same") < least) {
         print_message("%s, %s: %s\n", file, options, said);
     }
-    assert_int_equal(status, 0);
+    assert_int_equal(status, expected);
     assert_int_equal(test_ctl_number(said, "differ"), 0);
     assert_in_range(test_ctl_number(said, "same"), least, ANSWERS_MAX);
     return test_ctl_number(said, "same");

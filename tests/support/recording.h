@@ -23,7 +23,8 @@ int test_recording_stop(void **state);
 void test_recording_clear(void);
 
 /* `pccdctl replay OPTIONS FILE` ends well, `least` answers or more are the same, and none
- * differs; options have --json. Returns how many there are. */
+ * differs; with `least` 0 it may hold no step; options have --json. Returns how many
+ * there are. */
 uint64_t test_recording_repeats(const char *options, const char *file, uint64_t least);
 
 #endif

@@ -60,7 +60,7 @@ const struct argp ctl_argp_replay = {
     .doc = "Repeat the steps of a recording with a daemon, and compare every answer: its "
            "hash, its counts, its earliest time.\vWithout --url and --socket a private "
            "daemon is started. Exit status: 0 when all answers are the same, 1 when one "
-           "is not.",
+           "is not, 4 when there is none to compare.",
     .children = children};
 
 static int tell(struct replay *replay, const struct replay_item *item)
@@ -114,6 +114,10 @@ int ctl_cmd_replay(int argc, char **argv)
         } else if (!replay.options.is_json) {
             replay_print_text(&replay.counts, &summary);
         }
+    }
+    if (status == PCCD_OK) {
+        status = replay_judge_counts(&replay.counts, &summary, replay.options.play.path,
+                                     &error);
     }
     if (status != PCCD_OK) {
         ctl_error_tell(&error);

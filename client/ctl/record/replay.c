@@ -183,6 +183,21 @@ static uint64_t compared(const struct replay_counts *counts)
     return counts->of[REPLAY_SAME] + counts->of[REPLAY_DIFFERS];
 }
 
+int replay_judge_counts(const struct replay_counts *counts,
+                        const struct play_summary *summary, const char *path,
+                        struct ctl_error *error)
+{
+    uint64_t asked = summary->frames + summary->questions;
+    if (compared(counts) > 0) {
+        return PCCD_OK;
+    }
+    return asked == 0
+               ? ctl_error_set(error, PCCD_E_STATE, "%s: it holds no step", path)
+               : ctl_error_set(error, PCCD_E_STATE,
+                               "%s: no answer could be compared; it holds %" PRIu64 " %s",
+                               path, asked, proto_plural(asked, "step", "steps"));
+}
+
 static void print_side(const struct replay_item *item, const char *name,
                        const struct replay_side *side)
 {

@@ -63,6 +63,11 @@ struct replay_counts {
 };
 void replay_count(struct replay_counts *counts, const struct replay_item *item);
 
+/* PCCD_OK, or PCCD_E_STATE: there is no answer that could be compared. */
+int replay_judge_counts(const struct replay_counts *counts,
+                        const struct play_summary *summary, const char *path,
+                        struct ctl_error *error);
+
 /* On the standard output. False: it could not be written. */
 void replay_print_text(const struct replay_counts *counts,
                        const struct play_summary *summary);

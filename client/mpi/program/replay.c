@@ -200,7 +200,11 @@ static int report(void *context, const struct recordings *recordings,
     } else if (!replay_print_json(&counts, &file->summary)) {
         return ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
     }
-    return *is_right || replay->goes_on ? play_damage(file->playing, error) : PCCD_OK;
+    int status =
+        *is_right || replay->goes_on ? play_damage(file->playing, error) : PCCD_OK;
+    return status == PCCD_OK
+               ? replay_judge_counts(&counts, &file->summary, file->path, error)
+               : status;
 }
 
 int program_replay(int argc, char **argv)
