@@ -21,11 +21,16 @@ void cli_record_end(struct pccd_client *client, enum record_reason reason)
 {
     struct cli_recorder *recorder = client->recorder;
     struct record_end end = {.reason = reason, .frames = recorder->segment_frames};
+    const struct record_part part = {&end, sizeof end};
+    int status;
 
     assert(recorder->writer.fd >= 0 && !recorder->has_ended);
     recorder->writer.bytes_max = 0; /* for END there is room always */
-    (void)record_writer_add(&recorder->writer, RECORD_END, common_now_ns(),
-                            &(struct record_part){&end, sizeof end}, 1);
+    status = record_writer_add(&recorder->writer, RECORD_END, common_now_ns(), &part, 1);
+    /* A full disk may have no room even for that; who reads the file is to know. */
+    if (status == PCCD_E_SYSTEM && record_writer_take_back(&recorder->writer) == 0) {
+        (void)record_writer_add(&recorder->writer, RECORD_END, common_now_ns(), &part, 1);
+    }
 }
 
 void cli_record_close_file(struct cli_recorder *recorder)
@@ -39,10 +44,12 @@ void cli_record_close_file(struct cli_recorder *recorder)
 /* Whether it was for want of room; or else what happened was not to be recorded. */
 static enum record_reason reason_of(int status)
 {
-    bool is_full = status == PCCD_E_LIMIT || status == PCCD_E_NOMEM ||
-                   status == PCCD_E_QUOTA || status == PCCD_E_SYSTEM;
+    bool is_unwritten =
+        status == PCCD_E_NOMEM || status == PCCD_E_QUOTA || status == PCCD_E_SYSTEM;
 
-    return is_full ? RECORD_FULL : RECORD_APART;
+    return status == PCCD_E_LIMIT ? RECORD_FULL
+           : is_unwritten         ? RECORD_UNWRITTEN
+                                  : RECORD_APART;
 }
 
 int cli_record_stop_because(struct pccd_client *client, int status, const char *why)

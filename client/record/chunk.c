@@ -162,7 +162,7 @@ int record_writer_open(struct record_writer *writer, const char *path)
         return PCCD_E_SYSTEM;
     }
     writer->fd = fd;
-    writer->bytes = writer->raw_bytes = writer->bytes_max = 0;
+    writer->bytes = writer->raw_bytes = writer->bytes_max = writer->last = 0;
     writer->features = 0;
     status = append(writer, &head, sizeof head);
     if (status != 0) {
@@ -311,8 +311,19 @@ int record_writer_add(struct record_writer *writer, enum record_kind kind,
         status != 0 ? status : append(writer, writer->out, sizeof chunk + padded(stored));
     if (status == 0) {
         writer->raw_bytes += sizeof chunk + bytes;
+        writer->last = writer->bytes - (sizeof chunk + padded(stored));
     }
     return status;
+}
+
+int record_writer_take_back(struct record_writer *writer)
+{
+    if (writer->last == 0 || ftruncate(writer->fd, (off_t)writer->last) != 0) {
+        return PCCD_E_SYSTEM;
+    }
+    writer->bytes = writer->last;
+    writer->last = 0;
+    return 0;
 }
 
 /* ---- reading ----------------------------------------------------------------------- */

@@ -28,6 +28,7 @@ struct record_writer {
     int fd;                          /* -1: none */
     int level;                       /* of zstd, 1 .. 19; 0: nothing is compressed */
     uint64_t bytes;                  /* written to this file */
+    uint64_t last;                   /* of these, before the last chunk; 0: none */
     uint64_t bytes_max;              /* that it may have; 0: no bound */
     uint64_t raw_bytes;              /* the same before compression */
     uint32_t features;               /* enum record_feature, that this file needs */
@@ -53,6 +54,9 @@ int record_writer_need(struct record_writer *writer, uint32_t features);
  * compression has left; a payload beyond RECORD_BYTES_MAX). */
 int record_writer_add(struct record_writer *writer, enum record_kind kind,
                       uint64_t time_ns, const struct record_part *parts, size_t count);
+/* Take the last chunk back, as room for another one, once; raw_bytes still counts it.
+ * PCCD_E_SYSTEM: there is none, or the file cannot be cut. */
+int record_writer_take_back(struct record_writer *writer);
 /* Of a chunk with such a payload at most. */
 uint64_t record_chunk_bytes_max(uint64_t payload_bytes);
 /* Close the file; buffers stay for the next. 0 or PCCD_E_SYSTEM. */

@@ -229,6 +229,33 @@ else
     tap_result $? files__appear_whole_or_not_at_all "$log"
 fi
 
+# On disks of two to sixteen pages, whether a page ends with a chunk or within one.
+cat >full_record.sh <<'EOF'
+for pages in 2 3 4 8 16; do
+    for level in 0 1; do
+        mount -t tmpfs -o size=$((4 * pages))k none full || exit 77
+        timeout 60 "$PCCDCTL" record -o full/a.rec --contacts --level $level -- \
+            "$PCCDCTL" load --private --times 600 a.obj b.obj >out 2>err
+        [ $? -eq 4 ] && grep -q 'a.rec could not be written to its end' err ||
+            { echo "$pages pages, level $level:"; cat err; ls -l full; }
+        timeout 60 "$PCCDCTL" verify full/a.rec >out 2>err && grep -q '^PASS' out &&
+            grep -q 'a.rec ends because it could not be written' err ||
+            { echo "$pages pages, level $level, verify:"; cat out err; }
+        umount full
+    done
+done
+EOF
+# shellcheck disable=SC2086 # nothing or a word
+timeout 300 unshare $as_root --mount bash full_record.sh >"$log" 2>&1
+status=$?
+if grep -q '^mount: \|^unshare: ' "$log" || [ $status -eq 77 ]; then
+    tap_skip files__a_recording_on_a_full_disk_is_a_failure "no disk can be mounted here"
+else
+    [ $status -eq 0 ] && [ ! -s "$log" ]
+    # If it failed, a script would take half a recording for all of it.
+    tap_result $? files__a_recording_on_a_full_disk_is_a_failure "$log"
+fi
+
 # If it failed, somebody would wait for minutes, and for all of the memory, to be told what the
 # first lines of a file show.
 : >"$log"

@@ -121,7 +121,8 @@ const struct argp ctl_argp_record = {
            "answered.\vThe program needs no change: libpccd looks for $PCCD_RECORD. What "
            "is in the file survives the end of the program and of the daemon, however "
            "they end. Exit status: that of the program, 128 + N when signal N ended it; "
-           "4 when it ended with 0 and nothing was recorded.",
+           "4 when it ended with 0, and nothing was recorded or a file could not be "
+           "written to its end.",
     .children = children};
 
 static int set_environment(const struct record_command *command)
@@ -275,17 +276,18 @@ static void tell_full(const char *path, const struct record_command *command)
     if (command->segments > 1) {
         ctl_complain("%s ends early: a segment (--max-bytes / --segments, %" PRIu64
                      " bytes) does not hold twice the meshes and positions that it "
-                     "begins with, or could not be written",
+                     "begins with",
                      path, command->max_bytes / command->segments);
     } else {
-        ctl_complain("%s was full, or could not be written, before the end: a larger "
-                     "--max-bytes keeps more, --segments the newest part",
+        ctl_complain("%s was full before the end: a larger --max-bytes keeps more, "
+                     "--segments the newest part",
                      path);
     }
 }
 
-/* To stderr: the standard output is the program's. */
-static void report(const char *path, const struct record_command *command)
+/* To stderr: the standard output is the program's. Whether all was written that was
+ * asked for. */
+static bool report(const char *path, const struct record_command *command)
 {
     struct record_reader reader;
     struct answers answers = {.count = 0};
@@ -307,7 +309,14 @@ static void report(const char *path, const struct record_command *command)
                  proto_plural(answered, "answer", "answers"),
                  status != PCCD_OK ? "; damaged " : "",
                  status != PCCD_OK ? reader.text : "");
-    if (reader.end_reason == RECORD_FULL) {
+    bool is_unwritten =
+        reader.end_reason == RECORD_UNWRITTEN ||
+        (reader.end_reason == RECORD_FULL && command->max_bytes == 0); /* as of before */
+    if (is_unwritten) {
+        ctl_complain("%s could not be written to its end: what came then is lost; is "
+                     "there room on the disk?",
+                     path);
+    } else if (reader.end_reason == RECORD_FULL) {
         tell_full(path, command);
     } else if (reader.end_reason == RECORD_APART) {
         ctl_complain("%s ends before its program: what came next could not be repeated, "
@@ -317,26 +326,30 @@ static void report(const char *path, const struct record_command *command)
     }
     answers_deinit(&answers);
     record_reader_deinit(&reader);
+    return status == PCCD_OK && !is_unwritten;
 }
 
-/* Returns an exit status: whether anything was recorded. */
+/* Returns an exit status: whether anything was recorded, and written. */
 static int report_all(const struct record_command *command,
                       const bool was_there[FILES_MAX + 1])
 {
     bool is_there[FILES_MAX + 1];
     uint32_t count = 0;
+    bool is_written = true;
     note_files(command->path, is_there);
     for (uint32_t i = 1; i <= FILES_MAX; i++) {
         char *name = is_there[i] && !was_there[i] ? name_of(command->path, i) : NULL;
         if (name != NULL) {
-            report(name, command);
+            is_written = report(name, command) && is_written;
             count++;
         }
         free(name);
     }
-    return count > 0 ? CTL_DONE
-                     : ctl_complain("nothing was recorded: the program has not connected "
-                                    "to a daemon through libpccd");
+    if (count == 0) {
+        return ctl_complain("nothing was recorded: the program has not connected to a "
+                            "daemon through libpccd");
+    }
+    return is_written ? CTL_DONE : CTL_FAILED;
 }
 
 int ctl_cmd_record(int argc, char **argv)

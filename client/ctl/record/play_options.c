@@ -160,6 +160,8 @@ void play_options_warn(const struct play_settings *settings,
     } else if (summary->end_reason == RECORD_FULL) {
         ctl_complain("%s ends because it was full, or could not be written",
                      settings->path);
+    } else if (summary->end_reason == RECORD_UNWRITTEN) {
+        ctl_complain("%s ends because it could not be written", settings->path);
     } else if (summary->end_reason == RECORD_APART) {
         ctl_complain("%s ends where what came next could not be repeated: a mesh became "
                      "a part of one over ranks, or what others did was not known",
