@@ -250,7 +250,7 @@ static struct srv_service *make_service(void)
     }
     service->is_pinned = true;
     service->lends_pages = true; /* clients are this process */
-    service->workspaces[0].affinity.is_guest = true;
+    service->workspaces[0].affinity->is_guest = true;
     service->start_ns = common_now_ns();
     return service;
 }
@@ -260,7 +260,7 @@ static void work_off(struct srv_service *service)
 {
     bool ran = true;
     int cpu = sched_getcpu();
-    service->workspaces[0].affinity.first_on = cpu < 0 ? 0 : cpu;
+    service->workspaces[0].affinity->first_on = cpu < 0 ? 0 : cpu;
     while (ran) {
         srv_thread_enter(SRV_THREAD_COMPUTE);
         ran = srv_compute_run_next(&service->compute) ||

@@ -21,7 +21,6 @@ struct srv_heartbeat {
     struct srv_service *service;
     uv_timer_t timer; /* to the next beat, or to the next word about clients */
     bool beats;       /* the manager has a watchdog: the timer never stops */
-    struct srv_stuck stuck;
     bool is_stuck; /* a thread that computes; said once */
     uint32_t told_clients;
     uint64_t told_steps;

@@ -310,22 +310,28 @@ static void on_notify(void *context)
     srv_wakeup_ring(&reactor->wakeup);
 }
 
+/* Of the team of that runner. */
+static uint32_t threads_of(const struct srv_service *service, uint32_t number)
+{
+    return number < SRV_PLACES ? service->start_options->threads_max : 1;
+}
+
 /* Make the team before the first step wants it. [compute] */
 static void on_enter(void *context, uint32_t number)
 {
     const struct srv_reactor *reactor = context;
     const struct srv_service *service = &reactor->server.service;
     eng_payer()->number = number;
+    eng_payer()->threads_max = threads_of(service, number);
     srv_crash_thread();
-    eng_affinity_warm_up(service->is_pinned ? &service->workspaces[number].affinity
-                                            : NULL,
-                         service->start_options->threads_max);
+    eng_affinity_warm_up(service->is_pinned ? service->workspaces[number].affinity : NULL,
+                         eng_payer()->threads_max);
 }
 
 /* The runtime ends the process when it is refused a thread of a team. */
 int srv_host_start_runner(struct srv_service *service)
 {
-    uint32_t threads = service->start_options->threads_max;
+    uint32_t threads = threads_of(service, service->compute.runner_count);
     return srv_threads_granted(threads, 1) < threads
                ? PCCD_E_SYSTEM
                : srv_compute_add_runner(&service->compute);
@@ -348,7 +354,7 @@ static void choose_affinity(struct srv_reactor *reactor)
     reactor->server.service.is_pinned =
         options->pin == SRV_PIN_ON ||
         (options->pin == SRV_PIN_AUTO &&
-         options->threads_max == reactor->server.service.workspaces[0].affinity.count);
+         options->threads_max == reactor->server.service.workspaces[0].affinity->count);
     reactor->server.service.metrics.counters.threads_bound =
         reactor->server.service.is_pinned;
 }
@@ -421,15 +427,22 @@ static int init_handles(struct srv_reactor *reactor)
 static int start_queues(struct srv_reactor *reactor)
 {
     struct srv_service *service = &reactor->server.service;
-    int status = srv_compute_start(&service->compute, service->options->queue_max,
-                                   SRV_RUNNERS_MAX, on_enter, on_notify, reactor);
+    struct srv_compute_settings settings = {.capacity = service->options->queue_max,
+                                            .place_max = SRV_PLACES,
+                                            .runner_max = SRV_RUNNERS_MAX,
+                                            .enter = on_enter,
+                                            .notify = on_notify,
+                                            .context = reactor};
+    int status = srv_compute_start(&service->compute, &settings);
     if (status == 0) {
         srv_relief_begin(&service->relief);
         status = srv_reclaim_init(&service->reclaim, service);
     }
     if (status == 0) {
-        status = srv_compute_start(&service->pages, service->options->queue_max, 1,
-                                   on_enter_pages, on_notify, reactor);
+        settings.place_max = 1;
+        settings.runner_max = 1;
+        settings.enter = on_enter_pages;
+        status = srv_compute_start(&service->pages, &settings);
     }
     return status;
 }

@@ -13,6 +13,7 @@ libservice_la_SOURCES = \
     daemon/service/queue/compute.c daemon/service/queue/compute.h \
     daemon/service/queue/crashnote.c daemon/service/queue/crashnote.h \
     daemon/service/queue/deadlines.c daemon/service/queue/deadlines.h \
+    daemon/service/queue/turns.c daemon/service/queue/turns.h \
     daemon/service/queue/workspace.c daemon/service/queue/workspace.h \
     daemon/service/queue/fairqueue.c daemon/service/queue/fairqueue.h \
     daemon/service/queue/relief.c daemon/service/queue/relief.h \

@@ -30,7 +30,7 @@
 #include "hog.h"
 
 #define OTHER_USER 65534u
-#define HOGS_MAX   3
+#define HOGS_MAX   9  /* one more than requests that have threads of their own */
 #define STEPS      25 /* beside one request, at least */
 #define STEPS_MAX  100000u
 
@@ -100,9 +100,8 @@ static bool live(struct sty *sty, enum hog_kind kind, uint32_t triangles)
     return true;
 }
 
-/* Let one in, of another user than root if that is wanted and can be. It computes when
- * this returns. */
-static void let_in(int number, enum hog_kind kind, uint32_t triangles, bool is_other)
+/* Let one in, of that user unless it is 0. It has asked when this returns. */
+static void let_in(int number, enum hog_kind kind, uint32_t triangles, uid_t user)
 {
     struct sty *sty = &sties[number];
     pid_t pid;
@@ -111,9 +110,8 @@ static void let_in(int number, enum hog_kind kind, uint32_t triangles, bool is_o
     pid = fork();
     assert_true(pid >= 0);
     if (pid == 0) {
-        bool is_right_user =
-            !is_other || (setgroups(0, NULL) == 0 && setgid(OTHER_USER) == 0 &&
-                          setuid(OTHER_USER) == 0);
+        bool is_right_user = user == 0 || (setgroups(0, NULL) == 0 && setgid(user) == 0 &&
+                                           setuid(user) == 0);
         test_end_with_parent();
         atomic_store(&sty->failed, !is_right_user || !live(sty, kind, triangles));
         _exit(0);
@@ -185,7 +183,7 @@ static void check_beside(enum hog_kind kind, bool is_other)
 
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
-    let_in(0, kind, sizes_checked[kind], is_other);
+    let_in(0, kind, sizes_checked[kind], is_other ? OTHER_USER : 0);
     /* What prepares it is over soon after, as a commit is: some rounds of these. */
     for (int i = 0; i < 5 && most < STEPS; i++) {
         uint32_t count = step_beside(&crossing, &sties[0], STEPS);
@@ -232,12 +230,37 @@ static void long__three_at_once_hold_up_nobody(void **state)
     assert_non_null(client);
     assert_int_equal(test_crossing_make(client, &crossing), 0);
     for (int i = 0; i < 3; i++) {
-        let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], is_other && i == 0);
+        let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT],
+               is_other && i == 0 ? OTHER_USER : 0);
     }
     assert_int_equal(step_beside(&crossing, &sties[1], STEPS), STEPS);
     for (int i = 0; i < 3; i++) {
         assert_true(is_busy(&sties[i]));
         drive_out(&sties[i]);
+    }
+    pccd_close(client);
+}
+
+/* If it failed, as many users as have threads of their own, each with a step of seconds,
+ * would shut everybody else out for as long as these last. */
+static void long__nine_users_shut_nobody_out(void **state)
+{
+    struct test_crossing crossing;
+    struct pccd_client *client;
+
+    (void)state;
+    if (geteuid() != 0) {
+        skip();
+    }
+    for (int i = 0; i < HOGS_MAX; i++) {
+        let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], OTHER_USER - (uid_t)i);
+    }
+    client = test_connect(test_shared.url);
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    assert_true(test_crossing_turn(&crossing));
+    for (int i = 0; i < HOGS_MAX; i++) {
+        assert_int_equal(atomic_load(&sties[i].ended), 0);
     }
     pccd_close(client);
 }
@@ -269,7 +292,7 @@ static void long__answers_beside_it_are_the_same_bytes(void **state)
     for (int i = 0; i < 2; i++) {
         alone[i] = turn(&grid);
     }
-    let_in(0, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], false);
+    let_in(0, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], 0);
     for (int i = 0; i < 6; i++) {
         struct pccd_answer beside = turn(&grid);
         const struct pccd_answer *same = &alone[i % 2];
@@ -473,7 +496,7 @@ static void measure_kind(struct test_grid *grid, enum hog_kind kind, bool is_oth
     struct times alone = measure(grid, NULL, steps);
     struct times beside;
 
-    let_in(0, kind, sizes_measured[kind], is_other);
+    let_in(0, kind, sizes_measured[kind], is_other ? OTHER_USER : 0);
     beside = measure(grid, &sties[0], steps);
     drive_out(&sties[0]);
     print_message("# %-20s %-7s %6u triangles: alone p50 %7.2f p99 %7.2f ms, beside p50 "
@@ -517,6 +540,7 @@ int main(void)
         TEST(long__request_of_the_same_user_holds_up_nobody),
         TEST(long__request_of_another_user_holds_up_nobody),
         TEST(long__three_at_once_hold_up_nobody),
+        TEST(long__nine_users_shut_nobody_out),
         TEST(long__answers_beside_it_are_the_same_bytes),
         TEST(long__step_of_a_shared_scene_holds_up_only_its_members),
         cmocka_unit_test(long__step_ends_when_the_operator_says),

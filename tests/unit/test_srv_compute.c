@@ -153,8 +153,9 @@ static int set_up(void **state)
     sem_init(&fixture.blocked, 0, 0);
     sem_init(&fixture.gate, 0, 0);
     *state = &fixture;
-    return srv_compute_start(&fixture.compute, CAPACITY, 1, on_enter, on_notify,
-                             &fixture);
+    const struct srv_compute_settings settings = {
+        CAPACITY, 1, 1, on_enter, on_notify, &fixture};
+    return srv_compute_start(&fixture.compute, &settings);
 }
 
 static int tear_down(void **state)

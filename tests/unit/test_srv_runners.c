@@ -20,8 +20,9 @@
 #include "now.h"
 
 #define CAPACITY 64u
-#define RUNNERS  4u
-#define USERS    3
+#define PLACES   4u
+#define RUNNERS  9u /* five users more than there are places */
+#define USERS    12
 #define LANES    6
 
 /* Jobs that wait until they are let go. */
@@ -76,7 +77,9 @@ static int set_up(void **state)
             lanes[u][l] = (struct srv_lane){.group = &users[u]};
         }
     }
-    return srv_compute_start(&compute, CAPACITY, RUNNERS, on_enter, on_notify, NULL);
+    const struct srv_compute_settings settings = {CAPACITY, PLACES,    RUNNERS,
+                                                  on_enter, on_notify, NULL};
+    return srv_compute_start(&compute, &settings);
 }
 
 static int tear_down(void **state)
@@ -234,7 +237,78 @@ static void runners__what_is_claimed_is_used_by_one(void **state)
     assert_true(await(&second->has_begun));
     end(second);
     assert_false(scene.is_taken);
-    assert_null(compute.aside);
+    assert_null(compute.turns.aside);
+}
+
+/* A long job of each of the first users: as many as places. */
+static void take_all_places(struct gate *jobs[PLACES])
+{
+    for (uint32_t i = 0; i < PLACES; i++) {
+        jobs[i] = push((int)i, 0, NULL);
+        assert_true(await(&jobs[i]->has_begun));
+    }
+}
+
+/* If it failed, users with long jobs would shut all others out for as long as these last;
+ * or one with many would have more than the others. */
+static void runners__a_user_without_one_gets_one_whatever_others_have(void **state)
+{
+    struct gate *jobs[PLACES];
+    struct gate *more[RUNNERS - PLACES];
+    (void)state;
+    take_all_places(jobs);
+    struct gate *second = push(0, 1, NULL);
+    for (uint32_t i = 0; i < RUNNERS - PLACES; i++) {
+        more[i] = push((int)(PLACES + i), 0, NULL);
+        assert_true(await(&more[i]->has_begun));
+        assert_int_equal(more[i]->runner, PLACES + i);
+    }
+    struct gate *last = push(USERS - 1, 0, NULL);
+    expect_waiting(last); /* there are no more threads than that */
+    end(more[0]);
+    assert_true(await(&last->has_begun));
+    end(last);
+    for (uint32_t i = 1; i < RUNNERS - PLACES; i++) {
+        end(more[i]);
+    }
+    expect_waiting(second);
+    end(jobs[1]);
+    end(jobs[2]);
+    assert_true(await(&second->has_begun));
+    end(second);
+    end(jobs[0]);
+    end(jobs[3]);
+}
+
+/* If it failed, many users who come at once would wait for each other, 10 ms each. */
+static void runners__many_who_wait_do_not_wait_long(void **state)
+{
+    struct gate *jobs[PLACES];
+    struct gate *more[3];
+    bool wants_runner = false;
+    (void)state;
+    for (int user = 0; user < 6; user++) {
+        push(user, 0, NULL);
+    }
+    assert_in_range(srv_compute_look(&compute, &wants_runner), 0, SRV_LONG_NS / 2);
+    for (uint32_t i = 0; i < gate_count; i++) {
+        sem_post(&gates[i].open);
+        assert_true(await(&gates[i].has_ended));
+    }
+    take_all_places(jobs);
+    more[0] = push(6, 0, NULL);
+    assert_true(await(&more[0]->has_begun));
+    more[1] = push(7, 0, NULL);
+    /* At once, though the other has only begun. */
+    uint32_t before = compute.runner_count;
+    (void)srv_compute_look(&compute, &wants_runner);
+    assert_true(wants_runner || before > PLACES + 1);
+    for (uint32_t i = 0; i < 2; i++) {
+        end(more[i]);
+    }
+    for (uint32_t i = 0; i < PLACES; i++) {
+        end(jobs[i]);
+    }
 }
 
 int main(void)
@@ -245,6 +319,8 @@ int main(void)
         TEST(runners__there_is_one_while_no_job_is_long),
         TEST(runners__a_user_leaves_some_for_others),
         TEST(runners__what_is_claimed_is_used_by_one),
+        TEST(runners__a_user_without_one_gets_one_whatever_others_have),
+        TEST(runners__many_who_wait_do_not_wait_long),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,6 +26,7 @@ struct eng_account {
 struct eng_payer {
     struct eng_account *account; /* NULL: nobody's, without a limit */
     uint32_t number; /* of the thread that computes; what for, its owner knows */
+    uint32_t threads_max; /* that its team may have; 0: as many as are asked for */
     atomic_uint_fast64_t allocs; /* made by all who use it; a realloc is one */
     /* Allocations that eng_alloc_ceiling has refused, and what the last one wanted. */
     atomic_uint_fast64_t ceiling_hits;
@@ -37,6 +38,13 @@ struct eng_payer *eng_payer(void);
 /* Use that of the thread that opened the parallel region. Every region that allocates, or
  * in which a crash is to be reported with its request, begins with it. [team] */
 void eng_payer_join(struct eng_payer *payer);
+
+/* As many as are wanted of a team, or fewer, as its payer may have. [compute] */
+static inline uint32_t eng_payer_threads(uint32_t wanted)
+{
+    uint32_t most = eng_payer()->threads_max;
+    return most != 0 && most < wanted ? most : wanted;
+}
 
 /* From now on charge what this thread alone allocates and frees to `account`, whoever
  * pays for the rest of its team; NULL: to its payer's. Returns what it was. */

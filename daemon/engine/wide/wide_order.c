@@ -443,7 +443,7 @@ int eng_wide_order_new(const struct eng_mesh *mesh, const double (*x)[3],
                             eng_wide_order_sources(mesh, kind), items, making.next);
         first += made->count[kind];
     }
-    int team = threads_for(first, threads);
+    int team = threads_for(first, eng_payer_threads(threads));
     bool is_long = first >= ENG_WIDE_LISTS_MIN;
     struct eng_wide_lists *lists = is_long ? eng_alloc((size_t)team, sizeof *lists)
                                            : NULL; /* without it goes, too */

@@ -11,6 +11,7 @@
 
 #include <signal.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include "invariant.h"
 #include "now.h"
@@ -28,120 +29,29 @@ static void unlock(struct srv_compute *compute)
     PCCD_ASSERT(failed == 0);
 }
 
-/* ---- turns ------------------------------------------------------------------------- */
-
-/* The lane waits if it has a job that could run and none of them does; its group if one
- * of its lanes waits. Locked. */
-static void update(struct srv_compute *compute, struct srv_lane *lane)
-{
-    struct srv_group *group = lane->group;
-    bool lane_waits = lane->first != NULL && !lane->serving && !lane->is_background;
-    if (lane_waits && !lane->turn.queued) {
-        srv_fair_push(&group->lanes, &lane->turn);
-    } else if (!lane_waits && lane->turn.queued) {
-        srv_fair_remove(&group->lanes, &lane->turn);
-    }
-    bool group_waits = group->lanes.count > 0;
-    if (group_waits && !group->turn.queued) {
-        srv_fair_push(&compute->groups, &group->turn);
-    } else if (!group_waits && group->turn.queued) {
-        srv_fair_remove(&compute->groups, &group->turn);
-    }
-}
-
-/* ---- lanes that wait for a claim --------------------------------------------------- */
-
-/* A lane that is taken out of its queue: its first job must wait. Locked. */
-static void put_aside(struct srv_compute *compute, struct srv_lane *lane)
-{
-    lane->is_background = true;
-    lane->next_aside = compute->aside;
-    compute->aside = lane;
-}
-
-/* Its first job is another one now. Locked; there are at most as many as sessions. */
-static void take_from_aside(struct srv_compute *compute, struct srv_lane *lane)
-{
-    struct srv_lane **at = &compute->aside;
-    while (*at != lane) {
-        at = &(*at)->next_aside;
-    }
-    *at = lane->next_aside;
-    lane->is_background = false;
-}
-
-/* Claims were given back: all lanes try anew when it is their turn. Locked. */
-static void empty_aside(struct srv_compute *compute)
-{
-    struct srv_lane *lane = compute->aside;
-    compute->aside = NULL;
-    while (lane != NULL) {
-        struct srv_lane *next = lane->next_aside;
-        lane->is_background = false;
-        update(compute, lane);
-        lane = next;
-    }
-}
-
 /* ---- taking ------------------------------------------------------------------------ */
 
-/* The lane of a group, taken out of the queue, whose turn it is; NULL: all have to wait
- * for what they claim. Locked. */
-static struct srv_lane *choose_lane(struct srv_compute *compute, struct srv_group *group)
+static bool is_full(const struct srv_compute *compute)
 {
-    while (group->lanes.count > 0) {
-        struct srv_lane *lane = (struct srv_lane *)srv_fair_take(&group->lanes);
-        PCCD_ASSERT(lane->first != NULL);
-        if (srv_claims_are_free(lane->first->claims, lane->first->claim_count)) {
-            return lane;
-        }
-        put_aside(compute, lane);
-    }
-    return NULL;
+    return compute->running >= compute->place_max;
 }
 
-/* A user has no more runners than are left. */
-static bool has_its_share(const struct srv_compute *compute,
-                          const struct srv_group *group)
+/* Nothing may run beside a job that is not long, but what has no place. Locked. */
+static bool has_to_wait(const struct srv_compute *compute)
 {
-    return group->running > 0 && group->running >= compute->runner_max - compute->running;
-}
-
-/* Likewise of all groups. Those that have their share wait on: at most as many as jobs
- * run. Locked. */
-static struct srv_lane *choose(struct srv_compute *compute)
-{
-    struct srv_group *served[SRV_RUNNERS_MAX];
-    uint32_t served_count = 0;
-    struct srv_lane *lane = NULL;
-    while (lane == NULL && compute->groups.count > 0) {
-        struct srv_group *group = (struct srv_group *)srv_fair_take(&compute->groups);
-        if (has_its_share(compute, group)) {
-            PCCD_ASSERT(served_count < SRV_RUNNERS_MAX);
-            served[served_count++] = group;
-        } else {
-            lane = choose_lane(compute, group);
-        }
-    }
-    while (served_count > 0) {
-        srv_fair_push(&compute->groups, &served[--served_count]->turn);
-    }
-    return lane;
-}
-
-/* Nothing may run beside a job that is not long. Locked. */
-static bool has_brief_one(const struct srv_compute *compute)
-{
-    return compute->running > compute->long_count;
+    return compute->running > compute->long_count && !is_full(compute);
 }
 
 /* Give the runner the job whose turn it is. False: there is none that may run now.
  * Locked. */
 static bool take(struct srv_compute *compute, struct srv_runner *runner)
 {
-    struct srv_lane *lane = has_brief_one(compute) ? NULL : choose(compute);
+    struct srv_lane *lane =
+        has_to_wait(compute)
+            ? NULL
+            : srv_turns_choose(&compute->turns, compute->running, compute->place_max);
     if (lane == NULL) {
-        compute->has_no_taker = compute->groups.count > 0 && !has_brief_one(compute);
+        compute->has_no_taker = compute->turns.groups.count > 0 && !has_to_wait(compute);
         return false;
     }
     struct srv_job *job = lane->first;
@@ -152,7 +62,7 @@ static bool take(struct srv_compute *compute, struct srv_runner *runner)
     if (lane->first == NULL) {
         lane->last = NULL;
     }
-    update(compute, lane); /* other lanes of the group may be next */
+    srv_turns_update(&compute->turns, lane); /* other lanes of the group may be next */
     compute->queued--;
     compute->counted -= job->counts;
     compute->running++;
@@ -175,9 +85,9 @@ static void settle(struct srv_compute *compute, struct srv_runner *runner,
     struct srv_group *group = lane->group;
     PCCD_ASSERT(lane->serving && group->running > 0 && compute->running > 0);
     if (group->turn.queued) {
-        srv_fair_remove(&compute->groups, &group->turn);
+        srv_fair_remove(&compute->turns.groups, &group->turn);
     }
-    srv_fair_charge(&compute->groups, &group->turn, cost_ns);
+    srv_fair_charge(&compute->turns.groups, &group->turn, cost_ns);
     srv_fair_charge(&group->lanes, &lane->turn, cost_ns);
     group->running--;
     lane->serving = false;
@@ -187,8 +97,8 @@ static void settle(struct srv_compute *compute, struct srv_runner *runner,
     runner->is_long = false;
     runner->job = NULL;
     srv_claims_set(job->claims, job->claim_count, false);
-    update(compute, lane);
-    empty_aside(compute);
+    srv_turns_update(&compute->turns, lane);
+    srv_turns_empty_aside(&compute->turns);
 }
 
 /* ---- the threads ------------------------------------------------------------------- */
@@ -268,16 +178,34 @@ static void *runner_main(void *context)
     return NULL;
 }
 
+static int init(struct srv_compute *compute, uint32_t capacity, uint32_t place_max,
+                uint32_t runner_max)
+{
+    *compute =
+        (struct srv_compute){.capacity = capacity,
+                             .place_max = place_max,
+                             .runner_max = runner_max,
+                             .runners = calloc(runner_max, sizeof(struct srv_runner))};
+    if (compute->runners == NULL) {
+        return PCCD_E_NOMEM;
+    }
+    if (pthread_mutex_init(&compute->mutex, NULL) != 0) {
+        free(compute->runners);
+        return PCCD_E_NOMEM;
+    }
+    return 0;
+}
+
 int srv_compute_init(struct srv_compute *compute, uint32_t capacity)
 {
-    *compute = (struct srv_compute){.capacity = capacity, .runner_max = 1};
-    return pthread_mutex_init(&compute->mutex, NULL) == 0 ? 0 : PCCD_E_NOMEM;
+    return init(compute, capacity, 1, 1);
 }
 
 void srv_compute_deinit(struct srv_compute *compute)
 {
     PCCD_ASSERT(compute->queued == 0 && compute->done_first == NULL);
     pthread_mutex_destroy(&compute->mutex);
+    free(compute->runners);
 }
 
 bool srv_compute_run_next(struct srv_compute *compute)
@@ -316,19 +244,19 @@ int srv_compute_add_runner(struct srv_compute *compute)
     return 0;
 }
 
-int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t runner_max,
-                      void (*enter)(void *context, uint32_t number),
-                      void (*notify)(void *context), void *context)
+int srv_compute_start(struct srv_compute *compute,
+                      const struct srv_compute_settings *settings)
 {
-    PCCD_ASSERT(runner_max >= 1 && runner_max <= SRV_RUNNERS_MAX);
-    int status = srv_compute_init(compute, capacity);
+    PCCD_ASSERT(settings->place_max >= 1 && settings->place_max <= settings->runner_max &&
+                settings->runner_max <= SRV_RUNNERS_MAX);
+    int status =
+        init(compute, settings->capacity, settings->place_max, settings->runner_max);
     if (status != 0) {
         return status;
     }
-    compute->runner_max = runner_max;
-    compute->enter = enter;
-    compute->notify = notify;
-    compute->context = context;
+    compute->enter = settings->enter;
+    compute->notify = settings->notify;
+    compute->context = settings->context;
     status = srv_compute_add_runner(compute);
     if (status != 0) {
         srv_compute_deinit(compute);
@@ -339,7 +267,8 @@ int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t r
 /* Something waits that a runner could take now. Locked. */
 static bool can_begin(const struct srv_compute *compute)
 {
-    return compute->groups.count > 0 && !compute->has_no_taker && !has_brief_one(compute);
+    return compute->turns.groups.count > 0 && !compute->has_no_taker &&
+           !has_to_wait(compute);
 }
 
 /* The runner to wake for what waits; NULL: nothing may begin now, or all are busy. The
@@ -388,14 +317,16 @@ void srv_compute_stop(struct srv_compute *compute)
 /* Whether a job waits that may have to be helped. Locked. */
 static bool is_crowded(const struct srv_compute *compute)
 {
-    return compute->crowded != NULL && compute->groups.count > 0 &&
+    return compute->crowded != NULL && compute->turns.groups.count > 0 &&
            compute->queued + compute->running > 1;
 }
 
-/* Returns in how many ns the job that is not long will be; 0: there is none. Locked. */
+/* Returns in how many ns another job will be long; 0: there is none. Locked. */
 static uint64_t find_long(struct srv_compute *compute)
 {
     uint64_t now_ns = common_now_ns();
+    uint64_t long_ns =
+        compute->turns.groups.count > SRV_MANY ? SRV_LONG_NS / 2 : SRV_LONG_NS;
     uint64_t after_ns = 0;
     for (uint32_t i = 0; i < compute->runner_count; i++) {
         struct srv_runner *runner = &compute->runners[i];
@@ -403,11 +334,11 @@ static uint64_t find_long(struct srv_compute *compute)
         if (runner->job == NULL || runner->is_long) {
             continue;
         }
-        if (ran_ns >= SRV_LONG_NS) {
+        if (ran_ns >= long_ns) {
             runner->is_long = true;
             compute->long_count++;
-        } else {
-            after_ns = SRV_LONG_NS - ran_ns;
+        } else if (after_ns == 0 || long_ns - ran_ns < after_ns) {
+            after_ns = long_ns - ran_ns;
         }
     }
     return after_ns;
@@ -418,11 +349,11 @@ uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner)
     lock(compute);
     uint64_t after_ns = find_long(compute);
     struct srv_runner *runner = sleeper(compute);
-    bool waits = compute->groups.count > 0 && !compute->has_no_taker;
+    bool waits = compute->turns.groups.count > 0 && !compute->has_no_taker;
     *wants_runner = runner == NULL && can_begin(compute) &&
                     compute->runner_count < compute->runner_max;
     if (runner != NULL) {
-        after_ns = SRV_LONG_NS; /* what it takes may be long, and others wait for it */
+        after_ns = SRV_SOON_NS; /* when it has taken something: others may wait on */
     }
     unlock(compute);
     wake(runner);
@@ -455,7 +386,7 @@ static void append(struct srv_compute *compute, struct srv_lane *lane,
         lane->last->next = job;
     }
     lane->last = job;
-    update(compute, lane);
+    srv_turns_update(&compute->turns, lane);
 }
 
 /* Something waits that may begin. Locked before, and not afterwards. */
@@ -511,9 +442,9 @@ static void unlink_job(struct srv_compute *compute, struct srv_job *job)
         before->next = job->next;
     }
     if (before == NULL && lane->is_background) {
-        take_from_aside(compute, lane);
+        srv_turns_take_from_aside(&compute->turns, lane);
     }
-    update(compute, lane);
+    srv_turns_update(&compute->turns, lane);
     job->next = NULL;
     job->state = SRV_JOB_IDLE;
 }

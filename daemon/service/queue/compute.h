@@ -31,9 +31,11 @@
  * the engine would then have to stop every few milliseconds in every phase of every job,
  * and a job that is itself long, taken in such a pause, would hold up the first one.
  *
- * Runners are started when first needed and sleep afterwards. A user has at most half of
- * those that other users leave, so that of 8 runners one user has 4, the next 2: a user
- * with three long jobs is still served, and whatever these two do, so are two more users.
+ * Runners are started when first needed and sleep afterwards. There are place_max places,
+ * each with a team. A user has at most half of those that others leave: of 8 the first
+ * has 4, the next 2. When all are taken, a user of whom no job runs gets one more runner
+ * at once, without a team; there are runner_max. So a turn comes within 50 ms, whatever
+ * others have: 5 ms for each place, where many wait, and the loop's timer.
  *
  * Two jobs that use the same thing, such as steps of one shared scene, claim it and do
  * not run at once (claim.h). A lane whose first job must wait for that is passed over
@@ -47,57 +49,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "claim.h"
-#include "fairqueue.h"
+#include "turns.h"
 
-struct srv_job;
-typedef void (*srv_job_fn)(struct srv_job *job);
-
-enum srv_job_state {
-    SRV_JOB_IDLE = 0,
-    SRV_JOB_QUEUED = 1,
-    SRV_JOB_RUNNING = 2,
-    SRV_JOB_DONE = 3
-};
-
-#define SRV_RUNNERS_MAX 8u        /* of a queue */
-#define SRV_LONG_NS     10000000u /* that a job runs before another may run beside it */
-
-/* All zero but for lane.group: nothing waits. They belong to the queue's lock. */
-struct srv_group {
-    struct srv_fair turn; /* first */
-    struct srv_fairqueue lanes;
-    uint32_t running; /* jobs of its lanes */
-};
-
-struct srv_lane {
-    struct srv_fair turn; /* first; among the lanes of its group */
-    struct srv_group *group;
-    struct srv_job *first;
-    struct srv_job *last;
-    struct srv_lane *next_aside; /* of compute->aside */
-    bool serving;                /* a job of it runs */
-    bool is_background;          /* its first job waits for what another has claimed */
-};
-
-/* A long job may run in parts, and those of others come between them: after each part it
- * is QUEUED again, the first of its lane, and can be removed.
- * All above `run` belongs to the queue's lock; the rest to whom the state says. */
-struct srv_job {
-    struct srv_job *next;
-    struct srv_lane *lane;
-    enum srv_job_state state;
-    bool counts;        /* towards the capacity of the queue, while it waits */
-    srv_job_fn run;     /* [compute] */
-    srv_job_fn done;    /* [loop]; may free the job */
-    atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
-    bool heeds_end;     /* its `run` ends soon after it is cancelled, or after */
-    atomic_uint_least64_t end_ns; /* [compute] this time; 0: none. Relaxed */
-    bool goes_on; /* [compute] set by `run`: a part is done; call it again */
-    /* What it uses that jobs of other lanes may use, too; constant while it is queued. */
-    struct srv_claim *const *claims;
-    uint32_t claim_count;
-};
+#define SRV_PLACES      8u        /* runners of a queue that have a team */
+#define SRV_RUNNERS_MAX 1024u     /* of a queue; as many as connections by default */
+#define SRV_LONG_NS     10000000u /* that a job runs before another may run beside it, */
+#define SRV_MANY        4u        /* or half of it, while more users than that wait */
+#define SRV_SOON_NS     1000000u  /* after which one that was woken has taken a job */
 
 /* A thread that computes. Locked, but for what says otherwise. */
 struct srv_runner {
@@ -107,17 +65,23 @@ struct srv_runner {
     pthread_cond_t wake;         /* there is something to take, or stop */
     struct srv_job *job;         /* that it runs; NULL: none */
     uint64_t begin_ns;           /* since when */
-    bool is_long;                /* it has run for SRV_LONG_NS */
+    bool is_long;                /* it has run for so long that others run beside it */
+    struct srv_stuck_look {
+        uint64_t begin_ns; /* of the job that ran at the last look; 0: none did */
+        uint64_t cpu_ns;   /* that the thread had had */
+        uint32_t idle;     /* looks since it had any */
+        uint32_t late;     /* looks since the job was to end */
+    } seen;                /* [loop] by the watchdog (stuck.h) */
 };
 
 struct srv_compute {
-    pthread_mutex_t mutex; /* everything below that is not constant or [loop]'s */
-    struct srv_runner runners[SRV_RUNNERS_MAX];
-    uint32_t runner_count; /* started */
-    uint32_t runner_max;   /* constant */
+    pthread_mutex_t mutex;      /* everything below that is not constant or [loop]'s */
+    struct srv_runner *runners; /* [runner_max] */
+    uint32_t runner_count;      /* started */
+    uint32_t runner_max;        /* constant */
+    uint32_t place_max;         /* constant; the first runners have them */
     bool stop;
-    struct srv_fairqueue groups;
-    struct srv_lane *aside; /* lanes that wait for a claim */
+    struct srv_turns turns; /* of lanes with jobs */
     uint32_t queued;        /* jobs in lanes */
     uint32_t counted;       /* of these, those that count towards the capacity */
     uint32_t running;       /* taken from them */
@@ -136,19 +100,26 @@ struct srv_compute {
     void *context; /* of the other two */
 };
 
-/* Start the first runner, all signals blocked in it; there may be `runner_max`. `enter`
- * (NULL: nothing) is the first that runs on each, before any job. Returns 0, PCCD_E_NOMEM
- * or PCCD_E_SYSTEM. [loop] */
-int srv_compute_start(struct srv_compute *compute, uint32_t capacity, uint32_t runner_max,
-                      void (*enter)(void *context, uint32_t number),
-                      void (*notify)(void *context), void *context);
+struct srv_compute_settings {
+    uint32_t capacity;   /* jobs that may wait */
+    uint32_t place_max;  /* jobs that run at a time, but for those of users that would */
+    uint32_t runner_max; /* wait then without any; place_max .. SRV_RUNNERS_MAX */
+    void (*enter)(void *context, uint32_t number); /* the first on each runner, or NULL */
+    void (*notify)(void *context);
+    void *context; /* of both */
+};
+
+/* Start the first runner, all signals blocked in it. Returns 0, PCCD_E_NOMEM or
+ * PCCD_E_SYSTEM. [loop] */
+int srv_compute_start(struct srv_compute *compute,
+                      const struct srv_compute_settings *settings);
 
 /* Start one more; fewer than runner_max have been. Returns 0 or PCCD_E_SYSTEM. [loop] */
 int srv_compute_add_runner(struct srv_compute *compute);
 
 /* See which jobs have become long, and wake a runner for one that waits. Returns after
  * how many ns to look again, 0: when there is another reason to; *wants_runner says that
- * all that have been started are busy with long jobs, and one more may be. [loop] */
+ * all that have been started are busy, and one more may be. [loop] */
 uint64_t srv_compute_look(struct srv_compute *compute, bool *wants_runner);
 
 /* Let the running jobs end, join the threads. No job may be queued or undrained.

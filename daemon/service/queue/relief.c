@@ -44,7 +44,7 @@ static void look(struct srv_relief *relief)
     uint64_t after_ns = srv_compute_look(relief->compute, &wants_runner);
     if (wants_runner) {
         bool can_try = common_now_ns() >= relief->retry_ns;
-        after_ns = can_try && start_runner(relief) ? SRV_LONG_NS : RETRY_NS;
+        after_ns = can_try && start_runner(relief) ? SRV_SOON_NS : RETRY_NS;
     }
     relief->is_set = after_ns > 0;
     if (relief->is_set) {

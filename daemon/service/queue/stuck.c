@@ -33,24 +33,24 @@ static bool is_late(const struct srv_job *job, uint64_t now_ns)
                               atomic_load_explicit(&job->cancel, memory_order_relaxed));
 }
 
-bool srv_stuck_look(struct srv_stuck *stuck, struct srv_compute *compute)
+bool srv_stuck_look(struct srv_compute *compute)
 {
     uint64_t now_ns = common_now_ns();
     bool is_stuck = false;
     pthread_mutex_lock(&compute->mutex);
     for (uint32_t i = 0; i < compute->runner_count; i++) {
-        const struct srv_runner *runner = &compute->runners[i];
+        struct srv_runner *runner = &compute->runners[i];
+        struct srv_stuck_look *seen = &runner->seen;
         uint64_t begin_ns = runner->job != NULL ? runner->begin_ns : 0;
         uint64_t cpu_ns = time_of(runner->thread);
-        bool is_same = begin_ns != 0 && begin_ns == stuck->seen[i].begin_ns;
-        bool is_idle = is_same && cpu_ns == stuck->seen[i].cpu_ns;
+        bool is_same = begin_ns != 0 && begin_ns == seen->begin_ns;
+        bool is_idle = is_same && cpu_ns == seen->cpu_ns;
         bool has_to_end = is_same && is_late(runner->job, now_ns);
-        stuck->seen[i].begin_ns = begin_ns;
-        stuck->seen[i].cpu_ns = cpu_ns;
-        stuck->seen[i].idle = is_idle ? stuck->seen[i].idle + 1 : 0;
-        stuck->seen[i].late = has_to_end ? stuck->seen[i].late + 1 : 0;
-        is_stuck = is_stuck || stuck->seen[i].idle >= LOOKS_MAX ||
-                   stuck->seen[i].late >= LOOKS_MAX;
+        seen->begin_ns = begin_ns;
+        seen->cpu_ns = cpu_ns;
+        seen->idle = is_idle ? seen->idle + 1 : 0;
+        seen->late = has_to_end ? seen->late + 1 : 0;
+        is_stuck = is_stuck || seen->idle >= LOOKS_MAX || seen->late >= LOOKS_MAX;
     }
     pthread_mutex_unlock(&compute->mutex);
     return is_stuck;

@@ -13,21 +13,10 @@
 #define SRV_STUCK_H
 
 #include <stdbool.h>
-#include <stdint.h>
 
 #include "compute.h"
 
-/* Zeroed: nothing has been seen. */
-struct srv_stuck {
-    struct {
-        uint64_t begin_ns; /* of the job that ran at the last look; 0: none did */
-        uint64_t cpu_ns;   /* that the thread had had */
-        uint32_t idle;     /* looks since it had any */
-        uint32_t late;     /* looks since the job was to end */
-    } seen[SRV_RUNNERS_MAX];
-};
-
 /* To be called at equal intervals, long enough that a thread which can run has run. */
-bool srv_stuck_look(struct srv_stuck *stuck, struct srv_compute *compute);
+bool srv_stuck_look(struct srv_compute *compute);
 
 #endif

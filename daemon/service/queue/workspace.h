@@ -15,13 +15,13 @@
 #include "shm.h"
 
 struct srv_workspace {
-    struct eng_affinity affinity; /* processors that may be used; constant */
+    struct eng_affinity *affinity; /* processors that may be used; NULL: no team */
     struct proto_encoder
         *encoder; /* of answers that are sent from here; NULL: no workspace */
     struct proto_segment *segments; /* PROTO_SEGMENTS_MAX: the step's table */
 };
 
-_Static_assert(SRV_RUNNERS_MAX <= ENG_TEAMS_MAX, "each has a team");
+_Static_assert(SRV_PLACES <= ENG_TEAMS_MAX, "each has a team");
 
 /* The workspace of that number, made if there is none: 0, or PCCD_E_NOMEM. [loop] */
 int srv_workspace_init(struct srv_workspace workspaces[SRV_RUNNERS_MAX], uint32_t number);

@@ -145,9 +145,9 @@ struct eng_step_settings srv_stepping_settings(struct srv_request *request)
     int status = eng_tuning_read(asked.tuning, &settings.tuning, why);
     PCCD_ASSERT(status == PCCD_OK); /* it was checked */
     settings.method = (enum pccd_method)asked.method;
-    settings.threads = asked.threads == 0 || asked.threads > options->threads_max
-                           ? options->threads_max
-                           : asked.threads;
+    uint32_t threads_max = eng_payer_threads(options->threads_max);
+    settings.threads =
+        asked.threads == 0 || asked.threads > threads_max ? threads_max : asked.threads;
     settings.deadline_ns = end_of(request, asked.deadline_ns);
     settings.cancel = &request->job.cancel;
     settings.is_stopped = request->session->service->is_stopped;
@@ -155,7 +155,7 @@ struct eng_step_settings srv_stepping_settings(struct srv_request *request)
     settings.contact_max = options->contacts_max;
     settings.brief = srv_request_state(request) == SRV_REQUEST_BRIEF;
     settings.affinity =
-        request->session->service->is_pinned ? &workspace_of(request)->affinity : NULL;
+        request->session->service->is_pinned ? workspace_of(request)->affinity : NULL;
     return settings;
 }
 

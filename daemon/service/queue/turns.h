@@ -1,0 +1,90 @@
+/* turns.h - whose job runs next: users by turns, and the sessions of each.
+ *
+ * Room:     service. May include: claim.h, fairqueue.h.
+ * Does:     say what jobs, lanes and groups are, and choose the lane whose first job is
+ *           next.
+ * Does not: run jobs, or know threads (compute.h).
+ * Threads:  [any], one at a time; the compute queue's lock.
+ */
+#ifndef SRV_TURNS_H
+#define SRV_TURNS_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "claim.h"
+#include "fairqueue.h"
+
+struct srv_job;
+typedef void (*srv_job_fn)(struct srv_job *job);
+
+enum srv_job_state {
+    SRV_JOB_IDLE = 0,
+    SRV_JOB_QUEUED = 1,
+    SRV_JOB_RUNNING = 2,
+    SRV_JOB_DONE = 3
+};
+
+/* All zero but for lane.group: nothing waits. They belong to the queue's lock. */
+struct srv_group {
+    struct srv_fair turn; /* first */
+    struct srv_fairqueue lanes;
+    uint32_t running;              /* jobs of its lanes */
+    struct srv_group *next_served; /* while one is chosen: that have their share */
+};
+
+struct srv_lane {
+    struct srv_fair turn; /* first; among the lanes of its group */
+    struct srv_group *group;
+    struct srv_job *first;
+    struct srv_job *last;
+    struct srv_lane *next_aside; /* of srv_turns.aside */
+    bool serving;                /* a job of it runs */
+    bool is_background;          /* its first job waits for what another has claimed */
+};
+
+/* A long job may run in parts, and those of others come between them: after each part it
+ * is QUEUED again, the first of its lane, and can be removed.
+ * All above `run` belongs to the queue's lock; the rest to whom the state says. */
+struct srv_job {
+    struct srv_job *next;
+    struct srv_lane *lane;
+    enum srv_job_state state;
+    bool counts;        /* towards the capacity of the queue, while it waits */
+    srv_job_fn run;     /* [compute] */
+    srv_job_fn done;    /* [loop]; may free the job */
+    atomic_bool cancel; /* set by [loop], polled by [compute]; relaxed: a hint, no data */
+    bool heeds_end;     /* its `run` ends soon after it is cancelled, or after */
+    atomic_uint_least64_t end_ns; /* [compute] this time; 0: none. Relaxed */
+    bool goes_on; /* [compute] set by `run`: a part is done; call it again */
+    /* What it uses that jobs of other lanes may use, too; constant while it is queued. */
+    struct srv_claim *const *claims;
+    uint32_t claim_count;
+};
+
+/* All zero: nothing waits. */
+struct srv_turns {
+    struct srv_fairqueue groups;
+    struct srv_lane *aside; /* lanes that wait for a claim */
+};
+
+/* A lane has changed: it waits if it has a job that could run and none of them does; its
+ * group if one of its lanes waits. */
+void srv_turns_update(struct srv_turns *turns, struct srv_lane *lane);
+
+/* The lane, taken out of its queue, whose first job is next while `running` jobs run;
+ * NULL: there is none. A user has no more jobs than are left of place_max, or one if none
+ * is left: the others wait on. A lane whose first job has to wait for a claim is put
+ * aside. */
+struct srv_lane *srv_turns_choose(struct srv_turns *turns, uint32_t running,
+                                  uint32_t place_max);
+
+/* A lane that was put aside has another first job now. At most as many are aside as there
+ * are sessions. */
+void srv_turns_take_from_aside(struct srv_turns *turns, struct srv_lane *lane);
+
+/* Claims were given back: all lanes try anew when it is their turn. */
+void srv_turns_empty_aside(struct srv_turns *turns);
+
+#endif
