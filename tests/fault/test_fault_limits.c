@@ -17,6 +17,7 @@
 #include <cmocka.h>
 
 #include "keeper.h"
+#include "skip.h"
 #include "witness.h"
 
 #define FULL 24 /* clients that hold what descriptors there are */
@@ -108,7 +109,7 @@ static void limits__of_memory_are_met_in_order(void **state)
     int met = 0;
     (void)state;
 #ifdef PCCD_SANITIZED
-    skip(); /* a sanitizer needs the memory itself */
+    test_skip("a sanitizer needs the memory itself");
 #endif
     for (rlim_t spare = 0; spare < 1u << 20; spare += 32768) {
         met += live_below(RLIMIT_AS, address_space() + spare, "memory") != 0;

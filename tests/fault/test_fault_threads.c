@@ -22,6 +22,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "skip.h"
 
 #define USER 61367u /* nobody's; the bound counts all threads of a user */
 #define SIDE 60u    /* of a grid that a step shares among threads */
@@ -69,8 +70,8 @@ static void threads__that_are_granted_are_enough(void **state)
     struct test_daemon daemon;
     struct test_grid grid;
     (void)state;
-    if (!is_alone || TEST_HAS_FOREIGN_THREAD) { /* which is one of those granted */
-        skip();
+    if (!is_alone || TEST_HAS_FOREIGN_THREAD) {
+        test_skip("only root can become another user, and a sanitizer has a thread");
     }
     bound(0, 2 + 6); /* this one, the daemon, and six more: its guard may be one */
     assert_true(test_daemon_start(&daemon, options));
@@ -94,7 +95,7 @@ static void threads__that_are_refused_cost_a_restart(void **state)
     struct test_grid grid;
     (void)state;
     if (!is_alone) {
-        skip();
+        test_skip("only root can become another user");
     }
     assert_true(test_daemon_start(&daemon, options));
     struct pccd_client *client = test_connect(daemon.url);

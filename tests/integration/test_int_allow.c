@@ -21,6 +21,7 @@
 
 #include "daemon.h"
 #include "raw.h"
+#include "skip.h"
 
 #define USER  65534u
 #define GROUP 54321u
@@ -75,7 +76,7 @@ static void allow__lists_of_users_and_groups_are_kept(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     start(&daemon, by_user);
     assert_int_equal(ask(&daemon, USER, 7, 7), 0);
@@ -104,7 +105,7 @@ static void allow__strangers_take_no_places(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     start(&daemon, options);
     child = fork();
@@ -158,7 +159,7 @@ static void allow__strangers_do_not_fill_the_log(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     start(&daemon, options);
     child = fork();

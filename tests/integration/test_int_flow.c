@@ -19,6 +19,7 @@
 #include "grid.h"
 #include "pccd.h"
 #include "record_hash.h"
+#include "skip.h"
 
 /* Submit a turn of the smallest scene without waiting. */
 static uint64_t submit_turn(struct test_crossing *crossing)
@@ -366,8 +367,8 @@ static void flow__cancel_stops_a_step_and_only_that(void **state)
     struct test_grid grid;
     uint64_t steps[4];
 
-    if (test_is_direct()) { /* it is done before it can be cancelled */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: it is done before it can be cancelled");
     }
     assert_int_equal(test_grid_make(client, 100, &grid), 0);
     for (int i = 0; i < 4; i++) {
@@ -404,8 +405,8 @@ static void flow__timeouts_leave_the_client_usable(void **state)
     uint64_t begin_ms;
     uint64_t step;
 
-    if (test_is_direct()) { /* nobody answers late */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: nobody answers late");
     }
     (void)state;
     test_crossing_positions(up, 1);

@@ -28,6 +28,7 @@
 #include "fixture.h"
 #include "grid.h"
 #include "hog.h"
+#include "skip.h"
 
 #define OTHER_USER 65534u
 #define HOGS_MAX   9  /* one more than requests that have threads of their own */
@@ -211,7 +212,7 @@ static void long__request_of_another_user_holds_up_nobody(void **state)
 {
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     for (enum hog_kind kind = 0; kind < HOG_KINDS; kind++) {
         check_beside(kind, true);
@@ -514,7 +515,7 @@ static void long__requests_leave_others_their_share(void **state)
 
     (void)state;
     if (steps == 0) {
-        skip();
+        test_skip("LONG_STEPS is not set");
     }
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
         struct pccd_client *client = test_connect(test_shared.url);

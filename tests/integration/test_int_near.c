@@ -22,6 +22,7 @@
 #include "fixture.h"
 #include "grid.h"
 #include "record_hash.h"
+#include "skip.h"
 
 #define OTHER_USER 65534
 #define SIDE       16u
@@ -673,7 +674,7 @@ static void near__is_asked_by_every_member(void **state)
 
     (void)state;
     if (geteuid() != 0 || test_is_direct()) {
-        skip(); /* nobody else may act as another user, and only to a daemon */
+        test_skip("only root can act as another user, and only to a daemon");
     }
     owner = open_member("near read", test_triangle_x);
     reader.client = connect_as_other();

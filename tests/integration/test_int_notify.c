@@ -28,6 +28,7 @@
 #include "hog.h"
 #include "messages.h"
 #include "raw.h"
+#include "skip.h"
 
 #define END_MS      20000
 #define SILENCE_MS  600
@@ -361,10 +362,9 @@ static void notify__does_not_beat_while_a_thread_that_computes_stands(void **sta
     int count = other_threads(threads, 16);
     assert_true(count > 0);
     if (!freeze(threads[0])) {
-        print_message("# this process may not stop a thread\n");
         test_hog_close(&hog);
         expect_end();
-        skip();
+        test_skip("this process may not stop a thread");
     }
     for (int i = 1; i < count; i++) {
         assert_true(freeze(threads[i]));
@@ -387,10 +387,9 @@ static void notify__does_not_beat_while_a_step_does_not_end(void **state)
     let_compute(&hog, "2", HOG_FAN);
     pid_t thread = second_of_team();
     if (!freeze(thread)) {
-        print_message("# this process may not stop a thread\n");
         test_hog_close(&hog);
         expect_end();
-        skip();
+        test_skip("this process may not stop a thread");
     }
     const struct proto_CANCEL_request cancel = {.id = hog.id};
     assert_true(test_raw_request(&hog.raw, PROTO_METHOD_CANCEL, &cancel) != 0);
@@ -435,7 +434,7 @@ static void notify__lets_an_idle_daemon_sleep(void **state)
 {
     (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
-        skip();
+        test_skip("a sanitizer's thread wakes the daemon ten times a second");
     }
     manage(false);
     start(NULL, NULL);

@@ -21,6 +21,7 @@
 #include "fixture.h"
 #include "proto_limits.h"
 #include "raw.h"
+#include "skip.h"
 
 #define NOBODY 65534
 #define TURNS  5
@@ -255,7 +256,7 @@ static void config__settings_change_and_hold(void **state)
     uint32_t mesh = 0;
 
     if (test_is_direct()) {
-        skip(); /* it has other quotas to begin with */
+        test_skip("with direct: there are other quotas to begin with");
     }
     assert_int_equal(pccd_config_get(client, NULL, take_setting, &settings), 0);
     assert_true(settings.count >= 14);
@@ -438,7 +439,7 @@ static void observe__other_users_are_refused(void **state)
     int status = 0;
 
     if (geteuid() != 0 || test_is_direct()) {
-        skip(); /* only root can be another user, and only of a daemon */
+        test_skip("only root can act as another user, and only to a daemon");
     }
     assert_int_equal(pccd_daemon(crossing->client, &self), 0);
     assert_int_equal(chmod(test_shared.directory, 0711), 0);

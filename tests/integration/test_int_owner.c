@@ -21,6 +21,7 @@
 #include "fixture.h"
 #include "messages.h"
 #include "raw.h"
+#include "skip.h"
 
 #define OTHER_USER 65534
 
@@ -97,7 +98,7 @@ static void owner__names_belong_to_their_users(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     mine = test_connect(test_shared.url);
     theirs = connect_as_other();
@@ -139,7 +140,7 @@ static void owner__a_killed_daemon_keeps_whose_scene_it_was(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     mine = test_connect(test_shared.url);
     theirs = connect_as_other();
@@ -170,7 +171,7 @@ static void owner__answer_says_whose_it_is(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     assert_int_equal(seteuid(OTHER_USER), 0);
     bool is_open = test_raw_open(&raw, test_shared.socket);

@@ -21,6 +21,7 @@
 #include "prng.h"
 #include "recording.h"
 #include "run_ctl.h"
+#include "skip.h"
 
 #define BODY 6u /* vertices: two triangles, one across the other */
 
@@ -347,7 +348,7 @@ static void record__begins_with_what_others_have_done(void **state)
 
     (void)state;
     if (test_is_direct()) {
-        skip(); /* nothing is kept there of what was made before */
+        test_skip("with direct: nothing is kept of what was before");
     }
     for (int round = 0; round < 3; round++) {
         struct member a, b;
@@ -403,7 +404,7 @@ static void record__ends_when_the_daemon_is_lost(void **state)
 
     (void)state;
     if (test_is_direct()) {
-        skip();
+        test_skip("with direct: there is no daemon to lose");
     }
     test_recording_clear();
     prng.state = prng_seed();

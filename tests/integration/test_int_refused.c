@@ -22,6 +22,7 @@
 #include "daemon.h"
 #include "pccd.h"
 #include "raw.h"
+#include "skip.h"
 
 #define BEYOND 200u
 
@@ -107,7 +108,7 @@ static void refused__give_way_when_descriptors_are_short(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     assert_int_equal(pipe(told), 0);
     assert_int_equal(getrlimit(RLIMIT_NOFILE, &before), 0);

@@ -19,6 +19,7 @@
 #include <cmocka.h>
 
 #include "grid.h"
+#include "skip.h"
 #include "witness.h"
 
 #define SIDE      16u
@@ -274,8 +275,8 @@ static void replace__without_quota_changes_nothing(void **state)
     struct test_grid grid;
     struct pccd_client *client;
 
-    if (test_is_direct()) { /* without quotas */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: there are no quotas");
     }
     (void)state;
     assert_true(test_daemon_start(&daemon, options));
@@ -313,8 +314,8 @@ static void replace__without_memory_changes_nothing(void **state)
     uint32_t(*triangles)[3];
     uint32_t scenes[3], object;
 
-    if (test_is_direct()) { /* without quotas */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: there are no quotas");
     }
     (void)state;
     assert_true(test_daemon_start(&daemon, options));
@@ -370,8 +371,8 @@ static void replace__charges_the_mesh_once(void **state)
     uint32_t scene = 0;
     uint32_t second = 0;
 
-    if (test_is_direct()) { /* without quotas */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: there are no quotas");
     }
     (void)state;
     assert_true(test_daemon_start(&daemon, options));
@@ -569,8 +570,8 @@ static void replace__mesh_is_busy_while_it_is_committed(void **state)
     uint32_t generation = 0;
     uint32_t id;
 
-    if (test_is_direct()) { /* nothing comes between */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: nothing comes between");
     }
     (void)state;
     open_bare(&bare);

@@ -21,6 +21,7 @@
 #include "daemon.h"
 #include "fixture.h"
 #include "grid.h"
+#include "skip.h"
 
 #define TURNS  100
 #define SIDE   12 /* of a grid that is no brief step */
@@ -108,7 +109,7 @@ static void reply__is_nobodys_when_the_client_is_killed(void **state)
     struct test_crossing *crossing = *state;
 
     if (test_is_direct()) {
-        skip();
+        test_skip("with direct: there is nobody else");
     }
     for (int i = 0; i < KILLED; i++) {
         pid_t child = fork();

@@ -30,6 +30,7 @@
 
 #include "daemon.h"
 #include "grid.h"
+#include "skip.h"
 
 static const char *const boxed[] = {"--sandbox", "on", "--threads", "4", NULL};
 
@@ -150,7 +151,7 @@ static void sandbox__lets_no_file_be_removed_or_read(void **state)
     char precious[64] = "/tmp/pccd-precious-XXXXXX";
     int count = 0;
     if (!kernel_has_landlock()) {
-        skip();
+        test_skip("this kernel has no Landlock");
     }
     int fd = mkstemp(precious);
     assert_true(fd >= 0);
@@ -178,7 +179,7 @@ static void sandbox__lets_no_file_be_removed_or_read(void **state)
 static void sandbox__lets_no_file_be_removed_or_read(void **state)
 {
     (void)state;
-    skip();
+    test_skip("registers are those of another processor");
 }
 #endif
 

@@ -23,6 +23,7 @@
 #include <cmocka.h>
 
 #include "fixture.h"
+#include "skip.h"
 
 #define OTHER_USER 65534
 
@@ -550,7 +551,7 @@ static struct pccd_client *connect_as_other(void)
 static void connect_two_users(struct pccd_client **mine, struct pccd_client **theirs)
 {
     if (geteuid() != 0 || test_is_direct()) {
-        skip();
+        test_skip("only root can act as another user, and only to a daemon");
     }
     *mine = test_connect(test_shared.url);
     *theirs = connect_as_other();
@@ -672,7 +673,7 @@ static void shared__a_killed_daemon_loses_nothing(void **state)
 
     (void)state;
     if (test_is_direct()) {
-        skip(); /* there is nobody to kill */
+        test_skip("with direct: there is no daemon to kill");
     }
     open_member(&cloth, "again", test_triangle_x);
     open_member(&obstacle, "again", test_floor_x);

@@ -25,6 +25,7 @@
 #include "daemon.h"
 #include "messages.h"
 #include "raw.h"
+#include "skip.h"
 
 #ifdef PCCD_SANITIZED /* ten times as slow */
 #define SOON_MS 10000u
@@ -308,8 +309,8 @@ static void socketfile__is_watched_without_waking(void **state)
 {
     struct fixture *f = *state;
     char path[96];
-    if (TEST_HAS_FOREIGN_THREAD) { /* it wakes the daemon ten times a second */
-        skip();
+    if (TEST_HAS_FOREIGN_THREAD) {
+        test_skip("a sanitizer's thread wakes the daemon ten times a second");
     }
     pid_t pid = meet(f, &f->first);
     (void)snprintf(path, sizeof path, "%s/busy", f->daemon.directory);

@@ -26,6 +26,7 @@
 #include "daemon.h"
 #include "messages.h"
 #include "raw.h"
+#include "skip.h"
 
 #define END_MS 10000
 
@@ -148,7 +149,7 @@ static void kill_unseen(struct fixture *f, pid_t worker)
 {
     if (ptrace(PTRACE_SEIZE, worker, NULL, NULL) != 0) {
         print_message("ptrace: %s\n", strerror(errno));
-        skip();
+        test_skip("this process may not trace another");
     }
     assert_int_equal(kill(worker, SIGKILL), 0);
     see_it_end(f);
@@ -251,7 +252,7 @@ static void supervise__ends_when_its_worker_ends_in_order(void **state)
     pid_t spare = start_to_be_traced(f, &worker);
     int status = -1;
     if (ptrace(PTRACE_SEIZE, worker, NULL, NULL) != 0) {
-        skip();
+        test_skip("this process may not trace another");
     }
     assert_int_equal(kill(worker, SIGTERM), 0);
     for (int i = 0; i < 20; i++) { /* a thread that is traced stops at a signal */

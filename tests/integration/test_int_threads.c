@@ -20,6 +20,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "grid.h"
+#include "skip.h"
 #include "taken.h"
 
 #define TASKS_MAX 256
@@ -173,7 +174,7 @@ static void threads__are_bound_where_asked(void **state)
 
     (void)state;
     if (all < 2 || all > 63) {
-        skip();
+        test_skip("it takes 2 to 63 processors");
     }
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct test_daemon daemon;
@@ -201,7 +202,7 @@ static void threads__are_there_before_the_first_step(void **state)
 
     (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
-        skip();
+        test_skip("a sanitizer has a thread of its own");
     }
     client = start(&daemon, "off", 3);
     for (int i = 0; i < 10000 && count < OTHERS + 2; i++) { /* made beside its start */
@@ -228,7 +229,7 @@ static void threads__sleep_while_there_is_nothing_to_do(void **state)
 
     (void)state;
     if (TEST_HAS_FOREIGN_THREAD) {
-        skip();
+        test_skip("a sanitizer has a thread of its own");
     }
     client = start(&daemon, "auto", processors());
     step(client, processors());

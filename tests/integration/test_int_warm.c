@@ -19,6 +19,7 @@
 #include "allocations.h"
 #include "fixture.h"
 #include "grid.h"
+#include "skip.h"
 
 /* A recording's zstd gives memory back after 128 chunks that were smaller than its first,
  * once. */
@@ -50,7 +51,7 @@ static struct pccd_client *open_client(void)
     struct pccd_client *client;
 
     if (!TEST_COUNTS_ALLOCATIONS) {
-        skip();
+        test_skip("allocations are not counted in this build");
     }
     client = test_connect(test_shared.url);
     assert_non_null(client);
@@ -227,7 +228,7 @@ static void warm__shared_frames_allocate_nothing(void **state)
 
     (void)state;
     if (test_is_direct()) {
-        skip(); /* what is held is copied, and the daemon's part is in this process */
+        test_skip("with direct: what is held is copied in this process");
     }
     for (int i = 0; i < 2; i++) {
         pair.client[i] = open_client();

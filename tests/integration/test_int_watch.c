@@ -20,6 +20,7 @@
 #include "grid.h"
 #include "pccd.h"
 #include "raw.h"
+#include "skip.h"
 
 #define SIDE    40u /* of a grid that a step shares among threads */
 #define THREADS 3u
@@ -507,12 +508,12 @@ static void watch__other_users_are_refused(void **state)
     int status = 0;
     pid_t child;
 
-    if (test_is_direct()) { /* there are none in a process */
-        skip();
+    if (test_is_direct()) {
+        test_skip("with direct: there are no observers");
     }
     (void)state;
     if (geteuid() != 0) {
-        skip(); /* nobody else to be */
+        test_skip(TEST_ONLY_ROOT);
     }
     open_grid();
     turn(2, &answer);

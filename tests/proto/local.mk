@@ -9,7 +9,8 @@ proto_tests = \
 check_PROGRAMS += $(proto_tests)
 TESTS += $(proto_tests)
 
-proto_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto $(CMOCKA_CFLAGS)
+proto_test_cppflags = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
+    -iquote $(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 proto_test_libs = libproto.la $(CMOCKA_LIBS) $(LIBM)
 proto_test_headers = tests/proto/bytes.h tests/proto/fixture.h tests/proto/random.h
 

@@ -40,7 +40,7 @@ libtestraw_la_SOURCES = tests/support/raw.c tests/support/raw.h
 libtestraw_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/tests/support
 
-EXTRA_DIST += tests/support/cmocka.sh
+EXTRA_DIST += tests/support/cmocka.sh tests/support/skip.h
 
 # Sourced by the test scripts.
 EXTRA_DIST += tests/support/tap.sh

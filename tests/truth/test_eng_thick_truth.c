@@ -15,6 +15,7 @@
  *           PCCD_THICK_TRUTH=N judges one pair of N, with each r and approach, in three
  *           ways; with 1 it takes hours.
  */
+#include "skip.h"
 #include "truth_engine.h"
 
 #include <math.h>
@@ -161,7 +162,7 @@ static void engine__answers_every_handmade_query_at_a_distance(void **state)
     fuzz_thick_init(&tally.solver, prng_seed(), stdout);
     if (data_handmade(try_handmade, &tally) == 0) {
         fuzz_thick_deinit(&tally.solver);
-        skip();
+        test_skip("no hand-made queries in $PCCD_DATA");
     }
     fuzz_thick_deinit(&tally.solver);
     print_message("# %llu queries, decided %llu times: %llu meet, %llu wrong, %llu "

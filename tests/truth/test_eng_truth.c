@@ -19,6 +19,7 @@
 #include <cmocka.h>
 
 #include "eng_way.h"
+#include "skip.h"
 #include "truth_engine.h"
 
 /* One record of so many is timed by the oracle, which takes a tenth of a millisecond. */
@@ -247,7 +248,7 @@ static void engine__answers_every_handmade_query(void **state)
     struct handmade tally = {0};
     (void)state;
     if (data_handmade(run_handmade, &tally) == 0) {
-        skip();
+        test_skip("no hand-made queries in $PCCD_DATA");
     }
     print_message(
         "# %zu queries, %zu true, %zu missed, %zu invented; %zu possible, %zu of "

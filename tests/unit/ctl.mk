@@ -1,7 +1,7 @@
 # tests/unit/ctl.mk - the readers and the demo's scene.
 
 CTL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -I$(top_srcdir)/tests/unit \
-    $(CMOCKA_CFLAGS)
+    -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
 CTL_TEST_LDADD = libctl.la $(CMOCKA_LIBS) $(LIBM)
 
 check_LTLIBRARIES += libctlkit.la

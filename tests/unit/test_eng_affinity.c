@@ -8,6 +8,7 @@
  * Source:   daemon/engine/team/affinity.h; design: threads.
  */
 #include "eng_crew.h"
+#include "skip.h"
 
 #include <omp.h>
 #include <pthread.h>
@@ -63,7 +64,7 @@ static uint32_t usable(struct eng_affinity *affinity)
 {
     eng_affinity_init(affinity);
     if (affinity->count < 2) {
-        skip();
+        test_skip("it takes two processors");
     }
     return affinity->count < TEAM_MAX ? affinity->count : TEAM_MAX;
 }
@@ -125,7 +126,7 @@ static void place__crowd_may_run_anywhere(void **state)
     (void)state;
     rounds.threads = usable(&rounds.affinity);
     if (rounds.threads == TEAM_MAX) {
-        skip();
+        test_skip("there are too many processors");
     }
     apart(bind_then_crowd, &rounds);
     check_bound(&rounds.sights[0], &rounds.affinity);
@@ -213,7 +214,7 @@ static void place__guests_keep_off_the_first_thread_and_let_it_be(void **state)
     (void)state;
     rounds.threads = usable(&rounds.affinity);
     if (rounds.threads == TEAM_MAX) {
-        skip();
+        test_skip("there are too many processors");
     }
     rounds.affinity.is_guest = true;
     apart(as_guest, &rounds);

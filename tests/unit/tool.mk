@@ -4,7 +4,8 @@ TOOL_TESTS = tests/unit/test_tool_shown tests/unit/test_tool_whole_file
 check_PROGRAMS += $(TOOL_TESTS)
 TESTS += $(TOOL_TESTS)
 
-TOOL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(tool_cppflags) $(CMOCKA_CFLAGS)
+TOOL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(tool_cppflags) -I$(top_srcdir)/tests/support \
+    $(CMOCKA_CFLAGS)
 TOOL_TEST_LDADD = libtools.la $(CMOCKA_LIBS)
 tests_unit_test_tool_shown_SOURCES = tests/unit/test_tool_shown.c
 tests_unit_test_tool_shown_CPPFLAGS = $(TOOL_TEST_CPPFLAGS)

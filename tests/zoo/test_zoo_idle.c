@@ -23,6 +23,7 @@
 #include "daemon.h"
 #include "grid.h"
 #include "raw.h"
+#include "skip.h"
 
 #define CLIENTS_MAX 20000u
 #define THREADS_MAX 4096
@@ -133,9 +134,9 @@ static void idle__daemon_is_not_woken_by_silent_clients(void **state)
     int *sockets = calloc(count, sizeof *sockets);
 
     (void)state;
-    if (TEST_HAS_FOREIGN_THREAD) { /* it wakes the daemon ten times a second */
+    if (TEST_HAS_FOREIGN_THREAD) {
         free(sockets);
-        skip();
+        test_skip("a sanitizer's thread wakes the daemon ten times a second");
     }
     assert_non_null(sockets);
     assert_true(test_daemon_start(&daemon, options));

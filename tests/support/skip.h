@@ -1,0 +1,22 @@
+/* skip.h - skip a case of cmocka, and say why.
+ *
+ * Room:     tests/support. May include: nothing of ours.
+ * Does:     what cmocka's skip() does; tests/support/cmocka.sh puts the reason into the
+ *           TAP, and ./bootstrap check into its last lines.
+ * Threads:  the one that runs the cases.
+ */
+#ifndef TEST_SKIP_H
+#define TEST_SKIP_H
+
+#include <stdio.h>
+
+/* Does not return. `why` is a text of one line without '#'. The includer has cmocka.h. */
+#define test_skip(why)                                                                   \
+    do {                                                                                 \
+        printf("# skipped: %s\n", (why));                                                \
+        skip();                                                                          \
+    } while (0)
+
+#define TEST_ONLY_ROOT "only root can act as another user"
+
+#endif
