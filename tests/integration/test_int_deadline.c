@@ -50,7 +50,7 @@ static int start(void **state)
                : -1;
 }
 
-static int stop(void **state)
+static int teardown(void **state)
 {
     pccd_close(client);
     test_grid_free(&grid);
@@ -295,5 +295,5 @@ int main(void)
         cmocka_unit_test(deadline__is_seen_whatever_the_numbers),
     };
 
-    return cmocka_run_group_tests_name("deadline", tests, start, stop);
+    return cmocka_run_group_tests_name("deadline", tests, start, teardown);
 }

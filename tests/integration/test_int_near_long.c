@@ -62,7 +62,7 @@ static void start_with(const char *const *options, uint32_t side)
     good(test_grid_make(client, side, &grid));
 }
 
-static int stop(void **state)
+static int teardown(void **state)
 {
     (void)state;
     pccd_close(client);
@@ -570,7 +570,7 @@ static void near__needs_a_daemon_that_knows_it(void **state)
 
 int main(void)
 {
-#define STOPPED(name) cmocka_unit_test_setup_teardown(name, NULL, stop)
+#define STOPPED(name) cmocka_unit_test_setup_teardown(name, NULL, teardown)
     const struct CMUnitTest tests[] = {
         STOPPED(near__is_answered_at_its_deadline_and_cancel),
         STOPPED(near__ends_while_it_computes),

@@ -47,7 +47,7 @@ static int start_large(void **state)
     return start_with(state, SIDE_LARGE);
 }
 
-static int stop(void **state)
+static int teardown(void **state)
 {
     pccd_close(client);
     test_grid_free(&grid);
@@ -238,13 +238,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(overdue__step_is_answered_at_its_deadline, start,
-                                        stop),
+                                        teardown),
         cmocka_unit_test_setup_teardown(overdue__step_is_answered_when_it_is_cancelled,
-                                        start, stop),
+                                        start, teardown),
         cmocka_unit_test_setup_teardown(overdue__large_step_is_answered_in_its_turn,
-                                        start_large, stop),
+                                        start_large, teardown),
         cmocka_unit_test_setup_teardown(
-            overdue__what_goes_wrong_later_is_said_by_the_next_step, start, stop),
+            overdue__what_goes_wrong_later_is_said_by_the_next_step, start, teardown),
     };
 
     return cmocka_run_group_tests_name("overdue", tests, NULL, NULL);

@@ -37,7 +37,7 @@ static void start(const char *queue)
     assert_true(test_daemon_start(&daemon_, options));
 }
 
-static void stop(struct pccd_client *client)
+static void finish(struct pccd_client *client)
 {
     pccd_close(client);
     (void)test_daemon_end(&daemon_, SIGTERM, 10000);
@@ -102,7 +102,7 @@ static void restore__brings_many_meshes_back_through_any_ring(void **state)
         }
         pccd_close(client);
     }
-    stop(NULL);
+    finish(NULL);
 }
 
 /* The same where the queue has room for one request, and what is left of a session that
@@ -143,7 +143,7 @@ static void restore__goes_on_after_a_refusal_for_want_of_room(void **state)
         turn_despite_refusals();
         assert_int_equal(link_of(client).reconnects, round);
     }
-    stop(client);
+    finish(client);
 }
 
 /* In a child: kill every worker some milliseconds after it has begun to serve. */
@@ -194,7 +194,7 @@ static void restore__begins_anew_when_the_daemon_ends_meanwhile(void **state)
     }
     turn_crossings();
     assert_true(link_of(client).reconnects >= 4);
-    stop(client);
+    finish(client);
 }
 
 /* If it failed, a mesh over which the daemon crashes would be sent to one daemon after
@@ -234,7 +234,7 @@ static void restore__gives_up_a_mesh_that_ends_every_daemon(void **state)
     turn_crossings();
     free(x);
     free(triangles);
-    stop(client);
+    finish(client);
 }
 
 /* ---- batches ----------------------------------------------------------------------- */
@@ -312,7 +312,7 @@ static void restore__answers_batches_as_if_nothing_had_happened(void **state)
     test_farm_free(&farm);
     test_farm_free(&other);
     pccd_close(direct);
-    stop(client);
+    finish(client);
 }
 
 int main(void)

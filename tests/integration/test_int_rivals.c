@@ -537,39 +537,39 @@ static int start_with_grid(void **state)
                : -1;
 }
 
-static int stop(void **state)
+static int teardown(void **state)
 {
     pccd_close(client);
     return test_shared_stop(state);
 }
 
-static int stop_with_grid(void **state)
+static int teardown_grid(void **state)
 {
     test_grid_free(&grid);
-    return stop(state);
+    return teardown(state);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_has_what_it_adds,
-                                        start, stop),
+                                        start, teardown),
         cmocka_unit_test_setup_teardown(rivals__one_who_comes_back_holds_one_frame, start,
-                                        stop),
+                                        teardown),
         cmocka_unit_test_setup_teardown(rivals__one_who_leaves_with_much_delays_nobody,
-                                        start, stop),
+                                        start, teardown),
         cmocka_unit_test_setup_teardown(rivals__one_who_is_looked_at_may_leave,
-                                        start_with_grid, stop_with_grid),
+                                        start_with_grid, teardown_grid),
         cmocka_unit_test_setup_teardown(rivals__one_who_is_not_back_keeps_its_numbers,
-                                        start, stop),
+                                        start, teardown),
         cmocka_unit_test_setup_teardown(rivals__an_error_is_told_to_whose_it_is,
-                                        start_with_grid, stop_with_grid),
+                                        start_with_grid, teardown_grid),
         cmocka_unit_test_setup_teardown(rivals__every_step_that_has_run_is_told, start,
-                                        stop),
+                                        teardown),
         cmocka_unit_test_setup_teardown(rivals__a_frame_that_is_held_is_not_placed, start,
-                                        stop),
+                                        teardown),
         cmocka_unit_test_setup_teardown(rivals__a_held_frame_does_not_delay_the_end,
-                                        start, stop),
+                                        start, teardown),
     };
 
     return cmocka_run_group_tests_name("rivals", tests, NULL, NULL);

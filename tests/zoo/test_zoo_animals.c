@@ -182,7 +182,7 @@ static int start(void **state)
     return zoo_keeper_start(&keeper, requests) ? 0 : -1;
 }
 
-static int stop(void **state)
+static int teardown(void **state)
 {
     (void)state;
     return zoo_keeper_stop(&keeper) ? 0 : -1;
@@ -214,5 +214,5 @@ int main(int argc, char **argv)
     if (getenv("ZOO_ONLY") != NULL) {
         cmocka_set_test_filter(getenv("ZOO_ONLY")); /* as "dies*" */
     }
-    return cmocka_run_group_tests_name("zoo", tests, start, stop);
+    return cmocka_run_group_tests_name("zoo", tests, start, teardown);
 }
