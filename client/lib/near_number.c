@@ -9,8 +9,11 @@
 void cli_near_answered(struct pccd_client *client,
                        const struct proto_SCENE_NEAR_request *request)
 {
-    /* Without memory for it, its further pages are refused as those of a step. */
-    (void)registry_map_put(&client->nears, request->scene, request->step);
+    /* Without memory for it, its further pages are refused as those of a step. There is
+     * no scene 0, whatever a daemon says of it. */
+    if (request->scene != 0) {
+        (void)registry_map_put(&client->nears, request->scene, request->step);
+    }
 }
 
 void cli_near_forget(struct pccd_client *client, uint32_t scene)

@@ -148,6 +148,36 @@ static int take_page(struct pccd_client *client, struct cli_call *call,
     return status;
 }
 
+/* A result that brings no page. 0 is the handle of nothing, and is kept nowhere. */
+static int take_plain(const struct cli_call *call, const struct proto_envelope *envelope,
+                      struct proto_error *error)
+{
+    const struct proto_fields *fields = &proto_messages[call->method].result;
+    const struct proto_SCENE_CREATE_result *scene = call->result;
+    const struct proto_SCENE_ADD_result *object = call->result;
+    const struct proto_MESH_CREATE_result *mesh = call->result;
+    uint32_t handle = 1;
+    int status;
+
+    if (call->result == NULL) {
+        return 0;
+    }
+    status = proto_decode_body(envelope, fields, call->result, error);
+    if (status != 0) {
+        return status;
+    }
+    if (call->method == PROTO_METHOD_SCENE_CREATE) {
+        handle = scene->scene;
+    } else if (call->method == PROTO_METHOD_SCENE_ADD) {
+        handle = object->object;
+    } else if (call->method == PROTO_METHOD_MESH_CREATE) {
+        handle = mesh->mesh;
+    }
+    return handle != 0 ? 0
+                       : proto_error_set(error, PCCD_E_BADMSG,
+                                         "the daemon gives 0, which is no handle");
+}
+
 /* The result of a call, and the page that it brings. */
 static int take_result(struct pccd_client *client, struct cli_call *call,
                        const struct proto_envelope *envelope, struct proto_error *error)
@@ -156,9 +186,7 @@ static int take_result(struct pccd_client *client, struct cli_call *call,
     int status;
 
     if ((info->flags & PROTO_F_HAS_PAGE) == 0) {
-        return call->result != NULL
-                   ? proto_decode_body(envelope, &info->result, call->result, error)
-                   : 0;
+        return take_plain(call, envelope, error);
     }
     switch (call->method) {
     case PROTO_METHOD_FRAME_SUBMIT:

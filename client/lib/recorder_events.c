@@ -358,8 +358,11 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
     case PROTO_METHOD_SCENE_CREATE: {
         const struct proto_SCENE_CREATE_result *result = call->result;
 
+        if (result == NULL) {
+            return; /* it came too late: nobody knows its handle */
+        }
         scene = (struct record_scene){
-            .scene = result != NULL ? result->scene : 0,
+            .scene = result->scene,
             .quality = params->SCENE_CREATE.quality,
             .rebuild_triangles_max = params->SCENE_CREATE.rebuild_triangles_max,
             .rebuild_ratio = params->SCENE_CREATE.rebuild_ratio};
@@ -370,9 +373,12 @@ static void add_change(struct pccd_client *client, const struct cli_call *call)
     case PROTO_METHOD_SCENE_ADD: {
         const struct proto_SCENE_ADD_result *result = call->result;
 
+        if (result == NULL) {
+            return;
+        }
         object = (struct record_object){.scene = params->SCENE_ADD.scene,
                                         .mesh = params->SCENE_ADD.mesh,
-                                        .object = result != NULL ? result->object : 0};
+                                        .object = result->object};
         part = (struct record_part){&object, sizeof object};
         kind = RECORD_OBJECT;
         break;

@@ -84,7 +84,7 @@ static int write_object(struct pccd_client *client, uint32_t scene,
     memcpy(&object, at, sizeof object);
     need = object.vertex_count * sizeof(double[3]) +
            object.triangle_count * sizeof(uint32_t[3]);
-    if (need > bytes - sizeof object) {
+    if (need > bytes - sizeof object || entry->object == 0) {
         return PCCD_E_BADMSG;
     }
     guest.vertex_count = object.vertex_count;

@@ -6,6 +6,7 @@
  *           silence and sudden ends. Whatever it does, the library returns in time with
  *           an error.
  * Threads:  one in each process.
+ * More than 600 lines: each lie has its script and its test, on one fake daemon.
  */
 #include <setjmp.h>
 #include <signal.h>
@@ -244,6 +245,72 @@ static void peer__that_lies_about_pages_is_not_believed(void **state)
     assert_int_equal(answered.count, 1024);
     assert_int_equal(answered.contacts[1023].reserved, 0); /* readable to the end */
     pccd_answer_release(client, &answered);
+    pccd_close(client);
+}
+
+/* ---- handles ----------------------------------------------------------------------- */
+
+static void give_nothing(void)
+{
+    const struct proto_SCENE_CREATE_result scene = {.scene = 0}, good = {.scene = 7};
+    const struct proto_SCENE_ADD_result object = {.object = 0};
+    const struct proto_MESH_CREATE_result mesh = {.mesh = 0};
+    const struct proto_SCENE_NEAR_result near = {.what = PCCD_NEAR_PAIRS};
+
+    false_hello(PROTO_VERSION_MAX, PROTO_FEATURE_RESUME | PROTO_FEATURE_NEAR);
+    for (;;) {
+        switch (false_next()) {
+        case PROTO_METHOD_SHM_ATTACH:
+            false_attached(false_good_ring, 2);
+            break;
+        case PROTO_METHOD_SCENE_CREATE:
+            false_answer(false_daemon.envelope.id, PROTO_METHOD_SCENE_CREATE,
+                         false_daemon.scenes++ == 0 ? &scene : &good, NULL, 0);
+            break;
+        case PROTO_METHOD_SCENE_ADD:
+            false_answer(false_daemon.envelope.id, PROTO_METHOD_SCENE_ADD, &object, NULL,
+                         0);
+            break;
+        case PROTO_METHOD_MESH_CREATE:
+            false_answer(false_daemon.envelope.id, PROTO_METHOD_MESH_CREATE, &mesh, NULL,
+                         0);
+            break;
+        case PROTO_METHOD_SCENE_NEAR:
+            false_answer(false_daemon.envelope.id, PROTO_METHOD_SCENE_NEAR, &near, NULL,
+                         0);
+            break;
+        default:
+            break;
+        }
+    }
+}
+
+/* If it failed, a daemon could end its user's program by giving the handle 0, or the
+ * program would go on with the handle of nothing. */
+static void peer__that_gives_no_handle_is_refused(void **state)
+{
+    static const float x[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const uint32_t triangle[1][3] = {{0, 1, 2}};
+    const struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_client *client;
+    uint32_t scene = 99, object = 99, mesh = 99;
+
+    (void)state;
+    false_start(give_nothing);
+    client = false_connect_good();
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), PCCD_E_BADMSG);
+    assert_non_null(strstr(pccd_error_text(client), "gives 0, which is no handle"));
+    assert_int_equal(
+        pccd_mesh_create(client, x, PCCD_FORMAT_F32, 3, triangle, 1, &mesh, NULL),
+        PCCD_E_BADMSG);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    assert_int_equal(scene, 7);
+    assert_int_equal(pccd_scene_add(client, scene, 1, &object), PCCD_E_BADMSG);
+    assert_int_equal(mesh, 99);
+    assert_int_equal(object, 99);
+    assert_int_equal(pccd_ask_near(client, 0, NULL, 0, &settings, &answer), 0);
+    pccd_answer_release(client, &answer);
     pccd_close(client);
 }
 
@@ -526,6 +593,7 @@ int main(void)
                                   false_stop),
         cmocka_unit_test_teardown(peer__that_lies_about_pages_is_not_believed,
                                   false_stop),
+        cmocka_unit_test_teardown(peer__that_gives_no_handle_is_refused, false_stop),
         cmocka_unit_test_teardown(peer__that_answers_in_any_order_is_understood,
                                   false_stop),
         cmocka_unit_test_teardown(peer__that_stops_answering_bounds_what_is_begun,

@@ -71,12 +71,19 @@ void false_hello(uint32_t version, uint64_t features)
 
 void false_attach(struct proto_SHM_ATTACH_result result, int fd_count)
 {
+    if (false_next() != PROTO_METHOD_SHM_ATTACH) {
+        _exit(0);
+    }
+    false_attached(result, fd_count);
+}
+
+void false_attached(struct proto_SHM_ATTACH_result result, int fd_count)
+{
     struct proto_memory upload = PROTO_MEMORY_NONE;
     struct proto_memory records = PROTO_MEMORY_NONE;
     int fds[2];
 
-    if (false_next() != PROTO_METHOD_SHM_ATTACH ||
-        proto_memory_create(&upload, "upload", FALSE_RING_BYTES, FALSE_RING_BYTES,
+    if (proto_memory_create(&upload, "upload", FALSE_RING_BYTES, FALSE_RING_BYTES,
                             false) != 0 ||
         proto_memory_create(&records, "results", FALSE_RESULT_BYTES, FALSE_RESULT_BYTES,
                             true) != 0) {

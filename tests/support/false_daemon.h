@@ -28,6 +28,7 @@ struct false_daemon {
     pid_t child;  /* 0: none */
     int listener; /* in the child, as what follows */
     int socket;
+    int scenes; /* a script's own count */
     struct proto_decoder *decoder;
     struct proto_envelope envelope; /* of the last request */
     struct proto_encoder encoder;
@@ -50,6 +51,8 @@ void false_hello(uint32_t version, uint64_t features);
 /* Answer shm.attach with true memories, of which the message says what it likes. */
 void false_attach(struct proto_SHM_ATTACH_result result, int fd_count);
 extern const struct proto_SHM_ATTACH_result false_good_ring;
+/* The same of a request that was taken already. */
+void false_attached(struct proto_SHM_ATTACH_result result, int fd_count);
 /* Answer a submit with a page of `count` contacts at `offset`. */
 void false_step(uint32_t id, uint64_t offset, uint64_t count, uint32_t bytes);
 
