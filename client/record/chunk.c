@@ -23,8 +23,9 @@
 
 #define SMALL_BYTES 256u /* nothing is gained by compressing less */
 #define ALIGN       8u
-#define DULL        31u    /* chunks of a kind that gained less than an eighth */
-#define SHRINK_MAX  65536u /* zstd's best is half of it */
+#define DULL        31u        /* chunks of a kind that gained less than an eighth */
+#define SHRINK_MAX  65536u     /* zstd's best is half of it */
+#define UNMEASURED  (1u << 20) /* a payload that short is unpacked at once */
 
 static size_t padded(size_t bytes)
 {
@@ -331,6 +332,7 @@ int record_writer_take_back(struct record_writer *writer)
 int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_BYTES])
 {
     const char *why = NULL;
+    uint64_t wants;
 
     if (chunk->magic != RECORD_CHUNK_MAGIC) {
         why = "not the beginning of a chunk";
@@ -344,6 +346,9 @@ int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_B
         why = "impossible lengths";
     } else if (chunk->encoding > RECORD_ZSTD) {
         why = "unknown encoding";
+    } else if (record_kind_name(chunk->kind) != NULL &&
+               chunk->bytes > record_payload_most(chunk->kind, NULL, 0, &wants)) {
+        why = "too long for its kind";
     }
     if (why != NULL) {
         (void)snprintf(text, RECORD_TEXT_BYTES, "%s", why);
@@ -351,6 +356,79 @@ int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_B
     }
     return PCCD_OK;
 }
+
+#if HAVE_ZSTD
+/* The first `bytes` of a payload. Takes memory for zstd's window, whatever the payload's
+ * length. */
+static int unpack_begin(const struct record_chunk *chunk, const void *stored, void *to,
+                        size_t bytes, char text[RECORD_TEXT_BYTES])
+{
+    ZSTD_inBuffer in = {stored, chunk->stored_bytes, 0};
+    ZSTD_outBuffer out = {to, bytes, 0};
+    ZSTD_DCtx *unpacking = ZSTD_createDCtx();
+    size_t left = 1, before;
+
+    if (unpacking == NULL) {
+        (void)snprintf(text, RECORD_TEXT_BYTES, "no memory for zstd");
+        return PCCD_E_NOMEM;
+    }
+    do {
+        before = in.pos + out.pos;
+        left = ZSTD_decompressStream(unpacking, &out, &in);
+    } while (!ZSTD_isError(left) && left > 0 && out.pos < out.size &&
+             in.pos + out.pos > before);
+    (void)ZSTD_freeDCtx(unpacking);
+    if (ZSTD_isError(left) || out.pos < out.size) {
+        (void)snprintf(text, RECORD_TEXT_BYTES, "zstd: %s",
+                       ZSTD_isError(left) ? ZSTD_getErrorName(left) : "another length");
+        return PCCD_E_FORMAT;
+    }
+    return PCCD_OK;
+}
+
+int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
+                         char text[RECORD_TEXT_BYTES])
+{
+    uint8_t *begin = NULL, *larger;
+    uint64_t most, have = 0, wants = 0;
+    int status = PCCD_OK;
+
+    if (chunk->encoding == RECORD_STORED || chunk->bytes <= UNMEASURED) {
+        return PCCD_OK; /* the file is as long, or it is little */
+    }
+    for (;;) {
+        most = record_payload_most(chunk->kind, begin, have, &wants);
+        if (wants == have || wants > chunk->bytes || status != PCCD_OK) {
+            break;
+        }
+        larger = realloc(begin, wants);
+        if (larger == NULL) {
+            (void)snprintf(text, RECORD_TEXT_BYTES, "no memory for %llu bytes",
+                           (unsigned long long)wants);
+            status = PCCD_E_NOMEM;
+            break;
+        }
+        begin = larger;
+        status = unpack_begin(chunk, stored, begin, wants, text);
+        have = wants;
+    }
+    free(begin);
+    if (status == PCCD_OK && chunk->bytes > most) {
+        (void)snprintf(text, RECORD_TEXT_BYTES,
+                       "%llu bytes, and what it counts takes %llu at most",
+                       (unsigned long long)chunk->bytes, (unsigned long long)most);
+        status = PCCD_E_FORMAT;
+    }
+    return status;
+}
+#else
+int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
+                         char text[RECORD_TEXT_BYTES])
+{
+    (void)chunk, (void)stored, (void)text;
+    return PCCD_OK; /* what is compressed is refused */
+}
+#endif
 
 int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, void *to,
                         char text[RECORD_TEXT_BYTES])

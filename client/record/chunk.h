@@ -74,6 +74,15 @@ int record_chunk_judge(const struct record_chunk *chunk, char text[RECORD_TEXT_B
  * PCCD_E_FORMAT, PCCD_E_NOMEM. */
 int record_chunk_unpack(const struct record_chunk *chunk, const void *stored, void *to,
                         char text[RECORD_TEXT_BYTES]);
+/* Whether a payload that is much longer than it is stored can be so long, by its
+ * beginning and what that counts, before there is memory for it. PCCD_OK, PCCD_E_FORMAT,
+ * PCCD_E_NOMEM. */
+int record_chunk_measure(const struct record_chunk *chunk, const void *stored,
+                         char text[RECORD_TEXT_BYTES]);
+/* The most bytes that a payload can have whose first `have` are at `begin`. *wants: as
+ * many of them as it takes to know; `have`: these are enough. PLACE: any. */
+uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
+                             uint64_t *wants);
 /* Whether a payload is what its kind says: lengths, counts, indices, ranges. Everything
  * that a reader of the payload relies on, but for what other chunks say. */
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,

@@ -1,18 +1,20 @@
 /* judge.c - whether a payload is what its kind says.
  *
- * Room:     client/record. May include: chunk.h.
+ * Room:     client/record. May include: chunk.h, filter.h.
  * Does:     lengths, counts, indices and ranges, on a private copy.
  * Does not: know what other chunks have said: handles are the reader's affair.
  * Threads:  [any].
  */
 #include <assert.h>
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "chunk.h"
 
 #include "coordinates.h"
+#include "filter.h"
 #include "proto_limits.h"
 
 /* The layout of the file, whatever the compiler. */
@@ -47,9 +49,27 @@ static int bad(char text[RECORD_TEXT_BYTES], const char *why)
     return PCCD_E_FORMAT;
 }
 
+static bool is_length(double length)
+{
+    return length >= 0.0 && length <= PROTO_COORDINATE_MAX;
+}
+
 static uint64_t padded(uint64_t bytes)
 {
     return (bytes + 7) / 8 * 8;
+}
+
+static int judge_vertices(const void *x, uint32_t format, uint32_t count,
+                          char text[RECORD_TEXT_BYTES])
+{
+    uint64_t stray = common_first_stray(x, format, count);
+
+    if (stray == count) {
+        return PCCD_OK;
+    }
+    (void)snprintf(text, RECORD_TEXT_BYTES,
+                   "vertex %" PRIu64 " is not finite or beyond 1e18", stray);
+    return PCCD_E_FORMAT;
 }
 
 static int judge_triangles(const uint8_t *triangles, uint32_t triangle_count,
@@ -73,13 +93,20 @@ static int judge_guest(const void *payload, uint64_t bytes, char text[RECORD_TEX
 {
     struct record_guest guest;
     uint64_t x_bytes;
+    int status;
 
     memcpy(&guest, payload, sizeof guest);
     x_bytes = guest.vertex_count * sizeof(double[3]);
-    if (guest.object == 0 || guest.vertex_count == 0 || guest.vertex_count > COUNT_MAX ||
-        guest.triangle_count > COUNT_MAX ||
+    if (guest.object == 0 || guest.scene == 0 || guest.vertex_count == 0 ||
+        guest.vertex_count > COUNT_MAX || guest.triangle_count > COUNT_MAX ||
         bytes != sizeof guest + x_bytes + guest.triangle_count * sizeof(uint32_t[3])) {
-        return bad(text, "an object of another length, or without handle or shape");
+        return bad(text,
+                   "an object of another length, or without handle, scene or shape");
+    }
+    status = judge_vertices((const uint8_t *)payload + sizeof guest, PCCD_FORMAT_F64,
+                            guest.vertex_count, text);
+    if (status != PCCD_OK) {
+        return status;
     }
     return judge_triangles((const uint8_t *)payload + sizeof guest + x_bytes,
                            guest.triangle_count, guest.vertex_count, text);
@@ -89,6 +116,7 @@ static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT
 {
     struct record_mesh mesh;
     uint64_t x_bytes;
+    int status;
 
     memcpy(&mesh, payload, sizeof mesh);
     if (mesh.mesh == 0 || mesh.format >= PCCD_FORMAT_COUNT || mesh.vertex_count == 0 ||
@@ -98,6 +126,11 @@ static int judge_mesh(const void *payload, uint64_t bytes, char text[RECORD_TEXT
     x_bytes = padded(mesh.vertex_count * common_vertex_bytes(mesh.format));
     if (bytes != sizeof mesh + x_bytes + mesh.triangle_count * sizeof(uint32_t[3])) {
         return bad(text, "a mesh of another length");
+    }
+    status = judge_vertices((const uint8_t *)payload + sizeof mesh, mesh.format,
+                            mesh.vertex_count, text);
+    if (status != PCCD_OK) {
+        return status;
     }
     return judge_triangles((const uint8_t *)payload + sizeof mesh + x_bytes,
                            mesh.triangle_count, mesh.vertex_count, text);
@@ -134,8 +167,8 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
 static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
                           uint64_t step, char text[RECORD_TEXT_BYTES])
 {
-    if (count > all / sizeof(struct record_segment)) {
-        return bad(text, "a movement with less than its segments");
+    if (count > all / sizeof(struct record_segment) || count > PROTO_SEGMENTS_MAX) {
+        return bad(text, "a movement with less than its segments, or too many");
     }
     for (uint32_t i = 0; i < count; i++) {
         struct record_segment segment;
@@ -216,15 +249,36 @@ static int judge_records(const void *payload, uint64_t bytes,
     return PCCD_OK;
 }
 
-static int judge_filter(const void *payload, char text[RECORD_TEXT_BYTES])
+static int judge_filter(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
 {
     struct record_filter filter;
+    struct common_attributes given;
 
-    memcpy(&filter, payload, RECORD_FILTER_BYTES);
-    return (COMMON_OBJECT_BITS(filter.what) & ~COMMON_OBJECT_KNOWN) == 0 &&
-                   filter.self <= 1
+    record_filter_read(payload, bytes, &filter, &given);
+    if ((COMMON_OBJECT_BITS(filter.what) & ~COMMON_OBJECT_KNOWN) != 0 ||
+        filter.self > 1) {
+        return bad(text, "a filter of unknown kind");
+    }
+    return is_length(given.radius) && is_length(given.rest_distance) &&
+                   given.rest_rings <= PROTO_REST_RINGS_MAX
                ? PCCD_OK
-               : bad(text, "a filter of unknown kind");
+               : bad(text, "a thickness that cannot be one");
+}
+
+/* Of a scene that was made, or an object that was added: 0 names none. */
+static int judge_handles(uint16_t kind, const void *payload, char text[RECORD_TEXT_BYTES])
+{
+    struct record_scene scene;
+    struct record_object object;
+
+    if (kind == RECORD_SCENE) {
+        memcpy(&scene, payload, sizeof scene);
+        return scene.scene != 0 ? PCCD_OK : bad(text, "a scene without handle");
+    }
+    memcpy(&object, payload, sizeof object);
+    return object.scene != 0 && object.mesh != 0 && object.object != 0
+               ? PCCD_OK
+               : bad(text, "an object without handle, scene or mesh");
 }
 
 static int judge_radii(const void *payload, uint64_t bytes, char text[RECORD_TEXT_BYTES])
@@ -240,7 +294,7 @@ static int judge_radii(const void *payload, uint64_t bytes, char text[RECORD_TEX
         double radius;
 
         memcpy(&radius, at + i * sizeof radius, sizeof radius);
-        if (!(radius >= 0.0 && radius <= PROTO_COORDINATE_MAX)) {
+        if (!is_length(radius)) {
             return bad(text, "a radius that cannot be one");
         }
     }
@@ -290,67 +344,163 @@ static int judge_pairs(const void *payload, uint64_t bytes, char text[RECORD_TEX
     return PCCD_OK;
 }
 
-/* Of the struct that a payload begins with; 0: any. */
-static uint64_t least_bytes(uint16_t kind)
+/* Of the struct that a payload begins with; 0: any. is_all: it ends with it. */
+static uint64_t head_bytes(uint16_t kind, bool *is_all)
 {
+#define HEAD(name, type)                                                                 \
+    case RECORD_##name:                                                                  \
+        return sizeof(struct record_##type);
+    *is_all = true;
     switch (kind) {
-    case RECORD_BEGIN:
-        return sizeof(struct record_begin);
-    case RECORD_MESH:
-        return sizeof(struct record_mesh);
-    case RECORD_SCENE:
-        return sizeof(struct record_scene);
-    case RECORD_OBJECT:
-        return sizeof(struct record_object);
-    case RECORD_PLACE:
-        return sizeof(struct record_place);
-    case RECORD_LOG:
-        return sizeof(struct record_log);
-    case RECORD_FRAME:
-    case RECORD_MOVE:
-        return sizeof(struct record_frame);
-    case RECORD_TUNING:
-        return sizeof(struct record_tuning);
-    case RECORD_SEPARATION:
-        return sizeof(struct record_separation);
-    case RECORD_RADII:
-        return sizeof(struct record_radii);
-    case RECORD_FREE:
-        return sizeof(struct record_free);
-    case RECORD_GUEST:
-        return sizeof(struct record_guest);
-    case RECORD_ANSWER:
-        return sizeof(struct record_answer);
-    case RECORD_RECORDS:
-        return sizeof(struct record_records);
-    case RECORD_NEAR:
-        return sizeof(struct record_near);
-    case RECORD_NEAR_ANSWER:
-        return sizeof(struct record_near_answer);
-    case RECORD_NEAR_RECORDS:
-        return sizeof(struct record_near_records);
-    case RECORD_CANCEL:
-        return sizeof(struct record_cancel);
-    case RECORD_SCENE_GONE:
-    case RECORD_MESH_GONE:
-    case RECORD_OBJECT_GONE:
-        return sizeof(struct record_gone);
-    case RECORD_END:
-        return sizeof(struct record_end);
+        HEAD(BEGIN, begin)
+        HEAD(SCENE, scene)
+        HEAD(OBJECT, object)
+        HEAD(LOG, log)
+        HEAD(TUNING, tuning)
+        HEAD(SEPARATION, separation)
+        HEAD(ANSWER, answer)
+        HEAD(NEAR_ANSWER, near_answer)
+        HEAD(CANCEL, cancel)
+        HEAD(SCENE_GONE, gone)
+        HEAD(MESH_GONE, gone)
+        HEAD(OBJECT_GONE, gone)
+        HEAD(END, end)
+    default:
+        *is_all = false;
+    }
+    switch (kind) {
+        HEAD(MESH, mesh)
+        HEAD(PLACE, place)
+        HEAD(FRAME, frame)
+        HEAD(MOVE, frame)
+        HEAD(RADII, radii)
+        HEAD(FREE, free)
+        HEAD(GUEST, guest)
+        HEAD(RECORDS, records)
+        HEAD(NEAR, near)
+        HEAD(NEAR_RECORDS, near_records)
+        HEAD(PAIRS, pairs)
     case RECORD_FILTER:
         return RECORD_FILTER_BYTES;
-    case RECORD_PAIRS:
-        return sizeof(struct record_pairs);
     default:
         return 0;
     }
+#undef HEAD
+}
+
+/* ---- how long a payload can be ----------------------------------------------------- */
+
+/* What lies behind the head of a MESH, GUEST, RADII, FREE, PAIRS or records, at most. */
+static uint64_t counted_bytes(uint16_t kind, const void *head)
+{
+    union {
+        struct record_mesh mesh;
+        struct record_guest guest;
+        struct record_radii radii;
+        struct record_free free;
+        struct record_pairs pairs;
+        struct record_records records; /* of what is near, too */
+    } is;
+    bool is_all;
+
+    memcpy(&is, head, head_bytes(kind, &is_all));
+    switch (kind) {
+    case RECORD_MESH:
+        return padded(is.mesh.vertex_count * common_vertex_bytes(is.mesh.format)) +
+               is.mesh.triangle_count * sizeof(uint32_t[3]);
+    case RECORD_GUEST:
+        return is.guest.vertex_count * sizeof(double[3]) +
+               is.guest.triangle_count * sizeof(uint32_t[3]);
+    case RECORD_RADII:
+        return is.radii.vertex_count * sizeof(double);
+    case RECORD_FREE:
+        return (2 * (uint64_t)is.free.edge_count + is.free.point_count) *
+               sizeof(uint32_t);
+    case RECORD_PAIRS:
+        return is.pairs.count * sizeof(uint32_t[2]);
+    default:
+        return is.records.record_bytes > sizeof(struct pccd_contact)
+                   ? 0
+                   : is.records.count % RECORD_BYTES_MAX * is.records.record_bytes;
+    }
+}
+
+static uint64_t segment_count_of(uint16_t kind, const void *head)
+{
+    struct record_frame frame;
+    struct record_near near;
+
+    if (kind == RECORD_NEAR) {
+        memcpy(&near, head, sizeof near);
+        return near.segment_count;
+    }
+    memcpy(&frame, head, sizeof frame);
+    return frame.segment_count;
+}
+
+/* Both ends of each of `count` segments. The table may have had room for more than there
+ * are, and each range begins at a multiple of 8, the first of 64. */
+static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
+{
+    uint64_t bytes = PROTO_SEGMENTS_MAX * sizeof(struct record_segment) + 64;
+
+    for (uint64_t i = 0; i < count; i++) {
+        struct record_segment segment;
+        uint64_t each;
+
+        memcpy(&segment, slot + i * sizeof segment, sizeof segment);
+        each = segment.kind == RECORD_RIGID
+                   ? RIGID_BYTES
+                   : segment.count * common_vertex_bytes(segment.format);
+        bytes += padded(each) * (segment.kind == RECORD_X1 ? 1 : 2);
+    }
+    return bytes;
+}
+
+uint64_t record_payload_most(uint16_t kind, const void *begin, uint64_t have,
+                             uint64_t *wants)
+{
+    bool is_all;
+    uint64_t head = head_bytes(kind, &is_all);
+    uint64_t count;
+
+    *wants = have;
+    if (is_all) {
+        return head;
+    }
+    if (kind == RECORD_FILTER) { /* a later release may have a word for each bit */
+        return offsetof(struct record_filter, words) + 32 * sizeof(uint64_t);
+    }
+    if (kind == RECORD_PLACE) { /* the mesh says how many vertices it has */
+        return UINT64_MAX;
+    }
+    if (have < head) {
+        *wants = head;
+        return UINT64_MAX;
+    }
+    if (kind != RECORD_FRAME && kind != RECORD_MOVE && kind != RECORD_NEAR) {
+        return head + counted_bytes(kind, begin);
+    }
+    count = segment_count_of(kind, begin);
+    if (count > PROTO_SEGMENTS_MAX) {
+        return 0;
+    }
+    if (have < head + count * sizeof(struct record_segment)) {
+        *wants = head + count * sizeof(struct record_segment);
+        return UINT64_MAX;
+    }
+    return head + moved_bytes((const uint8_t *)begin + head, count);
 }
 
 int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
                          char text[RECORD_TEXT_BYTES])
 {
-    if (bytes < least_bytes(kind)) {
-        return bad(text, "too short for its kind");
+    bool is_all;
+    uint64_t head = head_bytes(kind, &is_all);
+
+    if (bytes < head || (is_all && bytes > head)) {
+        return bad(text,
+                   bytes < head ? "too short for its kind" : "too long for its kind");
     }
     switch (kind) {
     case RECORD_MESH:
@@ -369,7 +519,10 @@ int record_payload_judge(uint16_t kind, const void *payload, uint64_t bytes,
     case RECORD_NEAR_RECORDS:
         return judge_near_records(payload, bytes, text);
     case RECORD_FILTER:
-        return judge_filter(payload, text);
+        return judge_filter(payload, bytes, text);
+    case RECORD_SCENE:
+    case RECORD_OBJECT:
+        return judge_handles(kind, payload, text);
     case RECORD_PAIRS:
         return judge_pairs(payload, bytes, text);
     case RECORD_RADII:

@@ -219,10 +219,10 @@ struct record_cancel {
     uint64_t step;
 };
 enum record_reason {
-    RECORD_STOPPED = 0, /* pccd_record_stop or pccd_close */
-    RECORD_FULL = 1,    /* max_bytes reached; of earlier recordings also UNWRITTEN */
-    RECORD_TURNED = 2,  /* the next segment follows, in a file of its own */
-    RECORD_APART = 3,   /* what comes next cannot be repeated from a file: it is not this
+    RECORD_STOPPED = 0,  /* pccd_record_stop or pccd_close */
+    RECORD_FULL = 1,     /* max_bytes reached; of earlier recordings also UNWRITTEN */
+    RECORD_TURNED = 2,   /* the next segment follows, in a file of its own */
+    RECORD_APART = 3,    /* what comes next cannot be repeated from a file: it is not this
                          * client's alone, or the daemon does not tell all of it */
     RECORD_UNWRITTEN = 4 /* no memory, or the file could not be written: a full disk */
 };

@@ -253,6 +253,32 @@ static int read_header(struct record_reader *reader, struct record_chunk *chunk)
     return 1;
 }
 
+/* Vertices of the largest mesh so far: no place has more. */
+static void note_vertices(struct record_reader *reader, uint16_t kind)
+{
+    struct record_mesh mesh;
+    struct record_guest guest;
+    uint32_t count = 0;
+
+    if (kind == RECORD_MESH) {
+        memcpy(&mesh, reader->payload, sizeof mesh);
+        count = mesh.vertex_count;
+    } else if (kind == RECORD_GUEST) {
+        memcpy(&guest, reader->payload, sizeof guest);
+        count = guest.vertex_count;
+    }
+    reader->vertex_count_max =
+        count > reader->vertex_count_max ? count : reader->vertex_count_max;
+}
+
+static uint64_t place_bytes_max(const struct record_reader *reader)
+{
+    uint64_t free = reader->vertex_count_max * sizeof(double[3]);
+
+    return sizeof(struct record_place) +
+           (free > sizeof(double[12]) ? free : sizeof(double[12]));
+}
+
 static int read_payload(struct record_reader *reader, const struct record_chunk *chunk)
 {
     char why[RECORD_TEXT_BYTES];
@@ -260,9 +286,6 @@ static int read_payload(struct record_reader *reader, const struct record_chunk 
     int status =
         make_room(reader, &reader->stored, &reader->stored_room, chunk->stored_bytes + 1);
 
-    status = status != 0 ? status
-                         : make_room(reader, &reader->payload, &reader->payload_room,
-                                     chunk->bytes + 1);
     status = status != 0 ? status
                          : copy(reader, reader->offset + sizeof *chunk, reader->stored,
                                 chunk->stored_bytes, &got);
@@ -272,11 +295,28 @@ static int read_payload(struct record_reader *reader, const struct record_chunk 
     if (got != chunk->stored_bytes) {
         return end(reader, true);
     }
+    status = record_chunk_measure(chunk, reader->stored, why);
+    if (status == 0 && chunk->kind == RECORD_PLACE &&
+        chunk->bytes > place_bytes_max(reader)) {
+        (void)snprintf(why, sizeof why, "a place of more vertices than a mesh has");
+        status = PCCD_E_FORMAT;
+    }
+    if (status != 0) {
+        return damaged(reader, chunk, status, why);
+    }
+    status = make_room(reader, &reader->payload, &reader->payload_room, chunk->bytes + 1);
+    if (status != 0) {
+        return status;
+    }
     status = record_chunk_unpack(chunk, reader->stored, reader->payload, why);
     if (status == 0) {
         status = record_payload_judge(chunk->kind, reader->payload, chunk->bytes, why);
     }
-    return status != 0 ? damaged(reader, chunk, status, why) : 1;
+    if (status != 0) {
+        return damaged(reader, chunk, status, why);
+    }
+    note_vertices(reader, chunk->kind);
+    return 1;
 }
 
 int record_reader_skim(struct record_reader *reader, uint32_t kinds,
@@ -287,7 +327,8 @@ int record_reader_skim(struct record_reader *reader, uint32_t kinds,
         bool is_wanted = false;
         int status = read_header(reader, &chunk);
 
-        if (status == 1 && chunk.kind < 32 && (kinds & 1u << chunk.kind) != 0) {
+        if (status == 1 && record_kind_name(chunk.kind) != NULL &&
+            (kinds & 1u << chunk.kind) != 0) {
             is_wanted = true;
             status = read_payload(reader, &chunk);
         }

@@ -26,8 +26,9 @@ struct record_reader {
     uint64_t offset;    /* of the next chunk */
     uint32_t features;  /* enum record_feature, of the file */
     enum record_ending ending;
-    bool has_end;        /* the last chunk was END */
-    uint32_t end_reason; /* enum record_reason, if its payload was read */
+    uint32_t vertex_count_max; /* of any mesh that was read */
+    bool has_end;              /* the last chunk was END */
+    uint32_t end_reason;       /* enum record_reason, if its payload was read */
     uint8_t *stored;
     uint8_t *payload;
     size_t stored_room, payload_room;

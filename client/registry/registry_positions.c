@@ -223,6 +223,40 @@ void registry_move(struct registry_object *object, const struct registry_motion 
     object->placing = REGISTRY_FREELY;
 }
 
+/* Of one end, counted from motion->first. */
+static uint32_t stray_at(const struct registry_object *object,
+                         const struct registry_motion *motion, const void *from)
+{
+    double m[12], x[3], to[3];
+
+    if (from == NULL) {
+        return motion->count;
+    }
+    if (!motion->is_rigid) {
+        return (uint32_t)common_first_stray(from, motion->format, motion->count);
+    }
+    memcpy(m, from, sizeof m);
+    for (uint32_t i = 0; i < motion->count; i++) {
+        registry_registered(object->mesh, motion->first + i, x);
+        common_transform(m, x, to);
+        if (common_first_stray(to, PCCD_FORMAT_F64, 1) == 0) {
+            return i;
+        }
+    }
+    return motion->count;
+}
+
+uint32_t registry_first_stray(const struct registry_object *object,
+                              const struct registry_motion *motion)
+{
+    uint32_t start, end;
+
+    assert(is_within(object, motion));
+    start = stray_at(object, motion, motion->start);
+    end = stray_at(object, motion, motion->end);
+    return motion->first + (start < end ? start : end);
+}
+
 /* ---- life -------------------------------------------------------------------------- */
 
 int registry_reset(struct registry_object *object, uint64_t step)

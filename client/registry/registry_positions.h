@@ -31,6 +31,11 @@ void registry_registered(const struct registry_mesh *mesh, uint32_t v, double x[
  * or PCCD_E_NOMEM where both ends are followed. */
 int registry_reset(struct registry_object *object, uint64_t step);
 
+/* The first vertex that the motion, which is within the object, would take to where no
+ * coordinates are, in the beginning or at the end; motion->first + count: none. */
+uint32_t registry_first_stray(const struct registry_object *object,
+                              const struct registry_motion *motion);
+
 /* Only the end counts. 0 or PCCD_E_NOMEM: then it stays where it was. */
 int registry_place(struct registry_object *object, const struct registry_motion *motion);
 

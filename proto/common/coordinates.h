@@ -1,22 +1,51 @@
 /* coordinates.h - how coordinates lie in memory, and how a rigid transform moves them.
  *
  * Room:     common. May include: the C library.
- * Does:     give the bytes of a vertex, and the one formula of a transform. Daemon,
- *           library and replay each compute where a rigid object is, and must agree bit
- *           for bit.
+ * Does:     give the bytes of a vertex, which numbers are coordinates, and the one
+ *           formula of a transform. Daemon, library and replay each compute where a rigid
+ *           object is, and must agree bit for bit.
  * Threads:  [any].
  */
 #ifndef COMMON_COORDINATES_H
 #define COMMON_COORDINATES_H
 
+#include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "pccd_types.h"
+#include "proto_limits.h"
 
 /* Bytes of one vertex, three coordinates, in that enum pccd_format. */
 static inline uint64_t common_vertex_bytes(uint32_t format)
 {
     return format == PCCD_FORMAT_F64 ? sizeof(double[3]) : sizeof(float[3]);
+}
+
+/* Whether a number can be a coordinate: it is finite, and not too large. */
+static inline bool common_is_coordinate(double x)
+{
+    return x >= -PROTO_COORDINATE_MAX && x <= PROTO_COORDINATE_MAX;
+}
+
+/* Of `count` vertices at `at`, aligned or not, the first with a coordinate that cannot be
+ * one; `count`: there is none. */
+static inline uint64_t common_first_stray(const void *at, uint32_t format, uint64_t count)
+{
+    for (uint64_t i = 0; i < 3 * count; i++) {
+        double x;
+        float narrow;
+        if (format == PCCD_FORMAT_F64) {
+            memcpy(&x, (const uint8_t *)at + i * sizeof x, sizeof x);
+        } else {
+            memcpy(&narrow, (const uint8_t *)at + i * sizeof narrow, sizeof narrow);
+            x = (double)narrow;
+        }
+        if (!common_is_coordinate(x)) {
+            return i / 3;
+        }
+    }
+    return count;
 }
 
 /* Where the transform m takes the point x: m has three rows of three factors and a shift.

@@ -7,6 +7,7 @@ integration_names = \
     tests/integration/test_int_autostart \
     tests/integration/test_int_boxes \
     tests/integration/test_int_brief \
+    tests/integration/test_int_broken \
     tests/integration/test_int_choice \
     tests/integration/test_int_contract \
     tests/integration/test_int_cut \
@@ -290,6 +291,12 @@ tests_integration_test_int_thick_LDADD = $(integration_libs)
 tests_integration_test_int_threads_SOURCES = tests/integration/test_int_threads.c
 tests_integration_test_int_threads_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_threads_LDADD = $(integration_libs)
+
+tests_integration_test_int_broken_SOURCES = tests/integration/test_int_broken.c \
+    tests/integration/forge.c tests/integration/forge.h
+tests_integration_test_int_broken_CPPFLAGS = $(integration_cppflags) $(record_cppflags) \
+    -iquote $(top_srcdir)/tests/integration
+tests_integration_test_int_broken_LDADD = librecord.la $(integration_libs)
 
 tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
 tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)

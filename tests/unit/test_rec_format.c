@@ -3,6 +3,7 @@
  * Room:     tests/unit. May include: client/record, cmocka.
  * Does:     write a small recording, and read what is left of it after every cut and
  *           after the change of any byte.
+ * More than 600 lines: what a reader refuses of every kind of chunk, on one fixture.
  * Threads:  one.
  */
 #include <setjmp.h>
@@ -386,6 +387,138 @@ static void payloads__are_refused_with_indices_out_of_range(void **state)
                          0);
 }
 
+/* A file of one chunk whose payload is zeros but for its first `head_bytes`, read.
+ * Returns what the reader says; *room: memory that it has taken for payloads. */
+static int read_zeros(uint16_t kind, const void *head, size_t head_bytes, size_t bytes,
+                      char text[256], size_t *room)
+{
+    struct record_writer writer = {.fd = -1, .level = 1};
+    struct record_reader reader;
+    struct record_view view;
+    uint8_t *payload = calloc(1, bytes + 1);
+    const struct record_part part = {payload, bytes};
+    int status;
+
+    assert_non_null(payload);
+    memcpy(payload, head, head_bytes);
+    (void)unlink(path);
+    assert_int_equal(record_writer_open(&writer, path), 0);
+    assert_int_equal(record_writer_add(&writer, (enum record_kind)kind, 7, &part, 1), 0);
+    record_writer_deinit(&writer);
+    free(payload);
+    assert_int_equal(record_reader_open(&reader, path), 0);
+    status = record_reader_next(&reader, &view);
+    (void)snprintf(text, 256, "%s", status < 0 ? reader.text : "");
+    *room = reader.payload_room;
+    record_reader_deinit(&reader);
+    return status;
+}
+
+/* If this failed, a file of a hundred kilobytes would take gigabytes of memory, for a
+ * chunk that says nothing so long. */
+static void chunks__take_no_more_memory_than_they_count(void **state)
+{
+    const size_t large = (size_t)64 << 20;
+    const struct record_mesh mesh = {1, PCCD_FORMAT_F32, 4, 1};
+    const struct record_guest guest = {1, 1, 4, 1};
+    const struct record_pairs pairs = {.scene = 1, .count = 1};
+    const struct record_radii radii = {.vertex_count = 4};
+    const struct record_free free_ = {.vertex_count = 4, .point_count = 1};
+    const struct record_records records = {.step = 1, .count = 1, .record_bytes = 64};
+    const struct record_near_records nears = {.step = 1, .count = 1, .record_bytes = 64};
+    const struct record_place place = {1, 1, RECORD_PLACED_FREELY, PCCD_FORMAT_F32};
+    const struct record_frame frame = {.step = 1, .scene = 1, .segment_count = 2};
+    const struct record_frame many = {.step = 1, .scene = 1, .segment_count = 65537};
+    const struct record_near near = {.step = 1, .scene = 1, .segment_count = 1};
+    const struct {
+        uint16_t kind;
+        const void *head;
+        size_t bytes;
+    } counted[] = {{RECORD_MESH, &mesh, sizeof mesh},
+                   {RECORD_GUEST, &guest, sizeof guest},
+                   {RECORD_PAIRS, &pairs, sizeof pairs},
+                   {RECORD_RADII, &radii, sizeof radii},
+                   {RECORD_FREE, &free_, sizeof free_},
+                   {RECORD_RECORDS, &records, sizeof records},
+                   {RECORD_NEAR_RECORDS, &nears, sizeof nears},
+                   {RECORD_FRAME, &frame, sizeof frame},
+                   {RECORD_FRAME, &many, sizeof many},
+                   {RECORD_MOVE, &frame, sizeof frame},
+                   {RECORD_NEAR, &near, sizeof near}};
+    char text[256];
+    size_t room;
+
+    (void)state;
+    if (!record_has_zstd()) {
+        return; /* nothing is longer than its file */
+    }
+    for (uint16_t kind = 0; kind < RECORD_KINDS_MAX; kind++) {
+        bool is_counted = kind == RECORD_PLACE || record_kind_name(kind) == NULL;
+        for (size_t i = 0; i < sizeof counted / sizeof counted[0]; i++) {
+            is_counted = is_counted || kind == counted[i].kind;
+        }
+        if (!is_counted) { /* of fixed size: not a byte more */
+            assert_int_equal(read_zeros(kind, "", 0, 1024, text, &room), PCCD_E_FORMAT);
+            assert_non_null(strstr(text, "too long for its kind"));
+            assert_int_equal(room, 0);
+        }
+    }
+    for (size_t i = 0; i < sizeof counted / sizeof counted[0]; i++) {
+        assert_int_equal(read_zeros(counted[i].kind, counted[i].head, counted[i].bytes,
+                                    large, text, &room),
+                         PCCD_E_FORMAT);
+        assert_non_null(strstr(text, "67108864 bytes, and what it counts takes "));
+        assert_int_equal(room, 0);
+    }
+    assert_int_equal(read_zeros(RECORD_PLACE, &place, sizeof place, large, text, &room),
+                     PCCD_E_FORMAT);
+    assert_non_null(strstr(text, "a place of more vertices than a mesh has"));
+    assert_int_equal(room, 0);
+    assert_int_equal(read_zeros(31, "", 0, large, text, &room), 0); /* is let by */
+    assert_int_equal(room, 0);
+    (void)unlink(path);
+    write_file(1);
+    load_file();
+}
+
+/* If this failed, a recording could name the handle of nothing, or have coordinates that
+ * are none, and end its reader. */
+static void payloads__have_handles_and_coordinates(void **state)
+{
+    const struct record_scene scene = {.scene = 5};
+    const struct record_object object = {5, 1, 9, 0};
+    struct {
+        struct record_guest head;
+        double x[4][3];
+        uint32_t triangles[1][3];
+    } guest = {{1, 1, 4, 1}, {{0}}, {{0, 1, 2}}};
+    struct {
+        struct record_mesh head;
+        float x[4][3];
+        uint32_t triangles[1][3];
+    } mesh = {{1, PCCD_FORMAT_F32, 4, 1}, {{0}}, {{0, 1, 2}}};
+    const uint32_t nan = 0x7fc00000, high = 0x7ff80000;
+
+    (void)state;
+    assert_int_equal(judge_with(RECORD_SCENE, &scene, sizeof scene, 0, 5), 0);
+    assert_int_not_equal(judge_with(RECORD_SCENE, &scene, sizeof scene, 0, 0), 0);
+    assert_int_equal(judge_with(RECORD_OBJECT, &object, sizeof object, 0, 5), 0);
+    for (size_t at = 0; at < 12; at += 4) {
+        assert_int_not_equal(judge_with(RECORD_OBJECT, &object, sizeof object, at, 0), 0);
+    }
+    assert_int_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108, 0, 1), 0);
+    assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108, 0, 0),
+                         0);
+    for (size_t i = 0; i < 12; i++) {
+        assert_int_not_equal(
+            judge_with(RECORD_MESH, &mesh, sizeof mesh, sizeof mesh.head + 4 * i, nan),
+            0);
+        assert_int_not_equal(judge_with(RECORD_GUEST, &guest, sizeof guest.head + 108,
+                                        sizeof guest.head + 8 * i + 4, high),
+                             0);
+    }
+}
+
 /* If this failed, a reader would follow what it has not judged of a question about what
  * is near, or of its answer. */
 static void payloads__of_what_is_near_are_judged(void **state)
@@ -528,6 +661,8 @@ int main(void)
         cmocka_unit_test(files__are_never_written_over),
         cmocka_unit_test(payloads__are_refused_with_indices_out_of_range),
         cmocka_unit_test(filters__of_before_have_two_words),
+        cmocka_unit_test(chunks__take_no_more_memory_than_they_count),
+        cmocka_unit_test(payloads__have_handles_and_coordinates),
         cmocka_unit_test(payloads__of_what_is_near_are_judged),
         cmocka_unit_test(files__with_what_is_near_name_that_feature),
         cmocka_unit_test(tunings__have_an_end),

@@ -10,6 +10,9 @@
  */
 #include "play.h"
 
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -19,6 +22,7 @@
 #include "ctl.h"
 #include "former_tuning.h"
 #include "playing.h"
+#include "proto_limits.h"
 
 bool play_is_repeatable(int status)
 {
@@ -103,6 +107,47 @@ static int begin_drive(struct playing *playing, struct ctl_error *error)
     playing->summary->daemon_pid = pccd_daemon_pid(playing->drive.client);
     playing->drive.knows_no_begin = playing->place > 1; /* it is told where things are */
     return drive_begin(&playing->drive, &playing->world, error);
+}
+
+/* ---- what cannot have been --------------------------------------------------------- */
+
+/* A chunk does not fit the others, as the error says: where it is, and what comes
+ * before. */
+static int misfit(const struct playing *playing, const struct record_view *view,
+                  int status, struct ctl_error *error)
+{
+    char text[CTL_ERROR_TEXT_BYTES];
+    if (status != PCCD_E_FORMAT) {
+        return status;
+    }
+    (void)snprintf(text, sizeof text, "at byte %" PRIu64 ", %s: %.900s", view->offset,
+                   record_kind_name(view->kind), error->text);
+    return play_damaged(playing, status, text, playing->last_step, error);
+}
+
+static int step_world(struct playing *playing, const struct record_view *view,
+                      const struct record_frame *frame, const uint8_t *slot,
+                      struct ctl_error *error)
+{
+    return misfit(playing, view, world_step(&playing->world, frame, slot, error), error);
+}
+
+static bool is_length(double length, double most)
+{
+    return length >= 0 && length <= most;
+}
+
+/* Lengths that were asked for, of a step or question that was answered so. */
+static int judge_lengths(const struct playing *playing, const struct record_view *view,
+                         bool are_right, bool is_taken, struct ctl_error *error)
+{
+    if (are_right || !is_taken) {
+        return PCCD_OK;
+    }
+    return misfit(
+        playing, view,
+        ctl_error_set(error, PCCD_E_FORMAT, "a distance or tolerance that cannot be one"),
+        error);
 }
 
 /* ---- asking again ------------------------------------------------------------------ */
@@ -260,7 +305,7 @@ static int show_step(struct playing *playing, const struct record_view *view,
     int then = step.recorded != NULL ? step.recorded->status : PCCD_OK;
     int result = what_came(playing, step.answer, step.recorded != NULL, then);
     if (status == PCCD_OK && result == PCCD_OK) {
-        status = world_step(&playing->world, frame, slot, error);
+        status = step_world(playing, view, frame, slot, error);
     }
     if (status != PCCD_OK) {
         return status;
@@ -288,10 +333,16 @@ static int follow_frame(struct playing *playing, const struct record_view *view,
     if (!is_shown(playing, frame->step)) {
         note_missed(playing);
         return recorded == NULL || recorded->status == PCCD_OK
-                   ? world_step(&playing->world, frame, slot, error)
+                   ? step_world(playing, view, frame, slot, error)
                    : PCCD_OK;
     }
-    if (asks_daemon) {
+    const struct record_separation *apart = &playing->drive.separation;
+    status = judge_lengths(
+        playing, view,
+        is_length(apart->separation, PROTO_COORDINATE_MAX) &&
+            is_length(apart->approach, 1) && is_length(frame->tolerance, 1),
+        recorded != NULL ? recorded->status == PCCD_OK : !asks_daemon, error);
+    if (status == PCCD_OK && asks_daemon) {
         status = begin_drive(playing, error);
     }
     return status == PCCD_OK ? show_step(playing, view, frame, slot, asks_daemon, error)
@@ -309,7 +360,7 @@ static int follow_move(struct playing *playing, const struct record_view *view,
     } else if (playing->drive.is_begun) {
         status = drive_move(&playing->drive, frame, slot, error);
     }
-    return status == PCCD_OK ? world_step(&playing->world, frame, slot, error) : status;
+    return status == PCCD_OK ? step_world(playing, view, frame, slot, error) : status;
 }
 
 /* ---- what is near ------------------------------------------------------------------ */
@@ -342,8 +393,9 @@ static int recall_near(struct playing *playing, struct play_near *near,
 }
 
 /* The world goes where the question has moved it to. */
-static int move_near(struct playing *playing, const struct play_near *near,
-                     const uint8_t *slot, struct ctl_error *error)
+static int move_near(struct playing *playing, const struct record_view *view,
+                     const struct play_near *near, const uint8_t *slot,
+                     struct ctl_error *error)
 {
     const struct record_near *asked = near->asked;
     const struct record_frame frame = {.step = asked->step,
@@ -352,7 +404,7 @@ static int move_near(struct playing *playing, const struct play_near *near,
     int then = near->recorded != NULL ? near->recorded->status : PCCD_OK;
     int result = what_came(playing, near->answer, near->recorded != NULL, then);
     return result == PCCD_OK && asked->segment_count > 0
-               ? world_step(&playing->world, &frame, slot, error)
+               ? step_world(playing, view, &frame, slot, error)
                : PCCD_OK;
 }
 
@@ -377,7 +429,13 @@ static int follow_near(struct playing *playing, const struct record_view *view,
         playing->summary->skipped++;
         return PCCD_OK;
     }
-    if (shows && asks_daemon) {
+    double most = asked->what == PCCD_NEAR_NEAREST ? INFINITY : PROTO_COORDINATE_MAX;
+    status = judge_lengths(
+        playing, view,
+        (is_length(asked->distance, most) || asked->what >= PCCD_NEAR_CROSSINGS) &&
+            (is_length(asked->gap, most) || asked->what != PCCD_NEAR_NEAREST),
+        near.recorded != NULL ? near.recorded->status == PCCD_OK : !asks_daemon, error);
+    if (status == PCCD_OK && shows && asks_daemon) {
         status = begin_drive(playing, error);
     }
     bool is_missed = !shows && playing->settings.next != NULL;
@@ -390,7 +448,7 @@ static int follow_near(struct playing *playing, const struct record_view *view,
         status = recall_near(playing, &near, error);
     }
     if (status == PCCD_OK) {
-        status = move_near(playing, &near, slot, error);
+        status = move_near(playing, view, &near, slot, error);
     }
     if (status != PCCD_OK || !shows) {
         return status;
@@ -526,7 +584,8 @@ int play_follow(struct playing *playing, struct ctl_error *error)
             status = drive_follow(&playing->drive, &playing->world, &view, error);
         }
         if (status == PCCD_OK) {
-            status = world_follow(&playing->world, &view, error);
+            status = misfit(playing, &view, world_follow(&playing->world, &view, error),
+                            error);
         }
     }
     return status == PCCD_E_CANCELLED ? PCCD_OK : status;

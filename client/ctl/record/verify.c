@@ -319,6 +319,14 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
                                             : PCCD_E_STATE;
     *is_right = true;
     counts->steps++;
+    if (step->answer != NULL && step->recorded != NULL &&
+        step->answer->status != step->recorded->status) {
+        *is_right = verify_wrong(witness, step, NULL,
+                                 "the recorded status is %s, that of a daemon %s",
+                                 pccd_status_name(step->recorded->status),
+                                 pccd_status_name(step->answer->status));
+        return PCCD_OK;
+    }
     if (answered != PCCD_OK || step->scene == NULL) {
         counts->unchecked++;
         return PCCD_OK;

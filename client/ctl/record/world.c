@@ -284,6 +284,18 @@ static int follow_guest(struct registry *world, const struct record_view *view,
     return follow_ends(world, scene, object, error);
 }
 
+static int judge_motion(const struct registry_object *object,
+                        const struct registry_motion *motion, struct ctl_error *error)
+{
+    uint32_t stray = registry_first_stray(object, motion);
+    return stray == motion->first + motion->count
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_FORMAT,
+                               "vertex %" PRIu32 " of object 0x%" PRIx32
+                               " is not finite or beyond 1e18",
+                               stray, object->handle);
+}
+
 static int follow_place(struct registry *world, const struct record_view *view,
                         struct ctl_error *error)
 {
@@ -293,6 +305,7 @@ static int follow_place(struct registry *world, const struct record_view *view,
     struct registry_scene *scene = registry_scene(world, place.scene);
     struct registry_object *object =
         scene != NULL ? registry_object(scene, place.object) : NULL;
+    int status = PCCD_OK;
     if (object == NULL) {
         return unknown(error, "object", place.object);
     }
@@ -310,8 +323,11 @@ static int follow_place(struct registry *world, const struct record_view *view,
                              " with another number of vertices",
                              place.object);
     }
-    registry_move(object, &motion);
-    return PCCD_OK;
+    status = judge_motion(object, &motion, error);
+    if (status == PCCD_OK) {
+        registry_move(object, &motion);
+    }
+    return status;
 }
 
 /* ---- what may meet --------------------------------------------------------------- */
@@ -457,6 +473,11 @@ int world_step(struct registry *world, const struct record_frame *frame,
                                  "step %" PRIu64 " moves vertices that object 0x%" PRIx32
                                  " has not",
                                  frame->step, segment.object);
+        }
+        const struct registry_motion motion = motion_of(&segment, slot);
+        int status = judge_motion(object, &motion, error);
+        if (status != PCCD_OK) {
+            return status;
         }
     }
     registry_pairs_settle(&scene->ignored); /* whoever is shown the step asks for them */

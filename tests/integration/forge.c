@@ -1,0 +1,44 @@
+/* forge.c - copies of recordings, chunk by chunk.
+ *
+ * Room:     tests/integration. See forge.h.
+ * Does:     read, hand over, write.
+ * Threads:  one test at a time.
+ */
+#include "forge.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+void forge_recording(const char *from, const char *to, forge_fn change, void *context)
+{
+    struct record_writer writer = {.fd = -1, .level = 1};
+    struct record_reader reader;
+    struct record_view view;
+    int got;
+
+    (void)unlink(to);
+    assert_int_equal(record_writer_open(&writer, to), 0);
+    assert_int_equal(record_reader_open(&reader, from), 0);
+    assert_int_equal(record_writer_need(&writer, reader.features), 0);
+    while ((got = record_reader_next(&reader, &view)) == 1) {
+        struct forge_chunk chunk = {view.kind, malloc(view.bytes + 1), view.bytes};
+        assert_non_null(chunk.payload);
+        memcpy(chunk.payload, view.payload, view.bytes);
+        if (change(context, &chunk)) {
+            const struct record_part part = {chunk.payload, chunk.bytes};
+            assert_int_equal(record_writer_add(&writer, (enum record_kind)chunk.kind,
+                                               view.time_ns, &part, 1),
+                             0);
+        }
+        free(chunk.payload);
+    }
+    assert_int_equal(got, 0);
+    record_reader_deinit(&reader);
+    record_writer_deinit(&writer);
+}

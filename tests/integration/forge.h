@@ -1,0 +1,28 @@
+/* forge.h - copies of recordings in which something was changed.
+ *
+ * Room:     tests/integration. May include: client/record, cmocka.
+ * Does:     write each chunk anew, after a test has changed it, so that all checksums are
+ *           right.
+ * Threads:  one test at a time.
+ */
+#ifndef TEST_FORGE_H
+#define TEST_FORGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "reader.h"
+
+/* A chunk of the copy, to be changed in its place. */
+struct forge_chunk {
+    uint16_t kind;
+    uint8_t *payload; /* of malloc; it may be made longer */
+    uint64_t bytes;
+};
+
+/* Returns whether the chunk is in the copy. */
+typedef bool (*forge_fn)(void *context, struct forge_chunk *chunk);
+
+void forge_recording(const char *from, const char *to, forge_fn change, void *context);
+
+#endif
