@@ -1,13 +1,15 @@
 /* batch.c - steps of many scenes by one request.
  *
- * Room:     client/lib. May include: attach.h, connection.h, page.h, ring.h, rpc.h,
- *           step.h, struct_size.h, submit.h.
+ * Room:     client/lib. May include: batch.h, attach.h, connection.h, page.h, ring.h,
+ *           rpc.h, step.h, struct_size.h, submit.h.
  * Does:     lay out the slot once: the table of scenes, the table of segments, the
  *           positions; each step copies the tables there as they are. It is numbered
  *           among the steps, and its answer waits in the table of calls as theirs do.
  * Does not: look at handles: the daemon does.
  * Threads:  [owner].
  */
+#include "batch.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +32,8 @@ static_assert((int)PCCD_BATCH_X1 == PROTO_SEGMENT_X1 &&
               "a way is a kind of segment");
 
 struct pccd_batch {
-    struct pccd_client *client;
+    struct pccd_client *client; /* NULL: it is closed */
+    struct pccd_batch *next;    /* of the client's */
     uint32_t scene_count;
     uint32_t segment_count;
     uint32_t part_count;
@@ -154,9 +157,10 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
                       uint32_t part_count, struct pccd_batch **batch)
 {
     struct pccd_batch *made;
-    int status =
-        client == NULL ? PCCD_E_INVAL : check_parts(client, parts, part_count, batch);
+    int status;
 
+    CLI_ENTER_OR_RETURN(client);
+    status = check_parts(client, parts, part_count, batch);
     if (status != 0) {
         return status;
     }
@@ -173,6 +177,8 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
                         part_count);
     }
     made->client = client;
+    made->next = client->batches;
+    client->batches = made;
     made->part_count = part_count;
     made->slot = CLI_SLOT_NONE;
     for (uint32_t i = 0; i < part_count; i++) {
@@ -183,13 +189,49 @@ int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *
     return 0;
 }
 
+void cli_batch_forget_all(struct pccd_client *client)
+{
+    for (; client->batches != NULL; client->batches = client->batches->next) {
+        client->batches->client = NULL;
+        client->batches->slot = CLI_SLOT_NONE; /* it goes with the ring */
+    }
+}
+
+static struct pccd_client *client_of(const struct pccd_batch *batch)
+{
+    return batch != NULL ? batch->client : NULL;
+}
+
+/* As cli_enter, of a batch. */
+static struct cli_turn enter_batch(const struct pccd_batch *batch)
+{
+    if (batch != NULL && batch->client == NULL) {
+        return (struct cli_turn){.status = cli_fail(NULL, PCCD_E_DISCONNECTED,
+                                                    "the batch's client is closed")};
+    }
+    return cli_enter(client_of(batch));
+}
+#define ENTER_BATCH_OR_RETURN(batch)                                                     \
+    CLI_TURN cli_turn = enter_batch(batch);                                              \
+    if (cli_turn.status != 0) {                                                          \
+        return cli_turn.status;                                                          \
+    }
+
 void pccd_batch_destroy(struct pccd_batch *batch)
 {
+    CLI_TURN cli_turn = cli_enter_late(client_of(batch));
+    struct pccd_batch **place;
+
     if (batch == NULL) {
         return;
     }
     if (batch->client != NULL) {
         pccd_batch_abort(batch);
+        place = &batch->client->batches;
+        while (*place != batch) {
+            place = &(*place)->next;
+        }
+        *place = batch->next;
     }
     free(batch->scenes);
     free(batch->segments);
@@ -265,9 +307,7 @@ int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
     uint8_t *payload;
     int status;
 
-    if (batch == NULL) {
-        return PCCD_E_INVAL;
-    }
+    ENTER_BATCH_OR_RETURN(batch);
     if (x1 == NULL) {
         return cli_fail(batch->client, PCCD_E_INVAL, "x1 is NULL");
     }
@@ -299,6 +339,8 @@ int pccd_batch_begin(struct pccd_batch *batch, void **x0, void **x1)
 
 void pccd_batch_abort(struct pccd_batch *batch)
 {
+    CLI_TURN cli_turn = cli_enter_late(client_of(batch));
+
     if (batch == NULL || batch->slot == CLI_SLOT_NONE) {
         return;
     }
@@ -341,9 +383,7 @@ int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings 
     struct pccd_client *client;
     int status;
 
-    if (batch == NULL) {
-        return PCCD_E_INVAL;
-    }
+    ENTER_BATCH_OR_RETURN(batch);
     client = batch->client;
     if (batch->slot == CLI_SLOT_NONE) {
         return cli_fail(client, PCCD_E_STATE, "the batch is not begun");
@@ -393,9 +433,7 @@ int pccd_batch_submit(struct pccd_batch *batch, const void *const *x0,
 {
     int status;
 
-    if (batch == NULL) {
-        return PCCD_E_INVAL;
-    }
+    ENTER_BATCH_OR_RETURN(batch);
     if (step == NULL || (x1 == NULL && batch->segment_count > 0)) {
         return cli_fail(batch->client, PCCD_E_INVAL, "%s is NULL",
                         step == NULL ? "step" : "x1");
@@ -459,9 +497,7 @@ int pccd_batch_poll(struct pccd_client *client, struct pccd_batch_answer *answer
     struct cli_call *call;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = check_answer(client, answer);
     if (status != 0) {
         return status;
@@ -482,9 +518,7 @@ int pccd_batch_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     struct cli_call *call = NULL;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = check_answer(client, answer);
     if (status == 0) {
         status = cli_step_await(client, step, true, timeout_ms, &call);
@@ -498,8 +532,10 @@ int pccd_batch_step(struct pccd_batch *batch, const void *const *x0,
 {
     char text[CLI_TEXT_BYTES];
     uint64_t step = 0;
-    int status = batch == NULL ? PCCD_E_INVAL : check_answer(batch->client, answer);
+    int status;
 
+    ENTER_BATCH_OR_RETURN(batch);
+    status = check_answer(batch->client, answer);
     if (status == 0) {
         status = pccd_batch_submit(batch, x0, x1, settings, &step);
     }
@@ -545,6 +581,8 @@ const struct pccd_pair *pccd_batch_pairs(const struct pccd_batch_answer *answer,
 
 void pccd_batch_release(struct pccd_client *client, struct pccd_batch_answer *answer)
 {
+    CLI_TURN cli_turn = cli_enter_late(client);
+
     if (client == NULL || answer == NULL) {
         return;
     }

@@ -43,9 +43,7 @@ int pccd_scene_boxes(struct pccd_client *client, uint32_t scene, enum pccd_tree 
     struct proto_SCENE_BOXES_result result = {.boxes = 0};
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (count == NULL || (boxes == NULL && room > 0)) {
         return cli_fail(client, PCCD_E_INVAL, "scene.boxes: boxes or count is NULL");
     }

@@ -15,6 +15,9 @@
 #include <time.h>
 
 static _Thread_local char connect_error[CLI_TEXT_BYTES];
+/* The client that another thread was in a call with when this one called last. Its text
+ * is the other thread's meanwhile. */
+static _Thread_local const struct pccd_client *refused;
 
 int cli_fail(struct pccd_client *client, int status, const char *format, ...)
 {
@@ -36,7 +39,74 @@ uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms)
 
 const char *pccd_error_text(const struct pccd_client *client)
 {
+    if (client != NULL && client == refused) {
+        return "another thread is in a call with this client, which belongs to one "
+               "thread at a time";
+    }
     return client != NULL ? client->error : connect_error;
+}
+
+/* ---- whose turn it is -------------------------------------------------------------- */
+
+int cli_turn_init(struct pccd_client *client)
+{
+    pthread_mutexattr_t attributes;
+    int cause = pthread_mutexattr_init(&attributes);
+
+    if (cause == 0) {
+        (void)pthread_mutexattr_settype(&attributes, PTHREAD_MUTEX_RECURSIVE);
+        cause = pthread_mutex_init(&client->turn, &attributes);
+        (void)pthread_mutexattr_destroy(&attributes);
+    }
+    return cause == 0 ? 0 : PCCD_E_NOMEM;
+}
+
+void cli_turn_deinit(struct pccd_client *client)
+{
+    if (!cli_is_copy(client)) { /* else a thread that is not here may be in a call */
+        (void)pthread_mutex_destroy(&client->turn);
+    }
+}
+
+/* A call that has its turn. In a forked copy there is no other thread to wait for. */
+static struct cli_turn begin(struct pccd_client *client)
+{
+    refused = NULL;
+    client->depth++;
+    return (struct cli_turn){.client = client};
+}
+
+struct cli_turn cli_enter(struct pccd_client *client)
+{
+    if (client == NULL) {
+        return (struct cli_turn){
+            .status = cli_fail(NULL, PCCD_E_INVAL, "there is no client: it is NULL")};
+    }
+    if (cli_is_copy(client)) {
+        return (struct cli_turn){.status = 0};
+    }
+    if (pthread_mutex_trylock(&client->turn) != 0) {
+        refused = client;
+        return (struct cli_turn){.status = PCCD_E_BUSY};
+    }
+    return begin(client);
+}
+
+struct cli_turn cli_enter_late(struct pccd_client *client)
+{
+    if (client == NULL || cli_is_copy(client) || pthread_mutex_lock(&client->turn) != 0) {
+        return (struct cli_turn){.status = 0};
+    }
+    return begin(client);
+}
+
+void cli_leave(struct cli_turn *turn)
+{
+    if (turn->client != NULL) {
+        turn->client->depth--;
+        (void)pthread_mutex_unlock(&turn->client->turn);
+    }
+    turn->client = NULL;
 }
 
 /* ---- forked copies ----------------------------------------------------------------- */
@@ -79,9 +149,7 @@ uint32_t cli_take_want(struct pccd_client *client)
 
 int pccd_want(struct pccd_client *client, uint32_t handle)
 {
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     client->want = handle;
     return 0;
 }

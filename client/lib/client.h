@@ -8,6 +8,7 @@
 #ifndef CLI_CLIENT_H
 #define CLI_CLIENT_H
 
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -33,6 +34,7 @@ struct cli_child {
     char directory[CLI_SOCKET_BYTES]; /* of its socket, removed at close; "": none */
 };
 
+struct pccd_batch;
 struct proto_direct;
 struct proto_direct_inbox;
 
@@ -82,6 +84,9 @@ struct cli_upcalls {
 
 struct pccd_client {
     const struct cli_upcalls *upcalls;
+    pthread_mutex_t turn;       /* recursive; of the thread that is in a call */
+    uint32_t depth;             /* of its calls, each in the one before */
+    struct pccd_batch *batches; /* that are not destroyed (batch.c) */
     int socket;
     struct cli_link link;
     bool keeps;                    /* what it registers, for another daemon (keep.h) */
@@ -135,6 +140,34 @@ int cli_fail(struct pccd_client *client, int status, const char *format, ...)
 
 /* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (filter.c). */
 int cli_check_thick(struct pccd_client *client, const char *method);
+
+/* ---- whose turn it is -------------------------------------------------------------- */
+
+/* A call of the thread that makes it, until cli_leave. */
+struct cli_turn {
+    struct pccd_client *client; /* NULL: there is nothing to leave */
+    int status;
+};
+/* Enter a call: PCCD_E_INVAL without a client; PCCD_E_BUSY while another thread is in a
+ * call with it. A thread that is in a call may enter another one. [any] */
+struct cli_turn cli_enter(struct pccd_client *client);
+/* The same of a call that has no status: wait until the other thread is out. */
+struct cli_turn cli_enter_late(struct pccd_client *client);
+void cli_leave(struct cli_turn *turn);
+
+/* What every public function with a client begins with; its end is left by itself. */
+#define CLI_TURN __attribute__((cleanup(cli_leave))) struct cli_turn
+#define CLI_ENTER_OR_RETURN(client)                                                      \
+    CLI_TURN cli_turn = cli_enter(client);                                               \
+    if (cli_turn.status != 0) {                                                          \
+        return cli_turn.status;                                                          \
+    }
+
+/* Returns 0 or PCCD_E_NOMEM. */
+int cli_turn_init(struct pccd_client *client);
+void cli_turn_deinit(struct pccd_client *client);
+
+/* ---- helpers ----------------------------------------------------------------------- */
 
 /* When a wait of timeout_ms (< 0: the client's default) that begins now ends. */
 uint64_t cli_deadline(const struct pccd_client *client, int timeout_ms);

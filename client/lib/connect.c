@@ -17,6 +17,7 @@
 
 #include "arrival.h"
 #include "attach.h"
+#include "batch.h"
 #include "client.h"
 #include "connection.h"
 #include "direct.h"
@@ -249,11 +250,15 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
     if (made == NULL) {
         return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
     }
+    made->forks = cli_forks();
+    if (cli_turn_init(made) != 0) {
+        free(made);
+        return cli_fail(NULL, PCCD_E_NOMEM, "no memory for a client");
+    }
     made->upcalls = &upcalls;
     made->socket = -1;
     made->fds[0] = made->fds[1] = -1;
     made->owner = getpid();
-    made->forks = cli_forks();
     made->next_id = 1;
     made->next_serial = 1;
     made->next_step = 1;
@@ -274,11 +279,21 @@ int pccd_connect(const struct pccd_options *options, struct pccd_client **client
     return 0;
 }
 
+/* Wait until no other thread is in a call. false: there is nothing to end, or this thread
+ * is in one itself, which calls back. */
+static bool begin_end(struct pccd_client *client)
+{
+    CLI_TURN cli_turn = cli_enter_late(client);
+
+    return client != NULL && client->depth <= 1;
+}
+
 void pccd_close(struct pccd_client *client)
 {
-    if (client == NULL) {
+    if (!begin_end(client)) {
         return;
     }
+    cli_batch_forget_all(client);
     cli_record_close(client);
     cli_link_bye(client);
     cli_connection_close(client);
@@ -296,6 +311,7 @@ void pccd_close(struct pccd_client *client)
     }
     proto_decoder_free(client->decoder);
     free(client->link.daemon);
+    cli_turn_deinit(client);
     free(client);
 }
 

@@ -73,9 +73,7 @@ int pccd_object_set(struct pccd_client *client, uint32_t scene, uint32_t object,
     struct proto_OBJECT_SET_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (settings == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
     }
@@ -95,9 +93,7 @@ int pccd_object_get(struct pccd_client *client, uint32_t scene, uint32_t object,
     struct proto_OBJECT_SET_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (settings == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "object.set: settings is NULL");
     }
@@ -116,9 +112,7 @@ int pccd_pair_ignore(struct pccd_client *client, uint32_t scene, uint32_t object
         .scene = scene, .a = object_a, .b = object_b, .ignored = ignored};
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = check_daemon(client, "scene.ignore");
     return status != 0 ? status
                        : cli_call_sync(client, PROTO_METHOD_SCENE_IGNORE, &request, NULL,

@@ -9,6 +9,7 @@
 #include "frame.h"
 
 #include <assert.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +21,11 @@
 
 #define RANGES_SLACK 16u /* bytes that the alignment of a segment's ranges can take */
 #define PAYLOAD_MAX  (1ull << 48) /* more than any memory: sums do not wrap */
-/* Slot of a frame that was committed or aborted; who aborts it again loses no text. */
+/* The `slot` of a frame is the number of a slot and, above these bits, that of the frame
+ * among all of the process, so that a copy of a frame that is over is no other frame. */
+#define SLOT_BITS 4u
+static_assert(1u << SLOT_BITS >= PROTO_SLOTS_MAX, "the number of every slot");
+/* Of a frame that was committed or aborted; who aborts it again loses no text. */
 #define SLOT_GIVEN_BACK UINT32_MAX
 
 static uint64_t table_bytes(uint32_t segment_max)
@@ -74,23 +79,31 @@ static int begin(struct pccd_client *client, uint32_t scene, uint32_t segment_ma
     return 0;
 }
 
+/* The number of another frame, in the bits where it stands. */
+static uint32_t number_frame(void)
+{
+    static _Atomic uint32_t begun;
+    const uint32_t numbers = UINT32_MAX >> SLOT_BITS; /* 0 is none's, the last is none */
+
+    return (atomic_fetch_add(&begun, 1) % (numbers - 1) + 1) << SLOT_BITS;
+}
+
 int pccd_frame_begin(struct pccd_client *client, uint32_t scene, uint32_t segment_max,
                      uint64_t payload_bytes, struct pccd_frame *frame)
 {
     uint32_t slot = 0;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (frame == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "frame is NULL");
     }
     status = begin(client, scene, segment_max, payload_bytes, &slot);
     if (status == 0) {
+        client->ring.slots[slot].frame = number_frame() | slot;
         *frame = (struct pccd_frame){.client = client,
                                      .scene = scene,
-                                     .slot = slot,
+                                     .slot = client->ring.slots[slot].frame,
                                      .segment_max = segment_max,
                                      .used_bytes = client->ring.slots[slot].used_bytes};
     }
@@ -112,26 +125,37 @@ static int keep_segment(struct pccd_client *client, struct cli_slot *own,
     return 0;
 }
 
+static uint32_t slot_of(const struct pccd_frame *frame)
+{
+    return frame->slot % (1u << SLOT_BITS);
+}
+
+/* The client of a frame; NULL: there is none. */
+static struct pccd_client *client_of(const struct pccd_frame *frame)
+{
+    return frame != NULL ? frame->client : NULL;
+}
+
 /* The slot of a frame that is being written. The library's own account of it counts, not
  * the public struct's. */
 static int find_slot(const struct pccd_frame *frame, struct cli_slot **own)
 {
-    if (frame == NULL || frame->client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    uint32_t slot = slot_of(frame);
+
     if (frame->slot == SLOT_GIVEN_BACK) {
         return cli_fail(
             frame->client, PCCD_E_INVAL,
             "the frame was committed or aborted; pccd_frame_begin begins one");
     }
-    if (frame->slot >= frame->client->ring.slot_count ||
-        frame->client->ring.slots[frame->slot].state != CLI_SLOT_BEGUN) {
+    if (slot >= frame->client->ring.slot_count ||
+        frame->client->ring.slots[slot].state != CLI_SLOT_BEGUN ||
+        frame->client->ring.slots[slot].frame != frame->slot) {
         return cli_fail(frame->client, PCCD_E_INVAL, "the frame is not begun");
     }
     if (cli_is_copy(frame->client)) {
         return cli_alive(frame->client); /* the slot is another process's */
     }
-    *own = &frame->client->ring.slots[frame->slot];
+    *own = &frame->client->ring.slots[slot];
     return 0;
 }
 
@@ -186,7 +210,7 @@ static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
 
     if (status == 0) {
         status =
-            enter(frame->client, frame->slot, segment, bytes0, bytes1, range0, range1);
+            enter(frame->client, slot_of(frame), segment, bytes0, bytes1, range0, range1);
     }
     if (status == 0) {
         frame->used_bytes = own->used_bytes;
@@ -195,13 +219,15 @@ static int add_segment(struct pccd_frame *frame, struct proto_segment segment,
     return status;
 }
 
-static int check_format(const struct pccd_frame *frame, enum pccd_format format)
+/* What a segment of positions is given; `is_given`: where to put their addresses. */
+static int check_segment(const struct pccd_frame *frame, enum pccd_format format,
+                         bool is_given)
 {
-    if (frame != NULL && frame->client != NULL && (unsigned)format >= PCCD_FORMAT_COUNT) {
+    if ((unsigned)format >= PCCD_FORMAT_COUNT) {
         return cli_fail(frame->client, PCCD_E_INVAL, "unknown format %u",
                         (unsigned)format);
     }
-    return 0;
+    return is_given ? 0 : cli_fail(frame->client, PCCD_E_INVAL, "x0 or x1 is NULL");
 }
 
 static uint64_t range_bytes(enum pccd_format format, uint32_t count)
@@ -217,12 +243,13 @@ int pccd_frame_x1(struct pccd_frame *frame, uint32_t object, enum pccd_format fo
                                     .format = (uint16_t)format,
                                     .first = first,
                                     .count = count};
-    int status = check_format(frame, format);
+    int status;
 
-    if (status != 0 || x1 == NULL) {
-        return PCCD_E_INVAL;
-    }
-    return add_segment(frame, segment, 0, range_bytes(format, count), NULL, x1);
+    CLI_ENTER_OR_RETURN(client_of(frame));
+    status = check_segment(frame, format, x1 != NULL);
+    return status != 0
+               ? status
+               : add_segment(frame, segment, 0, range_bytes(format, count), NULL, x1);
 }
 
 int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format format,
@@ -233,13 +260,13 @@ int pccd_frame_x0x1(struct pccd_frame *frame, uint32_t object, enum pccd_format 
                                     .format = (uint16_t)format,
                                     .first = first,
                                     .count = count};
-    int status = check_format(frame, format);
+    int status;
 
-    if (status != 0 || x0 == NULL || x1 == NULL) {
-        return PCCD_E_INVAL;
-    }
-    return add_segment(frame, segment, range_bytes(format, count),
-                       range_bytes(format, count), x0, x1);
+    CLI_ENTER_OR_RETURN(client_of(frame));
+    status = check_segment(frame, format, x0 != NULL && x1 != NULL);
+    return status != 0 ? status
+                       : add_segment(frame, segment, range_bytes(format, count),
+                                     range_bytes(format, count), x0, x1);
 }
 
 int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
@@ -254,8 +281,9 @@ int pccd_frame_rigid(struct pccd_frame *frame, uint32_t object, uint32_t first,
     void *range1 = NULL;
     int status;
 
+    CLI_ENTER_OR_RETURN(client_of(frame));
     if (m0 == NULL || m1 == NULL) {
-        return PCCD_E_INVAL;
+        return cli_fail(frame->client, PCCD_E_INVAL, "m0 or m1 is NULL");
     }
     status = add_segment(frame, segment, PROTO_RIGID_BYTES, PROTO_RIGID_BYTES, &range0,
                          &range1);
@@ -279,7 +307,7 @@ int cli_frame_take(struct pccd_frame *frame, const uint64_t *step, uint32_t *sce
     }
     client = frame->client;
     *scene = own->scene;
-    *slot = frame->slot;
+    *slot = slot_of(frame);
     frame->slot = SLOT_GIVEN_BACK; /* a frame is committed once */
     /* Other steps may have been submitted meanwhile. */
     status = step == NULL ? cli_fail(client, PCCD_E_INVAL, "step is NULL")
@@ -295,20 +323,24 @@ int pccd_frame_commit(struct pccd_frame *frame, const struct pccd_step_settings 
 {
     uint32_t scene = 0;
     uint32_t slot = 0;
-    int status = cli_frame_take(frame, step, &scene, &slot);
+    int status;
 
+    CLI_ENTER_OR_RETURN(client_of(frame));
+    status = cli_frame_take(frame, step, &scene, &slot);
     return status != 0 ? status
                        : cli_step_send(frame->client, scene, slot, settings, step);
 }
 
 void pccd_frame_abort(struct pccd_frame *frame)
 {
+    CLI_TURN cli_turn = cli_enter_late(client_of(frame));
     struct cli_slot *own = NULL;
 
-    if (frame == NULL || frame->slot == SLOT_GIVEN_BACK || find_slot(frame, &own) != 0) {
+    if (client_of(frame) == NULL || frame->slot == SLOT_GIVEN_BACK ||
+        find_slot(frame, &own) != 0) {
         return;
     }
-    cli_slot_abort(&frame->client->ring, frame->slot);
+    cli_slot_abort(&frame->client->ring, slot_of(frame));
     frame->slot = SLOT_GIVEN_BACK;
 }
 
@@ -401,9 +433,7 @@ int pccd_submit(struct pccd_client *client, uint32_t scene,
     uint32_t slot = 0;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (step == NULL || (motions == NULL && motion_count > 0)) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
                         step == NULL ? "step" : "motions");

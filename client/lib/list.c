@@ -30,15 +30,12 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
     return 0;
 }
 
-/* A request that may be made: there is a client, nothing that must be given is NULL, and
- * the daemon knows the method. */
+/* A request that may be made: nothing that must be given is NULL, and the daemon knows
+ * the method. */
 static int check(struct pccd_client *client, const char *what, bool given)
 {
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
     if (!given) {
         return cli_fail(client, PCCD_E_INVAL, "%s: an argument is NULL", what);
     }
@@ -93,6 +90,7 @@ session_info(const struct proto_LIST_SESSION_result *result)
 
 int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SESSION_request request = {.before = 0};
     struct proto_LIST_SESSION_result result;
     int status = check(client, "list.session", each != NULL);
@@ -126,6 +124,7 @@ static int advance(struct pccd_client *client, uint32_t *cursor, uint32_t next)
 int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn each,
                      void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SCENE_request request = {.session = session};
     struct proto_LIST_SCENE_result result;
     int status = check(client, "list.scene", each != NULL);
@@ -161,6 +160,7 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
 int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t scene,
                       pccd_object_fn each, void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_OBJECT_request request = {.session = session, .scene = scene};
     struct proto_LIST_OBJECT_result result;
     int status = check(client, "list.object", each != NULL);
@@ -185,6 +185,7 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
 int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene,
                     pccd_pair_fn each, void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_PAIR_request request = {.session = session, .scene = scene};
     struct proto_LIST_PAIR_result result;
     int status = check(client, "list.pair", each != NULL);
@@ -205,6 +206,7 @@ int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene
 int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn each,
                      void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_MESH_request request = {.session = session};
     struct proto_LIST_MESH_result result;
     int status = check(client, "list.mesh", each != NULL);
@@ -237,6 +239,7 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
 int pccd_histogram(struct pccd_client *client, enum pccd_histogram_kind kind,
                    struct pccd_histogram_info *info)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_STATS_HISTOGRAM_request request = {.kind = (uint32_t)kind};
     struct proto_STATS_HISTOGRAM_result result;
     int status = check(client, "stats.histogram", info != NULL);
@@ -294,6 +297,7 @@ static int put(struct pccd_client *client, char field[PROTO_STR_MAX + 1],
 int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_fn each,
                     void *context)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_CONFIG_GET_request request = {.index = 0};
     uint32_t count = 1;
     int status = check(client, "config.get", each != NULL);
@@ -310,6 +314,7 @@ int pccd_config_get(struct pccd_client *client, const char *name, pccd_setting_f
 
 int pccd_config_set(struct pccd_client *client, const char *name, const char *value)
 {
+    CLI_ENTER_OR_RETURN(client);
     struct proto_CONFIG_SET_request request = {.name = ""};
     int status = check(client, "config.set", name != NULL && value != NULL);
 

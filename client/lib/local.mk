@@ -15,6 +15,7 @@ libclient_la_SOURCES = \
     client/lib/attach.c \
     client/lib/attach.h \
     client/lib/batch.c \
+    client/lib/batch.h \
     client/lib/boxes.c \
     client/lib/call.h \
     client/lib/client.c \

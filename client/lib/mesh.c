@@ -385,9 +385,7 @@ int pccd_mesh_put(struct pccd_client *client, const struct pccd_mesh_data *asked
     uint32_t handle;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (asked == NULL || mesh == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "mesh: %s is NULL",
                         asked == NULL ? "data" : "mesh");
@@ -442,7 +440,8 @@ int pccd_mesh_replace(struct pccd_client *client, uint32_t mesh, const void *x,
     const struct pccd_mesh_data data =
         triangles_alone(x, format, vertex_count, triangles, triangle_count);
 
-    if (client != NULL && mesh == 0) {
+    CLI_ENTER_OR_RETURN(client);
+    if (mesh == 0) {
         return cli_fail(client, PCCD_E_HANDLE, "mesh.replace: there is no mesh 0");
     }
     return pccd_mesh_put(client, &data, &mesh, info);
@@ -480,9 +479,7 @@ int pccd_mesh_edges(struct pccd_client *client, uint32_t mesh, struct pccd_edge 
     uint32_t fetched = 0;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (edges == NULL && edge_count > 0) {
         return cli_fail(client, PCCD_E_INVAL, "mesh.edges: edges is NULL");
     }
@@ -498,9 +495,7 @@ int pccd_mesh_destroy(struct pccd_client *client, uint32_t mesh)
 {
     struct proto_MESH_DESTROY_request request = {.mesh = mesh};
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     return cli_call_sync(client, PROTO_METHOD_MESH_DESTROY, &request, NULL,
                          cli_deadline(client, -1));
 }

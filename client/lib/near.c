@@ -73,9 +73,7 @@ int pccd_submit_near(struct pccd_client *client, uint32_t scene,
     uint32_t slot = CLI_SLOT_NONE;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (step == NULL || (motions == NULL && motion_count > 0)) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL",
                         step == NULL ? "step" : "motions");
@@ -97,8 +95,10 @@ int pccd_frame_commit_near(struct pccd_frame *frame,
     struct pccd_client *client = frame != NULL ? frame->client : NULL;
     uint32_t scene = 0;
     uint32_t slot = CLI_SLOT_NONE;
-    int status = cli_frame_take(frame, step, &scene, &slot);
+    int status;
 
+    CLI_ENTER_OR_RETURN(client);
+    status = cli_frame_take(frame, step, &scene, &slot);
     if (status != 0) {
         return status;
     }
@@ -115,8 +115,10 @@ int pccd_ask_near(struct pccd_client *client, uint32_t scene,
                   const struct pccd_near_settings *settings, struct pccd_answer *answer)
 {
     uint64_t step = 0;
-    int status = client == NULL ? PCCD_E_INVAL : cli_answer_check(client, answer);
+    int status;
 
+    CLI_ENTER_OR_RETURN(client);
+    status = cli_answer_check(client, answer);
     if (status == 0) {
         status = pccd_submit_near(client, scene, motions, motion_count, settings, &step);
     }

@@ -8,10 +8,12 @@
  * Does:     connect to pccdd (or start a private one), register meshes, place them in
  *           scenes, stream vertex positions through shared memory, and read the contacts
  *           of a step.
- * Threads:  a client and everything made from it belong to one thread at a time;
- *           different clients are independent. The library has no threads of its own; the
- *           url direct: has those that compute a step. In a forked copy of the process
- *           every call with a client but pccd_close is E_DISCONNECTED.
+ * Threads:  a client and everything made from it belong to one thread at a time. While
+ *           one is in a call, another one's call is E_BUSY and does nothing; what returns
+ *           nothing, such as pccd_answer_release, waits until the first is out. A program
+ *           with several threads connects a client for each. The library has no threads
+ *           of its own; the url direct: has those that compute a step. In a forked copy
+ *           of the process every call with a client but pccd_close is E_DISCONNECTED.
  *
  * More than 200 lines: one header is the whole library, to be read from top to bottom.
  * More than 600 lines: likewise.
@@ -71,8 +73,8 @@ const char *pccd_status_name(int status);
 const char *pccd_status_text(int status);
 
 /* A sentence that says why the last call failed that failed on this client; "" when none
- * has. With a NULL client it is about the last pccd_connect of this thread. Valid until
- * the next call. */
+ * has. With a NULL client it is about the last pccd_connect of this thread, or its last
+ * call without a client. Valid until the next call. */
 const char *pccd_error_text(const struct pccd_client *client);
 
 /* "0.1.0" of the library in use. [any thread] */
@@ -119,7 +121,10 @@ void pccd_options_init(struct pccd_options *options);
  * E_TIMEOUT, E_NOMEM, E_SYSTEM. */
 int pccd_connect(const struct pccd_options *options, struct pccd_client **client);
 
-/* Close and free, here and in the daemon; NULL is allowed. */
+/* Close and free, here and in the daemon; NULL is allowed. Nothing that was made with the
+ * client may be used afterwards, answers and frames included, but for its batches: a call
+ * with one of these is E_DISCONNECTED. In a callback of the same client it does
+ * nothing. */
 void pccd_close(struct pccd_client *client);
 
 /* The socket, for an event loop of your own. Call pccd_poll until it returns E_AGAIN,
@@ -569,7 +574,7 @@ int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
 /* A step being written. It lies in a slot of the upload ring, the memory from which the
  * daemon reads, and consists of segments. A segment moves a run of vertices of one
  * object; two bodies that move are two segments. */
-struct pccd_frame {
+struct pccd_frame { /* the library's: only to be passed on */
     struct pccd_client *client;
     uint32_t scene;
     uint32_t slot;
@@ -675,11 +680,12 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
  *     pccd_step_safe(client, scene, &motion, 1, &settings, x, &part, &answer);
  *
  * Each motion has x0 and x1; x[i] is memory for as many vertices in the same format, and
- * neither of the two. *part is 0 .. 1; 1: x is x1. 0: x is x0, as what meets at t = 0
+ * in neither of the two. *part is 0 .. 1; 1: x is x1. 0: x is x0, as what meets at t = 0
  * (PCCD_INITIAL) leaves no way to go, unless the settings have an `approach`. The answer
  * is that of the whole step, in the mode that was asked for, and the caller's to release;
  * an incomplete one, and mode any or pairs with a hit, are taken for a contact at t = 0.
- * Errors: those of pccd_step; E_INVAL: no x0, x1 or x, or settings with `hold`. */
+ * Errors: those of pccd_step; E_INVAL: no x0, x1 or x, x lies in one of the other two,
+ * or settings with `hold`. */
 int pccd_step_safe(struct pccd_client *client, uint32_t scene,
                    const struct pccd_motion *motions, uint32_t motion_count,
                    const struct pccd_step_settings *settings, void *const *x,

@@ -70,8 +70,8 @@ struct pccd_batch_part {
  * scenes or parts; E_VERSION: the daemon knows of no batches; E_NOMEM. */
 int pccd_batch_create(struct pccd_client *client, const struct pccd_batch_part *parts,
                       uint32_t part_count, struct pccd_batch **batch);
-/* Before pccd_close. One that is begun is aborted; those in flight go on. NULL is
- * allowed. */
+/* Free it, before or after pccd_close. One that is begun is aborted; those in flight go
+ * on. NULL is allowed. */
 void pccd_batch_destroy(struct pccd_batch *batch);
 /* Scenes of the batch; its answers have as many entries. */
 uint32_t pccd_batch_scenes(const struct pccd_batch *batch);

@@ -47,8 +47,9 @@ struct pccd_near_settings {
     enum pccd_near_what what;
     double distance; /* 0 .. 1e18 (E_INVAL below or NaN, E_LIMIT beyond). PAIRS, FEATURES,
                         VERTICES: within it. NEAREST: pairs of objects that are farther
-                        apart than that have no record; INFINITY: all have. CROSSINGS,
-                        DEPTH: not looked at */
+                        apart than that have no record; INFINITY: all have, 0, where
+                        nothing is said, only what touches. CROSSINGS, DEPTH: not looked
+                        at */
     double gap;      /* NEAREST: the search may end early, with a pair that is farther
                         than the nearest by at most that; the answer then has no hash.
                         0: the pair is the nearest */

@@ -80,9 +80,7 @@ int pccd_record_start(struct pccd_client *client, const char *path,
     bool keeps;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (path == NULL || path[0] == '\0') {
         return cli_fail(client, PCCD_E_INVAL, "record: no path");
     }
@@ -121,7 +119,9 @@ int pccd_record_start(struct pccd_client *client, const char *path,
 
 int pccd_record(const struct pccd_client *client, struct pccd_record_info *info)
 {
-    if (client == NULL || info == NULL) {
+    /* The state of a call is no part of what the caller sees of a client. */
+    CLI_ENTER_OR_RETURN((struct pccd_client *)(uintptr_t)client);
+    if (info == NULL) {
         return PCCD_E_INVAL;
     }
     if (client->recorder == NULL) {
@@ -138,9 +138,7 @@ int pccd_record_stop(struct pccd_client *client, struct pccd_record_info *info)
     struct pccd_record_info last;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (client->recorder == NULL) {
         return cli_fail(client, PCCD_E_STATE, "record: nothing is recorded");
     }

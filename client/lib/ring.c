@@ -145,6 +145,7 @@ void cli_slot_open(struct cli_ring *ring, uint32_t slot)
 
     assert(slot < ring->slot_count && own->state == CLI_SLOT_FREE);
     own->state = CLI_SLOT_BEGUN;
+    own->frame = 0;
     own->segment_count = 0;
     own->scene_count = 0;
     own->used_bytes = 0;

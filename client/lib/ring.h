@@ -30,6 +30,7 @@ struct cli_slot {
     enum cli_slot_state state;
     uint64_t seq;                     /* last value stored in the slot's descriptor */
     uint32_t scene;                   /* BEGUN: of the frame being written */
+    uint32_t frame;                   /* BEGUN: which frame that is (frame.c); 0: none */
     uint32_t segment_max;             /* announced */
     uint32_t segment_count;           /* written */
     uint64_t used_bytes;              /* segment table included */

@@ -22,6 +22,15 @@
 /* What is left of the way of a step that was not free. */
 #define SHORTER (1 - 0x1p-20)
 
+/* Whether two arrays of so many bytes have any in common. */
+static bool do_overlap(const void *a, const void *b, size_t bytes)
+{
+    uintptr_t from = (uintptr_t)a;
+    uintptr_t other = (uintptr_t)b;
+
+    return (from < other ? other - from : from - other) < bytes;
+}
+
 static int check(struct pccd_client *client, const struct pccd_motion *motions,
                  uint32_t motion_count, void *const *x, const double *part)
 {
@@ -41,6 +50,10 @@ static int check(struct pccd_client *client, const struct pccd_motion *motions,
         if (motion->format != PCCD_FORMAT_F32 && motion->format != PCCD_FORMAT_F64) {
             return cli_fail(client, PCCD_E_INVAL, "motion %u: unknown format %d", i,
                             (int)motion->format);
+        }
+        size_t bytes = motion->count * common_vertex_bytes((uint32_t)motion->format);
+        if (do_overlap(x[i], motion->x0, bytes) || do_overlap(x[i], motion->x1, bytes)) {
+            return cli_fail(client, PCCD_E_INVAL, "motion %u: x lies in x0 or x1", i);
         }
     }
     return 0;
@@ -95,9 +108,7 @@ int pccd_step_safe(struct pccd_client *client, uint32_t scene,
     double safe;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = check(client, motions, motion_count, x, part);
     if (status == 0 && settings != NULL) {
         status = cli_struct_read(client, "settings of the step", settings, &quick,

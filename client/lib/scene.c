@@ -77,9 +77,7 @@ int pccd_scene_create(struct pccd_client *client,
     struct proto_SCENE_CREATE_request request = {.rebuild_ratio = 0};
     int status = 0;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (scene == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.create: scene is NULL");
     }
@@ -99,9 +97,7 @@ int pccd_scene_join(struct pccd_client *client, uint32_t owner, const char *name
                                                  .owner = owner};
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (scene == NULL || name == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.create: %s is NULL",
                         scene == NULL ? "scene" : "name");
@@ -115,9 +111,7 @@ int pccd_scene_destroy(struct pccd_client *client, uint32_t scene)
     struct proto_SCENE_DESTROY_request request = {.scene = scene};
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     cli_journal_settle(client, scene); /* while there is one */
     status = cli_call_sync(client, PROTO_METHOD_SCENE_DESTROY, &request, NULL,
                            cli_deadline(client, -1));
@@ -135,9 +129,7 @@ int pccd_scene_add(struct pccd_client *client, uint32_t scene, uint32_t mesh,
     struct proto_SCENE_ADD_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (object == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "scene.add: object is NULL");
     }
@@ -154,9 +146,7 @@ int pccd_scene_remove(struct pccd_client *client, uint32_t scene, uint32_t objec
 {
     struct proto_SCENE_REMOVE_request request = {.scene = scene, .object = object};
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     return cli_call_sync(client, PROTO_METHOD_SCENE_REMOVE, &request, NULL,
                          cli_deadline(client, -1));
 }

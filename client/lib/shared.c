@@ -111,9 +111,7 @@ int pccd_wait_held(struct pccd_client *client, uint64_t step, int timeout_ms)
     struct cli_call *call;
     int status = 0;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if ((client->link.features & PROTO_FEATURE_HELD) == 0) {
         return cli_fail(client, PCCD_E_VERSION,
                         "the daemon at %s is too old to tell what it holds", client->url);
@@ -160,9 +158,7 @@ int pccd_scene_wait(struct pccd_client *client, uint32_t scene, int timeout_ms,
     uint64_t deadline_ns;
     int status = 0;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (news == NULL || scene == 0) {
         return cli_fail(client, PCCD_E_INVAL, "%s",
                         news == NULL ? "news is NULL" : "there is no scene 0");
@@ -193,9 +189,7 @@ int pccd_scene_read(struct pccd_client *client, uint32_t scene, uint64_t number,
     struct proto_FRAME_FETCH_request request = {
         .scene = scene, .cursor = cursor, .number = number};
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (number == 0) {
         return cli_fail(client, PCCD_E_INVAL, "steps count from 1");
     }

@@ -17,9 +17,7 @@ int pccd_ping(struct pccd_client *client, uint64_t *round_trip_ns)
     uint64_t begin_ns;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     begin_ns = common_now_ns();
     request.token = begin_ns;
     status = cli_call_sync(client, PROTO_METHOD_PING, &request, &result,
@@ -63,9 +61,7 @@ int pccd_stats(struct pccd_client *client, pccd_stat_fn each, void *context)
     struct proto_STATS_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (each == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "stats: each is NULL");
     }
@@ -85,9 +81,7 @@ int pccd_stats_thread(struct pccd_client *client, bool any, uint32_t thread,
     struct proto_STATS_THREAD_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (each == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "stats.thread: each is NULL");
     }

@@ -204,9 +204,7 @@ int pccd_poll(struct pccd_client *client, struct pccd_answer *answer)
     struct cli_call *call;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = cli_answer_check(client, answer);
     if (status != 0) {
         return status;
@@ -254,9 +252,7 @@ int pccd_wait(struct pccd_client *client, uint64_t step, int timeout_ms,
     struct cli_call *call = NULL;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = cli_answer_check(client, answer);
     if (status == 0) {
         status = cli_step_await(client, step, false, timeout_ms, &call);
@@ -298,9 +294,7 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
     const struct proto_NEAR_FETCH_request near = {
         .scene = scene, .step = step, .cursor = cursor};
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     return cli_near_is(client, scene, step)
                ? cli_step_fetch(client, PROTO_METHOD_NEAR_FETCH, &near, answer)
                : cli_step_fetch(client, PROTO_METHOD_FRAME_FETCH, &frame, answer);
@@ -308,6 +302,8 @@ int pccd_fetch(struct pccd_client *client, uint32_t scene, uint64_t step, uint64
 
 void pccd_answer_release(struct pccd_client *client, struct pccd_answer *answer)
 {
+    CLI_TURN cli_turn = cli_enter_late(client);
+
     if (client == NULL || answer == NULL) {
         return;
     }
@@ -328,9 +324,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
     struct proto_CANCEL_result result;
     struct cli_call *call;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     call = find_step(client, step);
     if (call == NULL) {
         return client->dead ? cli_alive(client)
@@ -348,6 +342,7 @@ int pccd_cancel(struct pccd_client *client, uint64_t step)
 
 void pccd_abandon(struct pccd_client *client, uint64_t step)
 {
+    CLI_TURN cli_turn = cli_enter_late(client);
     struct cli_call *call = client != NULL ? find_step(client, step) : NULL;
     struct proto_CANCEL_request request;
     struct cli_call *cancel = NULL;
@@ -385,8 +380,10 @@ int pccd_step(struct pccd_client *client, uint32_t scene,
               const struct pccd_step_settings *settings, struct pccd_answer *answer)
 {
     uint64_t step = 0;
-    int status = client != NULL ? cli_answer_check(client, answer) : 0;
+    int status;
 
+    CLI_ENTER_OR_RETURN(client);
+    status = cli_answer_check(client, answer);
     if (status == 0) {
         status = pccd_submit(client, scene, motions, motion_count, settings, &step);
     }
@@ -400,7 +397,8 @@ int pccd_step_x1(struct pccd_client *client, uint32_t scene, uint32_t object,
     struct pccd_motion motion = {
         .object = object, .count = vertex_count, .format = format, .x1 = x1};
 
-    if (client != NULL && x1 == NULL) {
+    CLI_ENTER_OR_RETURN(client);
+    if (x1 == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "x1 is NULL");
     }
     return pccd_step(client, scene, &motion, 1, settings, answer);
@@ -414,7 +412,8 @@ int pccd_step_x0x1(struct pccd_client *client, uint32_t scene, uint32_t object,
     struct pccd_motion motion = {
         .object = object, .count = vertex_count, .format = format, .x0 = x0, .x1 = x1};
 
-    if (client != NULL && (x0 == NULL || x1 == NULL)) {
+    CLI_ENTER_OR_RETURN(client);
+    if (x0 == NULL || x1 == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "%s is NULL", x0 == NULL ? "x0" : "x1");
     }
     return pccd_step(client, scene, &motion, 1, settings, answer);

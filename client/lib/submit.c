@@ -124,9 +124,7 @@ int pccd_submit_still(struct pccd_client *client, uint32_t scene,
 {
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (step == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "step is NULL");
     }

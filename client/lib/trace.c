@@ -19,9 +19,7 @@ int pccd_trace_start(struct pccd_client *client, uint32_t events, uint64_t min_n
     struct proto_TRACE_START_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = cli_call_sync(client, PROTO_METHOD_TRACE_START, &request, &result,
                            cli_deadline(client, -1));
     if (status == 0 && info != NULL) {
@@ -37,9 +35,7 @@ int pccd_trace_stop(struct pccd_client *client, struct pccd_trace_info *info)
     struct proto_TRACE_STOP_result result;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = cli_call_sync(client, PROTO_METHOD_TRACE_STOP, &request, &result,
                            cli_deadline(client, -1));
     if (status == 0 && info != NULL) {
@@ -78,9 +74,7 @@ int pccd_trace_dump(struct pccd_client *client, pccd_trace_fn each, void *contex
     uint64_t cursor = 0;
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (each == NULL) {
         return cli_fail(client, PCCD_E_INVAL, "trace.dump: each is NULL");
     }

@@ -91,9 +91,7 @@ int pccd_watch_start(struct pccd_client *client, uint64_t session, uint32_t scen
 {
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (client->watch == NULL) {
         client->watch = malloc(sizeof *client->watch);
         if (client->watch == NULL) {
@@ -134,9 +132,7 @@ int pccd_watch_next(struct pccd_client *client, int timeout_ms,
     uint64_t deadline_ns;
     int status = 0;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     if (client->watch == NULL || event == NULL) {
         return event == NULL
                    ? cli_fail(client, PCCD_E_INVAL, "watch: event is NULL")
@@ -164,9 +160,7 @@ int pccd_watch_stop(struct pccd_client *client)
     struct proto_WATCH_STOP_request request = {.reserved = 0};
     int status;
 
-    if (client == NULL) {
-        return PCCD_E_INVAL;
-    }
+    CLI_ENTER_OR_RETURN(client);
     status = cli_call_sync(client, PROTO_METHOD_WATCH_STOP, &request, NULL,
                            cli_deadline(client, -1));
     cli_watch_deinit(client);

@@ -24,6 +24,7 @@ integration_names = \
     tests/integration/test_int_long \
     tests/integration/test_int_loss \
     tests/integration/test_int_misuse \
+    tests/integration/test_int_null \
     tests/integration/test_int_motions \
     tests/integration/test_int_near \
     tests/integration/test_int_near_long \
@@ -202,8 +203,12 @@ tests_integration_test_int_loss_SOURCES = tests/integration/test_int_loss.c
 tests_integration_test_int_loss_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_loss_LDADD = $(integration_libs)
 
+tests_integration_test_int_null_SOURCES = tests/integration/test_int_null.c
+tests_integration_test_int_null_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_null_LDADD = $(integration_libs)
 tests_integration_test_int_misuse_SOURCES = tests/integration/test_int_misuse.c
 tests_integration_test_int_misuse_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_misuse_CFLAGS = $(AM_CFLAGS) -pthread
 tests_integration_test_int_misuse_LDADD = $(integration_libs)
 
 tests_integration_test_int_peer_SOURCES = tests/integration/test_int_peer.c

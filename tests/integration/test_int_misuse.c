@@ -2,8 +2,9 @@
  *
  * Room:     tests/integration. May include: pccd.h, tests/support.
  * Does:     hold on to answers while others are asked for; name scenes that are not
- *           there. It is an error or nothing, and what others asked for stays right.
- * Threads:  one.
+ *           there; call twice, too late, or while another thread does. It is an error or
+ *           nothing, and what others asked for stays right.
+ * Threads:  one, but for the tests of several.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +16,10 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
 
 #include "fixture.h"
 
@@ -218,9 +223,289 @@ static void misuse__scenes_that_are_left_while_others_step_are_forgotten(void **
     pccd_close(reader);
 }
 
+/* ---- twice, or too late ------------------------------------------------------------ */
+
+/* If it failed, a frame that was copied, as by a struct around it, could send or give
+ * back what another one has begun. */
+static void misuse__a_copy_of_a_frame_is_over_when_it_is(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_client *client = crossing->client;
+    struct pccd_frame frame;
+    struct pccd_frame copy;
+    struct pccd_frame next;
+    uint64_t step = 0;
+    void *to = NULL;
+    float x[3][3];
+
+    for (int i = 0; i < 40; i++) { /* more often than there are slots */
+        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 512, &frame), 0);
+        copy = frame;
+        pccd_frame_abort(&frame);
+        pccd_frame_abort(&frame);
+        assert_int_equal(pccd_frame_begin(client, crossing->scene, 1, 512, &next), 0);
+        assert_int_equal(
+            pccd_frame_x1(&copy, crossing->object, PCCD_FORMAT_F32, 0, 3, &to),
+            PCCD_E_INVAL);
+        pccd_frame_abort(&copy);
+        assert_int_equal(pccd_frame_commit(&copy, NULL, &step), PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(client), "not begun"));
+        crossing->z = -crossing->z;
+        test_crossing_positions(x, crossing->z);
+        assert_int_equal(
+            pccd_frame_x1(&next, crossing->object, PCCD_FORMAT_F32, 0, 3, &to), 0);
+        memcpy(to, x, sizeof x);
+        assert_int_equal(pccd_frame_commit(&next, NULL, &step), 0);
+        assert_int_equal(pccd_frame_commit(&next, NULL, &step), PCCD_E_INVAL);
+        {
+            struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+            assert_int_equal(pccd_wait(client, step, -1, &answer), 0);
+            assert_true(test_crossing_is_right(crossing, &answer));
+        }
+    }
+}
+
+/* If it failed, a program that ends in the order in which things came to it, its client
+ * first, would end by a signal. */
+static void misuse__a_batch_outlives_its_client(void **state)
+{
+    struct pccd_client *client = test_connect(test_shared.url);
+    struct test_crossing crossing;
+    struct pccd_batch *batches[3] = {NULL};
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_batch_part part = {.format = PCCD_FORMAT_F32, .count = 3};
+    const float x[3][3] = {{0}};
+    const void *from[1] = {x};
+    void *x1[1] = {NULL};
+    uint64_t step = 0;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    part.scene = crossing.scene;
+    part.object = crossing.object;
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(pccd_batch_create(client, &part, 1, &batches[i]), 0);
+    }
+    pccd_batch_destroy(batches[1]); /* between the others */
+    assert_int_equal(pccd_batch_begin(batches[0], NULL, x1), 0);
+    assert_int_equal(pccd_batch_begin(batches[0], NULL, x1), PCCD_E_STATE);
+    assert_int_equal(pccd_batch_commit(batches[2], NULL, &step), PCCD_E_STATE);
+    pccd_batch_abort(batches[2]);
+    pccd_close(client);
+    assert_int_equal(pccd_batch_begin(batches[0], NULL, x1), PCCD_E_DISCONNECTED);
+    assert_non_null(strstr(pccd_error_text(NULL), "closed"));
+    assert_int_equal(pccd_batch_commit(batches[0], NULL, &step), PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_batch_submit(batches[2], NULL, from, NULL, &step),
+                     PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_batch_step(batches[2], NULL, from, NULL, &answer),
+                     PCCD_E_DISCONNECTED);
+    assert_int_equal(pccd_batch_scenes(batches[0]), 1);
+    pccd_batch_abort(batches[0]);
+    pccd_batch_destroy(batches[0]);
+    pccd_batch_destroy(batches[2]);
+}
+
+static void close_there(void *context, const char *name, uint64_t value, const char *text)
+{
+    (void)name, (void)value, (void)text;
+    pccd_close(context);
+}
+
+/* If it failed, a function that the library calls could take the client away from under
+ * it. */
+static void misuse__a_callback_does_not_close_its_client(void **state)
+{
+    struct test_crossing *crossing = *state;
+
+    assert_int_equal(pccd_stats(crossing->client, close_there, crossing->client), 0);
+    assert_true(test_crossing_turn(crossing));
+}
+
+/* If it failed, positions that pccd_step_safe writes over what it reads would be taken
+ * for where the body came from. */
+static void misuse__step_safe_wants_memory_of_its_own(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    float x0[4][3] = {{0}};
+    float x1[4][3] = {{0}};
+    const struct pccd_motion motion = {.object = crossing->object,
+                                       .count = 3,
+                                       .format = PCCD_FORMAT_F32,
+                                       .x0 = x0,
+                                       .x1 = x1};
+    void *const wrong[] = {x0, x1, x0[2], x1[2]};
+    double part = 0;
+
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_int_equal(pccd_step_safe(crossing->client, crossing->scene, &motion, 1,
+                                        NULL, &wrong[i], &part, &answer),
+                         PCCD_E_INVAL);
+        assert_non_null(strstr(pccd_error_text(crossing->client), "lies in"));
+    }
+    assert_true(test_crossing_turn(crossing));
+}
+
+/* ---- several threads --------------------------------------------------------------- */
+
+static double now(void)
+{
+    struct timespec at;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &at);
+    return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
+}
+
+static void sleep_ms(long ms)
+{
+    (void)nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
+}
+
+#define IN_CALL_MS 700 /* long enough for all that the others do meanwhile */
+
+struct in_call {
+    struct pccd_client *client;
+    uint32_t scene;
+    int status;
+    double until;
+};
+
+static void *be_in_a_call(void *context)
+{
+    struct in_call *call = context;
+    struct pccd_scene_news news;
+
+    call->status = pccd_scene_wait(call->client, call->scene, IN_CALL_MS, &news);
+    call->until = now();
+    return NULL;
+}
+
+/* If it failed, a second thread would break what the first is at, and not be told. */
+static void misuse__a_second_thread_is_refused_or_waits(void **state)
+{
+    struct pccd_client *client = test_connect(test_shared.url);
+    struct in_call call = {.client = client};
+    struct test_crossing crossing;
+    struct pccd_answer held = PCCD_ANSWER_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_batch_part part = {.format = PCCD_FORMAT_F32, .count = 3};
+    struct pccd_batch *batch = NULL;
+    struct pccd_frame frame;
+    uint64_t step = 0;
+    void *to = NULL;
+    pthread_t thread;
+
+    (void)state;
+    assert_non_null(client);
+    assert_int_equal(test_crossing_make(client, &crossing), 0);
+    call.scene = share(client, "threads");
+    turn(&crossing, &held);
+    part.scene = crossing.scene;
+    part.object = crossing.object;
+    assert_int_equal(pccd_batch_create(client, &part, 1, &batch), 0);
+    assert_int_equal(pccd_frame_begin(client, crossing.scene, 1, 64, &frame), 0);
+    assert_int_equal(pthread_create(&thread, NULL, be_in_a_call, &call), 0);
+    sleep_ms(IN_CALL_MS / 4);
+    assert_int_equal(pccd_ping(client, NULL), PCCD_E_BUSY);
+    assert_non_null(strstr(pccd_error_text(client), "another thread"));
+    assert_int_equal(pccd_poll(client, &answer), PCCD_E_BUSY);
+    assert_int_equal(pccd_submit_still(client, crossing.scene, NULL, &step), PCCD_E_BUSY);
+    assert_int_equal(pccd_frame_x1(&frame, crossing.object, PCCD_FORMAT_F32, 0, 1, &to),
+                     PCCD_E_BUSY);
+    assert_int_equal(pccd_batch_begin(batch, NULL, &to), PCCD_E_BUSY);
+    assert_int_equal(pccd_record_stop(client, NULL), PCCD_E_BUSY);
+    pccd_answer_release(client, &held); /* has no status, and waits */
+    assert_true(now() >= call.until && call.until > 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    assert_int_equal(call.status, PCCD_E_TIMEOUT);
+    assert_int_equal(pccd_ping(client, NULL), 0);
+    pccd_frame_abort(&frame);
+    assert_true(test_crossing_turn(&crossing));
+
+    assert_int_equal(pthread_create(&thread, NULL, be_in_a_call, &call), 0);
+    sleep_ms(IN_CALL_MS / 4);
+    pccd_close(client); /* likewise */
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    assert_int_equal(call.status, PCCD_E_TIMEOUT);
+    pccd_batch_destroy(batch);
+}
+
+#define THREADS 4
+#define TURNS   300
+
+struct crowd {
+    struct test_crossing crossing;
+    atomic_uint done, busy, wrong;
+};
+
+static void *crowd_in(void *context)
+{
+    struct crowd *crowd = context;
+    struct pccd_client *client = crowd->crossing.client;
+
+    for (int i = 0; i < TURNS; i++) {
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+        struct pccd_frame frame;
+        float x0[3][3];
+        float x1[3][3];
+        int status;
+
+        test_crossing_positions(x0, 1);
+        test_crossing_positions(x1, -1);
+        status = pccd_step_x0x1(client, crowd->crossing.scene, crowd->crossing.object, x0,
+                                x1, PCCD_FORMAT_F32, 3, NULL, &answer);
+        if (status == 0) {
+            (void)atomic_fetch_add(&crowd->done, 1);
+            (void)atomic_fetch_add(&crowd->wrong, answer.total != 3);
+        } else {
+            (void)atomic_fetch_add(status == PCCD_E_BUSY ? &crowd->busy : &crowd->wrong,
+                                   1);
+        }
+        pccd_answer_release(client, &answer);
+        if (pccd_frame_begin(client, crowd->crossing.scene, 1, 64, &frame) == 0) {
+            pccd_frame_abort(&frame);
+        }
+        (void)pccd_ping(client, NULL);
+    }
+    return NULL;
+}
+
+/* If it failed, threads that share a client by mistake would end the program, hang, or
+ * have each other's answers. */
+static void misuse__threads_that_crowd_are_answered_or_refused(void **state)
+{
+    struct crowd crowd = {.crossing = *(struct test_crossing *)*state};
+    pthread_t threads[THREADS];
+
+    for (int i = 0; i < THREADS; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, crowd_in, &crowd), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        assert_int_equal(pthread_join(threads[i], NULL), 0);
+    }
+    assert_int_equal(atomic_load(&crowd.wrong), 0);
+    assert_true(atomic_load(&crowd.done) > 0);
+    assert_int_equal(atomic_load(&crowd.done) + atomic_load(&crowd.busy),
+                     THREADS * TURNS);
+    assert_int_equal(pccd_ping(crowd.crossing.client, NULL), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(misuse__a_copy_of_a_frame_is_over_when_it_is,
+                                        test_crossing_open, test_crossing_close),
+        cmocka_unit_test(misuse__a_batch_outlives_its_client),
+        cmocka_unit_test_setup_teardown(misuse__a_callback_does_not_close_its_client,
+                                        test_crossing_open, test_crossing_close),
+        cmocka_unit_test_setup_teardown(misuse__step_safe_wants_memory_of_its_own,
+                                        test_crossing_open, test_crossing_close),
+        cmocka_unit_test(misuse__a_second_thread_is_refused_or_waits),
+        cmocka_unit_test_setup_teardown(
+            misuse__threads_that_crowd_are_answered_or_refused, test_crossing_open,
+            test_crossing_close),
         cmocka_unit_test_setup_teardown(
             misuse__pages_that_are_held_take_no_step_its_answer, test_crossing_open,
             test_crossing_close),
