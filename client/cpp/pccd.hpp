@@ -6,7 +6,8 @@
  *           handles' id() are for all others. Everything is inline: there is no library
  *           of its own, and no ABI but that of pccd.h.
  * Does not: copy positions or records. They are read where they lie.
- * Threads:  a client and all that was made with it belong to one thread at a time.
+ * Threads:  a client and all that was made with it belong to one thread at a time: while
+ *           one is in a call, that of another fails with PCCD_E_BUSY.
  *
  * More than 200 lines: one header is all of it, to be read from top to bottom.
  * More than 600 lines: likewise.
@@ -41,6 +42,7 @@
 #include <cstdlib>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -89,18 +91,20 @@ public:
     // Only of one that failed.
     const error &why() const noexcept { return *std::get_if<1>(&state_); }
     // The value is moved out; without one, the error is thrown.
-    T value() &&
+    T value() && { return std::move(held()); }
+    // The same where it is.
+    T &operator*() { return held(); }
+    T *operator->() { return &held(); }
+
+private:
+    T &held()
     {
         if (!*this) {
             fail(why());
         }
-        return std::move(*std::get_if<0>(&state_));
+        return *std::get_if<0>(&state_);
     }
-    // Only of one that succeeded.
-    T &operator*() noexcept { return *std::get_if<0>(&state_); }
-    T *operator->() noexcept { return std::get_if<0>(&state_); }
 
-private:
     std::variant<T, error> state_;
 };
 
@@ -235,8 +239,14 @@ struct step_settings : pccd_step_settings {
     step_settings() : pccd_step_settings{} { struct_bytes = sizeof(pccd_step_settings); }
 };
 struct near_settings : pccd_near_settings {
-    explicit near_settings(pccd_near_what asked = PCCD_NEAR_PAIRS, double within = 0)
-        : pccd_near_settings{}
+    // Of PCCD_NEAR_NEAREST however far that is; of others what touches.
+    explicit near_settings(pccd_near_what asked = PCCD_NEAR_PAIRS)
+        : near_settings(asked, asked == PCCD_NEAR_NEAREST
+                                   ? std::numeric_limits<double>::infinity()
+                                   : 0.0)
+    {
+    }
+    near_settings(pccd_near_what asked, double within) : pccd_near_settings{}
     {
         struct_bytes = sizeof(pccd_near_settings);
         what = asked;
@@ -331,12 +341,17 @@ public:
     result<done> try_replace(const shape &shape)
     {
         std::uint32_t same = id();
-        return put(connection(), shape, &same, &info_);
+        result<done> status = put(connection(), shape, &same, &info_);
+        if (status && vertex_count_) {
+            *vertex_count_ = info_.vertex_count;
+        }
+        return status;
     }
     void replace(const shape &shape) { try_replace(shape).value(); }
 
 private:
     friend class client;
+    friend class scene;
     using handle::handle;
 
     static result<done> put(const detail::shared_client &link, const shape &shape,
@@ -369,6 +384,7 @@ private:
     }
 
     pccd_mesh_info info_{};
+    std::shared_ptr<std::uint32_t> vertex_count_; // its objects', too
 };
 
 // An instance of a mesh in a scene. It is removed with this handle.
@@ -376,7 +392,7 @@ class object {
 public:
     object(object &&other) noexcept
         : link_(std::move(other.link_)), scene_(other.scene_),
-          id_(std::exchange(other.id_, 0u)), vertex_count_(other.vertex_count_)
+          id_(std::exchange(other.id_, 0u)), vertex_count_(std::move(other.vertex_count_))
     {
     }
     object &operator=(object &&other) noexcept
@@ -386,7 +402,7 @@ public:
             link_ = std::move(other.link_);
             scene_ = other.scene_;
             id_ = std::exchange(other.id_, 0u);
-            vertex_count_ = other.vertex_count_;
+            vertex_count_ = std::move(other.vertex_count_);
         }
         return *this;
     }
@@ -395,8 +411,11 @@ public:
     ~object() { reset(); }
 
     std::uint32_t id() const noexcept { return id_; }
-    // Of its mesh when it was added.
-    std::uint32_t vertex_count() const noexcept { return vertex_count_; }
+    // Of its mesh.
+    std::uint32_t vertex_count() const noexcept
+    {
+        return vertex_count_ ? *vertex_count_ : 0;
+    }
 
     // Set what settings.what names: whom it may meet, how thick it is.
     result<done> try_set(const pccd_object_settings &settings)
@@ -417,8 +436,8 @@ public:
 private:
     friend class scene;
     object(detail::shared_client link, std::uint32_t scene, std::uint32_t id,
-           std::uint32_t count)
-        : link_(std::move(link)), scene_(scene), id_(id), vertex_count_(count)
+           std::shared_ptr<const std::uint32_t> count)
+        : link_(std::move(link)), scene_(scene), id_(id), vertex_count_(std::move(count))
     {
     }
     void reset() noexcept
@@ -432,19 +451,29 @@ private:
     detail::shared_client link_;
     std::uint32_t scene_ = 0;
     std::uint32_t id_ = 0;
-    std::uint32_t vertex_count_ = 0;
+    std::shared_ptr<const std::uint32_t> vertex_count_;
 };
 
 // ---- what moves in a step -------------------------------------------------------------
 
-// The first vertices of an object, from where they are to x1.
-inline pccd_motion to(const object &object, const positions &x1)
+// The vertices first, first + 1, ... of an object, from where they are to x1; the others
+// stand still.
+inline pccd_motion to(const object &object, const positions &x1, std::uint32_t first)
 {
     pccd_motion motion{};
     motion.object = object.id();
+    motion.first = first;
     motion.count = x1.is_whole() ? x1.count() : 0;
     motion.format = x1.format();
     motion.x1 = x1.is_whole() ? x1.data() : nullptr;
+    return motion;
+}
+
+// All of them. A step with a motion of more vertices, or fewer, fails with PCCD_E_INVAL.
+inline pccd_motion to(const object &object, const positions &x1)
+{
+    pccd_motion motion = to(object, x1, 0);
+    motion.x1 = x1.count() == object.vertex_count() ? motion.x1 : nullptr;
     return motion;
 }
 
@@ -548,7 +577,7 @@ public:
         if (status != PCCD_OK) {
             return detail::last(connection(), status);
         }
-        return object(connection(), this->id(), id, mesh.info().vertex_count);
+        return object(connection(), this->id(), id, mesh.vertex_count_);
     }
     object add(const mesh &mesh) { return try_add(mesh).value(); }
 
@@ -901,6 +930,7 @@ public:
         }
         mesh made(link_, id);
         made.info_ = info;
+        made.vertex_count_ = std::make_shared<std::uint32_t>(info.vertex_count);
         return made;
     }
     mesh make_mesh(const shape &shape) { return try_make_mesh(shape).value(); }

@@ -250,6 +250,12 @@ void check_errors(pccd::client &client)
 #if defined(__cpp_exceptions)
     int status = 0;
     try {
+        pccd::result<pccd::answer> none = scene.try_step({&motion, 1});
+        tell((*none)->count != 0, "result__without_a_value_has_none");
+    } catch (const pccd::error &error) {
+        tell(error.status() == PCCD_E_INVAL, "result__without_a_value_has_none");
+    }
+    try {
         scene.step(pccd::to(object, bad));
     } catch (const pccd::error &error) {
         status = error.status();
@@ -266,6 +272,47 @@ void check_errors(pccd::client &client)
 #endif
 }
 
+// If one failed, a motion of other vertices than were meant would be made in silence.
+void check_motions(pccd::client &client)
+{
+    pccd::scene scene = client.make_scene();
+    pccd::mesh good = client.make_mesh({two, faces});
+    pccd::object object = scene.add(good);
+    const std::vector<vec3> few(two.begin(), two.begin() + 3);
+    std::vector<vec3> many = two;
+    many.insert(many.end(), two.begin(), two.end());
+    bool is_told = true;
+    for (const pccd_motion &part : {pccd::to(object, few), pccd::to(object, many),
+                                    pccd::between(object, few, few)}) {
+        is_told = is_told && scene.try_step({&part, 1}).status() == PCCD_E_INVAL;
+    }
+    const pccd_motion end = pccd::to(object, few, 3);
+    tell(is_told && scene.try_step({&end, 1}).status() == PCCD_OK && end.first == 3,
+         "motion__of_a_part_is_told_or_meant");
+    good.replace({few, std::vector<std::uint32_t>{0, 1, 2}});
+    const pccd_motion all = pccd::to(object, few);
+    const pccd_motion old = pccd::to(object, two);
+    const double pose[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const pccd_motion still = pccd::rigid(object, pose, pose);
+    tell(object.vertex_count() == 3 && scene.try_step({&all, 1}).status() == PCCD_OK &&
+             scene.try_step({&old, 1}).status() == PCCD_E_INVAL &&
+             scene.try_step({&still, 1}).status() == PCCD_OK,
+         "motion__is_of_the_mesh_as_it_is");
+    good.replace({two, faces});
+    std::vector<vec3> away = two;
+    for (vec3 &x : away) {
+        x.x += 90;
+    }
+    const pccd::object far = scene.add(client.make_mesh({away, faces}));
+    pccd::result<pccd::answer> nearest =
+        scene.try_near(pccd::near_settings(PCCD_NEAR_NEAREST));
+    tell(nearest.status() == PCCD_OK && (*nearest)->total == 1,
+         "nearest__looks_as_far_as_it_takes");
+    pccd::scene gone = std::move(scene);
+    tell(scene.try_step({}).status() == PCCD_E_INVAL, "scene__that_is_gone_is_told");
+    scene = std::move(gone);
+}
+
 void check_all(pccd::client client)
 {
     check_step(client);
@@ -273,6 +320,7 @@ void check_all(pccd::client client)
     check_positions(client);
     check_ownership(client);
     check_errors(client);
+    check_motions(client);
 }
 
 } // namespace
