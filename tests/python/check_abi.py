@@ -107,11 +107,13 @@ class Abi(unittest.TestCase):
             with open(f"{ROOT}/client/python/module/{name}", encoding="utf-8") as file:
                 sources += file.read()
         unused = {name for name in names if not re.search(rf"\b{name}\b", sources)}
-        # Others do the same: frame and wait; Python's own len; names of a recording.
-        self.assertEqual(unused, {"pccd_ask_near", "pccd_batch_step", "pccd_batch_submit",
-                                  "pccd_frame_bytes", "pccd_mesh_create",
-                                  "pccd_mesh_replace", "pccd_method_name", "pccd_step",
-                                  "pccd_step_x0x1", "pccd_step_x1"})
+        # Others do the same: frame and wait; arrays; Python's own len; names of a
+        # recording.
+        self.assertEqual(unused, {
+            "pccd_ask_near", "pccd_batch_contacts", "pccd_batch_pairs", "pccd_batch_step",
+            "pccd_batch_submit", "pccd_frame_bytes", "pccd_mesh_create",
+            "pccd_mesh_replace", "pccd_method_name", "pccd_step", "pccd_step_x0x1",
+            "pccd_step_x1"})
 
     # If this failed, records would come out as other columns.
     def test_records__have_the_layout_of_the_structs(self):
@@ -131,7 +133,7 @@ class Abi(unittest.TestCase):
         fields = {name for name, _ in abi.pccd_step_settings._fields_} - {"struct_bytes"}
         self.assertEqual({name for name in vars(pccd.StepSettings())
                           if not name.startswith("_")}, fields)
-        with self.assertRaisesRegex(pccd.PccdError, "settings.threads is -1"):
+        with self.assertRaisesRegex(pccd.PccdError, "threads is -1"):
             pccd.StepSettings(threads=-1)
 
     # If this failed, a histogram would be drawn over other times.

@@ -202,8 +202,9 @@ class Shared(Case):
         self.fails(pccd.Status.E_INVAL, b.scene_create, name="else", rights=0o777)
         self.fails(pccd.Status.E_INVAL, b.scene_create, rights=0o600)
         self.fails(pccd.Status.E_INVAL, b.scene_create, name="")
-        for share in "attach", 3:
-            with self.assertRaisesRegex(pccd.PccdError, "CREATE, OPEN or ATTACH, not"):
+        self.fails(pccd.Status.E_AGAIN, b.scene_create, name="else", share="attach")
+        for share, why in ("attached", "not one of create"), (3, "OPEN or ATTACH, not"):
+            with self.assertRaisesRegex(pccd.PccdError, why):
                 b.scene_create(name="else", share=share)
         floor = Member(b, FLOOR, "who")
         floor.object, own = cloth.object, floor.object

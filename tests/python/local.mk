@@ -13,6 +13,7 @@ EXTRA_DIST += \
     tests/python/check_arrays.py \
     tests/python/check_client.py \
     tests/python/check_link.py \
+    tests/python/check_misuse.py \
     tests/python/check_batch.py \
     tests/python/check_near.py \
     tests/python/check_raw.py \

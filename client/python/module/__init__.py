@@ -4,12 +4,12 @@ Room:     client/python; installed. Needs Python 3.9, numpy and libpccd; nothing
 Does:     every call of libpccd, through ctypes, with arrays of numpy: register meshes,
           place them in scenes, write positions straight into shared memory, read the
           contacts of a step where they lie. pccd.h says the same of each call in C.
-Threads:  a client and everything made from it (frames, answers) belong to one thread at a
-          time; two threads that call with one client at once break it. Different clients
-          are independent. A call gives Python's lock back while it runs, so other
-          threads go on. An answer may be forgotten in any thread. In a forked copy of
-          the process every call with a client but close() is E_DISCONNECTED: it connects
-          itself.
+Threads:  a client and everything made from it (frames, batches) belong to one thread at a
+          time: while a method runs, those that other threads call are E_BUSY. Different
+          clients are independent: connect one for each thread. A call gives Python's lock
+          back while it runs, so other threads go on. An answer may be released or
+          forgotten in any thread. In a forked copy of the process every call with a
+          client but close() is E_DISCONNECTED: it connects itself.
 
     import pccd
 
@@ -24,7 +24,11 @@ Threads:  a client and everything made from it (frames, answers) belong to one t
 Arrays. `answer.contacts` is a view of memory that the daemon writes: read-only, and right
 until answer.release(), which `with` calls; copy what is to stay. Later it may show
 another answer's records. An array of a frame may be written until its commit. Neither is
-ever memory that is not there, whatever is closed, lost or grown meanwhile.
+ever memory that is not there, whatever is closed, lost or grown meanwhile, and whenever
+it is looked at first.
+
+Names. What wants an enumerator takes its name as well: StepSettings(mode="first"),
+client.near(scene, "nearest").
 
 Every failure is a PccdError with the library's status, its name and its text. Times are
 in seconds where they are given, in nanoseconds where their name ends in _ns. Ctrl-C ends

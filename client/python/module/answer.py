@@ -1,6 +1,6 @@
 """answer.py - what a step found, or what is near.
 
-Room:     client/python. May import: abi, library, values, numpy.
+Room:     client/python. May import: abi, library, memory, values, numpy.
 Does:     struct pccd_answer itself, so that nothing is copied which nobody looks at, and
           its records where they lie.
 """
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from . import abi
 from .abi import Mode, NearWhat
 from .library import PccdError, quick
+from .memory import Span
 from .values import CONTACT, NEAR, PAIR, StepCounters, StepTimes, hash_text
 
 _contacts: Any = abi.pccd_answer.contacts
@@ -38,7 +39,53 @@ def _address(answer: abi.pccd_answer) -> Any:
         _near.__get__(answer) or _bounds.__get__(answer)
 
 
-class Answer(abi.pccd_answer):
+class Held:
+    """What answers have in common: from when one comes until it is released, the memory
+    of its records stays, whatever is closed, lost or grown meanwhile."""
+
+    _client: Any = None
+    _span: Optional[Span] = None  # None: there are no records, or none any more
+
+    def _come(self, client: Any) -> None:
+        self._client, base = client, self._base()
+        if base:
+            self._span = client._memory.span(base)
+
+    def _base(self) -> Any:
+        """Where the records are; None or 0: there are none."""
+        raise NotImplementedError
+
+    def _go(self) -> None:
+        """Give the records back, now or, while another thread is in a call, later."""
+        self._span = None
+        if not self._client._turn.acquire(False):
+            self._client._dropped.append(self._copy())
+            return
+        try:
+            self._give_back(self._client._handle)
+        finally:
+            self._client._turn.release()
+
+    def _forget(self, in_use: bool) -> None:
+        """It is gone, and nobody has released it."""
+        if self._span is None or not self._client._handle:
+            return
+        if in_use:
+            warnings.warn("an answer is gone, but not released, and its records are in "
+                          "use: their memory is lost to further answers",
+                          ResourceWarning)
+            return
+        # Any thread may get here, in the middle of a call: the client does it later.
+        self._client._dropped.append(self._copy())
+
+    def _copy(self) -> Any:
+        return type(self).from_buffer_copy(self)  # type: ignore
+
+    def _give_back(self, handle: Any) -> None:
+        raise NotImplementedError
+
+
+class Answer(abi.pccd_answer, Held):
     """The answer to one step. As a context manager it releases its records at the end.
 
     step        its number, as submit gave it
@@ -72,18 +119,15 @@ class Answer(abi.pccd_answer):
     """
 
     error: Optional[PccdError] = None
-    _client: Any = None
     _records: Optional[NDArray[Any]] = None
 
     @property
     def records(self) -> NDArray[Any]:
         """The records of this page; none after release()."""
+        if self._span is None:
+            return np.empty(0, self._dtype())
         if self._records is None:
-            dtype = self._dtype()
-            address = _address(self)
-            if address is None:
-                return np.empty(0, dtype)
-            self._records = self._client._memory.array(address, dtype, self.count)
+            self._records = self._span.array(self._dtype(), self.count)
         return self._records
 
     def _dtype(self) -> Any:
@@ -137,16 +181,21 @@ class Answer(abi.pccd_answer):
 
     def release(self) -> None:
         """Give the records back, in any order of answers. Copy before what is to stay."""
-        if self.count and self._client is not None:
+        if self._span is not None:
             self._records = None
-            _release(self._client._handle, byref(self))
+            self._go()
+
+    def _base(self) -> Any:
+        return _address(self)
+
+    def _give_back(self, handle: Any) -> None:
+        _release(handle, byref(self))
 
     def __enter__(self) -> Answer:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self.count:
-            self.release()
+        self.release()
 
     def __repr__(self) -> str:
         if self.error is not None:
@@ -159,13 +208,6 @@ class Answer(abi.pccd_answer):
         return f"<Answer to step {self.step}: {self.total} {what}{page}{first}>"
 
     def __del__(self) -> None:
-        if not self.count or self._client is None or not self._client._handle or \
-                not _address(self):
-            return
-        if self._records is not None and sys.getrefcount(self._records) > 2:
-            warnings.warn("an answer is gone, but not released, and its records are in "
-                          "use: their memory is lost to further answers",
-                          ResourceWarning)
-            return
-        # Any thread may get here, in the middle of a call: the client does it later.
-        self._client._dropped.append(abi.pccd_answer.from_buffer_copy(self))
+        if self._span is not None:
+            self._forget(self._records is not None and
+                         sys.getrefcount(self._records) > 2)

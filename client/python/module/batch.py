@@ -8,6 +8,7 @@ Does:     arrays in the slot itself, for the positions of all scenes at once; an
 from __future__ import annotations
 
 import ctypes
+import sys
 from ctypes import byref
 from dataclasses import dataclass
 from typing import Any, Iterable, List, Optional, Sequence, Union
@@ -17,9 +18,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import abi
 from .abi import BatchWay, Mode, Status
+from .answer import Held
 from .frame import DEFAULT
-from .library import PccdError, lib, quick
-from .values import CONTACT, PAIR, StepSettings, format_of, refusal, u32
+from .library import PccdError, lib, one_thread_at_a_time, quick
+from .values import (CONTACT, PAIR, StepSettings, enumerator, format_of, refusal, u32)
 
 SCENE = np.dtype(abi.pccd_scene_answer)
 _ANSWER_BYTES = ctypes.sizeof(abi.pccd_batch_answer)
@@ -36,10 +38,13 @@ class Part:
     count: int = 0
     first: int = 0
     dtype: DTypeLike = np.float32
-    way: BatchWay = BatchWay.X1
+    way: Union[int, str] = BatchWay.X1
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "way", enumerator(BatchWay, "way", self.way))
 
 
-class BatchAnswer(abi.pccd_batch_answer):
+class BatchAnswer(abi.pccd_batch_answer, Held):
     """What came of all scenes of a batch. As a context manager it releases itself.
 
     step        number of the first scene's step; scene i has step + i, also for fetch()
@@ -52,42 +57,48 @@ class BatchAnswer(abi.pccd_batch_answer):
     """
 
     error: Optional[PccdError] = None
-    _client: Any = None
+
+    def _base(self) -> Any:
+        """The begin of the region in which the records of scenes lie, too."""
+        address = _scenes.__get__(self)
+        return address and address - self.offset
 
     @property
     def scenes(self) -> NDArray[Any]:
         """An answer for each scene; none after release()."""
-        address = _scenes.__get__(self)
-        if not address:
-            return np.empty(0, SCENE)
-        array: NDArray[Any] = self._client._memory.array(address, SCENE, self.count)
-        return array
+        return np.empty(0, SCENE) if self._span is None else \
+            self._span.array(SCENE, self.count, self.offset)
 
     def why(self, scene: int) -> str:
         """Why a scene failed; "": it did not."""
         return bytes(self.scenes[scene]["why"]).split(b"\0")[0].decode(errors="replace")
 
-    def _records(self, call: Any, dtype: Any, scene: int) -> NDArray[Any]:
-        address = call(byref(self), int(scene))
-        if not address:
+    def _records(self, dtype: Any, scene: int) -> NDArray[Any]:
+        if self._span is None or (dtype is PAIR) != (self.mode == Mode.PAIRS):
             return np.empty(0, dtype)
-        array: NDArray[Any] = self._client._memory.array(
-            address, dtype, int(self.scenes[scene]["count"]))
-        return array
+        one = self.scenes[scene]
+        return self._span.array(dtype, int(one["count"]), int(one["offset"]))
 
     def contacts(self, scene: int) -> NDArray[Any]:
         """The records of a scene that came with the answer: (scenes[i]["count"],) of
         CONTACT. Client.fetch has the others."""
-        return self._records(quick.pccd_batch_contacts, CONTACT, scene)
+        return self._records(CONTACT, scene)
 
     def pairs(self, scene: int) -> NDArray[Any]:
         """The same of mode PAIRS, of PAIR."""
-        return self._records(quick.pccd_batch_pairs, PAIR, scene)
+        return self._records(PAIR, scene)
 
     def release(self) -> None:
         """Give the answers and their records back. Copy before what is to stay."""
-        if self._client is not None and self._client._handle:
-            quick.pccd_batch_release(self._client._handle, byref(self))
+        if self._span is not None:
+            self._go()
+
+    def _give_back(self, handle: Any) -> None:
+        quick.pccd_batch_release(handle, byref(self))
+
+    def __del__(self) -> None:
+        if self._span is not None:
+            self._forget(sys.getrefcount(self._span) > 2)
 
     def __enter__(self) -> BatchAnswer:
         return self
@@ -103,6 +114,17 @@ class BatchAnswer(abi.pccd_batch_answer):
                 f"{self.total} {what}>")
 
 
+class _Gone:
+    """A batch that nobody has any more."""
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+
+    def _give_back(self, _client: Any) -> None:
+        lib.pccd_batch_destroy(self._handle)
+
+
+@one_thread_at_a_time
 class Batch:
     """Scenes that are stepped together; made by Client.batch().
 
@@ -117,6 +139,7 @@ class Batch:
 
     def __init__(self, client: Any, parts: Iterable[Union[Part, Sequence[Any]]]) -> None:
         self._client = client
+        self._turn = client._turn
         self._parts = [part if isinstance(part, Part) else Part(*part) for part in parts]
         self._handle = ctypes.c_void_p()
         structs = (abi.pccd_batch_part * max(1, len(self._parts)))()
@@ -125,10 +148,9 @@ class Batch:
                                                                         part.object)
             struct.first, struct.count = u32("first", part.first), u32("count",
                                                                        part.count)
-            struct.format, struct.way = format_of(part.dtype), int(part.way)
+            struct.format, struct.way = format_of(part.dtype), part.way
         client._check(lib.pccd_batch_create(client._handle, structs, len(self._parts),
                                             byref(self._handle)))
-        client._batches.add(self)
         self._x0 = (ctypes.c_void_p * len(self._parts))()
         self._x1 = (ctypes.c_void_p * len(self._parts))()
         first = self._parts[0]
@@ -145,11 +167,9 @@ class Batch:
     def _view(self, address: int, part: Part) -> NDArray[Any]:
         is_rigid = part.way == BatchWay.RIGID
         shape = (3, 4) if is_rigid else (part.count, 3)
-        flat = self._client._memory.array(
-            address, np.float64 if is_rigid else part.dtype, shape[0] * shape[1],
-            writable=True)
-        view: NDArray[Any] = flat.reshape(shape)
-        return view
+        flat: NDArray[Any] = self._client._memory.span(address).array(
+            np.float64 if is_rigid else part.dtype, shape[0] * shape[1], writable=True)
+        return flat.reshape(shape)
 
     def _all(self) -> NDArray[Any]:
         """Of parts that are alike: one array (parts, count, 3) over all of them."""
@@ -158,9 +178,8 @@ class Batch:
         apart = 3 * part.count * itemsize
         if len(self._parts) > 1:
             apart = (self._x1[1] or 0) - base
-        flat = self._client._memory.array(base, part.dtype,
-                                          apart * len(self._parts) // itemsize,
-                                          writable=True)
+        flat = self._client._memory.span(base).array(
+            part.dtype, apart * len(self._parts) // itemsize, writable=True)
         return np.lib.stride_tricks.as_strided(flat, (len(self._parts), part.count, 3),
                                                (apart, 3 * itemsize, itemsize))
 
@@ -169,6 +188,8 @@ class Batch:
         (parts, count, 3) where all parts are alike, of way X1; else a list with an array
         (count, 3) a part, or two of them, start and end, or two transforms (3, 4), or
         None of a part that stands still. Never read them."""
+        self._check_open()
+        self._client._settle()
         self._client._check(lib.pccd_batch_begin(self._handle, self._x0, self._x1))
         if self._is_even:
             self._views = [self._all()]
@@ -181,6 +202,11 @@ class Batch:
                         tuple(views))
         return ends
 
+    def _check_open(self) -> None:
+        self._client._check_open()
+        if not self._handle:
+            raise refusal(Status.E_STATE, "the batch is closed")
+
     def _forget(self) -> None:
         for view in self._views:
             view.flags.writeable = False
@@ -189,6 +215,7 @@ class Batch:
     def commit(self, settings: StepSettings = DEFAULT) -> int:
         """Submit what was written: the number of the first scene's step. The arrays
         cannot be written any more."""
+        self._check_open()
         self._forget()
         step = ctypes.c_uint64()
         self._client._check(lib.pccd_batch_commit(self._handle, settings._as_parameter_,
@@ -202,16 +229,28 @@ class Batch:
 
     def _write(self, places: Any, x: Any) -> None:
         if isinstance(places, np.ndarray):
-            places[...] = x
+            self._copy("x1", places, x)
             return
         if len(x) != len(places):
             raise refusal(Status.E_INVAL, f"{len(x)} arrays for {len(places)} parts")
-        for place, given in zip(places, x):
+        for i, (place, given) in enumerate(zip(places, x)):
             if isinstance(place, tuple):
+                if len(given) != len(place):
+                    raise refusal(Status.E_INVAL,
+                                  f"part {i}: {len(given)} arrays, not start and end")
                 for end, values in zip(place, given):
-                    end[...] = values
+                    self._copy(f"part {i}", end, values)
             elif place is not None:
-                place[...] = given
+                self._copy(f"part {i}", place, given)
+
+    @staticmethod
+    def _copy(name: str, place: NDArray[Any], given: Any) -> None:
+        """Of the same shape: numpy would spread one vertex over all."""
+        array = np.asarray(given)
+        if array.shape != place.shape:
+            raise refusal(Status.E_INVAL,
+                          f"{name} has the shape {array.shape}, not {place.shape}")
+        place[...] = array
 
     def submit(self, x1: Union[ArrayLike, Sequence[Any]],
                settings: StepSettings = DEFAULT) -> int:
@@ -243,8 +282,11 @@ class Batch:
         lib.pccd_batch_destroy(handle)
 
     def __del__(self) -> None:
-        if getattr(self, "_handle", None):
-            self.close()
+        handle = getattr(self, "_handle", None)
+        if handle and self._client._handle:  # any thread may get here: as of answers
+            self._client._dropped.append(_Gone(handle))
+        elif handle:
+            lib.pccd_batch_destroy(handle)
 
 
 def new_answer() -> BatchAnswer:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import collections
 import ctypes
-import math
 import os
 import sys
 import weakref
 from ctypes import byref
 from types import TracebackType
-from typing import Any, Deque, Iterable, Iterator, Optional, Sequence, Tuple, Type
+from typing import (Any, Deque, Dict, Iterable, Iterator, Optional, Sequence, Tuple,
+                    Type, Union)
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,12 +24,12 @@ from .abi import Incomplete, NearWhat, Status
 from .answer import Answer
 from .batch import Batch, BatchAnswer, Part, new_answer
 from .frame import DEFAULT, Frame, Motions
-from .library import failure, lib, quick
+from .library import failure, lib, one_thread_at_a_time, quick
 from .memory import Memory
 from .observe import Observe
 from .scenes import SLICE_MS
-from .values import (LinkInfo, StepSettings, format_of, near_settings, pack_vertices,
-                     refusal, u32)
+from .values import (LinkInfo, StepSettings, format_of, milliseconds, near_settings,
+                     pack_vertices, put, refusal, u32)
 
 # Of every step: without types, which makes a call quicker by half. Whatever is passed is
 # an int of 32 bits or an object of ctypes.
@@ -38,12 +38,15 @@ _wait = ctypes.CDLL(lib._name)["pccd_wait"]
 ANSWER_BYTES = ctypes.sizeof(Answer)
 
 
-def _close(handle: ctypes.c_void_p, _memory: Memory) -> None:
+def _close(handle: ctypes.c_void_p, _memory: Memory, turn: Any) -> None:
     """Of a client that is closed or gone; its memory's function is called meanwhile."""
-    value, handle.value = handle.value, None
-    lib.pccd_close(value)
+    if turn.acquire(timeout=1):  # else the program ends while a thread of it is in a call
+        value, handle.value = handle.value, None
+        lib.pccd_close(value)
+        turn.release()
 
 
+@one_thread_at_a_time
 class Client(Observe):
     """A connection to the daemon; made by connect(). As a context manager it closes
     itself. Handles (of scenes, meshes, objects) are integers and stay the same when
@@ -52,23 +55,19 @@ class Client(Observe):
     def __init__(self, options: abi.pccd_options) -> None:
         super().__init__(options.timeout_ms / 1000)
         self._memory = Memory()
-        self._dropped: Deque[Any] = collections.deque()  # answers that nobody released
-        self._batches: weakref.WeakSet[Batch] = weakref.WeakSet()
-        self._step = ctypes.c_uint64()
-        self._step_reference = byref(self._step)
+        self._dropped: Deque[Any] = collections.deque()  # what nobody gave back
         self._slice_ms = min(SLICE_MS, options.timeout_ms)
-        self._motion = abi.pccd_motion()
         options.unmap = self._memory.unmap
         status = lib.pccd_connect(byref(options), byref(self._handle))
         if status:
             raise failure(None, status)
-        self._finalizer = weakref.finalize(self, _close, self._handle, self._memory)
+        self._finalizer = weakref.finalize(self, _close, self._handle, self._memory,
+                                           self._turn)
 
     def close(self) -> None:
         """End the session; what the daemon holds for it is freed. Arrays of answers that
-        are still held stay readable."""
-        for batch in list(self._batches):
-            batch.close()
+        are still held, and their records, stay readable."""
+        self._settle()
         self._finalizer()
 
     def __enter__(self) -> Client:
@@ -99,26 +98,30 @@ class Client(Observe):
 
     # -- answers --
 
+    def _settle(self) -> None:
+        """Give back what nobody holds any more."""
+        while self._dropped:
+            self._dropped.popleft()._give_back(self._handle)
+
     def _new_answer(self) -> Answer:
         """Room for one; what nobody holds any more is given back first."""
-        while self._dropped:
-            quick.pccd_answer_release(self._handle, byref(self._dropped.popleft()))
+        self._settle()
         return Answer(ANSWER_BYTES)
 
-    def _finish(self) -> Answer:
-        """The answer to self._step, which nobody else can wait for."""
+    def _finish(self, step: ctypes.c_uint64) -> Answer:
+        """The answer to a step, which nobody else can wait for."""
         answer = self._new_answer() if self._dropped else Answer(ANSWER_BYTES)
         try:
-            status = _wait(self._handle, self._step, self._slice_ms, byref(answer))
+            status = _wait(self._handle, step, self._slice_ms, byref(answer))
             if status:
                 if status == Status.E_TIMEOUT:
                     status = self._in_slices(lambda ms: lib.pccd_wait(
-                        self._handle, self._step, ms, byref(answer)), None)
+                        self._handle, step, ms, byref(answer)), None)
                 self._check(status)
         except BaseException:
-            lib.pccd_abandon(self._handle, self._step)
+            lib.pccd_abandon(self._handle, step)
             raise
-        answer._client = self
+        answer._come(self)
         return answer
 
     # -- steps --
@@ -138,31 +141,32 @@ class Client(Observe):
     def submit(self, scene: int, motions: Motions,
                settings: StepSettings = DEFAULT) -> int:
         """A step in which several objects move; its number."""
+        return self._submit(scene, motions._structs, motions._count, settings).value
+
+    def _submit(self, scene: int, motions: Any, count: int,
+                settings: StepSettings) -> ctypes.c_uint64:
+        step = ctypes.c_uint64()
         if scene.__class__ is not int or scene >> 32:
             scene = u32("scene", scene)
-        status = _submit(self._handle, scene, motions._structs, motions._count,
-                         settings._as_parameter_, self._step_reference)
+        status = _submit(self._handle, scene, motions, count, settings._as_parameter_,
+                         byref(step))
         if status:
             raise self._failure(status)
-        return self._step.value
+        return step
 
     def submit_still(self, scene: int, settings: StepSettings = DEFAULT) -> int:
         """A step in which nothing moves; its number."""
+        step = ctypes.c_uint64()
         self._check(lib.pccd_submit_still(self._handle, u32("scene", scene),
-                                          settings._as_parameter_, self._step_reference))
-        return self._step.value
+                                          settings._as_parameter_, byref(step)))
+        return step.value
 
     def step(self, scene: int, motions: Motions,
              settings: StepSettings = DEFAULT) -> Answer:
         """The same as submit, and wait for the answer. On E_TIMEOUT the step is
         abandoned."""
-        if scene.__class__ is not int or scene >> 32:
-            scene = u32("scene", scene)
-        status = _submit(self._handle, scene, motions._structs, motions._count,
-                         settings._as_parameter_, self._step_reference)
-        if status:
-            raise self._failure(status)
-        return self._finish()
+        return self._finish(self._submit(scene, motions._structs, motions._count,
+                                         settings))
 
     def step_safe(self, scene: int, motions: Motions, x: Sequence[NDArray[Any]],
                   settings: StepSettings = DEFAULT) -> Tuple[float, Answer]:
@@ -185,16 +189,14 @@ class Client(Observe):
                                        motions._structs, motions._count,
                                        settings._as_parameter_, to, byref(part),
                                        byref(answer)))
-        answer._client = self
+        answer._come(self)
         return part.value, answer
 
     def step_x1(self, scene: int, object: int, x1: ArrayLike,
                 settings: StepSettings = DEFAULT) -> Answer:
         """Move one object to x1 (n, 3), all its vertices, and wait for the answer. On
-        E_TIMEOUT the step is abandoned."""
-        end = pack_vertices("x1", x1)
-        self._motion.x0 = None
-        return self._step_one(scene, object, end, settings)
+        E_TIMEOUT the step is abandoned. E_SEGMENT: it has fewer vertices, or more."""
+        return self._step_one(scene, object, None, pack_vertices("x1", x1), settings)
 
     def step_x0x1(self, scene: int, object: int, x0: ArrayLike, x1: ArrayLike,
                   settings: StepSettings = DEFAULT) -> Answer:
@@ -204,55 +206,59 @@ class Client(Observe):
             raise refusal(Status.E_INVAL, f"x0 is {begin.shape} and x1 {end.shape}")
         if begin.dtype != end.dtype:
             begin, end = begin.astype("f8"), end.astype("f8")
-        self._motion.x0 = begin.ctypes.data
-        return self._step_one(scene, object, end, settings)
+        return self._step_one(scene, object, begin, end, settings)
 
-    def _step_one(self, scene: int, object: int, end: Any,
+    def _step_one(self, scene: int, object: int, begin: Any, end: Any,
                   settings: StepSettings) -> Answer:
-        motion = self._motion
-        motion.object = u32("object", object)
-        motion.count, motion.format = len(end), format_of(end.dtype)
-        motion.x1 = end.ctypes.data
-        status = _submit(self._handle, u32("scene", scene), byref(motion), 1,
-                         settings._as_parameter_, self._step_reference)
-        if status:
-            raise self._failure(status)
-        return self._finish()
+        object = u32("object", object)
+        self._check_whole(u32("scene", scene), object, len(end))
+        motion = abi.pccd_motion(object=object, count=len(end),
+                                 format=format_of(end.dtype), x1=end.ctypes.data,
+                                 x0=None if begin is None else begin.ctypes.data)
+        return self._finish(self._submit(scene, byref(motion), 1, settings))
 
     # -- what is near --
 
-    def submit_near(self, scene: int, what: int = NearWhat.PAIRS, distance: float = 0.0,
-                    end: int = 1, motions: Optional[Motions] = None,
-                    **settings: Any) -> int:
+    def submit_near(self, scene: int, what: Union[int, str] = NearWhat.PAIRS,
+                    distance: Optional[float] = None, end: int = 1,
+                    motions: Optional[Motions] = None, **settings: Any) -> int:
         """Ask what is near, after `motions` if there are any; its number, among those of
         steps. poll, wait, fetch, pages, cancel and abandon take it as a step's.
 
         what        enum NearWhat: PAIRS (each VF and EE within the distance), FEATURES
                     (merged to closest features), VERTICES (a bound each), NEAREST (for
                     each two objects), CROSSINGS, DEPTH
-        distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf
+        distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf. None:
+                    of NEAREST math.inf, of PAIRS and FEATURES 0, what touches; VERTICES
+                    wants one
         end         1: where the last step ended, or the motions; 0: where it began
         gap         of NEAREST: another pair may be nearer by that much; 0: none
         object_a, object_b    of NEAREST and DEPTH, object_a also of VERTICES; 0: any
         method, threads, tuning, deadline_ns    as of StepSettings
         """
-        asked = near_settings(what, distance, end, **settings)
+        return self._submit_near(scene, what, distance, end, motions, settings).value
+
+    def _submit_near(self, scene: int, what: Union[int, str], distance: Optional[float],
+                     end: int, motions: Optional[Motions],
+                     settings: Dict[str, Any]) -> ctypes.c_uint64:
+        asked, step = near_settings(what, distance, end, **settings), ctypes.c_uint64()
         structs, count = (None, 0) if motions is None else \
             (motions._structs, motions._count)
         self._check(lib.pccd_submit_near(self._handle, u32("scene", scene), structs,
-                                         count, byref(asked), self._step_reference))
-        return self._step.value
+                                         count, byref(asked), byref(step)))
+        return step
 
-    def near(self, scene: int, what: int = NearWhat.PAIRS, distance: float = 0.0,
-             end: int = 1, motions: Optional[Motions] = None, **settings: Any) -> Answer:
+    def near(self, scene: int, what: Union[int, str] = NearWhat.PAIRS,
+             distance: Optional[float] = None, end: int = 1,
+             motions: Optional[Motions] = None, **settings: Any) -> Answer:
         """The same as submit_near, and wait for the answer. On E_TIMEOUT it is
         abandoned.
 
             with client.near(scene, distance=0.01) as answer:
                 print(answer.total, answer.near["d_lo"].min(initial=1))
         """
-        self.submit_near(scene, what, distance, end, motions, **settings)
-        return self._finish()
+        return self._finish(self._submit_near(scene, what, distance, end, motions,
+                                              settings))
 
     def poll(self) -> Optional[Answer]:
         """A finished answer, the oldest first, without waiting; None if there is none. A
@@ -264,7 +270,7 @@ class Client(Observe):
         self._check(status)
         if answer.status:
             answer.error = self._failure(answer.status)
-        answer._client = self
+        answer._come(self)
         return answer
 
     def wait(self, step: int, timeout: Optional[float] = None) -> Answer:
@@ -273,7 +279,7 @@ class Client(Observe):
         answer = self._new_answer()
         self._check(self._in_slices(lambda ms: lib.pccd_wait(
             self._handle, int(step), ms, byref(answer)), timeout))
-        answer._client = self
+        answer._come(self)
         return answer
 
     # -- batches --
@@ -290,7 +296,7 @@ class Client(Observe):
         if status == Status.E_AGAIN:
             return None
         self._check(status)
-        answer._client = self
+        answer._come(self)
         if answer.status:
             answer.error = self._failure(answer.status)
         return answer
@@ -301,7 +307,7 @@ class Client(Observe):
         answer = new_answer()
         self._check(self._in_slices(lambda ms: lib.pccd_batch_wait(
             self._handle, int(step), ms, byref(answer)), timeout))
-        answer._client = self
+        answer._come(self)
         return answer
 
     def wait_held(self, step: int, timeout: Optional[float] = None) -> None:
@@ -319,7 +325,7 @@ class Client(Observe):
         answer = self._new_answer()
         self._check(lib.pccd_fetch(self._handle, u32("scene", scene), int(step),
                                    int(cursor), byref(answer)))
-        answer._client = self
+        answer._come(self)
         return answer
 
     def pages(self, scene: int, answer: Answer) -> Iterator[Answer]:
@@ -373,21 +379,21 @@ def connect(url: Optional[str] = None, *, private: bool = False,
     keep          keep copies of meshes and positions for another daemon
     daemons_max   a request over which so many daemons have ended fails
     """
-    if reconnect < 0 or daemons_max < 1:
-        raise refusal(Status.E_INVAL, f"reconnect is {reconnect}, daemons_max "
-                      f"{daemons_max}")
+    if daemons_max < 1:
+        raise refusal(Status.E_INVAL, f"daemons_max is {daemons_max}")
     options = abi.pccd_options()
     lib.pccd_options_init(byref(options))
     options.url = None if url is None else os.fsencode(url)
     options.daemon = None if daemon is None else os.fsencode(daemon)
     options.name = os.fsencode(os.path.basename(sys.argv[0]) or "python"
                                if name is None else name)
-    options.timeout_ms = math.ceil(1000 * timeout) or -1  # 0 would be the default
-    options.reconnect_ms = math.ceil(1000 * reconnect) or -1
-    options.no_autostart, options.private_daemon = not autostart, private
-    options.no_keep, options.daemons_max = not keep, daemons_max
+    put(options, "timeout_ms", milliseconds("timeout", timeout))
+    put(options, "reconnect_ms", milliseconds("reconnect", reconnect))
+    put(options, "daemons_max", daemons_max)
+    options.no_autostart, options.private_daemon = not autostart, bool(private)
+    options.no_keep = not keep
     for what, value in (("slot_count", slot_count), ("slot_bytes", slot_bytes),
                         ("result_bytes", result_bytes), ("spin_us", spin_us)):
         if value is not None and (value or what == "spin_us"):
-            setattr(options, what, value)
+            put(options, what, value)
     return Client(options)

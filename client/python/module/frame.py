@@ -15,31 +15,33 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from . import abi
 from .abi import Status
-from .library import lib, quick
+from .library import lib, one_thread_at_a_time, quick
 from .values import StepSettings, format_of, near_settings, refusal, u32
 
 DEFAULT = StepSettings()
 
 
+@one_thread_at_a_time
 class Frame:
     """A slot of the upload ring that is being written. As a context manager it is given
     back at the end unless it was committed."""
 
     def __init__(self, client: Any, struct: abi.pccd_frame) -> None:
         self._client = client
+        self._turn = client._turn
         self._struct = struct
         self._views: List[NDArray[Any]] = []
 
     def _array(self, address: ctypes.c_void_p, count: int,
                dtype: DTypeLike) -> NDArray[Any]:
-        assert address.value is not None
-        flat = self._client._memory.array(address.value, dtype, 3 * count, writable=True)
-        view: NDArray[Any] = flat.reshape(count, 3)
+        span = self._client._memory.span(address.value)
+        view: NDArray[Any] = span.array(dtype, 3 * count, writable=True).reshape(count, 3)
         self._views.append(view)
         return view
 
     def _place(self, call: Any, object: int, count: int, first: int, dtype: DTypeLike,
                places: int) -> List[NDArray[Any]]:
+        self._client._check_open()
         count = u32("count", count)
         if count < 1:
             raise refusal(Status.E_INVAL, f"a segment of {count} vertices")
@@ -66,9 +68,15 @@ class Frame:
               first: int = 0) -> None:
         """Transforms (3, 4) for both ends, rows of [R | t], of registered positions. In
         between, vertices go straight: a turn needs several steps (pccd(7), MOTION)."""
+        self._client._check_open()
         ends = [np.ascontiguousarray(m, np.float64) for m in (m0, m1)]
-        if any(m.size != 12 for m in ends):
-            raise refusal(Status.E_INVAL, "a transform has the shape (3, 4)")
+        for name, m in zip(("m0", "m1"), ends):
+            if m.shape != (3, 4):
+                raise refusal(Status.E_INVAL,
+                              f"{name} has the shape {m.shape}, not (3, 4)")
+            if not np.isfinite(m).all():
+                raise refusal(Status.E_NOTFINITE,
+                              f"{name} has a number that is not finite")
         status = quick.pccd_frame_rigid(byref(self._struct), u32("object", object),
                                         u32("first", first), u32("count", count),
                                         ends[0].ctypes.data, ends[1].ctypes.data)
@@ -81,6 +89,7 @@ class Frame:
         return self._send(lib.pccd_frame_commit, settings._as_parameter_)
 
     def _send(self, call: Any, settings: Any) -> int:
+        self._client._check_open()
         for view in self._views:
             view.flags.writeable = False
         self._views.clear()

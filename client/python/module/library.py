@@ -5,6 +5,7 @@ Does:     load libpccd.so.0: the file that $PCCD_LIBRARY names, or else the firs
           beside this module, in the build folder that it lies in, where the build
           installs it, where the system's loader finds it. Its release must be the
           module's.
+          See to it that the methods of a client are called by one thread at a time.
 Threads:  `lib` gives Python's lock back while a call runs, so that other threads go on;
           `quick` keeps it, for calls that never wait.
 """
@@ -12,8 +13,12 @@ Threads:  `lib` gives Python's lock back while a call runs, so that other thread
 from __future__ import annotations
 
 import ctypes
+import functools
 import os
-from typing import Any, List, Tuple
+import threading
+import weakref
+from types import FunctionType
+from typing import Any, Dict, List, Tuple, TypeVar
 
 from . import abi
 
@@ -75,7 +80,71 @@ class PccdError(Exception):
         self.text = text or quick.pccd_status_text(status).decode()
         super().__init__(f"{self.name}: {self.text}")
 
+    def __reduce__(self) -> Any:
+        return type(self), (self.status, self.text)  # of a task in another process
+
 
 def failure(handle: Any, status: int) -> PccdError:
     """Why the last call with this client (None: the last connect) failed."""
     return PccdError(status, quick.pccd_error_text(handle).decode(errors="replace"))
+
+
+# ---- one thread at a time ------------------------------------------------------------
+
+_Class = TypeVar("_Class", bound=type)
+_Function = TypeVar("_Function")
+
+
+_turns: weakref.WeakSet[Any] = weakref.WeakSet()
+
+
+def new_turn() -> Any:
+    """Of the thread that is in a call."""
+    turn = threading.RLock()
+    _turns.add(turn)
+    return turn
+
+
+def _on_forked() -> None:
+    """The threads that were in calls are not in this process."""
+    for turn in _turns:
+        turn._at_fork_reinit()
+
+
+os.register_at_fork(after_in_child=_on_forked)
+
+
+def _in_turn(method: Any) -> Any:
+    @functools.wraps(method)
+    def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        turn = self._turn
+        if not turn.acquire(False):
+            raise PccdError(abi.Status.E_BUSY, "another thread is in a call with this "
+                            "client, which belongs to one thread at a time: connect one "
+                            "for each")
+        try:
+            return method(self, *arguments, **named)
+        finally:
+            turn.release()
+
+    return call
+
+
+def any_thread(method: _Function) -> _Function:
+    """Marks a method that one_thread_at_a_time leaves alone."""
+    setattr(method, "_any_thread", True)
+    return method
+
+
+def one_thread_at_a_time(made: _Class) -> _Class:
+    """Of a class whose objects have a `_turn`: while a thread is in one of its public
+    methods, or of another object with the same turn, calls of other threads are E_BUSY,
+    before they have done anything."""
+    methods: Dict[str, Any] = {}
+    for base in reversed(made.__mro__):
+        methods.update(vars(base))
+    for name, method in methods.items():
+        if isinstance(method, FunctionType) and not name.startswith("_") and \
+                not hasattr(method, "_any_thread"):
+            setattr(made, name, _in_turn(method))
+    return made

@@ -36,10 +36,18 @@ class Orphan:
 
 
 class Span(_EVERYTHING):  # type: ignore
-    """Memory from some address on, which arrays refer to."""
+    """Memory from some address on, which stays for as long as the span, and as the arrays
+    in it, which refer to it."""
 
     __hash__ = object.__hash__
     orphan: Optional[Orphan] = None
+
+    def array(self, dtype: DTypeLike, count: int, offset: int = 0,
+              writable: bool = False) -> NDArray[Any]:
+        """What lies `offset` bytes from its begin."""
+        view = memoryview(self)
+        return np.frombuffer(view if writable else view.toreadonly(), dtype, count,
+                             offset)
 
 
 class Memory:
@@ -58,10 +66,8 @@ class Memory:
         fields: Any = dict(abi.pccd_options._fields_)
         self.unmap = fields["unmap"](unmap)
 
-    def array(self, address: int, dtype: DTypeLike, count: int,
-              writable: bool = False) -> NDArray[Any]:
-        """What lies at an address. A view: the memory stays for as long as the array."""
-        span = Span.from_address(address)
-        self._spans.add(span)
-        view = memoryview(span)
-        return np.frombuffer(view if writable else view.toreadonly(), dtype, count)
+    def span(self, address: int) -> Span:
+        """What lies at an address, and behind it."""
+        made: Span = Span.from_address(address)
+        self._spans.add(made)
+        return made

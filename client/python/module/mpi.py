@@ -23,7 +23,7 @@ import ctypes
 import os
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint32
 from ctypes import c_uint64, c_void_p
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Union
 
 import numpy as np
 from mpi4py import MPI
@@ -32,10 +32,12 @@ from numpy.typing import ArrayLike, NDArray
 from . import abi
 from .answer import Answer as _Answer
 from .answer import _address
+from .abi import Status
 from .frame import Motions
-from .library import PccdError, lib
-from .values import (StepSettings, format_of, near_settings, object_settings,
-                     pack_indices, pack_vertices, u32, with_size)
+from .library import PccdError, any_thread, lib, new_turn, one_thread_at_a_time
+from .values import (StepSettings, format_of, milliseconds, near_settings,
+                     object_settings, pack_indices, pack_vertices, put, refusal, u32,
+                     with_size)
 
 NAME = "libpccd-mpi.so.0"
 DEFAULT = StepSettings()
@@ -122,6 +124,7 @@ def _copy(address: Optional[int], dtype: Any, count: int) -> NDArray[Any]:
     return np.frombuffer(memory, dtype).copy()
 
 
+@one_thread_at_a_time
 class World:
     """A scene of all ranks of `comm`. Arguments that a rank gives alone are its part of a
     mesh and the motions of its vertices; all others are the same on every rank, or the
@@ -130,8 +133,13 @@ class World:
     def __init__(self, comm: Optional[MPI.Comm] = None, *, timeout: float = 60,
                  threads: int = 0, result_bytes: int = 0, record_limit: int = 0) -> None:
         comm = MPI.COMM_WORLD if comm is None else comm
-        options = _Options(0, int(1000 * timeout), threads, result_bytes, record_limit)
+        options = with_size(_Options())
+        for name, value in (("timeout_ms", milliseconds("timeout", timeout)),
+                            ("threads", threads), ("result_bytes", result_bytes),
+                            ("record_limit", record_limit)):
+            put(options, name, value)
         self._handle: Any = c_void_p()
+        self._turn = new_turn()
         self._rank, self._of = comm.rank, np.dtype(np.uint8)
         self._check(_mpi.pccd_mpi_open(_comm.from_address(MPI._addressof(comm)),
                                        byref(options), byref(self._handle)))
@@ -140,6 +148,11 @@ class World:
         if status:
             text = _mpi.pccd_mpi_error_text(self._handle)
             raise PccdError(status, text.decode(errors="replace"))
+
+    def _open(self) -> Any:
+        if not self._handle:
+            raise refusal(Status.E_STATE, "the world is closed")
+        return self._handle
 
     def close(self) -> None:
         """Free it; before MPI ends."""
@@ -179,46 +192,55 @@ class World:
         if radii is not None:
             kept.append(np.ascontiguousarray(radii, np.float64))
             part.radii = kept[-1].ctypes.data
-        made = c_uint32(mesh)
-        self._check(_mpi.pccd_mpi_mesh_put(self._handle, byref(part), byref(made), None))
+        for name, given, count in (("vertices", vertices, part.vertex_count),
+                                   ("radii", radii, part.vertex_count),
+                                   ("triangle_numbers", triangle_numbers,
+                                    part.triangle_count)):
+            if given is not None and np.shape(given) != (count,):
+                raise refusal(Status.E_INVAL, f"{name} has the shape {np.shape(given)}, "
+                              f"not ({count},)")
+        made = c_uint32(u32("mesh", mesh))
+        self._check(_mpi.pccd_mpi_mesh_put(self._open(), byref(part), byref(made), None))
         return made.value
 
     def mesh_destroy(self, mesh: int) -> None:
         """No object may have it."""
-        self._check(_mpi.pccd_mpi_mesh_destroy(self._handle, u32("mesh", mesh)))
+        self._check(_mpi.pccd_mpi_mesh_destroy(self._open(), u32("mesh", mesh)))
 
     def add(self, mesh: int) -> int:
         """An object with that mesh: its handle."""
         made = c_uint32()
-        self._check(_mpi.pccd_mpi_add(self._handle, u32("mesh", mesh), byref(made)))
+        self._check(_mpi.pccd_mpi_add(self._open(), u32("mesh", mesh), byref(made)))
         return made.value
 
     def remove(self, object: int) -> None:
         """Take an object out of the scene."""
-        self._check(_mpi.pccd_mpi_remove(self._handle, u32("object", object)))
+        self._check(_mpi.pccd_mpi_remove(self._open(), u32("object", object)))
 
     def object_set(self, object: int, **attributes: Optional[float]) -> None:
         """Set those of ObjectSettings that are given."""
         settings = object_settings(attributes)
-        self._check(_mpi.pccd_mpi_object_set(self._handle, u32("object", object),
+        self._check(_mpi.pccd_mpi_object_set(self._open(), u32("object", object),
                                              byref(settings)))
 
     def pair_ignore(self, object_a: int, object_b: int, ignored: bool = True) -> None:
         """Have two objects ignore each other, or not any more."""
         self._check(_mpi.pccd_mpi_pair_ignore(
-            self._handle, u32("object_a", object_a), u32("object_b", object_b), ignored))
+            self._open(), u32("object_a", object_a), u32("object_b", object_b), ignored))
 
     def step(self, motions: Optional[Motions] = None,
              settings: StepSettings = DEFAULT) -> Answer:
         """A step of the whole scene; `motions` are of this rank's vertices."""
         return self._ask(_mpi.pccd_mpi_step, motions, settings)
 
-    def near(self, what: int = abi.NearWhat.PAIRS, distance: float = 0.0,
-             motions: Optional[Motions] = None, **settings: Any) -> Answer:
+    def near(self, what: Union[int, str] = abi.NearWhat.PAIRS,
+             distance: Optional[float] = None, motions: Optional[Motions] = None,
+             **settings: Any) -> Answer:
         """What is near in the whole scene; arguments as of Client.near."""
         return self._ask(_mpi.pccd_mpi_near, motions,
                          byref(near_settings(what, distance, **settings)))
 
+    @any_thread
     def cancel(self) -> None:
         """From another thread: end the step or question that this rank is in, on all
         ranks; incomplete is CANCELLED if anything was left to do. While this rank is in
@@ -229,7 +251,7 @@ class World:
         answer: Answer = with_size(Answer())
         count = 0 if motions is None else len(motions)
         structs = None if motions is None else motions._structs
-        self._check(call(self._handle, structs, count, settings, byref(answer)))
+        self._check(call(self._open(), structs, count, settings, byref(answer)))
         self._of = answer._dtype()
         answer._copied = _copy(_address(answer), self._of, answer.count)
         return answer
@@ -243,19 +265,20 @@ class World:
             pages.append(_copy(records, self._of, count))
             return 0
 
-        self._check(_mpi.pccd_mpi_gather(self._handle, root, _each(take), None))
+        self._check(_mpi.pccd_mpi_gather(self._open(), root, _each(take), None))
         return np.concatenate(pages) if self._rank == root else None
 
     def feature(self, object: int, points: int, feature: int) -> NDArray[np.uint32]:
         """Of a feature in this rank's records the numbers of its vertices in the whole
         mesh; points: 1 a vertex, 2 an edge, 3 a face. Not collective."""
         vertices = np.zeros(3, np.uint32)
-        self._check(_mpi.pccd_mpi_feature(self._handle, u32("object", object), points,
-                                          u32("feature", feature), vertices.ctypes.data))
+        self._check(_mpi.pccd_mpi_feature(self._open(), u32("object", object),
+                                          u32("points", points), u32("feature", feature),
+                                          vertices.ctypes.data))
         return vertices[:points]
 
     def share(self) -> RankShare:
         """What this rank had of the last step."""
         share: RankShare = with_size(RankShare())
-        self._check(_mpi.pccd_mpi_get_share(self._handle, byref(share)))
+        self._check(_mpi.pccd_mpi_get_share(self._open(), byref(share)))
         return share

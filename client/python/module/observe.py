@@ -11,17 +11,17 @@ from __future__ import annotations
 import ctypes
 import os
 from ctypes import byref
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import abi
-from .abi import Status
+from .abi import HistogramKind, Status
 from .library import lib
 from .scenes import Scenes
 from .values import (TRACE_EVENT, DaemonInfo, Histogram, RecordInfo, Setting, StepEvent,
-                     TraceInfo, as_dict, u32, with_size)
+                     TraceInfo, as_dict, enumerator, put, u32, with_size)
 
 BUCKET_FIRST = 10  # bucket 0 is of less than 2^10 ns
 
@@ -113,10 +113,11 @@ class Observe(Scenes):
         return self._list(abi.pccd_mesh_fn, lambda each: lib.pccd_list_meshes(
             self._handle, session, each, None))
 
-    def histogram(self, kind: int) -> Histogram:
+    def histogram(self, kind: Union[int, str]) -> Histogram:
         """How long all steps, or all requests, took: enum HistogramKind."""
         info = abi.pccd_histogram_info()
-        self._check(lib.pccd_histogram(self._handle, int(kind), byref(info)))
+        self._check(lib.pccd_histogram(
+            self._handle, enumerator(HistogramKind, "kind", kind), byref(info)))
         below = [2.0 ** (BUCKET_FIRST + i) for i in range(len(info.bucket) - 1)]
         return Histogram(info.count, info.ns_sum, np.array(below + [np.inf]),
                          np.array(info.bucket[:], np.uint64))
@@ -173,9 +174,10 @@ class Observe(Scenes):
         `pccdctl replay` runs again. max_bytes: of all files, 0: no bound. segments: 2 ..
         64: so many files, the oldest of which goes. contacts: the records of answers,
         too. level: of zstd, 1 .. 19; 0 = 1; negative: nothing is compressed."""
-        settings = with_size(abi.pccd_record_settings(
-            max_bytes=max_bytes, segments=u32("segments", segments),
-            contacts=bool(contacts), level=level))
+        settings = with_size(abi.pccd_record_settings(contacts=bool(contacts)))
+        for name, given in (("max_bytes", max_bytes), ("segments", segments),
+                            ("level", level)):
+            put(settings, name, given)
         self._check(lib.pccd_record_start(self._handle, os.fsencode(path),
                                           byref(settings)))
 

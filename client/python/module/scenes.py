@@ -11,7 +11,7 @@ import ctypes
 import math
 import time
 from ctypes import byref
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,10 +19,10 @@ from numpy.typing import ArrayLike, NDArray
 from . import abi
 from .abi import Quality, Share, Status, Tree
 from .answer import Answer
-from .library import PccdError, failure, lib
-from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, format_of,
-                     object_settings, pack_indices, pack_vertices, refusal, u32,
-                     with_size)
+from .library import PccdError, failure, lib, new_turn
+from .values import (BOX, EDGE, MeshInfo, ObjectSettings, SceneNews, enumerator,
+                     format_of, object_settings, pack_indices, pack_vertices, refusal,
+                     u32, with_size)
 
 SLICE_MS = 200  # of a wait: between two, Python sees to signals
 
@@ -32,13 +32,19 @@ class Scenes:
 
     def __init__(self, timeout: float) -> None:
         self._handle = ctypes.c_void_p()
+        self._turn = new_turn()
         self._timeout = timeout
-        self._infos: Dict[int, Any] = {}  # of every mesh
+        self._infos: Dict[int, List[Any]] = {}  # of every mesh its last one
+        self._objects: Dict[int, Dict[int, List[Any]]] = {}  # by scene, that of its mesh
 
     def _failure(self, status: int) -> PccdError:
         if not self._handle:
             return refusal(Status.E_DISCONNECTED, "the client is closed")
         return failure(self._handle, status)
+
+    def _check_open(self) -> None:
+        if not self._handle:
+            raise self._failure(Status.E_DISCONNECTED)
 
     def _check(self, status: int) -> None:
         if status:
@@ -80,7 +86,10 @@ class Scenes:
         made = ctypes.c_uint32(mesh)
         self._check(lib.pccd_mesh_put(self._handle, byref(data), byref(made),
                                       byref(info)))
-        self._infos[made.value] = MeshInfo.of(info)
+        if mesh:
+            self._infos[mesh][:] = [MeshInfo.of(info)]  # of its objects, too
+        else:
+            self._infos[made.value] = [MeshInfo.of(info)]
         return made.value
 
     def mesh_create(self, x: ArrayLike, triangles: Optional[ArrayLike] = None,
@@ -101,15 +110,14 @@ class Scenes:
                      points: Optional[ArrayLike] = None) -> Any:
         """Give a mesh, and every object made of it, other vertices and triangles, at the
         positions given here; on failure they go on as they were. Its MeshInfo."""
-        if u32("mesh", mesh) == 0:
-            raise refusal(Status.E_HANDLE, "there is no mesh 0")
-        return self._infos[self._mesh_put(mesh, x, triangles, radii, edges, points)]
+        self.mesh_info(mesh)
+        return self.mesh_info(self._mesh_put(mesh, x, triangles, radii, edges, points))
 
     def mesh_info(self, mesh: int) -> Any:
         """The MeshInfo of when the mesh was made or replaced last."""
-        if mesh not in self._infos:
-            raise refusal(Status.E_HANDLE, f"no mesh 0x{mesh:x}")
-        return self._infos[mesh]
+        if u32("mesh", mesh) not in self._infos:
+            raise refusal(Status.E_HANDLE, f"there is no mesh 0x{mesh:x}")
+        return self._infos[mesh][0]
 
     def mesh_edges(self, mesh: int) -> NDArray[np.uint32]:
         """The unique edges (edge_count, 2) in the order of the records' feature numbers:
@@ -126,9 +134,10 @@ class Scenes:
 
     # -- scenes and objects --
 
-    def scene_create(self, quality: int = Quality.DEFAULT, rebuild_ratio: float = 0.0,
-                     rebuild_triangles_max: int = 0, *, name: Optional[str] = None,
-                     share: int = Share.CREATE, rights: int = 0,
+    def scene_create(self, quality: Union[int, str] = Quality.DEFAULT,
+                     rebuild_ratio: float = 0.0, rebuild_triangles_max: int = 0, *,
+                     name: Optional[str] = None,
+                     share: Union[int, str] = Share.CREATE, rights: int = 0,
                      owner: Optional[int] = None) -> int:
         """An empty scene. The first three say how its hierarchies are built and kept;
         zeros are the defaults, and the answers never depend on any of it.
@@ -138,6 +147,7 @@ class Scenes:
         is none yet). rights, of a scene that is made: who may take part, as a file's: 4
         to read, 2 to write besides; 0 = 0o600. E_ACCESS: this user may not. Each user has
         names of their own: with owner, the scene of that user is taken part in."""
+        share = enumerator(Share, "share", share)
         if share not in (Share.CREATE, Share.OPEN, Share.ATTACH):
             raise refusal(Status.E_INVAL, "scene.create: share is Share.CREATE, OPEN or "
                           f"ATTACH, not {share!r}")
@@ -154,8 +164,8 @@ class Scenes:
                                             byref(scene)))
             return scene.value
         settings = with_size(abi.pccd_scene_settings(
-            quality=int(quality), rebuild_ratio=rebuild_ratio, name=text,
-            share=int(share),
+            quality=enumerator(Quality, "quality", quality), name=text,
+            rebuild_ratio=rebuild_ratio, share=share,
             rebuild_triangles_max=u32("rebuild_triangles_max", rebuild_triangles_max),
             rights=u32("rights", rights)))
         self._check(lib.pccd_scene_create(self._handle, byref(settings), byref(scene)))
@@ -164,26 +174,39 @@ class Scenes:
     def scene_destroy(self, scene: int) -> None:
         """Drop a scene and its objects; leave it if it is shared."""
         self._check(lib.pccd_scene_destroy(self._handle, u32("scene", scene)))
+        self._objects.pop(scene, None)
 
     def scene_add(self, scene: int, mesh: int) -> int:
         """An object: an instance of a mesh, at the mesh's registered positions."""
         made = ctypes.c_uint32()
         self._check(lib.pccd_scene_add(self._handle, u32("scene", scene),
                                        u32("mesh", mesh), byref(made)))
+        if mesh in self._infos:
+            self._objects.setdefault(scene, {})[made.value] = self._infos[mesh]
         return made.value
 
     def scene_remove(self, scene: int, object: int) -> None:
         """Drop an object."""
         self._check(lib.pccd_scene_remove(self._handle, u32("scene", scene),
                                           u32("object", object)))
+        self._objects.get(scene, {}).pop(object, None)
 
-    def scene_boxes(self, scene: int, tree: Tree, level: int) -> NDArray[Any]:
+    def _check_whole(self, scene: int, object: int, count: int) -> None:
+        """That so many vertices are all that an object has."""
+        info = self._objects.get(scene, {}).get(object)
+        if info is not None and info[0].vertex_count != count:
+            raise refusal(Status.E_SEGMENT, f"{count} vertices for object 0x{object:x}, "
+                          f"which has {info[0].vertex_count}: Motions move a part")
+
+    def scene_boxes(self, scene: int, tree: Union[int, str],
+                    level: int) -> NDArray[Any]:
         """The boxes (BOX) of a level of a scene's hierarchies, the root being level 0,
         as the last step that used the tree left them; none beyond the last level."""
         boxes, count = np.empty(0, BOX), ctypes.c_uint32(1)
         while True:
             self._check(lib.pccd_scene_boxes(
-                self._handle, u32("scene", scene), int(tree), u32("level", level),
+                self._handle, u32("scene", scene), enumerator(Tree, "tree", tree),
+                u32("level", level),
                 boxes.ctypes.data, len(boxes), byref(count)))
             if count.value <= len(boxes):
                 return boxes[:count.value]
@@ -238,7 +261,7 @@ class Scenes:
         answer = self._new_answer()
         self._check(lib.pccd_scene_read(self._handle, u32("scene", scene), int(number),
                                         int(cursor), byref(answer)))
-        answer._client = self
+        answer._come(self)
         return answer
 
     def _new_answer(self) -> Answer:

@@ -10,7 +10,9 @@ from __future__ import annotations
 import collections
 import ctypes
 import dataclasses
-from typing import Any, ClassVar, Dict, NamedTuple
+import enum
+import math
+from typing import Any, ClassVar, Dict, NamedTuple, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -107,8 +109,8 @@ class Histogram(NamedTuple):
 class StepSettings:
     """How a step is computed; all zeros are the defaults. Make one and use it often."""
 
-    mode: int = Mode.ALL
-    method: int = Method.DEFAULT
+    mode: Union[int, str] = Mode.ALL  # a name, too: "first", as all enumerators have
+    method: Union[int, str] = Method.DEFAULT
     threads: int = 0  # at most; 0 = the daemon decides. The answer never depends on it
     tuning: str = ""  # how the threads share the work, such as "scheduler=paper" (pccd.h)
     tolerance: float = 0.0  # bounds toi_hi - toi from above, 1e-12 .. 1; 0 = 1e-6
@@ -124,11 +126,11 @@ class StepSettings:
 
     def __post_init__(self) -> None:
         made = with_size(abi.pccd_step_settings())
+        for name, kind in (("mode", Mode), ("method", Method)):
+            number = enumerator(kind, name, getattr(self, name))
+            object.__setattr__(self, name, number)
         for name, given in vars(self).items():
-            value = given.encode() if isinstance(given, str) else given
-            setattr(made, name, value)
-            if getattr(made, name) != value:
-                raise refusal(Status.E_INVAL, f"settings.{name} is {given!r}")
+            put(made, name, given)
         object.__setattr__(self, "_struct", made)
         object.__setattr__(self, "_as_parameter_", ctypes.byref(made))
 
@@ -144,32 +146,30 @@ def object_settings(attributes: Dict[str, Any]) -> abi.pccd_object_settings:
             raise TypeError(f"an object has no attribute {name}")
         if value is None:
             continue
-        is_real = isinstance(getattr(made, name), float)
-        setattr(made, name, value if is_real else int(value))
-        if getattr(made, name) != value:  # cut off, or NaN
-            raise refusal(Status.E_INVAL, f"{name} is {value}")
+        put(made, name, value)
         made.what |= 1 << ObjectSettings._fields.index(name)
     return made
 
 
-def near_settings(what: int = NearWhat.PAIRS, distance: float = 0.0, end: int = 1,
-                  gap: float = 0.0, object_a: int = 0, object_b: int = 0,
-                  method: int = Method.DEFAULT, threads: int = 0, tuning: str = "",
-                  deadline_ns: int = 0) -> abi.pccd_near_settings:
+def near_settings(what: Union[int, str] = NearWhat.PAIRS,
+                  distance: Optional[float] = None, end: int = 1, gap: float = 0.0,
+                  object_a: int = 0, object_b: int = 0,
+                  method: Union[int, str] = Method.DEFAULT, threads: int = 0,
+                  tuning: str = "", deadline_ns: int = 0) -> abi.pccd_near_settings:
     """What is asked about what is near (Client.submit_near), for the library."""
     made: abi.pccd_near_settings = with_size(abi.pccd_near_settings())
-    made.distance, made.gap = distance, gap
-    for name, given in (("what", what), ("end", end), ("object_a", object_a),
-                        ("object_b", object_b), ("method", method),
-                        ("threads", threads)):
-        setattr(made, name, u32(name, given))
-    text = tuning.encode()
-    if len(text) >= abi.pccd_near_settings.tuning.size:
-        raise refusal(Status.E_INVAL, f"tuning is {tuning!r}")
-    made.tuning = text
-    made.deadline_ns = int(deadline_ns)
-    if made.deadline_ns != deadline_ns:
-        raise refusal(Status.E_INVAL, f"deadline_ns is {deadline_ns!r}")
+    what = enumerator(NearWhat, "what", what)
+    if distance is None and what == NearWhat.VERTICES:
+        raise refusal(Status.E_INVAL, "what is VERTICES, whose bounds end at a distance, "
+                      "and there is none")
+    if distance is None:
+        distance = math.inf if what == NearWhat.NEAREST else 0.0
+    for name, given in (("what", what), ("distance", distance), ("end", end),
+                        ("gap", gap), ("object_a", object_a), ("object_b", object_b),
+                        ("method", enumerator(Method, "method", method)),
+                        ("threads", threads), ("tuning", tuning),
+                        ("deadline_ns", deadline_ns)):
+        put(made, name, given)
     return made
 
 
@@ -187,8 +187,40 @@ def with_size(struct: Any) -> Any:
     return struct
 
 
+def put(struct: Any, name: str, value: Any) -> None:
+    """Set a member, which has to hold the value as it is; ctypes would cut it off in
+    silence."""
+    now = getattr(struct, name)
+    try:
+        if now is None or isinstance(now, (bytes, str)):
+            made: Any = value.encode()
+        elif isinstance(now, bool):
+            made = bool(value)
+        elif isinstance(now, int):
+            made = int(value) if value == int(value) else value
+        else:
+            made = value
+        setattr(struct, name, made)
+        is_kept = getattr(struct, name) == made
+    except (AttributeError, TypeError, ValueError, OverflowError):
+        is_kept = False
+    if not is_kept:
+        raise refusal(Status.E_INVAL, f"{name} is {value!r}")
+
+
+def enumerator(kind: Any, name: str, value: Any) -> int:
+    """One of an enum: itself, its name or its number, of which a daemon may know more."""
+    names = kind.__members__
+    if isinstance(value, str) and value.upper() in names:
+        return int(names[value.upper()])
+    if isinstance(value, (str, enum.Enum)) and not isinstance(value, kind):
+        raise refusal(Status.E_INVAL, f"{name} is {value!r}, not one of "
+                      f"{', '.join(names).lower()}")
+    return u32(name, value)
+
+
 def u32(name: str, value: Any) -> int:
-    """A handle or a count, of numpy's too; ctypes would cut it off in silence."""
+    """A handle or a count, of numpy's too."""
     try:
         number = value.__index__()
     except AttributeError:
@@ -196,6 +228,13 @@ def u32(name: str, value: Any) -> int:
     if not 0 <= number < 1 << 32:
         raise refusal(Status.E_INVAL, f"{name} is {number}, not of 32 bits")
     return int(number)
+
+
+def milliseconds(name: str, seconds: float) -> int:
+    """As the library takes a time for which 0 is the default: -1 is none."""
+    if not 0 <= seconds < math.inf:
+        raise refusal(Status.E_INVAL, f"{name} is {seconds} seconds")
+    return math.ceil(1000 * seconds) or -1
 
 
 def pack_vertices(name: str, x: ArrayLike) -> NDArray[Any]:
