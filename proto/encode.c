@@ -52,6 +52,14 @@ static int pack_text(msgpack_packer *packer, const char *text)
 }
 
 /* Whether the field holds what an absent one reads as. */
+/* By its bits: a caller may compute so that a subnormal number equals 0. */
+static bool is_zero(double number)
+{
+    uint64_t bits;
+    memcpy(&bits, &number, sizeof bits);
+    return bits << 1 == 0;
+}
+
 static bool is_default(const struct proto_field *field, const char *member)
 {
     switch (field->type) {
@@ -60,7 +68,7 @@ static bool is_default(const struct proto_field *field, const char *member)
     case PROTO_TYPE_u64:
         return *(const uint64_t *)member == 0;
     case PROTO_TYPE_f64:
-        return *(const double *)member == 0.0;
+        return is_zero(*(const double *)member);
     case PROTO_TYPE_bool:
         return !*(const bool *)member;
     case PROTO_TYPE_str:

@@ -9,6 +9,7 @@
 #include "ctl.h"
 #include "dispatch.h"
 #include "pccd.h"
+#include "rounding.h"
 
 static const struct ctl_command commands[] = {
 #define COMMAND(name, text) {#name, "pccdctl " #name, ctl_cmd_##name, text},
@@ -29,5 +30,6 @@ int main(int argc, char **argv)
                   "usage; 3 without a daemon; 4 after any other error.\n",
         .commands = commands,
         .command_count = sizeof commands / sizeof commands[0]};
+    COMMON_ROUNDING_HERE;
     return ctl_dispatch(&program, CTL_PROGRAM_VERSION("pccdctl"), argc, argv);
 }

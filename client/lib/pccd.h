@@ -147,6 +147,9 @@ int pccd_fd(const struct pccd_client *client);
  *   processors at hand in all; with 1 there is none. They keep off the processor that
  *   the calling thread is on, which is left as it is. OpenMP's environment is the
  *   process's: GOMP_SPINCOUNT=2000 lets them sleep between steps, as in the daemon.
+ * - It computes to nearest and with subnormal numbers, however the calling thread and the
+ *   threads of its team compute (fesetround, -ffast-math, traps), and gives them back as
+ *   they were.
  * - The calls of several clients of the process are served one after the other; each has
  *   a session of its own, and all of them are freed with the last one.
  * - A step like the one before it allocates nothing. The only quota is the machine's

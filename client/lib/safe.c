@@ -12,6 +12,7 @@
 
 #include "client.h"
 #include "coordinates.h"
+#include "rounding.h"
 #include "step.h"
 #include "struct_size.h"
 
@@ -70,6 +71,7 @@ static void go(const struct pccd_motion *motion, double part, void *x)
                motion->count * common_vertex_bytes((uint32_t)motion->format));
         return;
     }
+    COMMON_ROUNDING_HERE;
     for (size_t i = 0; i < count; i++) {
         double a = is_double ? ((const double *)motion->x0)[i]
                              : (double)((const float *)motion->x0)[i];

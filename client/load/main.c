@@ -18,6 +18,7 @@
 #include "pccd.h"
 #include "plot.h"
 #include "report.h"
+#include "rounding.h"
 #include "series.h"
 #include "target.h"
 #include "watch.h"
@@ -239,6 +240,7 @@ int main(int argc, char **argv)
 {
     struct load load = {0};
     struct load_target target = {0};
+    COMMON_ROUNDING_HERE;
     load_options_parse(argc, argv, &load.settings);
     enum load_exit result = LOAD_FAILED;
     if ((!load.settings.plot || load_plot_can()) &&

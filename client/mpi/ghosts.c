@@ -17,6 +17,7 @@
 #include "places.h"
 #include "rank_sort.h"
 #include "rooms.h"
+#include "rounding.h"
 #include "team.h"
 
 /* A ghost under way. */
@@ -168,6 +169,7 @@ void ranks_ghosts_look(const struct pccd_mpi *world, double from, double to,
     const int team = ranks_team(world, count);
 #pragma omp parallel for num_threads(team) schedule(static, 1)
     for (int t = 0; t < team; t++) {
+        COMMON_ROUNDING_HERE;
         look_at_part(world, &look, ranks_part(count, t, team),
                      ranks_part(count, t + 1, team));
     }

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "parts.h"
+#include "rounding.h"
 
 /* The objects of `before` are made of `mesh` from now on, at its registered positions. */
 static int change_objects(struct pccd_mpi *world, struct ranks_mesh *before,
@@ -100,6 +101,7 @@ static struct pccd_mpi_part read_part(const struct pccd_mpi_part *part)
 int pccd_mpi_mesh_put(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                       uint32_t *mesh, struct pccd_mesh_info *info)
 {
+    COMMON_ROUNDING_HERE;
     struct pccd_mpi_part known = read_part(part);
     const uint32_t same[3] = {known.vertex_total, known.triangle_total, *mesh};
     int status = ranks_part_check(world, &known);
@@ -125,6 +127,7 @@ void ranks_forget_mesh(struct pccd_mpi *world, struct ranks_mesh *mesh)
 
 int pccd_mpi_mesh_destroy(struct pccd_mpi *world, uint32_t mesh)
 {
+    COMMON_ROUNDING_HERE;
     struct ranks_mesh *found = ranks_find_mesh(world, mesh);
     int status = found != NULL ? PCCD_OK
                                : ranks_fail(&world->link, PCCD_E_HANDLE,

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "rounding.h"
 #include "team.h"
 
 #define COORDINATE_MAX 1e18
@@ -103,6 +104,7 @@ static uint32_t copy_motions(const struct pccd_mpi *world,
     const int team = ranks_team(world, count);
 #pragma omp parallel for num_threads(team) schedule(static, 1) reduction(min : bad)
     for (int t = 0; t < team; t++) {
+        COMMON_ROUNDING_HERE;
         uint32_t bad_here =
             copy_part(world, motions, motion_count, ranks_part(count, t, team),
                       ranks_part(count, t + 1, team));

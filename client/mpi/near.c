@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "near_objects.h"
+#include "rounding.h"
 #include "step.h"
 
 #define LENGTH_MAX 1e18
@@ -80,6 +81,7 @@ int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer)
 {
+    COMMON_ROUNDING_HERE;
     struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
     struct ranks_moment moment = {
         .motions = motions, .motion_count = motion_count, .near = &near};

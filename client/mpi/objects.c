@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "local.h"
+#include "rounding.h"
 
 #define RINGS_MAX 8u
 
@@ -63,6 +64,7 @@ static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
 
 int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object)
 {
+    COMMON_ROUNDING_HERE;
     struct ranks_mesh *found = ranks_find_mesh(world, mesh);
     struct ranks_object *made = NULL;
     int status = found != NULL ? PCCD_OK
@@ -120,6 +122,7 @@ static void forget_object(struct pccd_mpi *world, struct ranks_object *object)
 
 int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object)
 {
+    COMMON_ROUNDING_HERE;
     struct ranks_object *found = ranks_find_object(world, object);
     int status = found != NULL ? PCCD_OK
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
@@ -153,6 +156,7 @@ static int check_length(struct pccd_mpi *world, double length)
 int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
                         const struct pccd_object_settings *settings)
 {
+    COMMON_ROUNDING_HERE;
     struct ranks_object *found = ranks_find_object(world, object);
     struct pccd_object_settings asked = {.struct_bytes = sizeof asked};
     size_t bytes = settings->struct_bytes;
@@ -202,6 +206,7 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
 int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t object_b,
                          bool ignored)
 {
+    COMMON_ROUNDING_HERE;
     const uint32_t same[3] = {object_a, object_b, ignored};
     uint32_t missing = ranks_find_object(world, object_a) == NULL   ? object_a
                        : ranks_find_object(world, object_b) == NULL ? object_b

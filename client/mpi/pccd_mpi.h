@@ -15,14 +15,14 @@
  *           rank in a program, MPI_Init_thread must have given MPI_THREAD_FUNNELED. Any
  *           other thread may call pccd_mpi_cancel meanwhile, which does not call MPI.
  *
- * Every function with a world is collective: all ranks call it, in the same order. Only
- * pccd_mpi_cancel, pccd_mpi_error_text and pccd_mpi_feature are not. What says "the same
- * on every rank" is compared first. All ranks get the same status; after an error nothing
- * has changed, but that objects which were to move count as if they had stood still in
- * the last step. pccd_mpi_error_text names the rank and what was wrong. Three errors end
- * a world, so that every later call but pccd_mpi_close fails with E_STATE: E_TIMEOUT, a
- * rank did not come; E_SYSTEM, MPI itself failed; and E_NOMEM, where it left things half
- * done. When a rank dies, MPI ends the others as well, as a rule.
+ * Every function with a world is collective: all ranks call it, in the same order; but
+ * for pccd_mpi_cancel, pccd_mpi_error_text and pccd_mpi_feature. What is "the same on
+ * every rank" is compared first. All ranks get the same status; after an error nothing
+ * has changed, but objects that were to move count as if they had stood still in the last
+ * step. pccd_mpi_error_text names the rank and what was wrong. Three errors end a world:
+ * every later call but pccd_mpi_close is E_STATE. They are E_TIMEOUT, a rank did not
+ * come; E_SYSTEM, MPI itself failed; E_NOMEM, where it left things half done. When a rank
+ * dies, MPI ends the others as well, as a rule. As with direct:, any rounding will do.
  *
  *     struct pccd_mpi *world;
  *     pccd_mpi_open(MPI_COMM_WORLD, NULL, &world);

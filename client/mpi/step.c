@@ -24,6 +24,7 @@
 #include "motions.h"
 #include "near_objects.h"
 #include "records.h"
+#include "rounding.h"
 #include "sending.h"
 #include "weigh.h"
 
@@ -554,6 +555,7 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_step_settings *settings,
                   struct pccd_answer *answer)
 {
+    COMMON_ROUNDING_HERE;
     struct ranks_moment moment = {.motions = motions, .motion_count = motion_count};
     uint64_t hash = 0;
     int status = read_settings(world, settings, &moment.settings, &hash);

@@ -16,6 +16,7 @@
 #include "foreign.h"
 #include "pccd_daemon.h"
 #include "proto_limits.h"
+#include "rounding.h"
 
 #define TIMEOUT_MS_DEFAULT 60000
 #define TIMEOUT_MS_MAX     3600000
@@ -302,6 +303,7 @@ static int open_world(struct pccd_mpi *world, MPI_Comm comm,
 int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
                   struct pccd_mpi **world)
 {
+    COMMON_ROUNDING_HERE;
     struct pccd_mpi_options asked = {.struct_bytes = sizeof asked};
     int is_there = 0;
     *world = NULL;

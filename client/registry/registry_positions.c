@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "coordinates.h"
+#include "rounding.h"
 
 /* ---- arithmetic -------------------------------------------------------------------- */
 
@@ -21,6 +22,7 @@ static void widen(double (*to)[3], const void *from, uint32_t format, size_t cou
         memcpy(to, from, count * sizeof *to);
         return;
     }
+    COMMON_ROUNDING_HERE;
     for (size_t i = 0; i < count; i++) {
         float x[3];
 
@@ -46,6 +48,7 @@ static void transform(const struct registry_mesh *mesh, const void *matrix,
     double m[12];
 
     memcpy(m, matrix, sizeof m);
+    COMMON_ROUNDING_HERE;
     for (uint32_t i = 0; i < count; i++) {
         double x[3];
 

@@ -76,6 +76,7 @@ static void take_turn(void)
     int failed = pthread_mutex_lock(&turn);
     PCCD_ASSERT(failed == 0);
     srv_thread_enter(SRV_THREAD_LOOP);
+    eng_guest_enter();
 }
 
 static bool try_turn(void)
@@ -84,12 +85,14 @@ static bool try_turn(void)
     PCCD_ASSERT(failed == 0 || failed == EBUSY);
     if (failed == 0) {
         srv_thread_enter(SRV_THREAD_LOOP);
+        eng_guest_enter();
     }
     return failed == 0;
 }
 
 static void end_turn(void)
 {
+    eng_guest_leave();
     srv_thread_enter(SRV_THREAD_OTHER);
     int failed = pthread_mutex_unlock(&turn);
     PCCD_ASSERT(failed == 0);
@@ -232,10 +235,7 @@ static struct srv_service *make_service(void)
     };
     srv_log_set_level(options.log_level);
     struct srv_service *service = calloc(1, sizeof *service);
-    if (service == NULL) {
-        return NULL;
-    }
-    if (srv_compute_init(&service->compute, options.queue_max) != 0) {
+    if (service == NULL || srv_compute_init(&service->compute, options.queue_max) != 0) {
         free(service);
         return NULL;
     }

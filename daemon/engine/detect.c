@@ -16,6 +16,7 @@
 #include "memory.h"
 #include "methods.h"
 #include "moving.h"
+#include "parallel.h"
 #include "rigid.h"
 #include "schedule_paper.h"
 #include "schedule_steal.h"
@@ -215,10 +216,10 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
     assert(team->count > 1 && team->count <= ENG_THREADS_MAX);
     uint64_t begin_ns = common_now_ns();
     bool by_paper = team->workers[0]->settings->tuning.scheduler == ENG_SCHEDULER_PAPER;
-    struct eng_payer *payer = eng_payer();
+    struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)team->count)
     {
-        eng_payer_join(payer);
+        ENG_PARALLEL_JOIN(region);
         struct eng_worker *worker = team->workers[omp_get_thread_num()];
         eng_affinity_bind_thread(worker->settings->affinity, worker->thread,
                                  (uint32_t)omp_get_num_threads());
@@ -232,6 +233,7 @@ static uint64_t run_together(struct eng_team *team, struct pccd_step_times *time
         eng_answer_by_team(eng_step_memory_of(team->scene), team, worker);
         eng_wait_for_all(worker); /* the runtime's barrier would lend nobody anything */
     }
+    eng_parallel_close();
     uint64_t merge_ns = eng_step_memory_of(team->scene)->merge->begin_ns;
     uint64_t end_ns = merge_ns > 0 ? merge_ns : common_now_ns();
     uint64_t low_end_ns = low_end_of(team, end_ns);

@@ -20,6 +20,7 @@
 #include "memory.h"   /* who pays for memory, and how much there may be */
 #include "mesh.h"     /* topology and registered positions */
 #include "near.h"     /* how near things are at one moment */
+#include "parallel.h"   /* a thread of somebody else comes, and goes */
 #include "scene.h"    /* objects, and the positions of the next step */
 #include "step.h"     /* a step, its settings and its answer */
 #include "trace.h"    /* what threads did, when */

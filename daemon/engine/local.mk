@@ -129,6 +129,8 @@ libengine_la_SOURCES = \
     daemon/engine/team/affinity.h \
     daemon/engine/team/processors.c \
     daemon/engine/team/processors.h \
+    daemon/engine/team/parallel.c \
+    daemon/engine/team/parallel.h \
     daemon/engine/team/relax.h \
     daemon/engine/team/schedule_steal.c \
     daemon/engine/team/schedule_steal.h \

@@ -28,6 +28,7 @@
 #include "notify.h"
 #include "openmp.h"
 #include "reactor.h"
+#include "rounding.h"
 #include "socketfile.h"
 #include "supervise.h"
 #include "threads.h"
@@ -130,6 +131,7 @@ static int run_locked(const struct srv_options *options, char **argv)
 int main(int argc, char **argv)
 {
     prepare_environment(argv);
+    COMMON_ROUNDING_HERE; /* of all threads: each begins as the one that makes it */
     (void)prctl(PR_SET_NAME, "pccdd", 0, 0, 0); /* started anew, it would be "exe" */
     struct srv_options options;
     srv_options_parse(&options, argc, argv);

@@ -48,6 +48,7 @@ integration_names = \
     tests/integration/test_int_resume \
     tests/integration/test_int_rivals \
     tests/integration/test_int_room \
+    tests/integration/test_int_rounding \
     tests/integration/test_int_sandbox \
     tests/integration/test_int_session \
     tests/integration/test_int_shared \
@@ -121,6 +122,11 @@ tests_integration_test_int_deadline_LDADD = $(integration_libs)
 tests_integration_test_int_death_SOURCES = tests/integration/test_int_death.c
 tests_integration_test_int_death_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_death_LDADD = $(integration_libs)
+
+tests_integration_test_int_rounding_SOURCES = tests/integration/test_int_rounding.c
+tests_integration_test_int_rounding_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_rounding_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) -pthread
+tests_integration_test_int_rounding_LDADD = $(integration_libs)
 
 tests_integration_test_int_direct_SOURCES = tests/integration/test_int_direct.c \
     tests/support/allocations.c tests/support/allocations.h

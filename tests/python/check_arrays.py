@@ -5,8 +5,10 @@ Does:     motions that are read at each step, in this process, too; recordings; 
           that outlive what they lie in; signals.
 """
 
+import ctypes
 import gc
 import os
+import platform
 import signal
 import subprocess
 import tempfile
@@ -51,6 +53,30 @@ class Several(Case):
         self.assertEqual(client.url, "direct:")
         self.assertEqual(client.daemon_pid, os.getpid())
         client.close()
+
+    # If this failed, a program that rounds otherwise would miss contacts of `direct:`, or
+    # round otherwise after it.
+    def test_direct__is_the_same_however_the_program_rounds(self):
+        libm = ctypes.CDLL("libm.so.6")
+        unit = 0x400000 if platform.machine() == "aarch64" else 0x400
+        random = np.random.default_rng(7)
+        x = random.random((2, 3000, 3))
+        triangles = np.arange(3000, dtype=np.uint32).reshape(-1, 3)
+        x[:] = x[:, ::3].repeat(3, 1) + 0.1 * x
+        hashes = set()
+        for direction in range(4):
+            self.assertEqual(libm.fesetround(direction * unit), 0)
+            try:
+                with pccd.connect("direct:") as client:
+                    scene = client.scene_create()
+                    body = client.scene_add(scene, client.mesh_create(x[0], triangles))
+                    with client.step_x1(scene, body, x[1]) as answer:
+                        hashes.add(answer.hash)
+                        self.assertGreater(answer.total, 1000)
+                self.assertEqual(libm.fegetround(), direction * unit)
+            finally:
+                libm.fesetround(0)
+        self.assertEqual(len(hashes), 1)
 
     # If this failed, more motions than there was room for would be lost.
     def test_motions__may_be_any_number(self):

@@ -16,6 +16,7 @@
 #include "ctl.h"
 #include "dispatch.h"
 #include "pccd.h"
+#include "rounding.h"
 #include "together.h"
 
 static const struct ctl_command commands[] = {
@@ -51,6 +52,7 @@ int main(int argc, char **argv)
     if (needs_mpi) {
         (void)atexit(finish);
     }
+    COMMON_ROUNDING_HERE; /* after MPI, which loads libraries */
     const struct ctl_program program = {
         .name = "pccd-mpi",
         .usage = "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"

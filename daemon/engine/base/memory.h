@@ -35,8 +35,7 @@ struct eng_payer {
 
 /* The one that the calling thread uses: its own unless it has joined another. */
 struct eng_payer *eng_payer(void);
-/* Use that of the thread that opened the parallel region. Every region that allocates, or
- * in which a crash is to be reported with its request, begins with it. [team] */
+/* Use that of the thread that opened the parallel region (team/parallel.h). [team] */
 void eng_payer_join(struct eng_payer *payer);
 
 /* As many as are wanted of a team, or fewer, as its payer may have. [compute] */

@@ -15,6 +15,7 @@
 
 #include "coordinates.h"
 #include "kernel.h"
+#include "parallel.h"
 #include "wait.h"
 
 #define BLOCK 512u /* vertices a block: 12 KiB of doubles, half of a small L1 cache */
@@ -90,8 +91,10 @@ int eng_ingest_by_team(double (*out)[3], enum pccd_format format, uint32_t count
     atomic_init(&next, 0);
     atomic_init(&ended, 0);
     atomic_init(&status, PCCD_OK);
+    struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)threads)
     {
+        ENG_PARALLEL_JOIN(region);
         uint32_t thread = (uint32_t)omp_get_thread_num();
         uint32_t team_count = (uint32_t)omp_get_num_threads();
         struct eng_bounds seen = ENG_NO_BOUNDS;
@@ -110,6 +113,7 @@ int eng_ingest_by_team(double (*out)[3], enum pccd_format format, uint32_t count
         atomic_fetch_add_explicit(&ended, 1, memory_order_acq_rel);
         eng_wait_plainly(copiers.affinity, thread, &ended, team_count);
     } /* the end of the region orders all copies before what follows */
+    eng_parallel_close();
     return atomic_load_explicit(&status, memory_order_relaxed);
 }
 

@@ -11,7 +11,7 @@
 #include <pthread.h>
 #include <stddef.h>
 
-#include "memory.h"
+#include "parallel.h"
 #include "seat.h"
 
 /* Not known: none of what processors.h names. */
@@ -54,11 +54,12 @@ void eng_affinity_return(const struct eng_affinity *affinity, uint32_t thread,
 
 void eng_affinity_warm_up(const struct eng_affinity *affinity, uint32_t threads)
 {
-    struct eng_payer *payer = eng_payer();
+    struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)threads)
     {
-        eng_payer_join(payer);
+        ENG_PARALLEL_JOIN(region);
         eng_affinity_bind_thread(affinity, (uint32_t)omp_get_thread_num(),
                                  (uint32_t)omp_get_num_threads());
     }
+    eng_parallel_close();
 }

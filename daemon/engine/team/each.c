@@ -10,7 +10,7 @@
 #include <omp.h>
 #include <stdatomic.h>
 
-#include "memory.h"
+#include "parallel.h"
 #include "wait.h"
 
 void eng_each(const struct eng_each *each)
@@ -23,16 +23,16 @@ void eng_each(const struct eng_each *each)
         }
         return;
     }
-    struct eng_payer *payer = eng_payer();
     atomic_uint next;
     atomic_uint ended;
     atomic_init(&next, 0);
     atomic_init(&ended, 0);
+    struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)threads)
     {
+        ENG_PARALLEL_JOIN(region);
         uint32_t thread = (uint32_t)omp_get_thread_num();
         uint32_t team_count = (uint32_t)omp_get_num_threads();
-        eng_payer_join(payer);
         eng_affinity_bind_thread(each->affinity, thread, team_count);
         for (uint32_t i = thread; i < each->count;
              i = team_count + atomic_fetch_add_explicit(&next, 1, memory_order_relaxed)) {
@@ -42,4 +42,5 @@ void eng_each(const struct eng_each *each)
         atomic_fetch_add_explicit(&ended, 1, memory_order_acq_rel);
         eng_wait_plainly(each->affinity, thread, &ended, team_count);
     } /* the end of the region orders all items before what follows */
+    eng_parallel_close();
 }

@@ -16,6 +16,7 @@
 #include "frames.h"
 #include "kernel.h"
 #include "memory.h"
+#include "parallel.h"
 #include "topology.h"
 #include "wide_lists.h"
 #include "wide_pieces.h"
@@ -144,10 +145,12 @@ void eng_wide_sort(struct eng_split_item *items, uint32_t count, uint32_t least)
 static void sort_parts(struct eng_split_item *items, struct eng_wide_range *parts,
                        uint32_t count, int threads, struct eng_wide_lists *lists)
 {
+    struct eng_parallel region = eng_parallel_open();
     while (threads > 1 && count < (uint32_t)threads * PARTS_PER_THREAD &&
            2 * count <= PARTS_MAX) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (uint32_t i = 0; i < count; i++) {
+            ENG_PARALLEL_JOIN(region);
             parts[count + i] = parts[i].count >= PART_SPLIT_MIN
                                    ? split(items, &parts[i], ENG_WIDE)
                                    : behind(parts[i], parts[i].count);
@@ -156,9 +159,11 @@ static void sort_parts(struct eng_split_item *items, struct eng_wide_range *part
     }
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (uint32_t i = 0; i < count; i++) {
+        ENG_PARALLEL_JOIN(region);
         sort_range(items, parts[i], ENG_WIDE,
                    lists ? lists + omp_get_thread_num() : NULL);
     }
+    eng_parallel_close();
 }
 
 /* The centroid of `count` vertices times their number: the order is the same. */

@@ -14,6 +14,7 @@
 #include "clock.h"
 #include "frames.h"
 #include "memory.h"
+#include "parallel.h"
 #include "wide_join.h"
 #include "world.h"
 
@@ -144,14 +145,19 @@ static void refit(struct eng_wide *wide, const struct eng_scene *scene, uint32_t
         eng_wide_refit(wide, scene, true);
         return;
     }
+    struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)threads)
-    for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
-        uint32_t count = eng_wide_refit_chunks(wide, kind);
+    {
+        ENG_PARALLEL_JOIN(region);
+        for (enum pccd_tree kind = 0; kind < ENG_WIDE_TREES; kind++) {
+            uint32_t count = eng_wide_refit_chunks(wide, kind);
 #pragma omp for schedule(dynamic, 4)
-        for (uint32_t i = 0; i < count; i++) {
-            eng_wide_refit_chunk(wide, scene, kind, i, true);
+            for (uint32_t i = 0; i < count; i++) {
+                eng_wide_refit_chunk(wide, scene, kind, i, true);
+            }
         }
     }
+    eng_parallel_close();
     eng_wide_refit_above(wide, true);
 }
 
@@ -170,12 +176,13 @@ static int pairs(struct sweeper *sweepers, uint32_t threads, uint32_t top,
     }
     int status = divide(tasks, &sweepers[0].join, top);
     if (status == PCCD_OK) {
-        struct eng_payer *payer = eng_payer();
+        struct eng_parallel region = eng_parallel_open();
 #pragma omp parallel num_threads((int)threads)
         {
-            eng_payer_join(payer);
+            ENG_PARALLEL_JOIN(region);
             perform(&sweepers[omp_get_thread_num()], tasks);
         }
+        eng_parallel_close();
     }
     return status;
 }
