@@ -4,7 +4,8 @@
  * Room:     client/planner; installed. May include: pccd.hpp, OMPL 1.5, the standard
  *           library. C++17; nothing is compiled until a program includes it.
  * Does:     cut a motion into k pieces and test the straight piece between both ends of
- *           each; every link is thicker by so much as its true path may leave the chord.
+ *           each; the last one ends at the state that is given. Every link is thicker by
+ *           so much as its true path may leave the chord.
  * Does not: look for the first contact, or halve pieces: one that is not proved to be
  *           free is refused. An edge is taken to begin where nothing intersects, as OMPL
  *           does; is_free asks that of a state. Links and obstacles are surfaces: what is
@@ -86,7 +87,7 @@ public:
     {
         robot_.place(state, before_);
         after_ = before_;
-        thicken(nullptr, nullptr);
+        thicken(nullptr, nullptr, 1);
         if (!is_piece_free()) {
             return false;
         }
@@ -95,13 +96,15 @@ public:
     }
 
 private:
-    // Sines, products and sums of poses and positions are off by less than 2^-40 of the
-    // size; the bound is multiplied by more than its own rounding.
-    void thicken(const ompl::base::State *from, const ompl::base::State *to) const
+    // Sines, products and sums of poses and positions are off by less than 2^-41 of the
+    // size, and so is what is nearly the end; the bound is multiplied by more than its own
+    // rounding.
+    void thicken(const ompl::base::State *from, const ompl::base::State *to,
+                 unsigned pieces) const
     {
         for (std::size_t i = 0; i < bodies_.size(); i++) {
             const double bend = from ? robot_.bend(from, to, i) : 0;
-            bodies_[i].set_radius(bend / (8. * pieces_ * pieces_) * (1 + 0x1p-40) +
+            bodies_[i].set_radius(bend / (8. * pieces * pieces) * (1 + 0x1p-40) +
                                   0x1p-40 * robot_.size());
         }
     }
@@ -116,29 +119,53 @@ private:
         const answer found = world_.step(motions_, settings);
         return found.is_complete() && found->verdict == PCCD_VERDICT_NO;
     }
+    // Are the links in after_ nearly where they are at the end?
+    bool is_nearly_end() const
+    {
+        for (std::size_t i = 0; i < end_.size(); i++) {
+            for (std::size_t k = 0; k < 12; k++) {
+                const double unit = k % 4 == 3 ? robot_.size() : 1;
+                if (!(std::fabs(after_[i].m[k] - end_[i].m[k]) <= 0x1p-44 * unit)) {
+                    return false;
+                }
+            }
+        }
+        return true;
+    }
+    // Of pieces_: so many are free, from the begin on. A space that turns less than it
+    // should (SO3 of OMPL stays at `from`, up to 8.9e-5 rad) has no states on the way; the
+    // motion is one piece then, from the one given state to the other.
     unsigned free_pieces(const ompl::base::State *from, const ompl::base::State *to) const
     {
         ompl::base::State *at = si_->allocState();
-        thicken(from, to);
+        robot_.place(to, end_);
+        si_->getStateSpace()->interpolate(from, to, 1, at);
+        robot_.place(at, after_);
+        const unsigned count = is_nearly_end() ? pieces_ : 1;
+        thicken(from, to, count);
         robot_.place(from, before_);
         unsigned i = 0;
-        for (; i < pieces_; i++) {
-            si_->getStateSpace()->interpolate(from, to, double(i + 1) / pieces_, at);
-            robot_.place(at, after_);
+        for (; i < count; i++) {
+            if (i + 1 < count) {
+                si_->getStateSpace()->interpolate(from, to, double(i + 1) / count, at);
+                robot_.place(at, after_);
+            } else {
+                after_ = end_;
+            }
             if (!is_piece_free()) {
                 break;
             }
             before_.swap(after_);
         }
         si_->freeState(at);
-        return i;
+        return i == count ? pieces_ : i;
     }
 
     const links &robot_;
     scene &world_;
     std::vector<object> &bodies_;
     unsigned pieces_;
-    mutable std::vector<pose> before_, after_;
+    mutable std::vector<pose> before_, after_, end_;
     mutable std::vector<pccd_motion> motions_;
 };
 

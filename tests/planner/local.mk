@@ -3,11 +3,15 @@
 
 TESTS += tests/planner/test_planner.sh
 dist_check_SCRIPTS += tests/planner/test_planner.sh
-EXTRA_DIST += tests/planner/.clang-format tests/planner/check.cc
+EXTRA_DIST += tests/planner/.clang-format tests/planner/check.cc tests/planner/turns.cc
 if HAVE_OMPL
-check_PROGRAMS += tests/planner/check
+check_PROGRAMS += tests/planner/check tests/planner/turns
 tests_planner_check_SOURCES = tests/planner/check.cc
 tests_planner_check_CPPFLAGS = -I$(top_srcdir)/client/planner -Iinclude
 tests_planner_check_CXXFLAGS = $(client_planner_planner_CXXFLAGS)
 tests_planner_check_LDADD = libpccd.la
+tests_planner_turns_SOURCES = tests/planner/turns.cc
+tests_planner_turns_CPPFLAGS = $(client_planner_planner_CPPFLAGS)
+tests_planner_turns_CXXFLAGS = $(client_planner_planner_CXXFLAGS)
+tests_planner_turns_LDADD = libpccd.la $(OMPL_LIBS)
 endif

@@ -2,8 +2,8 @@
 # test_planner.sh - the planner's path and its edges are what dense samples say (TAP).
 #
 # Room:     tests/planner.
-# Does:     let check.cc judge a path and random edges. PCCD_EDGES edges with PCCD_SAMPLES
-#           samples each, for the table of client/planner/README.md 2000 and 400.
+# Does:     let check.cc judge a path and random edges, and turns.cc ask about small turns.
+#           PCCD_EDGES edges with PCCD_SAMPLES samples each, for the table of client/planner/README.md 2000 and 400.
 
 set -u -o pipefail
 : "${top_srcdir:?is set by make check}" "${top_builddir:?is set by make check}"
@@ -16,7 +16,7 @@ samples=${PCCD_SAMPLES:-100}
 
 if [ ! -x "$planner" ]; then
     for name in finds_a_path_that_is_free calls_nothing_free_that_meets_something \
-        refuses_few_free_edges; do
+        refuses_few_free_edges refuses_small_turns_through_a_plate; do
         tap_skip "planner__$name" "configure has not found OMPL (on Debian: libompl-dev)"
     done
     tap_end
@@ -46,4 +46,8 @@ tap_result $status planner__calls_nothing_free_that_meets_something "$log"
 judge 32 && awk '/ free; / { free = $2; wasted = $8 } END { exit !(free > 0 && wasted <= free / 50) }' "$log"
 # If it failed, planners would find no way where there is one.
 tap_result $? planner__refuses_few_free_edges "$log"
+
+timeout 60 "$top_builddir/tests/planner/turns" >"$log" 2>&1
+# If it failed, a body could turn through what is thin, by less than OMPL cuts into pieces.
+tap_result $? planner__refuses_small_turns_through_a_plate "$log"
 tap_end
