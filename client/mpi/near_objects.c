@@ -29,13 +29,12 @@ bool ranks_is_asked(const struct ranks_pairing *pairing, uint32_t a, uint32_t b)
     if (a == b) {
         return false;
     }
-    if (named[0] != 0 && named[1] != 0) {
-        return (asked[0] == named[0] && asked[1] == named[1]) ||
-               (asked[0] == named[1] && asked[1] == named[0]);
+    for (int side = 0; side < 2; side++) {
+        if (named[side] != 0 && asked[0] != named[side] && asked[1] != named[side]) {
+            return false;
+        }
     }
-    uint32_t only = named[0] != 0 ? named[0] : named[1];
-    return (only == 0 || asked[0] == only || asked[1] == only) &&
-           ranks_may_meet(world, a, b);
+    return ranks_may_meet(world, a, b);
 }
 
 bool ranks_is_asked_with_any(const struct ranks_pairing *pairing, uint32_t a)

@@ -30,8 +30,7 @@ struct ranks_pairing {
     double (**x)[3]; /* [object_count]: of local vertices */
 };
 
-/* Is it asked of these two, by their places? As in one process: two that are named are
- * asked for even if they may not meet. */
+/* Is it asked of these two, by their places? */
 bool ranks_is_asked(const struct ranks_pairing *pairing, uint32_t a, uint32_t b);
 bool ranks_is_asked_with_any(const struct ranks_pairing *pairing, uint32_t a);
 /* Is `a` before `b` in the order of handles? */

@@ -62,13 +62,12 @@ static bool is_asked(const struct oracle_moment *moment, const uint32_t asked[2]
 {
     uint32_t id_a = moment->objects[a].object_id;
     uint32_t id_b = moment->objects[b].object_id;
-    if (asked[0] != 0 && asked[1] != 0) {
-        return (id_a == asked[0] && id_b == asked[1]) ||
-               (id_a == asked[1] && id_b == asked[0]);
+    for (int side = 0; side < 2; side++) {
+        if (asked[side] != 0 && id_a != asked[side] && id_b != asked[side]) {
+            return false;
+        }
     }
-    uint32_t only = asked[0] != 0 ? asked[0] : asked[1];
-    return (only == 0 || id_a == only || id_b == only) &&
-           (!moment->may_meet || moment->may_meet(moment->context, id_a, id_b));
+    return !moment->may_meet || moment->may_meet(moment->context, id_a, id_b);
 }
 
 /* The least distance of a vertex of `vertices` and one of the second object, or more; the

@@ -8,9 +8,8 @@
  * Threads:  [any].
  * Source:   pccd_types.h says what a record has; pccd_near.h, what is asked.
  *
- * `asked`: two objects by id, which then need not be allowed to meet; or one, or none
- * (0), with all others that they may meet. All functions end the process where memory
- * ends.
+ * `asked`: two objects by id; or one, or none (0), with all others; of them those that
+ * may meet. All functions end the process where memory ends.
  */
 #ifndef ORACLE_ORACLE_OBJECTS_H
 #define ORACLE_ORACLE_OBJECTS_H

@@ -170,9 +170,9 @@ static void nearest__has_no_record_beyond_the_distance(void **state)
     near_kit_end(&kit);
 }
 
-/* Masks and ignored pairs leave pairs of objects out; objects that are named are asked
- * for alone. */
-static void nearest__is_of_objects_that_may_meet_or_are_named(void **state)
+/* Masks and ignored pairs leave pairs of objects out, also two that are named; objects
+ * that are named are asked for alone. */
+static void nearest__is_of_objects_that_may_meet(void **state)
 {
     (void)state;
     struct near_kit kit;
@@ -188,9 +188,14 @@ static void nearest__is_of_objects_that_may_meet_or_are_named(void **state)
     settings.objects[1] = 1;
     assert_int_equal(near_kit_ask(&kit, &settings).count, 2);
     settings.objects[0] = 2;
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    settings.objects[0] = 3;
     result = near_kit_ask(&kit, &settings);
     assert_int_equal(result.count, 1);
-    assert_true(near_kit_record(&result, 0)->d_lo == 1);
+    assert_true(near_kit_record(&result, 0)->d_lo == 3);
+    static const struct eng_object_filter alone = {1, 0, true};
+    assert_int_equal(eng_scene_set_filter(kit.scene, kit.idx[2], &alone), PCCD_OK);
+    assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
     settings.objects[0] = 9;
     assert_int_equal(eng_near(kit.scene, &settings, &result), PCCD_E_HANDLE);
     settings.objects[0] = 1;
@@ -309,7 +314,7 @@ int main(void)
         cmocka_unit_test(nearest__is_told_from_one_that_is_hardly_farther),
         cmocka_unit_test(nearest__touches_or_is_inside),
         cmocka_unit_test(nearest__has_no_record_beyond_the_distance),
-        cmocka_unit_test(nearest__is_of_objects_that_may_meet_or_are_named),
+        cmocka_unit_test(nearest__is_of_objects_that_may_meet),
         cmocka_unit_test(nearest__with_a_gap_is_near_enough),
         cmocka_unit_test(nearest__does_not_depend_on_the_last_answer),
         cmocka_unit_test(nearest__forgets_what_was_replaced),

@@ -66,18 +66,16 @@ static int choose(struct eng_near_objects *objects)
                : PCCD_OK;
 }
 
-/* Two objects that are named are asked for even if they may not meet. */
 static bool is_asked(const struct eng_near_objects *objects, uint32_t a, uint32_t b)
 {
     const uint32_t *chosen = objects->chosen;
     if (a == b) {
         return false;
     }
-    if (chosen[1] != ENG_NO_OBJECT) {
-        return (a == chosen[0] && b == chosen[1]) || (a == chosen[1] && b == chosen[0]);
-    }
-    if (chosen[0] != ENG_NO_OBJECT && a != chosen[0] && b != chosen[0]) {
-        return false;
+    for (int side = 0; side < 2; side++) {
+        if (chosen[side] != ENG_NO_OBJECT && a != chosen[side] && b != chosen[side]) {
+            return false;
+        }
     }
     return eng_masks_allows(&objects->scene->masks, a, b);
 }
