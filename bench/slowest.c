@@ -75,7 +75,7 @@ static void ask_order(struct scratch *scratch, const struct pair *pair)
 {
     struct eng_features features[2];
     for (int end = 0; end < 2; end++) {
-        features[end].kind = pair->kind;
+        features[end] = (struct eng_features){.kind = pair->kind};
         memcpy(features[end].x, pair->x[end], sizeof features[end].x);
     }
     (void)eng_distance_order(&scratch->order, &scratch->distances, &features[0],

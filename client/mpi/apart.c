@@ -121,16 +121,15 @@ static int fetch_radii(struct pccd_mpi *world, const struct ranks_apart *apart,
     return status;
 }
 
-static int add_object(struct pccd_mpi *world, uint32_t scene, bool has_radii,
-                      const double *radii, const double (*x)[3],
-                      struct ranks_object *object)
+static int add_object(struct pccd_mpi *world, uint32_t scene, const double *radii,
+                      const double (*x)[3], struct ranks_object *object)
 {
-    struct pccd_object_settings settings = {
-        .struct_bytes = sizeof settings,
-        .what = PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK | PCCD_OBJECT_RADIUS,
-        .group = object->settings.group,
-        .mask = object->settings.mask,
-        .radius = has_radii ? object->settings.radius : 0};
+    struct pccd_object_settings settings = {.struct_bytes = sizeof settings,
+                                            .what = PCCD_OBJECT_GROUP | PCCD_OBJECT_MASK |
+                                                    PCCD_OBJECT_RADIUS,
+                                            .group = object->settings.group,
+                                            .mask = object->settings.mask,
+                                            .radius = object->settings.radius};
     int status = ranks_local_register(world, object, x, radii, true);
     if (status != PCCD_OK) {
         return status;
@@ -145,8 +144,8 @@ static int add_object(struct pccd_mpi *world, uint32_t scene, bool has_radii,
 
 /* Objects are added by increasing handles in the world, so that theirs are in the same
  * order. */
-static int add_objects(struct pccd_mpi *world, uint32_t scene, bool has_radii,
-                       double *const *radii, struct ranks_apart *apart)
+static int add_objects(struct pccd_mpi *world, uint32_t scene, double *const *radii,
+                       struct ranks_apart *apart)
 {
     uint32_t objects = world->object_count;
     struct ranks_key *keys = ranks_array(2 * (uint64_t)objects, sizeof *keys);
@@ -159,7 +158,7 @@ static int add_objects(struct pccd_mpi *world, uint32_t scene, bool has_radii,
         for (uint32_t i = 0; i < objects && status == PCCD_OK; i++) {
             uint32_t o = (uint32_t)order[i].value;
             if (apart->objects[o].own_count > 0) {
-                status = add_object(world, scene, has_radii, radii[o],
+                status = add_object(world, scene, radii[o],
                                     (const double(*)[3])apart->x[o], &apart->objects[o]);
             }
         }
@@ -299,14 +298,14 @@ static int ask(struct pccd_mpi *world, uint32_t scene,
 
 /* In this rank alone: the scene, from its making to its end. */
 static int ask_in_scene(struct pccd_mpi *world, const struct pccd_near_settings *near,
-                        bool has_radii, double *const *radii, struct ranks_apart *apart)
+                        double *const *radii, struct ranks_apart *apart)
 {
     uint32_t scene = 0;
     int status = pccd_scene_create(world->client, NULL, &scene);
     if (status != PCCD_OK) {
         return ranks_fail_local(world, status, "no scene apart");
     }
-    status = add_objects(world, scene, has_radii, radii, apart);
+    status = add_objects(world, scene, radii, apart);
     if (status == PCCD_OK) {
         status = ignore_pairs(world, scene, apart);
     }
@@ -325,7 +324,7 @@ static int ask_in_scene(struct pccd_mpi *world, const struct pccd_near_settings 
 }
 
 int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                    uint64_t count, const struct pccd_near_settings *near, bool has_radii,
+                    uint64_t count, const struct pccd_near_settings *near,
                     struct ranks_apart *apart)
 {
     size_t objects = (size_t)world->object_count + 1;
@@ -340,13 +339,12 @@ int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
         status = make_objects(world, sorted, count, apart);
     }
     status = ranks_agree_on(&world->link, status);
-    if (status == PCCD_OK && has_radii) {
+    if (status == PCCD_OK && near->what == PCCD_NEAR_NEAREST) {
         status = fetch_radii(world, apart, radii);
     }
     if (status == PCCD_OK) {
         ranks_stop_open(&world->stop);
-        status = ranks_agree_on(&world->link,
-                                ask_in_scene(world, near, has_radii, radii, apart));
+        status = ranks_agree_on(&world->link, ask_in_scene(world, near, radii, apart));
         ranks_stop_close(&world->stop);
     }
     for (uint32_t o = 0; o < world->object_count && radii != NULL; o++) {

@@ -31,10 +31,10 @@ struct ranks_apart {
 
 /* Collective, but each rank has its own leaves: in any order, some twice perhaps. A
  * vertex or edge is this rank's if any of its leaves that is no ghost owns it. `near`
- * says what is asked, with handles of the world; `end` is not looked at. has_radii: the
- * objects are as thick as in the world, else thin. */
+ * says what is asked, with handles of the world; `end` is not looked at. Objects are as
+ * thick as in the world, where that matters. */
 int ranks_apart_ask(struct pccd_mpi *world, const struct ranks_visitor *leaves,
-                    uint64_t count, const struct pccd_near_settings *near, bool has_radii,
+                    uint64_t count, const struct pccd_near_settings *near,
                     struct ranks_apart *apart);
 /* To the last of several answers, the work of an earlier one, and whether that was cut
  * short. */

@@ -473,7 +473,7 @@ static int ask(const struct search *search, struct ranks_apart *apart)
     struct pccd_near_settings near;
     ranks_ask_rest(search->pairing, &near);
     int status = ranks_apart_ask(search->pairing->world, search->leaves,
-                                 search->leaf_count, &near, false, apart);
+                                 search->leaf_count, &near, apart);
     if (status == PCCD_OK) {
         drop_outside(search, apart);
     }

@@ -72,6 +72,12 @@ static bool is_within(double square, double distance)
 
 /* ---- bounds ------------------------------------------------------------------------ */
 
+/* By how much the radii of an object's features differ at most. */
+static double spread_of(const struct ranks_object *object)
+{
+    return object->settings.radius > 0 ? 0 : object->mesh->radius_max;
+}
+
 /* Own spots of object a beside all others: for each object b with a higher handle the
  * least distance of their vertices, and of their boxes. */
 static void compare_spots(const struct search *search, uint32_t a, double *nearest,
@@ -125,7 +131,11 @@ static int find_bounds(struct search *search, struct bound **bounds, uint64_t *c
             if (ranks_is_lower(world, a, b) && nearest[b] < INFINITY &&
                 is_within(nearest[objects + b], search->reach) &&
                 ranks_is_asked(search->pairing, a, b)) {
-                double distance = sqrt(nearest[b]) * SLACK;
+                /* The surfaces of other features may be nearer than those of the two
+                 * vertices, though these are not. */
+                double distance = (sqrt(nearest[b]) + spread_of(world->objects[a]) +
+                                   spread_of(world->objects[b])) *
+                                  SLACK;
                 (*bounds)[(*count)++] =
                     (struct bound){(uint64_t)a << 32 | b, fmin(distance, search->reach)};
             }
@@ -365,7 +375,7 @@ static void keep_judged(const struct pccd_mpi *world, struct ranks_apart *apart)
 
 /* ---- all of it --------------------------------------------------------------------- */
 
-/* However far away and however thick: the nearest of what is here. */
+/* However far away: the nearest of what is here. */
 static int find_here(struct search *search, struct ranks_apart *found)
 {
     struct ranks_visitor *leaves = NULL;
@@ -376,8 +386,7 @@ static int find_here(struct search *search, struct ranks_apart *found)
         ranks_ask_rest(search->pairing, &near);
         near.distance = INFINITY;
         near.gap = 0;
-        status =
-            ranks_apart_ask(search->pairing->world, leaves, count, &near, false, found);
+        status = ranks_apart_ask(search->pairing->world, leaves, count, &near, found);
     }
     free(leaves);
     return status;
@@ -393,7 +402,7 @@ static int decide(const struct search *search, const struct ranks_apart *found,
     int status = send_to_judges(world, found, &leaves, &count);
     if (status == PCCD_OK) {
         ranks_ask_rest(search->pairing, &near);
-        status = ranks_apart_ask(world, leaves, count, &near, true, apart);
+        status = ranks_apart_ask(world, leaves, count, &near, apart);
     }
     free(leaves);
     if (status == PCCD_OK) {

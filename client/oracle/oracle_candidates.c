@@ -54,9 +54,7 @@ static bool is_after(const struct oracle_moment *moment, const struct oracle_fea
 static double radius_of(const struct oracle_moment *moment,
                         const struct oracle_feature *feature)
 {
-    return moment->is_thick ? oracle_radius(&moment->objects[feature->object], feature->v,
-                                            feature->points)
-                            : 0;
+    return oracle_radius(&moment->objects[feature->object], feature->v, feature->points);
 }
 
 /* Are they of one object, and left thin for where they are at rest? */
@@ -92,9 +90,12 @@ static void consider(const struct oracle_moment *moment, const struct oracle_fea
                      const struct oracle_feature *b, double distance,
                      struct oracle_candidates *candidates)
 {
-    double reach = distance + radius_of(moment, a) + radius_of(moment, b);
-    if (boxes_are_apart(a, b, reach) || oracle_features_share_vertex(a, b) ||
-        rest(moment, a, b)) {
+    double radii = moment->is_thick ? radius_of(moment, a) + radius_of(moment, b) : 0;
+    if (boxes_are_apart(a, b, distance + radii) || oracle_features_share_vertex(a, b)) {
+        return;
+    }
+    bool is_thin = !moment->is_thick || rest(moment, a, b);
+    if (moment->is_thick && is_thin && !moment->keeps_thin) {
         return;
     }
     if (candidates->count == candidates->capacity) {
@@ -104,7 +105,7 @@ static void consider(const struct oracle_moment *moment, const struct oracle_fea
     }
     bool is_turned = a->points == b->points && is_after(moment, a, b);
     candidates->items[candidates->count++] =
-        is_turned ? (struct oracle_candidate){b, a} : (struct oracle_candidate){a, b};
+        (struct oracle_candidate){is_turned ? b : a, is_turned ? a : b, is_thin};
 }
 
 void oracle_candidates_find(const struct oracle_moment *moment,
@@ -180,8 +181,8 @@ void oracle_candidate_name(const struct oracle_moment *moment, uint32_t kind,
     near->record.object_b = moment->objects[near->object[1]].object_id;
     near->record.feature_b = candidate->b->index;
     near->record.count = 1;
-    near->radius[0] = radius_of(moment, candidate->a);
-    near->radius[1] = radius_of(moment, candidate->b);
+    near->radius[0] = candidate->is_thin ? 0 : radius_of(moment, candidate->a);
+    near->radius[1] = candidate->is_thin ? 0 : radius_of(moment, candidate->b);
 }
 
 void oracle_near_write(const struct oracle_distance *distance, struct oracle_near *near)

@@ -16,6 +16,7 @@
 struct oracle_candidate {
     const struct oracle_feature *a;
     const struct oracle_feature *b;
+    bool is_thin; /* it has no radii */
 };
 
 struct oracle_candidates {

@@ -447,16 +447,51 @@ static void set_square(mpq_t square, enum oracle_kind kind, const double p[4][3]
     mpq_clear(den);
 }
 
+/* sum += sign (radius[0] + radius[1]) */
+static void add_radii(mpq_t sum, const double radius[2], int sign)
+{
+    mpq_t term;
+    mpq_init(term);
+    for (int i = 0; i < 2; i++) {
+        mpq_set_d(term, sign * radius[i]);
+        mpq_add(sum, sum, term);
+    }
+    mpq_clear(term);
+}
+
+/* Sign of sqrt(a) - sqrt(b) - r, r >= 0: of (a - b - r^2) - 2 r sqrt(b), and where the
+ * first is not below 0, of their squares. All are overwritten. */
+static int compare_roots(mpq_t a, mpq_t b, mpq_t r)
+{
+    mpq_sub(a, a, b);
+    mpq_mul(r, r, r);
+    mpq_sub(a, a, r);
+    if (mpq_sgn(a) < 0) {
+        return -1;
+    }
+    mpq_mul(a, a, a);
+    mpq_mul(b, b, r);
+    mpq_mul_2exp(b, b, 2);
+    return mpq_cmp(a, b);
+}
+
 int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
-                            enum oracle_kind kind_b, const double b[4][3])
+                            const double radius_a[2], enum oracle_kind kind_b,
+                            const double b[4][3], const double radius_b[2])
 {
     mpq_t left;
     mpq_t right;
-    mpq_inits(left, right, NULL);
+    mpq_t radii;
+    mpq_inits(left, right, radii, NULL);
     set_square(left, kind_a, a);
     set_square(right, kind_b, b);
-    int sign = mpq_cmp(left, right);
-    mpq_clears(left, right, NULL);
+    add_radii(radii, radius_a, 1);
+    add_radii(radii, radius_b, -1);
+    bool is_turned = mpq_sgn(radii) < 0;
+    mpq_abs(radii, radii);
+    int sign = is_turned ? -compare_roots(right, left, radii)
+                         : compare_roots(left, right, radii);
+    mpq_clears(left, right, radii, NULL);
     return sign;
 }
 

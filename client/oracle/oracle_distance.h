@@ -52,9 +52,11 @@ void oracle_distance_find(enum oracle_kind kind, const double p[4][3],
 /* Is the distance at most d >= 0? */
 bool oracle_distance_within(enum oracle_kind kind, const double p[4][3], double d);
 
-/* Below, equal or above zero as the distance of one pair is to that of another. */
+/* Below, equal or above zero as the distance of one pair, less the exact sum of its
+ * radii, is to that of another. */
 int oracle_distance_compare(enum oracle_kind kind_a, const double a[4][3],
-                            enum oracle_kind kind_b, const double b[4][3]);
+                            const double radius_a[2], enum oracle_kind kind_b,
+                            const double b[4][3], const double radius_b[2]);
 
 /* Do the ends p[0], p[1] of an edge lie strictly on different sides of the plane of the
  * triangle p[2..4], and does the edge pass strictly through its inside? */

@@ -7,12 +7,21 @@
 #include "oracle_near.h"
 
 #include <assert.h>
+#include <gmp.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "oracle_candidates.h"
 #include "oracle_features.h"
 #include "oracle_within.h"
+
+void oracle_moment_thicken(struct oracle_moment *moment, enum pccd_near_what what)
+{
+    moment->keeps_thin = what == PCCD_NEAR_VERTICES;
+    moment->is_thick = moment->keeps_thin || what == PCCD_NEAR_PAIRS ||
+                       what == PCCD_NEAR_FEATURES || what == PCCD_NEAR_NEAREST;
+}
 
 /* The points of a candidate. One of fewer than four is of VF, with a face that is a
  * segment or a point: its last point is repeated, and comes after itself. */
@@ -188,6 +197,26 @@ static void list_points(const struct oracle_moment *moment, const struct edges *
     }
 }
 
+/* By how much the points of a pair may come nearer before its surfaces meet. */
+static double bound_by(const struct oracle_near *near)
+{
+    mpq_t exact;
+    mpq_t other;
+    mpq_inits(exact, other, NULL);
+    double radii = near->radius[0] + near->radius[1];
+    mpq_set_d(exact, near->radius[0]);
+    mpq_set_d(other, near->radius[1]);
+    mpq_add(exact, exact, other);
+    mpq_set_d(other, radii);
+    radii = mpq_cmp(other, exact) < 0 ? nextafter(radii, INFINITY) : radii;
+    mpq_set_d(exact, near->record.d_lo);
+    mpq_set_d(other, radii);
+    mpq_sub(exact, exact, other);
+    double bound = mpq_sgn(exact) > 0 ? mpq_get_d(exact) : 0; /* cuts off */
+    mpq_clears(exact, other, NULL);
+    return bound;
+}
+
 void oracle_near_bounds(const struct oracle_moment *moment,
                         const struct oracle_nears *pairs, uint32_t at, double distance,
                         double *bounds)
@@ -199,10 +228,11 @@ void oracle_near_bounds(const struct oracle_moment *moment,
     for (size_t i = 0; i < pairs->count; i++) {
         const struct oracle_near *near = &pairs->items[i];
         struct point points[4];
+        double bound = bound_by(near);
         list_points(moment, &edges, near, points);
         for (int k = 0; k < 4; k++) {
-            if (points[k].object == at && near->record.d_lo < bounds[points[k].v]) {
-                bounds[points[k].v] = near->record.d_lo;
+            if (points[k].object == at && bound < bounds[points[k].v]) {
+                bounds[points[k].v] = bound;
             }
         }
     }

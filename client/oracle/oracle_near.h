@@ -26,10 +26,14 @@ struct oracle_moment {
     uint32_t object_count;
     bool (*may_meet)(const void *context, uint32_t id_a, uint32_t id_b);
     const void *context;
-    /* Radii are added to the distance, and what is left thin is left out: of pairs,
-     * closest features and the nearest of objects. */
+    /* Radii are added to the distance, and what is left thin is left out or, where it is
+     * kept, has none: of bounds. */
     bool is_thick;
+    bool keeps_thin;
 };
+
+/* Get ready to answer a question: what it says of thickness. */
+void oracle_moment_thicken(struct oracle_moment *moment, enum pccd_near_what what);
 
 /* A record, and which points of the pair its distance is between (oracle_distance.h). */
 struct oracle_near {
@@ -63,8 +67,9 @@ void oracle_near_features(const struct oracle_moment *moment,
 bool oracle_near_crossings(const struct oracle_moment *moment, uint64_t queries_max,
                            struct oracle_nears *crossings);
 
-/* Of each vertex of objects[at] the least d_lo of the pairs that it is a point of;
- * `distance` where there is none. */
+/* Of each vertex of objects[at] the least of the pairs that it is a point of: of d_lo
+ * less both radii, whose sum is rounded up, then down and to no less than 0; `distance`
+ * where there is none. */
 void oracle_near_bounds(const struct oracle_moment *moment,
                         const struct oracle_nears *pairs, uint32_t at, double distance,
                         double *bounds);

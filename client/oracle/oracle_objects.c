@@ -43,8 +43,10 @@ static void two_init(struct two *two, const struct oracle_moment *moment, uint32
     two->at[1] = b;
     two->objects[0] = moment->objects[a];
     two->objects[1] = moment->objects[b];
-    two->moment =
-        (struct oracle_moment){two->objects, 2, are_different, NULL, moment->is_thick};
+    two->moment = *moment;
+    two->moment.objects = two->objects;
+    two->moment.object_count = 2;
+    two->moment.may_meet = are_different;
     for (uint32_t i = 0; i < 3; i++) {
         oracle_features_list(two->objects, 2, i + 1, &two->of_points[i]);
     }
@@ -71,7 +73,7 @@ static bool is_asked(const struct oracle_moment *moment, const uint32_t asked[2]
 }
 
 /* The least distance of a vertex of `vertices` and one of the second object, or more; the
- * features that they belong to are not farther apart. */
+ * features that they belong to are not farther apart, nor are their surfaces. */
 static double reach_of(const struct two *two, const struct oracle_feature *vertices,
                        size_t count)
 {
@@ -111,10 +113,11 @@ static int look(const struct two *two, enum oracle_kind kind,
     oracle_candidate_load(&two->moment, candidate, other.p, other.rank);
     oracle_candidate_name(&two->moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE, candidate,
                           &other.near);
-    int sign = best->is_made
-                   ? oracle_distance_compare(kind, (const double(*)[3])other.p,
-                                             best->kind, (const double(*)[3])best->p)
-                   : -1;
+    int sign = best->is_made ? oracle_distance_compare(kind, (const double(*)[3])other.p,
+                                                       other.near.radius, best->kind,
+                                                       (const double(*)[3])best->p,
+                                                       best->near.radius)
+                             : -1;
     if (sign < 0 || (sign == 0 && oracle_near_compare(&other.near, &best->near) < 0)) {
         *best = other;
     }
@@ -166,22 +169,11 @@ static void add_best(const struct two *two, struct best *best, struct oracle_nea
 
 /* ---- nearest ----------------------------------------------------------------------- */
 
-static double largest_radius(const struct two *two, uint32_t i)
-{
-    double most = 0;
-    for (uint32_t v = 0; v < two->objects[i].vertex_count; v++) {
-        most = fmax(most, oracle_radius(&two->objects[i], &v, 1));
-    }
-    return most;
-}
-
 static bool add_nearest(struct two *two, double distance, uint64_t queries_max,
                         struct oracle_nears *nears)
 {
     const struct oracle_features *vertices = &two->of_points[0];
-    double most =
-        two->moment.is_thick ? largest_radius(two, 0) + largest_radius(two, 1) : 0;
-    double reach = fmin(distance + most, reach_of(two, vertices->items, vertices->count));
+    double reach = fmin(distance, reach_of(two, vertices->items, vertices->count));
     struct best best;
     if (!look_at_all(two, vertices, true, reach, queries_max, nears, &best)) {
         return false;
@@ -330,7 +322,8 @@ bool oracle_objects_measure(const struct oracle_moment *moment,
     two_init(&two, moment, a, b);
     const struct oracle_candidate candidate = {
         feature_of(&two.of_points[is_vf ? 0 : 1], 0, named->feature_a),
-        feature_of(&two.of_points[is_vf ? 2 : 1], 1, named->feature_b)};
+        feature_of(&two.of_points[is_vf ? 2 : 1], 1, named->feature_b),
+        !moment->is_thick};
     struct best best = {.is_made = false};
     if (candidate.a && candidate.b) {
         (void)look(&two, is_vf ? ORACLE_VF : ORACLE_EE, &candidate, &best);

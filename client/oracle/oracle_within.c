@@ -66,7 +66,8 @@ static enum oracle_kind kind_of(uint32_t points_a)
 bool oracle_is_nearer(uint32_t points_a, const double x[4][3], double d)
 {
     const double far[4][3] = {{d}}; /* a vertex, and a face that is a point */
-    return oracle_distance_compare(kind_of(points_a), x, ORACLE_VF, far) < 0;
+    static const double thin[2] = {0, 0};
+    return oracle_distance_compare(kind_of(points_a), x, thin, ORACLE_VF, far, thin) < 0;
 }
 
 bool oracle_is_within(uint32_t points_a, const double x[4][3], const double radius[2],

@@ -70,12 +70,19 @@ static uint32_t kinds_for(enum pccd_near_what what)
     return what == PCCD_NEAR_CROSSINGS ? pairs | 1u << PCCD_EF : pairs;
 }
 
-/* Do radii and rest of objects enter? Bounds by vertex are the distances themselves, and
- * none is above that of the question. */
-static bool has_radii(enum pccd_near_what what)
+/* Do radii of objects enter, or pairs that are left thin for their rest? */
+static bool is_thick(enum pccd_near_what what, const struct eng_thickness *thickness)
 {
-    return what == PCCD_NEAR_PAIRS || what == PCCD_NEAR_FEATURES ||
-           what == PCCD_NEAR_NEAREST;
+    switch (what) {
+    case PCCD_NEAR_PAIRS:
+    case PCCD_NEAR_FEATURES:
+        return thickness->may_have_radii || thickness->may_rest;
+    case PCCD_NEAR_VERTICES: /* which have what is left thin */
+    case PCCD_NEAR_NEAREST:  /* of two objects */
+        return thickness->may_have_radii;
+    default:
+        return false;
+    }
 }
 
 /* With the radii of the scene. PCCD_E_LIMIT: it reaches too far. */
@@ -89,8 +96,7 @@ static int make_query(const struct eng_near_settings *settings,
                                      .kinds = kinds_for(settings->what),
                                      .end = settings->end,
                                      .distance = is_none ? 0 : settings->distance};
-    query->is_thick =
-        has_radii(settings->what) && (thickness->may_have_radii || thickness->may_rest);
+    query->is_thick = is_thick(settings->what, thickness);
     query->reach = query->distance;
     if (query->is_thick && thickness->most > 0) {
         query->reach = nextafter(2 * thickness->most + query->distance, INFINITY);
@@ -370,11 +376,11 @@ static int reserve(struct eng_team *team, const struct eng_near_settings *settin
 {
     struct eng_near_memory *memory = &eng_step_memory_of(team->scene)->near;
     int status = PCCD_OK;
+    if (is_by_objects(query->what)) {
+        return reserve_objects(team, settings, result);
+    }
     for (uint32_t i = 0; i < team->count && query->is_thick && status == PCCD_OK; i++) {
         status = eng_thick_work_reserve(team->workers[i]);
-    }
-    if (status == PCCD_OK && is_by_objects(query->what)) {
-        return reserve_objects(team, settings, result);
     }
     for (uint32_t i = 0; i < team->count && status == PCCD_OK; i++) {
         status = eng_near_work_reserve(team->workers[i]);

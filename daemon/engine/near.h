@@ -38,7 +38,7 @@ struct eng_near_result {
     uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
     double distance_min; /* least d_lo; 2e18 without any record */
     double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
-                          * greatest d_lo that is a bound, in the whole scene */
+                          * greatest bound by a pair, in the whole scene */
     uint64_t crossings;              /* DEPTH, CROSSINGS */
     uint64_t
         hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
@@ -68,9 +68,9 @@ struct eng_vertex_bound {
  * that has more than triangles; PCCD_E_HANDLE: no object
  * of that id; PCCD_E_LIMIT: distance and radii add up to more than 1e18; PCCD_E_NOMEM.
  *
- * PAIRS, FEATURES and NEAREST have what is within the distance and the radii of both
- * features, their exact sum (scene.h); pairs that are left thin for their rest they leave
- * out. NEAREST is the nearest pair of two objects whatever its radii, if it is within. */
+ * PAIRS, FEATURES, VERTICES and NEAREST look at what is within the distance and the radii
+ * of both features, their exact sum (scene.h). Pairs that are left thin for their rest
+ * VERTICES takes without radii, the others not at all. */
 int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
              struct eng_near_result *result);
 

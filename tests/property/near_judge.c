@@ -66,13 +66,11 @@ static void moment_init(struct moment *moment, const struct player *player,
         qsort(moment->objects, player->object_count, sizeof moment->objects[0],
               compare_objects);
     }
-    moment->oracle =
-        (struct oracle_moment){.objects = moment->objects,
-                               .object_count = player->object_count,
-                               .may_meet = may_meet,
-                               .context = &player->filters,
-                               .is_thick = settings->what == PCCD_NEAR_PAIRS ||
-                                           settings->what == PCCD_NEAR_FEATURES};
+    moment->oracle = (struct oracle_moment){.objects = moment->objects,
+                                            .object_count = player->object_count,
+                                            .may_meet = may_meet,
+                                            .context = &player->filters};
+    oracle_moment_thicken(&moment->oracle, settings->what);
 }
 
 /* false: it would take too long. */

@@ -1,13 +1,16 @@
-/* test_eng_near_objects.c - the nearest features of objects, and how deep they are in
- * each other, against exact arithmetic that looks at everything.
+/* test_eng_near_objects.c - the nearest features of objects, how deep they are in each
+ * other, and all other pairs of theirs that are near, against exact arithmetic that looks
+ * at everything.
  *
  * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
  * Does:     small objects at random, with coordinates of all bits, on a coarse grid
  *           (where almost everything is equally near, touches, or is met by a ray at an
- *           edge), far away or tiny, some with radii; moved, asked again for either end,
- *           by both methods, every instruction set and several threads. Every record must
- *           be the one that the oracle finds, with its numbers.
+ *           edge), far away or tiny, some with radii or left thin for their rest, not all
+ *           of which may meet; moved, asked again for either end, by both methods, every
+ *           instruction set and several threads. Every record must be the one that the
+ *           oracle finds, with its numbers; with a gap, one of the same two objects. Two
+ *           objects have a nearest pair exactly if there is any pair of theirs.
  * Threads:  teams of one to three.
  * Source:   PCCD_SEED repeats a scene; PCCD_PROPERTY_SECONDS says for how long.
  */
@@ -26,8 +29,9 @@
 #include "oracle_objects.h"
 #include "sequences.h"
 
-#define SCENES      150
-#define ASKED       4u
+#define SCENES      250
+#define ASKED       6u
+#define QUERIES_MAX 1000u /* exact decisions for one answer about all pairs */
 #define THREADS_MAX 3u
 #define OBJECTS_MAX 4u
 #define POINTS_MAX  12u
@@ -40,7 +44,13 @@ static struct {
     uint64_t inside;
     uint64_t outside; /* vertices */
     uint64_t crossings;
-    uint64_t thick; /* nearest that are farther than asked, but not than with radii */
+    uint64_t thick; /* records that are farther than asked, but not than with radii */
+    uint64_t questions;
+    uint64_t gaps;   /* records of answers with a gap .. */
+    uint64_t others; /* .. that are not the nearest */
+    uint64_t named;  /* two objects that were named and may not meet */
+    uint64_t pairs;  /* records of what is not by objects */
+    uint64_t bounds; /* less than the distance */
 } sums;
 
 struct shape {
@@ -48,8 +58,10 @@ struct shape {
     uint32_t points;
     uint32_t face_count;
     uint32_t faces[20][3];
+    double registered[POINTS_MAX][3];
     double x[2][POINTS_MAX][3]; /* at both ends */
     double radii[POINTS_MAX];   /* as the mesh has them, or the object */
+    struct eng_object_thickness thickness;
 };
 
 struct play {
@@ -57,6 +69,7 @@ struct play {
     struct prng prng;
     struct near_kit kit;
     struct shape shapes[OBJECTS_MAX];
+    bool is_apart[OBJECTS_MAX][OBJECTS_MAX]; /* they may not meet */
     uint32_t end;
     double grid; /* 0: none */
     double place;
@@ -104,17 +117,43 @@ static double some_radius(struct play *play)
     return play->scale * 0.125 * draw(play, 5);
 }
 
-/* The last object has one radius for all, whatever its mesh has. */
-static void set_radius(struct play *play, struct shape *shape)
+/* The last object has one radius for all, whatever its mesh has, or leaves pairs thin. */
+static void set_thickness(struct play *play, struct shape *shape)
 {
-    const struct eng_object_thickness thickness = {.has_radius = true,
-                                                   .radius = some_radius(play)};
-    for (uint32_t v = 0; v < shape->points; v++) {
-        shape->radii[v] = thickness.radius;
+    struct eng_object_thickness *thickness = &shape->thickness;
+    thickness->has_radius = draw(play, 2) > 0;
+    if (thickness->has_radius) {
+        thickness->radius = some_radius(play);
+        for (uint32_t v = 0; v < shape->points; v++) {
+            shape->radii[v] = thickness->radius;
+        }
     }
+    thickness->rest_rings = draw(play, 3) == 0 ? 1 : 0;
+    thickness->rest_distance = draw(play, 3) == 0 ? 0.25 : 0;
     assert_int_equal(eng_scene_set_thickness(
-                         play->kit.scene, play->kit.idx[play->kit.count - 1], &thickness),
+                         play->kit.scene, play->kit.idx[play->kit.count - 1], thickness),
                      PCCD_OK);
+}
+
+/* Some two objects may not meet, for their masks or by name. */
+static void separate(struct play *play)
+{
+    const struct eng_object_filter alone = {1, 2, true};
+    uint32_t only = draw(play, 3 * play->kit.count); /* meets itself alone, or not even */
+    for (uint32_t a = 0; a < play->kit.count; a++) {
+        for (uint32_t b = 0; b < a; b++) {
+            bool is_ignored = draw(play, 5) == 0;
+            assert_int_equal(eng_scene_ignore(play->kit.scene, play->kit.idx[a],
+                                              play->kit.idx[b], is_ignored),
+                             PCCD_OK);
+            play->is_apart[a][b] = play->is_apart[b][a] =
+                is_ignored || a == only || b == only;
+        }
+    }
+    if (only < play->kit.count) {
+        assert_int_equal(
+            eng_scene_set_filter(play->kit.scene, play->kit.idx[only], &alone), PCCD_OK);
+    }
 }
 
 /* Triangles between points at random, or a closed surface: an octahedron with its points
@@ -124,7 +163,7 @@ static void make(struct play *play, struct shape *shape, bool is_closed)
     static const uint32_t closed[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                           {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     uint32_t copies = 1 + draw(play, 2);
-    double x[POINTS_MAX][3];
+    double(*x)[3] = shape->registered;
     memset(shape, 0, sizeof *shape);
     shape->points = is_closed ? 6 * copies : 3 + draw(play, POINTS_MAX - 3);
     shape->face_count = is_closed ? 8 * copies : 1 + draw(play, 12);
@@ -150,7 +189,7 @@ static void make(struct play *play, struct shape *shape, bool is_closed)
                                  has_radii ? shape->radii : NULL);
     near_kit_add(&play->kit, shape->mesh);
     if (draw(play, 3) == 0) {
-        set_radius(play, shape);
+        set_thickness(play, shape);
     }
 }
 
@@ -174,8 +213,15 @@ struct truth {
     struct oracle_nears nears;
 };
 
+static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
+{
+    const struct play *play = context;
+    return !play->is_apart[id_a - 1][id_b - 1];
+}
+
 /* The scene as the oracle takes it. Ids of objects are their places + 1 (near_kit.h). */
-static void begin_truth(const struct play *play, struct truth *truth)
+static void begin_truth(const struct play *play, enum pccd_near_what what,
+                        struct truth *truth)
 {
     for (uint32_t i = 0; i < play->kit.count; i++) {
         const struct shape *shape = &play->shapes[i];
@@ -187,10 +233,16 @@ static void begin_truth(const struct play *play, struct truth *truth)
                                    .x0 = x,
                                    .x1 = x,
                                    .triangles = (const uint32_t(*)[3])shape->faces,
-                                   .radii = shape->radii};
+                                   .radii = shape->radii,
+                                   .registered = (const double(*)[3])shape->registered,
+                                   .rest_distance = shape->thickness.rest_distance,
+                                   .rest_rings = shape->thickness.rest_rings};
     }
-    truth->moment = (struct oracle_moment){
-        .objects = truth->objects, .object_count = play->kit.count, .is_thick = true};
+    truth->moment = (struct oracle_moment){.objects = truth->objects,
+                                           .object_count = play->kit.count,
+                                           .may_meet = may_meet,
+                                           .context = play};
+    oracle_moment_thicken(&truth->moment, what);
 }
 
 /* All of it, and nothing else. */
@@ -216,49 +268,185 @@ static void compare(const struct play *play, double distance,
 
 /* ---- questions ------------------------------------------------------------------ */
 
-static struct eng_near_result ask(struct play *play, enum pccd_near_what what,
-                                  double distance)
+static struct eng_near_result ask(struct play *play, struct eng_near_settings settings)
 {
-    struct eng_near_settings settings = near_kit_settings(what);
     struct eng_near_result result;
     way_draw(&play->prng, THREADS_MAX, &settings.step);
     settings.step.team_always = true;
-    settings.distance = distance;
     settings.end = play->end;
     assert_int_equal(eng_near(play->kit.scene, &settings, &result), PCCD_OK);
     must(play, result.incomplete == PCCD_COMPLETE, "it is not complete");
+    sums.questions++;
     return result;
+}
+
+/* What two features are apart beside their radii, nearly. */
+static long double surfaces_of(const struct oracle_near *near, double distance)
+{
+    return (long double)distance - near->radius[0] - near->radius[1];
+}
+
+/* Some pair of each two objects that have a nearest one, not much farther. */
+static void compare_with_gap(const struct play *play,
+                             const struct eng_near_settings *settings,
+                             const struct eng_near_result *result, struct truth *truth)
+{
+    must(play, result->count == truth->nears.count,
+         "two objects have a pair without a gap alone, or with one");
+    for (uint64_t i = 0; i < result->count; i++) {
+        const struct pccd_near *is = near_kit_record(result, i);
+        const struct oracle_near *nearest = truth->nears.items;
+        struct oracle_near must_be;
+        while (is->object_a + is->object_b !=
+                   nearest->record.object_a + nearest->record.object_b ||
+               (is->object_a != nearest->record.object_a &&
+                is->object_a != nearest->record.object_b)) {
+            must(play, ++nearest < truth->nears.items + truth->nears.count,
+                 "two objects have a pair with a gap alone");
+        }
+        must(play, oracle_objects_measure(&truth->moment, is, &must_be), "no such pair");
+        must_be.record.flags |= (uint32_t)PCCD_NEAR_GAP;
+        must(play, memcmp(is, &must_be.record, sizeof *is) == 0, "a number is wrong");
+        long double apart = surfaces_of(&must_be, is->d_lo);
+        must(play,
+             apart <= surfaces_of(nearest, nearest->record.d_hi) + settings->gap &&
+                 apart <= settings->distance,
+             "it is too far away");
+        sums.gaps++;
+        sums.others += is->d_lo != nearest->record.d_lo;
+    }
+    oracle_nears_deinit(&truth->nears);
+}
+
+/* Which objects have a pair in an answer. */
+static void list_twos(const struct eng_near_result *result,
+                      bool twos[OBJECTS_MAX][OBJECTS_MAX])
+{
+    memset(twos, 0, OBJECTS_MAX * sizeof twos[0]);
+    for (uint64_t i = 0; i < result->count; i++) {
+        const struct pccd_near *record = near_kit_record(result, i);
+        uint32_t a = record->object_a - 1;
+        uint32_t b = record->object_b - 1;
+        twos[a][b] = twos[b][a] = a != b;
+    }
+}
+
+/* One rule says what is within the distance. */
+static void check_rule(struct play *play, const struct eng_near_settings *nearest,
+                       bool is_near[OBJECTS_MAX][OBJECTS_MAX])
+{
+    struct eng_near_settings settings = *nearest;
+    bool twos[OBJECTS_MAX][OBJECTS_MAX];
+    settings.what = PCCD_NEAR_PAIRS;
+    settings.objects[0] = settings.objects[1] = 0;
+    struct eng_near_result result = ask(play, settings);
+    list_twos(&result, twos);
+    for (uint32_t a = 0; a < play->kit.count; a++) {
+        for (uint32_t b = 0; b < play->kit.count; b++) {
+            bool is_asked = true;
+            for (int side = 0; side < 2; side++) {
+                uint32_t only = nearest->objects[side];
+                is_asked = is_asked && (only == 0 || only == a + 1 || only == b + 1);
+            }
+            must(play, is_near[a][b] == (is_asked && twos[a][b]),
+                 "nearest and pairs differ in who is near");
+        }
+    }
 }
 
 static void check_nearest(struct play *play)
 {
-    static const uint32_t all[2] = {0, 0};
-    double distance =
-        draw(play, 2) == 0 ? INFINITY : play->scale * (double)draw(play, 3) * 0.5;
-    struct eng_near_result result = ask(play, PCCD_NEAR_NEAREST, distance);
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct truth truth;
-    begin_truth(play, &truth);
-    assert_true(
-        oracle_objects_nearest(&truth.moment, all, distance, UINT64_MAX, &truth.nears));
-    compare(play, distance, &result, &truth);
+    bool twos[OBJECTS_MAX][OBJECTS_MAX];
+    if (draw(play, 3) > 0) {
+        settings.distance = play->scale * (double)draw(play, 9) * 0.125;
+    }
+    if (draw(play, 2) == 0) {
+        settings.gap = play->scale * (double)draw(play, 9) * 0.125;
+    }
+    for (int side = 0; side < 2 && draw(play, 2) == 0; side++) {
+        settings.objects[side] = 1 + draw(play, play->kit.count);
+    }
+    if (settings.objects[0] == settings.objects[1]) {
+        settings.objects[0] = 0;
+    }
+    sums.named += settings.objects[0] != 0 && settings.objects[1] != 0 &&
+                  play->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
+    struct eng_near_result result = ask(play, settings);
+    begin_truth(play, PCCD_NEAR_NEAREST, &truth);
+    assert_true(oracle_objects_nearest(&truth.moment, settings.objects, settings.distance,
+                                       UINT64_MAX, &truth.nears));
+    if (settings.gap > 0) {
+        compare_with_gap(play, &settings, &result, &truth);
+    } else {
+        compare(play, settings.distance, &result, &truth);
+    }
     sums.nearest += result.count;
+    list_twos(&result, twos);
+    if (isfinite(settings.distance)) {
+        check_rule(play, &settings, twos);
+    }
+}
+
+static void check_bounds(struct play *play, const struct eng_near_settings *settings,
+                         const struct eng_near_result *result, struct truth *truth)
+{
+    const double *given = result->records;
+    for (uint32_t i = 0; i < play->kit.count; i++) {
+        double bounds[POINTS_MAX];
+        oracle_near_bounds(&truth->moment, &truth->nears, i, settings->distance, bounds);
+        for (uint32_t v = 0; v < play->shapes[i].points; v++) {
+            must(play, *given++ == bounds[v], "a bound is wrong");
+            sums.bounds += bounds[v] < settings->distance;
+        }
+    }
+    oracle_nears_deinit(&truth->nears);
+}
+
+static void check_pairs(struct play *play)
+{
+    static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
+                                                PCCD_NEAR_VERTICES};
+    struct eng_near_settings settings = near_kit_settings(whats[draw(play, 3)]);
+    struct oracle_nears features;
+    struct truth truth;
+    settings.distance = play->scale * (double)draw(play, 6) * 0.125;
+    struct eng_near_result result = ask(play, settings);
+    begin_truth(play, settings.what, &truth);
+    if (!oracle_near_pairs(&truth.moment, settings.distance, QUERIES_MAX, &truth.nears)) {
+        return;
+    }
+    sums.pairs += truth.nears.count;
+    if (settings.what == PCCD_NEAR_VERTICES) {
+        check_bounds(play, &settings, &result, &truth);
+        return;
+    }
+    if (settings.what == PCCD_NEAR_FEATURES) {
+        oracle_near_features(&truth.moment, &truth.nears, &features);
+        oracle_nears_deinit(&truth.nears);
+        truth.nears = features;
+    }
+    compare(play, settings.distance, &result, &truth);
 }
 
 static void check_depth(struct play *play)
 {
     static const uint32_t all[2] = {0, 0};
-    struct eng_near_result result = ask(play, PCCD_NEAR_DEPTH, 0);
+    struct eng_near_result result = ask(play, near_kit_settings(PCCD_NEAR_DEPTH));
     struct truth truth;
     uint64_t crossings;
-    begin_truth(play, &truth);
+    begin_truth(play, PCCD_NEAR_DEPTH, &truth);
     assert_true(
         oracle_objects_depth(&truth.moment, all, UINT64_MAX, &truth.nears, &crossings));
     compare(play, INFINITY, &result, &truth);
     must(play, result.crossings == crossings, "other edges pass through");
     sums.crossings += crossings;
     sums.inside += result.count;
-    for (uint32_t i = 0; i < play->kit.count; i++) {
-        sums.outside += play->shapes[i].points * (play->kit.count - 1);
+    for (uint32_t i = 0; i < play->kit.count * play->kit.count; i++) {
+        uint32_t a = i / play->kit.count;
+        uint32_t b = i % play->kit.count;
+        sums.outside += a != b && !play->is_apart[a][b] ? play->shapes[a].points : 0;
     }
     sums.outside -= result.count;
 }
@@ -279,6 +467,9 @@ static void live(uint64_t seed)
     for (uint32_t i = 0; i < count; i++) {
         make(&play, &play.shapes[i], is_closed);
     }
+    if (draw(&play, 2) == 0) {
+        separate(&play);
+    }
     for (uint32_t i = 0; i < ASKED; i++) {
         if (i == 0 || draw(&play, 2) == 0) {
             double spread = draw(&play, 3) == 0 ? 0.5 : draw(&play, 4) == 0 ? 1e6 : 0;
@@ -287,8 +478,11 @@ static void live(uint64_t seed)
             move(&play);
         }
         play.end = draw(&play, 2);
-        if (is_closed && draw(&play, 4) > 0) {
+        uint32_t question = draw(&play, 4);
+        if (question == 0 && is_closed) {
             check_depth(&play);
+        } else if (question == 1) {
+            check_pairs(&play);
         } else {
             check_nearest(&play);
         }
@@ -303,16 +497,22 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
 {
     (void)state;
     sequences_live(live, SCENES, NULL);
-    print_message("# %llu scenes: %llu nearest, %llu ties, %llu touching; %llu inside, "
-                  "%llu not, %llu crossings; %llu by their radii\n",
-                  (unsigned long long)sums.scenes, (unsigned long long)sums.nearest,
-                  (unsigned long long)sums.ties, (unsigned long long)sums.touching,
+    print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
+                  "touching; %llu with a gap, %llu farther; %llu named in vain; %llu "
+                  "inside, %llu not, %llu crossings; %llu pairs, %llu bounds; %llu by "
+                  "their radii\n",
+                  (unsigned long long)sums.scenes, (unsigned long long)sums.questions,
+                  (unsigned long long)sums.nearest, (unsigned long long)sums.ties,
+                  (unsigned long long)sums.touching, (unsigned long long)sums.gaps,
+                  (unsigned long long)sums.others, (unsigned long long)sums.named,
                   (unsigned long long)sums.inside, (unsigned long long)sums.outside,
-                  (unsigned long long)sums.crossings, (unsigned long long)sums.thick);
+                  (unsigned long long)sums.crossings, (unsigned long long)sums.pairs,
+                  (unsigned long long)sums.bounds, (unsigned long long)sums.thick);
     if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
         assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
                     sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
-                    sums.thick > 0);
+                    sums.thick > 0 && sums.gaps > 0 && sums.others > 0 &&
+                    sums.named > 0 && sums.pairs > 0 && sums.bounds > 0);
     }
 }
 

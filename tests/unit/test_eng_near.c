@@ -165,6 +165,40 @@ static void near__bounds_the_points_of_pairs(void **state)
     near_kit_end(&kit);
 }
 
+/* The floor has a radius of 0.0625, the tip's vertex one of its own. If it failed: thick
+ * surfaces would meet although each vertex has moved by less than half its bound. */
+static void near__takes_radii_off_bounds(void **state)
+{
+    (void)state;
+    static const struct eng_object_thickness thick = {.has_radius = true,
+                                                      .radius = 0.0625};
+    static const double floor[4][3] = {{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}, {-4, 4, 0}};
+    static const uint32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static const double spike[3][3] = {{1, 0.5, 0.25}, {2, 0.5, 16}, {1, 1.5, 16}};
+    static const double radii[3] = {0.0625, 0, 0};
+    static const uint32_t corners[1][3] = {{0, 1, 2}};
+    static const double want[3][7] = {
+        {0.125, 0.125, 0.125, 0.25, 0.125, 0.25, 0.25}, /* of a distance of 0.25 */
+        {0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125},
+        {0, 0, 0, 0, 0, 0, 0}}; /* with a radius of 0.5 */
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, kit_mesh(floor, 4, halves, 2));
+    near_kit_add(&kit, kit_mesh_thick(spike, 3, corners, 1, radii));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_VERTICES);
+    for (int i = 0; i < 3; i++) {
+        struct eng_object_thickness more = thick;
+        more.radius = i == 2 ? 0.5 : thick.radius;
+        assert_int_equal(eng_scene_set_thickness(kit.scene, kit.idx[0], &more), PCCD_OK);
+        settings.distance = i == 1 ? 0.125 : 0.25;
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_memory_equal(result.records, want[i], sizeof want[i]);
+        assert_true(result.distance_min == want[i][0] &&
+                    result.distance_max == want[i][0]);
+    }
+    near_kit_end(&kit);
+}
+
 /* The tip through the floor, on it, and above it. If it failed: an intersection would be
  * taken for none. */
 static void near__says_whether_anything_crosses_or_touches(void **state)
@@ -446,6 +480,7 @@ int main(void)
         cmocka_unit_test(near__merges_pairs_to_their_features),
         cmocka_unit_test(near__folds_features_before_it_cuts),
         cmocka_unit_test(near__bounds_the_points_of_pairs),
+        cmocka_unit_test(near__takes_radii_off_bounds),
         cmocka_unit_test(near__says_whether_anything_crosses_or_touches),
         cmocka_unit_test(near__is_of_the_end_that_was_asked_for),
         cmocka_unit_test(near__goes_by_no_staging_that_is_given_up),

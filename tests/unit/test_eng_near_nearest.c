@@ -223,6 +223,91 @@ static void nearest__with_a_gap_is_near_enough(void **state)
     near_kit_end(&kit);
 }
 
+/* Object 3 is thick and far away. If it failed: because of it, a search of the other two
+ * could end at a pair that is farther than was asked for, which then is no answer. */
+static void nearest__with_a_gap_has_a_record_as_without(void **state)
+{
+    (void)state;
+    static const double floor[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const double spike[3][3] = {{0, 0, 0.5}, {1, 0, 0.1}, {0, 1, 0.5}};
+    static const double away[3][3] = {{100, 0, 0}, {101, 0, 0}, {100, 1, 0}};
+    static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
+    for (int gap = 0; gap <= 4; gap++) {
+        struct near_kit kit; /* another search would begin where the last one ended */
+        near_kit_begin(&kit);
+        near_kit_add(&kit, triangle(floor));
+        near_kit_add(&kit, triangle(spike));
+        near_kit_add(&kit, triangle(away));
+        assert_int_equal(eng_scene_set_thickness(kit.scene, kit.idx[2], &thick), PCCD_OK);
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        settings.distance = 0.25;
+        settings.gap = 0.5 * gap;
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, 1);
+        assert_true(result.distance_max <= 0.25);
+        near_kit_end(&kit);
+    }
+}
+
+/* Two spikes over a floor, of which the farther one is thick at its tip: 1 up with no
+ * radius, 2 up with radius 1.5. */
+static void set_up_spikes(struct near_kit *kit, double tip_radius)
+{
+    static const double floor[3][3] = {{-99, -99, 0}, {99, -99, 0}, {0, 99, 0}};
+    static const double spikes[6][3] = {{0, 0, 1},  {1, 0, 30},  {0, 1, 30},
+                                        {10, 0, 2}, {11, 0, 30}, {10, 1, 30}};
+    static const uint32_t corners[2][3] = {{0, 1, 2}, {3, 4, 5}};
+    const double radii[6] = {0, 0, 0, tip_radius, 0, 0};
+    near_kit_begin(kit);
+    near_kit_add(kit, triangle(floor));
+    near_kit_add(kit, kit_mesh_thick(spikes, 6, corners, 2, radii));
+}
+
+/* What counts is how far surfaces are apart. If it failed: a body would be taken for as
+ * far away as the nearest of its thin features, and another question about the same
+ * distance would have what this one denies. */
+static void nearest__is_of_surfaces(void **state)
+{
+    (void)state;
+    struct near_kit kit;
+    set_up_spikes(&kit, 1.5);
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    static const double distances[] = {INFINITY, 2, 0.5};
+    for (int i = 0; i < 3; i++) {
+        settings.distance = distances[i];
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, 1);
+        assert_int_equal(near_kit_record(&result, 0)->feature_a, 3);
+        assert_true(near_kit_record(&result, 0)->d_lo == 2);
+    }
+    settings.distance = nextafter(0.5, 0);
+    for (int i = 0; i < 3; i++) {
+        settings.gap = i;
+        assert_int_equal(near_kit_ask(&kit, &settings).count, 0);
+    }
+    near_kit_end(&kit);
+}
+
+/* Both surfaces are 1 away, but for a radius that is larger or less by 2^-52. If it
+ * failed: pairs would be compared by sums that are rounded. */
+static void nearest__tells_surfaces_apart_by_the_last_bit(void **state)
+{
+    (void)state;
+    static const double tips[3] = {1, 1 + 0x1p-52, 1 - 0x1p-53};
+    static const uint32_t want[3] = {0, 3, 0}; /* of equals the first */
+    for (int i = 0; i < 3; i++) {
+        struct near_kit kit;
+        set_up_spikes(&kit, tips[i]);
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        assert_int_equal(near_kit_record(&result, 0)->feature_a, want[i]);
+        settings.distance = 1 - 0x1p-52;
+        result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, want[i] == 3);
+        near_kit_end(&kit);
+    }
+}
+
 /* Where the last search ended is where the next one begins, and nothing more: after the
  * objects have moved far, after one has another mesh, and for another end of the step. */
 static void nearest__does_not_depend_on_the_last_answer(void **state)
@@ -316,6 +401,9 @@ int main(void)
         cmocka_unit_test(nearest__has_no_record_beyond_the_distance),
         cmocka_unit_test(nearest__is_of_objects_that_may_meet),
         cmocka_unit_test(nearest__with_a_gap_is_near_enough),
+        cmocka_unit_test(nearest__with_a_gap_has_a_record_as_without),
+        cmocka_unit_test(nearest__is_of_surfaces),
+        cmocka_unit_test(nearest__tells_surfaces_apart_by_the_last_bit),
         cmocka_unit_test(nearest__does_not_depend_on_the_last_answer),
         cmocka_unit_test(nearest__forgets_what_was_replaced),
         cmocka_unit_test(nearest__is_found_wherever_objects_are),

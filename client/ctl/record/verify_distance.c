@@ -98,10 +98,8 @@ static bool make_moment(struct judge *judge)
     judge->moment = (struct oracle_moment){.objects = judge->objects,
                                            .object_count = scene->object_count,
                                            .may_meet = may_meet,
-                                           .context = scene,
-                                           .is_thick = what == PCCD_NEAR_PAIRS ||
-                                                       what == PCCD_NEAR_FEATURES ||
-                                                       what == PCCD_NEAR_NEAREST};
+                                           .context = scene};
+    oracle_moment_thicken(&judge->moment, what);
     return judge->objects != NULL && has_memory;
 }
 
@@ -238,6 +236,19 @@ static bool are_of_one_pair(const struct pccd_near *a, const struct pccd_near *b
            (a->object_a == b->object_b && a->object_b == b->object_a);
 }
 
+/* Are the surfaces of a pair at most the distance apart, and no farther than those of the
+ * nearest by more than the gap? But for what rounding takes or adds. */
+static bool is_within_gap(const struct oracle_near *is, const struct oracle_near *nearest,
+                          const struct record_near *asked)
+{
+    double radii = is->radius[0] + is->radius[1];
+    double of_nearest = nearest->radius[0] + nearest->radius[1];
+    double slack = 0x1p-50 * (radii + of_nearest);
+    double apart = is->record.d_lo - radii - slack;
+    return apart <= nearest->record.d_hi - of_nearest + asked->gap &&
+           apart <= asked->distance;
+}
+
 /* With a gap: of each two objects that have a nearest pair some pair, which is its own
  * numbers long, and no farther than the nearest by more than the gap. */
 static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth)
@@ -257,8 +268,7 @@ static bool check_with_gap(struct judge *judge, const struct oracle_nears *truth
         if (memcmp(is, &must.record, sizeof *is) != 0) {
             return wrong(judge, "its numbers are not those of its pair", i);
         }
-        if (is->d_lo > truth->items[at].record.d_hi + near->asked->gap ||
-            is->d_lo > near->asked->distance + must.radius[0] + must.radius[1]) {
+        if (!is_within_gap(&must, &truth->items[at], near->asked)) {
             return wrong(judge, "another pair is nearer by more than the gap", i);
         }
         before.record = near->records[i > 0 ? i - 1 : 0];

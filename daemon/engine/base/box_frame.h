@@ -68,4 +68,16 @@ static inline double eng_rest_of_difference(double a, double b)
     return (a - (difference - subtracted)) + (-b - subtracted);
 }
 
+/* a - b rounded down, and a + b rounded up. */
+static inline double eng_difference_down(double a, double b)
+{
+    double difference = a - b;
+    return eng_rest_of_difference(a, b) < 0 ? nextafter(difference, -INFINITY)
+                                            : difference;
+}
+static inline double eng_sum_up(double a, double b)
+{
+    return -eng_difference_down(-a, b);
+}
+
 #endif

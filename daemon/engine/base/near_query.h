@@ -21,13 +21,13 @@ struct eng_near_query {
     uint32_t kinds; /* bit k: pairs of enum pccd_kind or pccd_near_kind k are tested */
     uint32_t end;   /* of the step: 0 or 1 */
     double distance;
-    /* Radii and rest of objects enter: pairs within `reach`, the distance and the largest
-     * radii, rounded up, are looked at one by one (thick_work.h). */
+    /* Radii or rest of objects enter: pairs within `reach`, the distance and the largest
+     * radii, rounded up, are looked at one by one (thick_work.h, near_best.h). */
     bool is_thick;
     double reach;
     float growth;       /* the distance as boxes know it, in their frame, rounded up */
     float reach_growth; /* likewise the reach, where boxes have no radii in them */
-    /* VERTICES: by the scene's vertices, the least distance so far: bits of a double,
+    /* VERTICES: by the scene's vertices, the least bound so far: bits of a double,
      * whose order is that of the numbers; first those of INFINITY. */
     _Atomic uint64_t *bounds;
     /* CROSSINGS: some features are known to cross or to touch. Of those that touch no

@@ -1,21 +1,26 @@
-/* daemon/engine/elementary/distance_order.c - which of two distances is less.
+/* daemon/engine/elementary/distance_order.c - which surfaces are less far apart.
  *
  * Room:     engine.
  * Does:     see distance_order.h. The squares are quotients, which are compared by their
- *           products across: num(a) den(b) with num(b) den(a).
+ *           products across: num(a) den(b) with num(b) den(a); with radii, these are
+ *           squared once more (BOUNDS.md).
  * Threads:  one thread for one struct eng_distance_order.
  */
 #include "distance_order.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <math.h>
 
+#include "box_frame.h"
 #include "distance_rule.h"
 #include "memory.h"
 
 /* Quotients, then products of two, then one of these shifted to the length of the other:
- * nothing is longer than twice the longest number. */
-#define LENGTHS (4 + 2 * 2 + 2)
+ * nothing is longer than twice the longest number. With radii: quotients, their
+ * difference and its square, two products of four numbers, one of three, the radii and
+ * their square. */
+#define LENGTHS (4 + 2 + 4 + 4 + 4 + 3 + 1 + 1)
 
 static size_t limbs_of(size_t numbers)
 {
@@ -137,11 +142,129 @@ static enum eng_sign by_integers(struct eng_distance_order *order,
     return sign < 0 ? ENG_MINUS : sign > 0 ? ENG_PLUS : ENG_ZERO;
 }
 
+/* ---- radii ------------------------------------------------------------------------- */
+
+enum eng_sign eng_radii_order(const double a[2], const double b[2])
+{
+    /* Rounding keeps the order: where the sums are equal their rests tell. */
+    double of_a = a[0] + a[1];
+    double of_b = b[0] + b[1];
+    if (of_a == of_b) {
+        of_a = eng_rest_of_difference(a[0], -a[1]);
+        of_b = eng_rest_of_difference(b[0], -b[1]);
+    }
+    return of_a < of_b ? ENG_MINUS : of_a > of_b ? ENG_PLUS : ENG_ZERO;
+}
+
+/* num / den 4^unit, or 0, in a unit that is not larger. */
+struct kept {
+    mpz_t num;
+    mpz_t den;
+    int unit;
+};
+
+static void keep_square(struct eng_limbs *limbs, struct eng_numbers *numbers,
+                        const struct eng_features *features, struct kept *kept)
+{
+    struct square square;
+    eng_limbs_give(limbs, kept->num, ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, kept->den, ENG_NUMBER_BITS);
+    mpz_set_ui(kept->den, 1);
+    kept->unit = INT_MAX;
+    if (features) {
+        bool is_sure = set_square(numbers, true, features, &square);
+        assert(is_sure);
+        (void)is_sure;
+        mpz_set(kept->num, square.num.z);
+        mpz_set(kept->den, square.den.z);
+        kept->unit = square.unit;
+    }
+}
+
+/* Sign of sqrt(a) - sqrt(b) - r 2^unit, r > 0; no unit is less than that. */
+static enum eng_sign by_squares(struct eng_limbs *limbs, struct kept *a, struct kept *b,
+                                mpz_srcptr r, int unit)
+{
+    mpz_t r2, difference, square, left, right, third;
+    eng_limbs_give(limbs, r2, ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, difference, 2 * ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, square, 4 * ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, left, 4 * ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, right, 4 * ENG_NUMBER_BITS);
+    eng_limbs_give(limbs, third, 3 * ENG_NUMBER_BITS);
+    for (int i = 0; i < 2; i++) {
+        struct kept *of = i == 0 ? a : b;
+        if (mpz_sgn(of->num) != 0) {
+            mpz_mul_2exp(of->num, of->num, 2 * (mp_bitcnt_t)(of->unit - unit));
+        }
+    }
+    mpz_mul(r2, r, r);
+    /* The difference of sqrt(a) and sqrt(b) + r is of the sign of a - b - r^2 less
+     * 2 r sqrt(b). All times den(a) den(b): */
+    mpz_mul(left, a->num, b->den);
+    mpz_mul(right, b->num, a->den);
+    mpz_sub(difference, left, right);
+    mpz_mul(left, a->den, b->den);
+    mpz_mul(right, left, r2);
+    mpz_sub(difference, difference, right);
+    if (mpz_sgn(difference) < 0) {
+        return ENG_MINUS;
+    }
+    mpz_mul(square, difference, difference);
+    /* .. and squared: 4 r^2 num(b) den(b) den(a)^2. */
+    mpz_mul(third, left, a->den);
+    mpz_mul(difference, b->num, r2);
+    mpz_mul_2exp(difference, difference, 2);
+    mpz_mul(right, difference, third);
+    int sign = mpz_cmp(square, right);
+    return sign < 0 ? ENG_MINUS : sign > 0 ? ENG_PLUS : ENG_ZERO;
+}
+
+/* Sign of the distance of a, less that of b unless that is NULL, less the sum of
+ * `terms`. */
+static enum eng_sign by_radii(struct eng_distance_order *order,
+                              struct eng_distances *distances,
+                              const struct eng_features *a, const struct eng_features *b,
+                              const double terms[4])
+{
+    struct eng_limbs limbs = {order->block, 0};
+    struct kept of_a;
+    struct kept of_b;
+    mpz_t r;
+    mpz_t term;
+    keep_square(&limbs, &distances->numbers, a, &of_a);
+    keep_square(&limbs, &distances->numbers, b, &of_b);
+    int unit = of_a.unit < of_b.unit ? of_a.unit : of_b.unit;
+    for (int i = 0; i < 4; i++) {
+        unit = eng_lowest_exponent(terms[i], unit);
+    }
+    eng_limbs_give(&limbs, r, ENG_NUMBER_BITS / 2);
+    eng_limbs_give(&limbs, term, ENG_NUMBER_BITS / 2);
+    for (int i = 0; i < 4; i++) {
+        eng_set_scaled(term, terms[i], unit);
+        mpz_add(r, r, term);
+    }
+    int sign = mpz_sgn(r);
+    assert(sign != 0);
+    mpz_abs(r, r);
+    enum eng_sign of = sign > 0 ? by_squares(&limbs, &of_a, &of_b, r, unit)
+                                : by_squares(&limbs, &of_b, &of_a, r, unit);
+    assert(limbs.count <= limbs_of(LENGTHS));
+    return (enum eng_sign)(sign * (int)of);
+}
+
+/* ---- all of it --------------------------------------------------------------------- */
+
 enum eng_sign eng_distance_order(struct eng_distance_order *order,
                                  struct eng_distances *distances,
                                  const struct eng_features *a,
                                  const struct eng_features *b)
 {
+    if (eng_radii_order(a->radius, b->radius) != ENG_ZERO) {
+        const double terms[4] = {a->radius[0], a->radius[1], -b->radius[0],
+                                 -b->radius[1]};
+        return by_radii(order, distances, a, b, terms);
+    }
     if (distances->first != ENG_DISTANCE_BY_INTEGERS) {
         enum eng_sign sign = by_pairs(&distances->numbers, a, b);
         if (sign != ENG_UNSURE) {
@@ -149,4 +272,14 @@ enum eng_sign eng_distance_order(struct eng_distance_order *order,
         }
     }
     return by_integers(order, &distances->numbers, a, b);
+}
+
+bool eng_distance_order_within(struct eng_distance_order *order,
+                               struct eng_distances *distances,
+                               const struct eng_features *features, double d)
+{
+    const double terms[4] = {features->radius[0], features->radius[1], d, 0};
+    return terms[0] == 0 && terms[1] == 0
+               ? eng_distance_within(distances, features->kind, features->x, d)
+               : by_radii(order, distances, features, NULL, terms) != ENG_PLUS;
 }

@@ -13,6 +13,8 @@
 #include <string.h>
 
 #include "distance_quick.h"
+#include "kinds.h"
+#include "thickness.h"
 
 struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vertex,
                                  uint32_t v, uint32_t of_face, uint32_t f)
@@ -53,17 +55,26 @@ struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
     return pair;
 }
 
-void eng_near_best_begin(struct eng_near_best *best, double distance, double gap)
+void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
+                         const double most[2])
 {
     assert(distance >= 0 && gap >= 0);
     best->distance = distance;
     best->gap = gap;
+    memcpy(best->most, most, sizeof best->most);
+    best->radii = eng_sum_up(most[0], most[1]);
     best->is_made = false;
+}
+
+/* Surfaces that are farther apart need not be looked at. */
+static double surfaces_reach(const struct eng_near_best *best)
+{
+    return best->is_made ? best->hi - best->gap : best->distance;
 }
 
 double eng_near_best_reach(const struct eng_near_best *best)
 {
-    return best->is_made ? best->hi - best->gap : best->distance;
+    return eng_sum_up(surfaces_reach(best), best->radii);
 }
 
 /* Is `a` before `b` in canonical order? */
@@ -89,9 +100,20 @@ static bool is_before(const struct eng_scene *scene, const struct eng_near_pair 
 static void load(const struct eng_near_best *best, const struct eng_near_pair *pair,
                  struct eng_features *features)
 {
+    const uint32_t *sides = common_kinds[pair->kind].points;
+    const uint32_t *point = pair->point;
     features->kind = pair->kind;
     for (int i = 0; i < 4; i++) {
-        memcpy(features->x[i], best->x[pair->point[i]], sizeof features->x[i]);
+        memcpy(features->x[i], best->x[point[i]], sizeof features->x[i]);
+    }
+    for (int side = 0; side < 2; point += sides[side++]) {
+        const struct eng_object *object = &best->scene->objects[pair->object[side]];
+        uint32_t v[3] = {0};
+        for (uint32_t i = 0; i < sides[side]; i++) {
+            v[i] = point[i] - object->vertices.first;
+        }
+        features->radius[side] =
+            best->radii > 0 ? eng_thickness_radius(object, v, sides[side]) : 0;
     }
 }
 
@@ -116,8 +138,9 @@ static void rank_points(const struct eng_near_best *best,
 
 /* What is known of a pair by doubles. */
 struct glance {
-    double lo;
+    double lo; /* its surfaces are apart by what is between these */
     double hi;
+    bool touches; /* its distance is known to be 0 */
     bool has_parts;
     uint32_t part_count;
     uint32_t parts[4]; /* indices of positions, rising */
@@ -140,15 +163,25 @@ static void set_parts(const struct eng_near_pair *pair, uint32_t points,
     }
 }
 
+/* From how far apart features are to how far apart their surfaces are. */
+static void set_range(struct glance *glance, double lo, double hi, const double radius[2])
+{
+    glance->touches = hi == 0;
+    glance->lo = eng_difference_down(lo, eng_sum_up(radius[0], radius[1]));
+    glance->hi = eng_sum_up(hi, -eng_difference_down(radius[0], -radius[1]));
+}
+
 static void look_quickly(const struct eng_near_pair *pair,
                          const struct eng_features *features, struct glance *glance)
 {
     struct eng_place place;
-    *glance = (struct glance){.lo = 0, .hi = INFINITY};
+    *glance = (struct glance){.hi = INFINITY};
     if (eng_quick_place(features->kind, features->x, &place)) {
-        glance->lo = place.length - 2 * place.length_error;
-        glance->hi = place.length + 2 * place.length_error;
+        set_range(glance, place.length - 2 * place.length_error,
+                  place.length + 2 * place.length_error, features->radius);
         set_parts(pair, place.points, glance);
+    } else {
+        set_range(glance, 0, INFINITY, features->radius);
     }
 }
 
@@ -162,23 +195,38 @@ static bool has_same_parts(const struct eng_near_best *best, const struct glance
 }
 
 static void take(struct eng_near_best *best, const struct eng_near_pair *pair,
-                 const struct eng_features *features, const struct glance *glance)
+                 const struct eng_features *features, struct glance *glance)
 {
-    best->is_made = true;
-    best->pair = *pair;
-    best->lo = glance->lo;
-    best->hi = glance->hi;
-    best->has_parts = glance->has_parts;
-    best->part_count = glance->part_count;
-    memcpy(best->parts, glance->parts, sizeof best->parts);
     if (!isfinite(glance->hi)) {
         uint8_t rank[4];
         struct eng_distance distance;
         rank_points(best, pair, rank);
         eng_distance_find(best->distances, pair->kind, features->x, rank, &distance);
-        best->lo = distance.lo;
-        best->hi = distance.hi;
+        set_range(glance, distance.lo, distance.hi, features->radius);
     }
+    best->is_made = true;
+    best->pair = *pair;
+    memcpy(best->radius, features->radius, sizeof best->radius);
+    best->lo = glance->lo;
+    best->hi = glance->hi;
+    best->is_least =
+        glance->touches && eng_radii_order(best->radius, best->most) == ENG_ZERO;
+    best->has_parts = glance->has_parts;
+    best->part_count = glance->part_count;
+    memcpy(best->parts, glance->parts, sizeof best->parts);
+}
+
+/* How far apart the surfaces of a pair are less how far those of the best are. */
+static enum eng_sign order(const struct eng_near_best *best,
+                           const struct eng_features *features,
+                           const struct glance *glance)
+{
+    struct eng_features of_best;
+    if (has_same_parts(best, glance)) {
+        return eng_radii_order(best->radius, features->radius);
+    }
+    load(best, &best->pair, &of_best);
+    return eng_distance_order(best->order, best->distances, features, &of_best);
 }
 
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair)
@@ -188,13 +236,13 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
     best->looked++;
     load(best, pair, &features);
     look_quickly(pair, &features, &glance);
-    if (glance.lo > eng_near_best_reach(best)) {
+    if (glance.lo > surfaces_reach(best)) {
         return;
     }
     if (!best->is_made) {
         if (glance.hi <= best->distance ||
-            eng_distance_within(best->distances, pair->kind, features.x,
-                                best->distance)) {
+            eng_distance_order_within(best->order, best->distances, &features,
+                                      best->distance)) {
             take(best, pair, &features, &glance);
         }
         return;
@@ -204,15 +252,10 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
         return;
     }
     bool comes_first = is_before(best->scene, pair, &best->pair);
-    if (!comes_first && (best->hi == 0 || has_same_parts(best, &glance))) {
+    if (!comes_first && best->is_least) {
         return;
     }
-    enum eng_sign sign = ENG_ZERO;
-    if (!has_same_parts(best, &glance)) {
-        struct eng_features of_best;
-        load(best, &best->pair, &of_best);
-        sign = eng_distance_order(best->order, best->distances, &features, &of_best);
-    }
+    enum eng_sign sign = order(best, &features, &glance);
     if (sign == ENG_MINUS || (sign == ENG_ZERO && comes_first)) {
         take(best, pair, &features, &glance);
     }

@@ -2,8 +2,9 @@
  * looked at so far.
  *
  * Room:     engine. May include: distance_order.h, world.h.
- * Does:     take a pair that is nearer, exactly, or as near and before in canonical
- *           order; say how far away a pair may be and still matter; describe the pair.
+ * Does:     take a pair whose surfaces are nearer, exactly, or as near and before in
+ *           canonical order; say how far away a pair may be and still matter; describe
+ *           the pair.
  * Does not: know where pairs come from (near_search.h).
  * Threads:  one thread for one struct eng_near_best.
  * Source:   elementary/BOUNDS.md, "Which distance is less".
@@ -40,22 +41,29 @@ struct eng_near_best {
     const double (*x)[3]; /* the scene's positions at the moment */
     struct eng_distances *distances;
     struct eng_distance_order *order;
+    /* Of what a pair's surfaces, its distance less its radii, are apart: */
     double distance; /* what is farther does not count; INFINITY: all does */
     double gap;      /* what is nearer by at most that need not be found */
+    double most[2];  /* the largest radii of the two objects; zeros: they are thin */
+    double radii;    /* their sum, rounded up */
     bool is_made;
     struct eng_near_pair pair;
-    double lo; /* its distance is between these */
+    double radius[2]; /* of the pair */
+    double lo;        /* its surfaces are apart by what is between these */
     double hi;
+    bool is_least;  /* no surfaces are nearer */
     bool has_parts; /* it is known what its distance is between: these indices */
     uint32_t part_count;
     uint32_t parts[4];
     uint64_t looked; /* pairs since looked was 0 */
 };
 
-/* Nothing was looked at. distance >= 0, gap >= 0. */
-void eng_near_best_begin(struct eng_near_best *best, double distance, double gap);
+/* Nothing was looked at. distance >= 0, gap >= 0, most as in the struct. */
+void eng_near_best_begin(struct eng_near_best *best, double distance, double gap,
+                         const double most[2]);
 
-/* A pair that is farther away than that need not be looked at; negative: none need. */
+/* A pair whose distance is more, whatever its radii, need not be looked at; negative:
+ * none need. */
 double eng_near_best_reach(const struct eng_near_best *best);
 
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair);

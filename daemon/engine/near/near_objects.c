@@ -12,9 +12,8 @@
 #include <string.h>
 
 #include "array.h"
-#include "kinds.h"
 #include "memory.h"
-#include "thick_work.h"
+#include "thickness.h"
 
 #define SHARE_FACES 256u
 
@@ -271,28 +270,13 @@ static void add_record(const struct eng_near_search *search, struct eng_worker *
     }
 }
 
-/* Is the nearest pair within the distance and its radii? */
-static bool is_near_enough(const struct eng_near_search *search,
-                           struct eng_worker *worker)
+/* The largest radius of an object, if radii count. */
+static double largest_radius(const struct eng_near_objects *objects,
+                             const struct eng_worker *worker, uint32_t object)
 {
-    static const uint32_t quad[4] = {0, 1, 2, 3};
-    const struct eng_near_best *best = &search->best;
-    const struct eng_scene *scene = search->scene;
-    struct eng_point points[4];
-    if (!worker->settings->near->is_thick) {
-        return true;
-    }
-    for (uint32_t i = 0; i < 4; i++) {
-        uint32_t side = i >= common_kinds[best->pair.kind].points[0];
-        uint32_t v = best->pair.point[i];
-        uint32_t at = best->pair.object[side];
-        const struct eng_object *object = &scene->objects[at];
-        memcpy(points[i].x0, best->x[v], sizeof points[i].x0);
-        memcpy(points[i].x1, best->x[v], sizeof points[i].x1);
-        points[i].word0 = (uint64_t)at << 32 | v;
-        points[i].word1 = (uint64_t)object->id << 32 | (v - object->vertices.first);
-    }
-    return eng_thick_is_near(worker, best->pair.kind, points, quad, best->lo, best->hi);
+    return worker->settings->near->is_thick
+               ? eng_thickness_most(&objects->scene->objects[object])
+               : 0;
 }
 
 /* An object with all that begin behind it. */
@@ -302,24 +286,28 @@ static void perform_nearest(struct eng_near_objects *objects,
 {
     uint32_t a = objects->shares[share].object;
     const struct eng_bounds *of_a = bounds_of(objects, a);
-    double reach = worker->settings->near->reach;
+    double distance = objects->ask.distance;
+    double most[2] = {largest_radius(objects, worker, a), 0};
     for (uint32_t i = share + 1; i < objects->share_count; i++) {
         uint32_t b = objects->shares[i].object;
-        if (objects->shares[i].low - of_a->high[0] > reach ||
+        if (objects->shares[i].low - of_a->high[0] > worker->settings->near->reach ||
             ((i & 1023u) == 0 && eng_worker_should_stop(worker))) {
             return;
         }
-        if (!is_asked(objects, a, b) || are_farther(of_a, bounds_of(objects, b), reach)) {
+        most[1] = largest_radius(objects, worker, b);
+        if (!is_asked(objects, a, b) ||
+            are_farther(of_a, bounds_of(objects, b),
+                        eng_sum_up(distance, eng_sum_up(most[0], most[1])))) {
             continue;
         }
         struct eng_near_pair first;
         bool is_warm = eng_near_warm_find(&objects->warm, objects->scene, a, b, &first);
         worker->record.task_units++;
-        if (!eng_near_search_objects(search, a, b, reach, objects->ask.gap,
+        if (!eng_near_search_objects(search, a, b, distance, objects->ask.gap, most,
                                      is_warm ? &first : NULL)) {
             return;
         }
-        if (search->best.is_made && is_near_enough(search, worker)) {
+        if (search->best.is_made) {
             add_record(search, worker);
         }
     }

@@ -245,22 +245,24 @@ static void open_both(struct eng_near_search *search, const uint32_t node[2])
     }
 }
 
+static const double thin[2] = {0, 0};
+
 static void begin(struct eng_near_search *search, uint32_t a, uint32_t b, double distance,
-                  double gap)
+                  double gap, const double most[2])
 {
     assert(a != b);
     set_frames(search, a, b);
-    eng_near_best_begin(&search->best, distance, gap);
+    eng_near_best_begin(&search->best, distance, gap, most);
     search->reach = NAN; /* so that a limit is set */
     set_limit(search);
     search->item_count = 0;
 }
 
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
-                             double distance, double gap,
+                             double distance, double gap, const double most[2],
                              const struct eng_near_pair *first)
 {
-    begin(search, a, b, distance, gap);
+    begin(search, a, b, distance, gap, most);
     if (first) {
         eng_near_best_look(&search->best, first);
         set_limit(search);
@@ -323,7 +325,7 @@ bool eng_near_search_crossings(struct eng_near_search *search, uint32_t a, uint3
                                uint64_t *crossings)
 {
     *crossings = 0;
-    begin(search, a, b, 0, 0);
+    begin(search, a, b, 0, 0, thin);
     search->method->faces_of(search->scene, a, search->end, &search->faces[0]);
     search->method->faces_of(search->scene, b, search->end, &search->faces[1]);
     search->items[search->item_count++] =
@@ -386,7 +388,7 @@ static void begin_point(struct eng_near_search *search, uint32_t of_vertex, uint
                         uint32_t of_faces, float box[2][4])
 {
     const struct eng_object *object = &search->scene->objects[of_vertex];
-    begin(search, of_vertex, of_faces, INFINITY, 0);
+    begin(search, of_vertex, of_faces, INFINITY, 0, thin);
     search->method->faces_of(search->scene, of_faces, search->end, &search->faces[1]);
     search->items[search->item_count++] =
         (struct eng_near_item){.node = {0, search->faces[1].root}};

@@ -56,10 +56,11 @@ void eng_near_search_at(struct eng_near_search *search,
                         const struct eng_method_calls *method, struct eng_worker *worker,
                         uint32_t end);
 
-/* The nearest pair of two objects, within the distance, goes to search->best. `first`,
- * NULL or a pair of theirs, is looked at before any other. False: it was stopped. */
+/* The pair of two objects whose surfaces are nearest, and within the distance, goes to
+ * search->best; most: their largest radii, or zeros. `first`, NULL or a pair of theirs,
+ * is looked at before any other. False: it was stopped. */
 bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_t b,
-                             double distance, double gap,
+                             double distance, double gap, const double most[2],
                              const struct eng_near_pair *first);
 
 /* Edges of either object that pass through faces of the other. False: it was stopped. */

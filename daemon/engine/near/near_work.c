@@ -294,7 +294,7 @@ static uint32_t keep_within(struct eng_worker *worker, enum pccd_kind kind,
     uint32_t kept = 0;
     for (uint32_t i = 0; i < found; i++) {
         if (eng_thick_is_near(worker, kind, points, quads[batch->index[i]],
-                              batch->found[i].lo, batch->found[i].hi)) {
+                              &batch->found[i])) {
             batch->index[kept] = batch->index[i];
             batch->found[kept++] = batch->found[i];
         }

@@ -301,23 +301,37 @@ static bool is_within(struct eng_thick_work *work, enum pccd_kind kind,
 }
 
 bool eng_thick_is_near(struct eng_worker *worker, enum pccd_kind kind,
-                       const struct eng_point *points, const uint32_t quad[4], double lo,
-                       double hi)
+                       const struct eng_point *points, const uint32_t quad[4],
+                       struct eng_distance *found)
 {
     const struct eng_near_query *near = worker->settings->near;
     struct eng_thick_work *work = eng_thick_work_of(worker);
     const uint32_t *sides = common_kinds[kind].points;
     struct pair pair = pair_of(worker->scene, points, quad, sides);
-    const double radius[3] = {
-        eng_thickness_radius(pair.object[0], pair.v, sides[0]),
-        eng_thickness_radius(pair.object[1], pair.v + sides[0], sides[1]),
-        near->distance};
-    double most = eng_thick_reach(radius);
-    if (lo > most || rests(work, kind, &pair)) {
+    bool is_bound = near->what == PCCD_NEAR_VERTICES;
+    double radius[3] = {eng_thickness_radius(pair.object[0], pair.v, sides[0]),
+                        eng_thickness_radius(pair.object[1], pair.v + sides[0], sides[1]),
+                        near->distance};
+    if (found->lo > eng_thick_reach(radius)) {
         return false;
     }
-    return hi <= most * (1 - 16 * ENG_U) ||
-           is_within(work, kind, points, quad, near->end, radius, &worker->exact);
+    if (rests(work, kind, &pair)) {
+        if (!is_bound) {
+            return false;
+        }
+        radius[0] = radius[1] = 0;
+    }
+    double most = eng_thick_reach(radius);
+    if (found->lo > most ||
+        (found->hi > most * (1 - 16 * ENG_U) &&
+         !is_within(work, kind, points, quad, near->end, radius, &worker->exact))) {
+        return false;
+    }
+    if (is_bound) {
+        found->lo =
+            fmax(eng_difference_down(found->lo, eng_sum_up(radius[0], radius[1])), 0);
+    }
+    return true;
 }
 
 /* ---- candidates -------------------------------------------------------------------- */

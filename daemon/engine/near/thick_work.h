@@ -52,11 +52,12 @@ uint32_t eng_thick_test(struct eng_worker *worker, enum pccd_kind kind,
                         const struct eng_point *points, const uint32_t (*quads)[4],
                         uint32_t count, bool is_sifted, eng_names_fn names);
 
-/* Of what is near: is a pair whose distance is between `lo` and `hi` within that of the
- * question and its radii, and not left out for its rest? Exactly. */
+/* Of what is near: is a pair whose distance is *found within that of the question and its
+ * radii, and not left out for its rest? Exactly. VERTICES: found->lo becomes its bound,
+ * and what is left thin has no radii. */
 bool eng_thick_is_near(struct eng_worker *worker, enum pccd_kind kind,
-                       const struct eng_point *points, const uint32_t quad[4], double lo,
-                       double hi);
+                       const struct eng_point *points, const uint32_t quad[4],
+                       struct eng_distance *found);
 
 /* Mode pairs: is a pair left out, as along an axis all points of one feature lie more
  * than r above all points of the other, at both ends of the step? Decided exactly. */

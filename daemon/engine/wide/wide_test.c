@@ -262,18 +262,24 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
 }
 
 /* What was found of the pairs of work->quads is known of their points from now on: a pair
- * that is farther apart than each of its own can be is not looked for any more. */
+ * that is farther apart than the bound of each of its own and any radii is not looked for
+ * any more. */
 static void tell_marks(struct eng_worker *worker, uint32_t found)
 {
     struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
     const struct eng_wide_work *work = eng_wide_work_of(worker);
+    const struct eng_near_query *near = worker->settings->near;
     double scale = wide->frame_scale * wide->grid.scale;
+    double radii = near->is_thick ? near->reach - near->distance : 0;
     float reach = reach_of(worker);
     for (uint32_t i = 0; i < found && reach > 0; i++) {
-        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]],
-                           worker->settings->near->end, reach,
-                           eng_wide_cells_of(batch->found[i].lo * scale));
+        double known = batch->found[i].lo;
+        if (radii > 0) { /* they are taken off lengths that are rounded down to 33 bits */
+            known = (known + radii) * (1 + 0x1p-30);
+        }
+        eng_wide_mark_near(wide->marks, work->quads[batch->index[i]], near->end, reach,
+                           eng_wide_cells_of(known * scale));
     }
 }
 
