@@ -251,7 +251,7 @@ static void long__nine_users_shut_nobody_out(void **state)
 
     (void)state;
     if (geteuid() != 0) {
-        skip();
+        test_skip(TEST_ONLY_ROOT);
     }
     for (int i = 0; i < HOGS_MAX; i++) {
         let_in(i, HOG_COINCIDENT, sizes_checked[HOG_COINCIDENT], OTHER_USER - (uid_t)i);
