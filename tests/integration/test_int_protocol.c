@@ -168,9 +168,9 @@ static void status__a_handle_that_cannot_be_had_says_why(void **state)
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
     announce.want = announced.mesh;
     refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "place is taken");
+    announce.want = 7; /* of no generation */
+    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_HANDLE, "no such handle");
     announce.want = announced.mesh + 3000;
-    refuse(PROTO_METHOD_MESH_CREATE, &announce, PCCD_E_LIMIT, "places empty");
-    announce.want = announced.mesh + 7;
     call(PROTO_METHOD_MESH_CREATE, &announce, &announced);
     assert_int_equal(announced.mesh, announce.want);
     if (test_is_direct()) {

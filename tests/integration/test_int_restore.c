@@ -315,6 +315,76 @@ static void restore__answers_batches_as_if_nothing_had_happened(void **state)
     finish(client);
 }
 
+/* ---- handles whose places lie above empty ones ------------------------------------- */
+
+#define LOSERS 1500u
+
+static const uint32_t one_triangle[1][3] = {{0, 1, 2}};
+static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+
+/* If it failed, a client whose scenes have each lost a few objects would not come back
+ * after a crash. */
+static void restore__brings_back_scenes_that_have_lost_objects(void **state)
+{
+    static uint32_t scenes[LOSERS], left[LOSERS];
+    struct pccd_client *client;
+    uint32_t mesh;
+
+    (void)state;
+    start("4096");
+    client = connect_with(4, 4096);
+    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
+                                      1, &mesh, NULL),
+                     0);
+    for (uint32_t i = 0; i < LOSERS; i++) {
+        uint32_t lost[2];
+
+        assert_int_equal(pccd_scene_create(client, NULL, &scenes[i]), 0);
+        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &lost[0]), 0);
+        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &lost[1]), 0);
+        assert_int_equal(pccd_scene_add(client, scenes[i], mesh, &left[i]), 0);
+        assert_int_equal(pccd_scene_remove(client, scenes[i], lost[0]), 0);
+        assert_int_equal(pccd_scene_remove(client, scenes[i], lost[1]), 0);
+    }
+    assert_int_equal(kill((pid_t)pccd_daemon_pid(client), SIGKILL), 0);
+    for (uint32_t i = 0; i < LOSERS; i += LOSERS / 3) {
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+
+        assert_int_equal(pccd_step_x1(client, scenes[i], left[i], corners,
+                                      PCCD_FORMAT_F32, 3, NULL, &answer),
+                         0);
+        pccd_answer_release(client, &answer);
+    }
+    assert_int_equal(link_of(client).reconnects, 1);
+    finish(client);
+}
+
+/* If it failed, a long recording could not be played again: after some 200 scenes that
+ * had lost objects, and were destroyed, no other could be had. */
+static void restore__wanted_places_cost_nothing_when_their_scene_is_gone(void **state)
+{
+    const uint32_t want = 1u << 20 | 60000u;
+    struct pccd_client *client;
+    uint32_t mesh;
+
+    (void)state;
+    start("4096");
+    client = connect_with(4, 4096);
+    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
+                                      1, &mesh, NULL),
+                     0);
+    for (uint32_t i = 0; i < 100; i++) {
+        uint32_t scene, object;
+
+        assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+        assert_int_equal(pccd_want(client, want), 0);
+        assert_int_equal(pccd_scene_add(client, scene, mesh, &object), 0);
+        assert_int_equal(object, want);
+        assert_int_equal(pccd_scene_destroy(client, scene), 0);
+    }
+    finish(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -323,6 +393,8 @@ int main(void)
         cmocka_unit_test(restore__begins_anew_when_the_daemon_ends_meanwhile),
         cmocka_unit_test(restore__gives_up_a_mesh_that_ends_every_daemon),
         cmocka_unit_test(restore__answers_batches_as_if_nothing_had_happened),
+        cmocka_unit_test(restore__brings_back_scenes_that_have_lost_objects),
+        cmocka_unit_test(restore__wanted_places_cost_nothing_when_their_scene_is_gone),
     };
 
     return cmocka_run_group_tests_name("int_restore", tests, NULL, NULL);

@@ -1,13 +1,14 @@
 /* handles.c - numbers that stand for things, safe against reuse.
  *
  * Room:     service. See handles.h.
- * Does:     a growing array of slots with a first-in first-out list of free ones in it.
+ * Does:     an array of slots with a first-in first-out list of free ones in it.
  * Does not: shrink: a session's tables go with the session.
  * Threads:  one at a time.
  */
 #include "handles.h"
 
-#include <stdlib.h>
+#include <stdbool.h>
+#include <string.h>
 
 #include "invariant.h"
 #include "pccd_types.h"
@@ -27,57 +28,45 @@ void srv_handles_init(struct srv_handles *handles, uint32_t max,
     };
 }
 
-void srv_handles_deinit(struct srv_handles *handles)
+struct srv_handle_slot *srv_handles_deinit(struct srv_handles *handles)
 {
-    free(handles->slots);
+    struct srv_handle_slot *slots = handles->slots;
     *handles = (struct srv_handles){.free_first = NO_INDEX, .free_last = NO_INDEX};
+    return slots;
 }
 
-/* Room for at least `count` slots, of which there are at most `max`. */
-static int grow(struct srv_handles *handles, uint32_t count)
+/* Whether a handle can lead to a place of the table. */
+static bool is_possible(const struct srv_handles *handles, uint32_t want)
 {
+    return want >> SRV_HANDLE_INDEX_BITS != 0 && srv_handle_index(want) < handles->max;
+}
+
+uint32_t srv_handles_needs(const struct srv_handles *handles, uint32_t want)
+{
+    uint32_t count = want == 0 ? handles->used + (handles->free_first == NO_INDEX)
+                     : is_possible(handles, want) ? srv_handle_index(want) + 1
+                                                  : 0;
+    if (count <= handles->capacity || count > handles->max) {
+        return 0;
+    }
     uint32_t capacity = handles->capacity == 0 ? CAPACITY_FIRST : handles->capacity * 2;
     while (capacity < count) { /* ends: an index has 20 bits */
         capacity *= 2;
     }
-    if (capacity > handles->max) {
-        capacity = handles->max;
-    }
-    PCCD_ASSERT(capacity >= count);
-    struct srv_handle_slot *slots =
-        realloc(handles->slots, (size_t)capacity * sizeof *slots);
-    if (slots == NULL) {
-        return PCCD_E_NOMEM;
+    return capacity < handles->max ? capacity : handles->max;
+}
+
+struct srv_handle_slot *srv_handles_move(struct srv_handles *handles,
+                                         struct srv_handle_slot *slots, uint32_t capacity)
+{
+    struct srv_handle_slot *before = handles->slots;
+    PCCD_ASSERT(capacity > handles->capacity && capacity <= handles->max);
+    if (handles->used > 0) {
+        memcpy(slots, before, handles->used * sizeof *slots);
     }
     handles->slots = slots;
     handles->capacity = capacity;
-    return 0;
-}
-
-int srv_handles_add(struct srv_handles *handles, void *item, uint32_t *handle)
-{
-    PCCD_ASSERT(item != NULL);
-    if (handles->count >= handles->max) {
-        return PCCD_E_LIMIT;
-    }
-    uint32_t index = handles->free_first;
-    if (index != NO_INDEX) {
-        handles->free_first = handles->slots[index].next_free;
-        if (handles->free_first == NO_INDEX) {
-            handles->free_last = NO_INDEX;
-        }
-    } else {
-        if (handles->used == handles->capacity && grow(handles, handles->used + 1) != 0) {
-            return PCCD_E_NOMEM;
-        }
-        index = handles->used++;
-        handles->slots[index].generation = handles->generation_first;
-    }
-    handles->slots[index].item = item;
-    handles->slots[index].next_free = NO_INDEX;
-    handles->count++;
-    *handle = handles->slots[index].generation << SRV_HANDLE_INDEX_BITS | index;
-    return 0;
+    return before;
 }
 
 void *srv_handles_get(const struct srv_handles *handles, uint32_t handle)
@@ -93,12 +82,14 @@ void *srv_handles_get(const struct srv_handles *handles, uint32_t handle)
 /* Put an empty slot at the end of the free list. */
 static void append_free(struct srv_handles *handles, uint32_t index)
 {
-    handles->slots[index].item = NULL;
-    handles->slots[index].next_free = NO_INDEX;
+    struct srv_handle_slot *slot = &handles->slots[index];
+    slot->item = NULL;
+    slot->free_before = handles->free_last;
+    slot->free_behind = NO_INDEX;
     if (handles->free_last == NO_INDEX) {
         handles->free_first = index;
     } else {
-        handles->slots[handles->free_last].next_free = index;
+        handles->slots[handles->free_last].free_behind = index;
     }
     handles->free_last = index;
 }
@@ -106,52 +97,56 @@ static void append_free(struct srv_handles *handles, uint32_t index)
 /* Take a slot that is in the free list out of it. */
 static void unlink_free(struct srv_handles *handles, uint32_t index)
 {
-    uint32_t before = NO_INDEX;
-    for (uint32_t at = handles->free_first; at != index;
-         at = handles->slots[at].next_free) {
-        PCCD_ASSERT(at != NO_INDEX);
-        before = at;
-    }
-    uint32_t next = handles->slots[index].next_free;
-    if (before == NO_INDEX) {
-        handles->free_first = next;
+    const struct srv_handle_slot *slot = &handles->slots[index];
+    if (slot->free_before == NO_INDEX) {
+        handles->free_first = slot->free_behind;
     } else {
-        handles->slots[before].next_free = next;
+        handles->slots[slot->free_before].free_behind = slot->free_behind;
     }
-    if (handles->free_last == index) {
-        handles->free_last = before;
+    if (slot->free_behind == NO_INDEX) {
+        handles->free_last = slot->free_before;
+    } else {
+        handles->slots[slot->free_behind].free_before = slot->free_before;
     }
 }
 
-int srv_handles_add_at(struct srv_handles *handles, void *item, uint32_t handle,
-                       uint32_t skip_max, uint32_t *skipped)
+/* A place that is in use for the first time; those before it that were not are free. */
+static void use_new(struct srv_handles *handles, uint32_t index)
 {
-    uint32_t index = srv_handle_index(handle);
-    uint32_t generation = handle >> SRV_HANDLE_INDEX_BITS;
+    PCCD_ASSERT(index < handles->capacity);
+    for (; handles->used <= index; handles->used++) {
+        handles->slots[handles->used].generation = handles->generation_first;
+        if (handles->used < index) {
+            append_free(handles, handles->used);
+        }
+    }
+}
+
+int srv_handles_add(struct srv_handles *handles, void *item, uint32_t want,
+                    uint32_t *handle)
+{
+    uint32_t index = want != 0                         ? srv_handle_index(want)
+                     : handles->free_first != NO_INDEX ? handles->free_first
+                                                       : handles->used;
     PCCD_ASSERT(item != NULL);
-    *skipped = 0;
-    if (generation == 0 || index >= handles->max ||
-        (index < handles->used && handles->slots[index].item != NULL)) {
+    if (want == 0 && handles->count >= handles->max) {
+        return PCCD_E_LIMIT;
+    }
+    if (want != 0 && (!is_possible(handles, want) ||
+                      (index < handles->used && handles->slots[index].item != NULL))) {
         return PCCD_E_HANDLE;
     }
     if (index < handles->used) {
         unlink_free(handles, index);
     } else {
-        if (index - handles->used > skip_max) {
-            return PCCD_E_LIMIT;
-        }
-        if (index >= handles->capacity && grow(handles, index + 1) != 0) {
-            return PCCD_E_NOMEM;
-        }
-        for (; handles->used < index; handles->used++, (*skipped)++) {
-            handles->slots[handles->used].generation = handles->generation_first;
-            append_free(handles, handles->used);
-        }
-        handles->used++;
+        use_new(handles, index);
     }
-    handles->slots[index] = (struct srv_handle_slot){
-        .item = item, .generation = generation, .next_free = NO_INDEX};
+    handles->slots[index].item = item;
+    if (want != 0) {
+        handles->slots[index].generation = want >> SRV_HANDLE_INDEX_BITS;
+    }
     handles->count++;
+    *handle = srv_handles_at(handles, index);
     return 0;
 }
 

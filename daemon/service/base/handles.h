@@ -5,7 +5,7 @@
  * Does:     map u32 handles to pointers: index in the low 20 bits, generation (1 .. 4095)
  *           in the high 12. A handle is never 0; a removed one stays unknown until its
  *           index has been reused 4095 times.
- * Does not: own what the pointers lead to.
+ * Does not: own what the pointers lead to, or allocate: somebody pays for the places.
  * Threads:  one at a time.
  */
 #ifndef SRV_HANDLES_H
@@ -18,14 +18,15 @@
 #define SRV_HANDLE_GENERATION_MAX 4095u
 
 struct srv_handle_slot {
-    void *item;          /* NULL: free */
-    uint32_t generation; /* of the item here, or of the next one */
-    uint32_t next_free;  /* index, when free */
+    void *item;           /* NULL: free */
+    uint32_t generation;  /* of the item here, or of the next one */
+    uint32_t free_before; /* indices, when free */
+    uint32_t free_behind;
 };
 
 struct srv_handles {
     struct srv_handle_slot *slots;
-    uint32_t capacity;   /* slots allocated */
+    uint32_t capacity;   /* slots that there are */
     uint32_t used;       /* slots ever used: [0, used) are initialised */
     uint32_t max;        /* items at most */
     uint32_t count;      /* items now */
@@ -40,21 +41,25 @@ static inline uint32_t srv_handle_index(uint32_t handle)
 }
 
 /* `max` 1 .. 2^20. Tables whose `generation_first` (reduced to 1 .. 4095) differ do not
- * share handles until an index has been reused often. Allocates nothing yet. */
+ * share handles until an index has been reused often. */
 void srv_handles_init(struct srv_handles *handles, uint32_t max,
                       uint32_t generation_first);
-void srv_handles_deinit(struct srv_handles *handles);
+/* Empty it for good; returns its slots, which are the caller's again. */
+struct srv_handle_slot *srv_handles_deinit(struct srv_handles *handles);
 
-/* A handle for `item` (not NULL). Returns 0, PCCD_E_LIMIT (`max` are in use) or
- * PCCD_E_NOMEM. */
-int srv_handles_add(struct srv_handles *handles, void *item, uint32_t *handle);
+/* How many slots it needs before an item can be added, with the handle `want` or, 0, with
+ * any. No more than `capacity`: it has them. */
+uint32_t srv_handles_needs(const struct srv_handles *handles, uint32_t want);
+/* Give it so many slots, more than it has. Returns those that it had, likewise. */
+struct srv_handle_slot *srv_handles_move(struct srv_handles *handles,
+                                         struct srv_handle_slot *slots,
+                                         uint32_t capacity);
 
-/* The same for a handle of the caller's choice. Places of the table that it leaves empty
- * before it are counted in *skipped, at most skip_max. Returns 0, PCCD_E_HANDLE (the
- * place is in use, or no handle is like that), PCCD_E_LIMIT (too many would be left
- * empty) or PCCD_E_NOMEM. */
-int srv_handles_add_at(struct srv_handles *handles, void *item, uint32_t handle,
-                       uint32_t skip_max, uint32_t *skipped);
+/* A handle for `item` (not NULL): `want`, or, 0, any. It has the slots that it needs.
+ * Returns 0, PCCD_E_LIMIT (`max` are in use) or PCCD_E_HANDLE (the place of `want` is in
+ * use, or no handle is like that). */
+int srv_handles_add(struct srv_handles *handles, void *item, uint32_t want,
+                    uint32_t *handle);
 
 /* The item, or NULL for an unknown or stale handle. */
 void *srv_handles_get(const struct srv_handles *handles, uint32_t handle);

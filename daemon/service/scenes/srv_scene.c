@@ -68,7 +68,7 @@ static void scene_free_rest(struct srv_job *job)
         srv_compute_push_reap(session->owner.pages, &session->owner.page_lane, job);
         return;
     }
-    srv_handles_deinit(&scene->objects);
+    srv_session_drop_handles(session, &scene->objects);
     session->service->metrics.counters.scenes_now--;
     session->scene_count--;
     srv_enginemem_delete(session->owner.user, scene);
@@ -214,8 +214,9 @@ int srv_scene_admit(struct srv_scene *scene, struct srv_session *session,
     if (item == NULL) {
         return error->code;
     }
-    int status = srv_session_handle(session, &scene->objects, "object", item, *object,
-                                    object, error);
+    int status =
+        srv_session_handle(srv_session_of(scene->resource.owner), &scene->objects,
+                           "object", item, *object, object, error);
     if (status != 0) {
         object_free(item);
         return status;

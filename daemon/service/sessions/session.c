@@ -21,6 +21,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "enginemem.h"
 #include "host.h"
 #include "invariant.h"
 #include "laststep.h"
@@ -152,34 +153,49 @@ void srv_session_detach(struct srv_session *session)
 static int refuse_handle(const struct srv_handles *handles, const char *what,
                          uint32_t want, int status, struct proto_error *error)
 {
-    if (status == PCCD_E_NOMEM) {
-        return proto_error_set(error, status, "no memory for another %s", what);
-    }
     if (want == 0) {
         return proto_error_set(error, status, "no room for another %s: there are %u",
                                what, handles->count);
     }
-    return proto_error_set(error, status, "%s 0x%x cannot be had: %s", what, want,
-                           status == PCCD_E_LIMIT
-                               ? "it would leave too many places empty before it"
-                               : "its place is taken, or there is no such handle");
+    return proto_error_set(error, status,
+                           "%s 0x%x cannot be had: its place is taken, or there is no "
+                           "such handle",
+                           what, want);
+}
+
+/* The slots are the user's, empty ones, too: a handle that is wanted may leave some. */
+static int make_slots(struct srv_session *session, struct srv_handles *handles,
+                      uint32_t want, struct proto_error *error)
+{
+    struct srv_quota_user *user = session->owner.user;
+    uint32_t count = srv_handles_needs(handles, want);
+    if (count <= handles->capacity) {
+        return 0;
+    }
+    struct srv_handle_slot *slots =
+        srv_enginemem_new(user, count * sizeof *slots, "a table of handles", error);
+    if (slots == NULL) {
+        return error->code;
+    }
+    srv_enginemem_delete(user, srv_handles_move(handles, slots, count));
+    return 0;
 }
 
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
                        const char *what, void *item, uint32_t want, uint32_t *handle,
                        struct proto_error *error)
 {
-    uint32_t skipped = 0;
-    int status =
-        want == 0 ? srv_handles_add(handles, item, handle)
-                  : srv_handles_add_at(handles, item, want,
-                                       SRV_SKIPPED_MAX - session->skip_count, &skipped);
+    int status = make_slots(session, handles, want, error);
     if (status != 0) {
-        return refuse_handle(handles, what, want, status, error);
+        return status;
     }
-    session->skip_count += skipped;
-    *handle = want == 0 ? *handle : want;
-    return 0;
+    status = srv_handles_add(handles, item, want, handle);
+    return status != 0 ? refuse_handle(handles, what, want, status, error) : 0;
+}
+
+void srv_session_drop_handles(struct srv_session *session, struct srv_handles *handles)
+{
+    srv_enginemem_delete(session->owner.user, srv_handles_deinit(handles));
 }
 
 void srv_session_settle(struct srv_session *session)
@@ -200,8 +216,8 @@ void srv_session_settle(struct srv_session *session)
     if (session->next != NULL) {
         session->next->prev = session->prev;
     }
-    srv_handles_deinit(&session->scenes);
-    srv_handles_deinit(&session->meshes);
+    srv_session_drop_handles(session, &session->scenes);
+    srv_session_drop_handles(session, &session->meshes);
     srv_laststep_set(&service->spare_step, &session->last_step, NULL);
     srv_replies_free(session->replies);
     PCCD_ASSERT(session->spare_requests == NULL);

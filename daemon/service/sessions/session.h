@@ -22,7 +22,6 @@
 
 #define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
 #define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
-#define SRV_SKIPPED_MAX  2048u /* places of a session's tables that may be left empty */
 
 enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
@@ -58,7 +57,6 @@ struct srv_session {
     uint64_t token[2];              /* secret of a resumable session */
     struct srv_replies *replies;    /* NULL: the session cannot be resumed */
     uint64_t lost_ns;               /* WAITING: since when */
-    uint32_t skip_count;            /* places of tables that wanted handles left empty */
     bool counted;                   /* charged as a client of its user */
     bool is_host;                   /* it was made to hold a shared scene */
     bool attaching;                 /* a ring is being created */
@@ -104,12 +102,14 @@ void srv_session_detach(struct srv_session *session);
 /* Hello was answered. */
 void srv_session_open(struct srv_session *session, uint32_t version);
 
-/* A handle for `item`, a `what` ("scene"), in a table of the session: `want`, or any when
- * that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place is taken, or it is
- * none of ours), PCCD_E_LIMIT or PCCD_E_NOMEM. */
+/* A handle for `item`, a `what` ("scene"), in a table that the session's user pays for:
+ * `want`, or any when that is 0. Returns 0, or with *error set PCCD_E_HANDLE (its place
+ * is taken, or it is none of ours), PCCD_E_LIMIT, PCCD_E_QUOTA or PCCD_E_NOMEM. */
 int srv_session_handle(struct srv_session *session, struct srv_handles *handles,
                        const char *what, void *item, uint32_t want, uint32_t *handle,
                        struct proto_error *error);
+/* Free such a table, in which nothing is left. */
+void srv_session_drop_handles(struct srv_session *session, struct srv_handles *handles);
 
 /* Free a closed session that nothing refers to any more; otherwise nothing. */
 void srv_session_settle(struct srv_session *session);
