@@ -193,6 +193,19 @@ int proto_memory_give_back(struct proto_memory *memory, size_t from, size_t to)
     return advise(memory, from, to, MADV_REMOVE, false) == 0 ? 0 : PCCD_E_SYSTEM;
 }
 
+int proto_memory_share(const struct proto_memory *memory)
+{
+    return fcntl(memory->fd, F_DUPFD_CLOEXEC, 0);
+}
+
+size_t proto_memory_held(const struct proto_memory *memory)
+{
+    struct stat info;
+    return memory->fd >= 0 && fstat(memory->fd, &info) == 0
+               ? (size_t)info.st_blocks * 512 /* whatever st_blksize is: POSIX */
+               : 0;
+}
+
 /* Whether a descriptor is of the memory that only the daemon writes, or of the other. */
 static bool is_of_kind(int fd, int seals, bool read_only)
 {

@@ -52,6 +52,12 @@ int proto_memory_take(struct proto_memory *memory, size_t from, size_t to);
  * PCCD_E_SYSTEM where that cannot be done: then nothing has changed. */
 int proto_memory_give_back(struct proto_memory *memory, size_t from, size_t to);
 
+/* Another descriptor of the memory, close-on-exec. -1: none is to be had. */
+int proto_memory_share(const struct proto_memory *memory);
+
+/* Bytes that the memory takes, whoever has touched them; 0 without a descriptor. */
+size_t proto_memory_held(const struct proto_memory *memory);
+
 /* Map a received descriptor of exactly `bytes` after checking size (fstat), seals and
  * whether it can be written to. Nothing is populated.
  * Takes the descriptor over, also on failure. Returns 0, PCCD_E_BADMSG (another size,

@@ -371,7 +371,8 @@ void srv_listener_tell_held(int fd)
 
 static uint32_t fd_count_of(const struct srv_options *options)
 {
-    return 2 * options->connections_max + refused_max(options) + FDS_BESIDE;
+    /* A client has a descriptor and two of its ring, and for a moment two more. */
+    return 5 * options->connections_max + refused_max(options) + FDS_BESIDE;
 }
 
 void srv_listener_make_room(const struct srv_options *options)

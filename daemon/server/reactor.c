@@ -44,6 +44,7 @@
 #include "server.h"
 #include "session.h"
 #include "setup.h"
+#include "stray.h"
 #include "threads.h"
 #include "wakeup.h"
 
@@ -89,6 +90,7 @@ static void close_timers(struct srv_reactor *reactor)
     srv_linger_deinit(&reactor->server.service);
     srv_relief_deinit(&reactor->server.service.relief);
     srv_reclaim_deinit(&reactor->server.service.reclaim);
+    srv_stray_deinit(&reactor->server.service);
     srv_deadlines_deinit(&reactor->server.service.deadlines);
 }
 
@@ -437,6 +439,9 @@ static int start_queues(struct srv_reactor *reactor)
     if (status == 0) {
         srv_relief_begin(&service->relief);
         status = srv_reclaim_init(&service->reclaim, service);
+    }
+    if (status == 0) {
+        status = srv_stray_init(service);
     }
     if (status == 0) {
         settings.place_max = 1;

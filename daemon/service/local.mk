@@ -30,6 +30,7 @@ libservice_la_SOURCES = \
     daemon/service/sessions/replies.c daemon/service/sessions/replies.h \
     daemon/service/sessions/service.h \
     daemon/service/sessions/session.c daemon/service/sessions/session.h \
+    daemon/service/sessions/stray.c daemon/service/sessions/stray.h \
     daemon/service/sessions/tracing.c daemon/service/sessions/tracing.h \
     daemon/service/scenes/srv_batch.c daemon/service/scenes/srv_batch.h \
     daemon/service/scenes/srv_journal.c daemon/service/scenes/srv_journal.h \

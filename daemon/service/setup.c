@@ -15,6 +15,7 @@
 #include "now.h"
 #include "pccd_types.h"
 #include "request.h"
+#include "stray.h"
 #include "teardown.h"
 
 /* A number that differs from start to start. */
@@ -34,6 +35,7 @@ int srv_service_init(struct srv_service *service, const struct srv_options *opti
     service->start_options = options;
     service->epoch = make_epoch();
     service->let_go = srv_let_go;
+    service->refuse = srv_refuse;
     srv_quota_init(&service->quota, options->quota);
     srv_quota_bound_engine(&service->quota, options->engine_bytes_max);
     srv_quota_bound_memory(&service->quota, options->memory_total_max);
@@ -59,6 +61,7 @@ void srv_service_deinit(struct srv_service *service)
     srv_linger_deinit(service);
     srv_relief_deinit(&service->relief);
     srv_reclaim_deinit(&service->reclaim);
+    srv_stray_deinit(service);
     srv_deadlines_deinit(&service->deadlines);
     srv_quota_deinit(&service->quota);
     srv_laststep_set(&service->spare_step, &service->last_step, NULL);

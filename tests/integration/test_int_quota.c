@@ -361,6 +361,101 @@ static void memory__of_all_users_is_bounded(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* ---- what nobody was given --------------------------------------------------------- */
+
+#define SLOT_BYTES (4u << 20)
+#define SLOTS      4u
+
+/* A ring of which one slot of four has memory, and no record was written. */
+static void attach_sparsely(struct test_raw *raw, const char *socket)
+{
+    const struct proto_SHM_ATTACH_request request = {.slot_count = SLOTS,
+                                                     .slot_bytes = SLOT_BYTES,
+                                                     .result_bytes = SLOT_BYTES,
+                                                     .slots_now = 1};
+
+    assert_true(test_raw_open(raw, socket));
+    assert_int_equal(test_raw_hello(raw), 0);
+    assert_int_equal(test_raw_attach_as(raw, &request), 0);
+}
+
+/* Write to slots that it was not given, and read where no record is. */
+static void stray(const struct test_raw *raw)
+{
+    const volatile uint8_t *results = raw->result.base;
+    volatile uint8_t sum = 0;
+
+    for (uint32_t slot = 1; slot < SLOTS; slot++) {
+        memset(test_raw_payload(raw, slot), 1, SLOT_BYTES);
+    }
+    for (uint32_t i = 0; i < SLOT_BYTES; i += PROTO_SHM_PAGE) {
+        sum = (uint8_t)(sum + results[i]);
+    }
+}
+
+static uint64_t held_by(const struct test_raw *raw)
+{
+    return proto_memory_held(&raw->upload) + proto_memory_held(&raw->result);
+}
+
+/* If it failed, clients could take as much memory as their rings are large, all together
+ * many times a quota, and nobody would be charged. */
+static void memory__that_nobody_was_given_is_charged_and_freed(void **state)
+{
+    static struct test_raw raw;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    uint64_t before;
+    uint64_t most = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, NULL));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    attach_sparsely(&raw, daemon.socket);
+    before = test_stat(client, "shm_bytes_now");
+    assert_in_range(held_by(&raw), SLOT_BYTES, before);
+    stray(&raw);
+    assert_true(held_by(&raw) >= before + (SLOTS - 1) * SLOT_BYTES);
+    for (int i = 0; i < 1000 && (most <= before || held_by(&raw) > before); i++) {
+        uint64_t now = test_stat(client, "shm_bytes_now");
+        most = now > most ? now : most;
+        test_sleep_ms(10);
+    }
+    assert_true(most >= before + (SLOTS - 1) * SLOT_BYTES);
+    assert_in_range(held_by(&raw), SLOT_BYTES, before);
+    assert_int_equal(test_stat_await(client, "shm_bytes_now", before), before);
+    test_raw_close(&raw);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* If it failed, a client could go on to take what its user's quota does not bear. */
+static void memory__that_the_quota_does_not_bear_ends_the_session(void **state)
+{
+    static const char *const options[] = {"--shm-max-mib", "24", NULL};
+    static struct test_raw raw[2];
+    struct test_daemon daemon;
+    int status = PCCD_E_TIMEOUT;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    attach_sparsely(&raw[0], daemon.socket);
+    attach_sparsely(&raw[1], daemon.socket);
+    test_raw_wait_ms = 20;
+    for (int i = 0; i < 1000 && status == PCCD_E_TIMEOUT; i++) {
+        stray(&raw[0]);
+        stray(&raw[1]);
+        status = test_raw_receive(&raw[0]);
+        status = status == PCCD_E_TIMEOUT ? test_raw_receive(&raw[1]) : status;
+    }
+    test_raw_wait_ms = 10000;
+    assert_int_equal(status, 0);
+    test_raw_close(&raw[0]);
+    test_raw_close(&raw[1]);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -370,6 +465,8 @@ int main(void)
         cmocka_unit_test(memory__of_all_users_is_bounded),
         cmocka_unit_test(objects__share_the_triangles_of_their_mesh),
         cmocka_unit_test(objects__cost_the_memory_that_they_take),
+        cmocka_unit_test(memory__that_nobody_was_given_is_charged_and_freed),
+        cmocka_unit_test(memory__that_the_quota_does_not_bear_ends_the_session),
     };
 
     return cmocka_run_group_tests_name("quota", tests, NULL, NULL);

@@ -245,15 +245,22 @@ int test_raw_hello(struct test_raw *raw)
 
 int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes)
 {
-    struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
-                                               .slot_bytes = slot_bytes,
-                                               .result_bytes = PROTO_RESULT_BYTES_MIN};
+    const struct proto_SHM_ATTACH_request request = {.slot_count = slot_count,
+                                                     .slot_bytes = slot_bytes,
+                                                     .result_bytes =
+                                                         PROTO_RESULT_BYTES_MIN};
+    return test_raw_attach_as(raw, &request);
+}
+
+int test_raw_attach_as(struct test_raw *raw,
+                       const struct proto_SHM_ATTACH_request *request)
+{
     int status;
 
     proto_memory_deinit(&raw->upload);
     proto_memory_deinit(&raw->result);
     raw->upload = raw->result = (struct proto_memory)PROTO_MEMORY_NONE;
-    status = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, &request, &raw->ring);
+    status = test_raw_call(raw, PROTO_METHOD_SHM_ATTACH, request, &raw->ring);
     if (status != 0) {
         return status;
     }

@@ -63,6 +63,8 @@ int test_raw_answer(struct test_raw *raw, uint32_t id, int method, void *result)
 /* hello, and a ring. Both return as test_raw_call. */
 int test_raw_hello(struct test_raw *raw);
 int test_raw_attach(struct test_raw *raw, uint32_t slot_count, uint64_t slot_bytes);
+int test_raw_attach_as(struct test_raw *raw,
+                       const struct proto_SHM_ATTACH_request *request);
 
 struct proto_upload *test_raw_upload(const struct test_raw *raw);
 uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot);

@@ -21,8 +21,8 @@
 #include "doctor.h"
 
 #define PATH_BYTES 256
-/* 1024 connections with two descriptors each while their memory is made. */
-#define FILES_WANTED 2100u
+/* 1024 connections with three descriptors each. */
+#define FILES_WANTED 3200u
 #define SHM_WANTED   (64u << 20)
 
 static void look_at_files(struct doctor *doctor)

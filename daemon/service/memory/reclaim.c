@@ -23,12 +23,13 @@ static void on_given(struct srv_job *job)
 }
 
 /* In the turn of the owner: behind all that it has asked of that thread. */
-static void start(struct srv_reclaimed *reclaimed)
+void srv_reclaimed_start(struct srv_reclaimed *reclaimed)
 {
+    srv_assert_loop();
     struct srv_resource *resource = reclaimed->resource;
     struct srv_owner *owner = resource->owner;
     if (reclaimed->job.state != SRV_JOB_IDLE) {
-        return; /* it was used while that still ran */
+        return; /* it still runs */
     }
     srv_resource_acquire(resource);
     srv_owner_keep(owner);
@@ -52,7 +53,7 @@ static void on_timer(void *context)
         struct srv_reclaimed *next = at->next;
         if (at->is_idle) {
             srv_reclaimed_forget(at);
-            start(at);
+            srv_reclaimed_start(at);
         }
         at = next;
     }

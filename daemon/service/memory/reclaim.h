@@ -49,6 +49,8 @@ void srv_reclaim_deinit(struct srv_reclaim *reclaim);
 /* `give_back` is run in the turn of the resource's owner, on [pages] or [compute]. */
 void srv_reclaimed_init(struct srv_reclaimed *reclaimed, struct srv_resource *resource,
                         bool is_page_job, srv_job_fn give_back);
+/* Give back now, in that turn, whether it was used or not. [loop] */
+void srv_reclaimed_start(struct srv_reclaimed *reclaimed);
 /* It has memory to give back, and was used now. */
 void srv_reclaimed_use(struct srv_reclaimed *reclaimed, struct srv_reclaim *reclaim);
 /* It is going to be freed. */

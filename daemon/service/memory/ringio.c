@@ -25,9 +25,16 @@
 
 /* ---- life -------------------------------------------------------------------------- */
 
+static bool free_stray_slots(struct srv_ring *ring);
+static bool free_stray_results(struct srv_ring *ring);
+
+/* Of what stays with a client that keeps the memories mapped it was given each page. */
 static void ring_free_memory(struct srv_job *job)
 {
     struct srv_ring *ring = (struct srv_ring *)job;
+    (void)free_stray_slots(ring);
+    while (free_stray_results(ring)) {
+    }
     proto_memory_deinit(&ring->upload);
     proto_memory_deinit(&ring->results);
 }
@@ -36,7 +43,8 @@ static void ring_free_rest(struct srv_job *job)
 {
     struct srv_ring *ring = (struct srv_ring *)job;
     struct srv_owner *owner = ring->resource.owner;
-    srv_quota_refund(owner->user, SRV_QUOTA_SHM_BYTES, srv_ring_bytes(ring));
+    srv_quota_refund(owner->user, SRV_QUOTA_SHM_BYTES,
+                     srv_ring_bytes(ring) + ring->stray_bytes);
     srv_reclaimed_forget(&ring->results_unused);
     srv_reclaimed_forget(&ring->slots_unused);
     free(ring);
@@ -306,6 +314,23 @@ void srv_ring_give_back_slots(struct srv_ring *ring)
     }
 }
 
+/* Free what slots hold that have no memory. Returns whether there was any. [pages] */
+static bool free_stray_slots(struct srv_ring *ring)
+{
+    uint32_t taken = atomic_load_explicit(&ring->slots_taken, memory_order_relaxed);
+    uint64_t given = slot_offset(ring->slot_stride, (uint32_t)__builtin_popcount(taken));
+    if (proto_memory_held(&ring->upload) <= given) {
+        return false;
+    }
+    for (uint32_t slot = 0; slot < ring->slot_count; slot++) {
+        uint64_t from = slot_offset(ring->slot_stride, slot);
+        if ((taken >> slot & 1) == 0) {
+            (void)proto_memory_give_back(&ring->upload, from, from + ring->slot_stride);
+        }
+    }
+    return true;
+}
+
 /* One slot a call, the last ones first: clients take the first that is free. One slot
  * stays, so that a client that nobody gives memory can go on. [pages] */
 static void give_back_slots(struct srv_job *job)
@@ -315,6 +340,7 @@ static void give_back_slots(struct srv_job *job)
         (struct srv_ring *)((char *)job - offsetof(struct srv_ring, slots_unused.job));
     uint32_t taken = atomic_load_explicit(&ring->slots_taken, memory_order_relaxed);
     job->goes_on = false;
+    (void)free_stray_slots(ring);
     for (uint32_t slot = ring->slot_count; slot-- > 0 && !is_one_slot(taken);) {
         if ((taken >> slot & 1) != 0 && give_back_slot(ring, slot)) {
             job->goes_on = true;
@@ -429,6 +455,26 @@ void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
     return *bytes > 0 ? data : NULL;
 }
 
+/* Free a part of what the region holds behind what it has taken. Returns whether there is
+ * more. [compute], or [pages] when nobody computes with it any more */
+static bool free_stray_results(struct srv_ring *ring)
+{
+    uint64_t given = PROTO_SHM_PAGE + ring->region.taken;
+    if (ring->stray_at < given) {
+        ring->stray_at = given;
+    }
+    uint64_t left = ring->result_bytes - ring->stray_at;
+    uint64_t part = left < PART_BYTES ? left : PART_BYTES;
+    if (part == 0 || proto_memory_held(&ring->results) <= given ||
+        proto_memory_give_back(&ring->results, ring->stray_at, ring->stray_at + part) !=
+            0) {
+        ring->stray_at = 0;
+        return false;
+    }
+    ring->stray_at += part;
+    return true;
+}
+
 /* Give back a part, or nothing. Returns whether there is more. */
 static bool give_back_part(struct srv_ring *ring)
 {
@@ -462,7 +508,7 @@ static void give_back(struct srv_job *job)
     srv_assert_compute();
     struct srv_ring *ring =
         (struct srv_ring *)((char *)job - offsetof(struct srv_ring, results_unused.job));
-    job->goes_on = give_back_part(ring);
+    job->goes_on = give_back_part(ring) || free_stray_results(ring);
 }
 
 void srv_ring_give_back(struct srv_ring *ring)
@@ -470,6 +516,28 @@ void srv_ring_give_back(struct srv_ring *ring)
     srv_assert_compute();
     while (give_back_part(ring)) {
     }
+}
+
+int srv_ring_look(struct srv_ring *ring, struct proto_error *error)
+{
+    srv_assert_loop();
+    struct srv_quota_user *user = ring->resource.owner->user;
+    uint64_t held = proto_memory_held(&ring->upload) + proto_memory_held(&ring->results);
+    uint64_t given = srv_ring_bytes(ring);
+    uint64_t stray = held > given ? held - given : 0;
+    bool was_stray = ring->was_stray; /* once may be what is being given now */
+    if (ring->stray_bytes > 0) {
+        srv_quota_refund(user, SRV_QUOTA_SHM_BYTES, ring->stray_bytes);
+    }
+    int status =
+        stray > 0 ? srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, stray, error) : 0;
+    ring->stray_bytes = status == 0 ? stray : 0;
+    ring->was_stray = stray > 0;
+    if (stray > 0) {
+        srv_reclaimed_start(&ring->slots_unused);
+        srv_reclaimed_start(&ring->results_unused);
+    }
+    return was_stray ? status : 0;
 }
 
 void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim)

@@ -39,6 +39,11 @@ struct srv_ring {
     struct srv_region region;            /* [compute] */
     struct srv_reclaimed results_unused; /* behind all pages */
     struct srv_reclaimed slots_unused;
+    uint64_t stray_at; /* [compute] results behind it may be stray; 0: all looked at */
+    /* [loop] What the client had touched at the last look without having been given it,
+     * charged until the next one. */
+    uint64_t stray_bytes;
+    bool was_stray; /* [loop] at the last look */
 };
 
 /* Bytes that it has taken, and the owner's user is charged for. [loop] */
@@ -103,6 +108,12 @@ void srv_ring_give_back(struct srv_ring *ring);
  * behind all pages that the client has not released, and the slots that the client says
  * are free, but for the last slot that has memory. [loop] */
 void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim);
+
+/* What both memories hold beyond what was given: a client can write to slots that it has
+ * not taken, and read where no record is yet. It is charged to the owner's user until the
+ * next look, and freed. Returns 0, or PCCD_E_QUOTA with *error set: it did so before the
+ * last look, too, and the quota does not bear it. [loop] */
+int srv_ring_look(struct srv_ring *ring, struct proto_error *error);
 
 /* A slot has been read, or will not be. [any] */
 void srv_ring_return_slot(struct srv_ring *ring);

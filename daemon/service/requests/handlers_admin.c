@@ -17,6 +17,7 @@
 #include "request.h"
 #include "service.h"
 #include "session.h"
+#include "stray.h"
 
 int srv_on_PING(struct srv_call *call)
 {
@@ -86,12 +87,39 @@ static int work_attach(struct srv_request *request)
                            &request->error);
 }
 
+/* The answer takes the descriptors along. Copies stay where clients are looked after
+ * (stray.h); else the mappings are all the daemon needs. */
+static bool give_descriptors(struct srv_request *request, struct srv_ring *ring)
+{
+    bool looks = srv_stray_looks(request->session->service);
+    int kept[2] = {looks ? proto_memory_share(&ring->upload) : -1,
+                   looks ? proto_memory_share(&ring->results) : -1};
+    request->fds[0] = ring->upload.fd;
+    request->fds[1] = ring->results.fd;
+    ring->upload.fd = kept[0];
+    ring->results.fd = kept[1];
+    if (!looks || (kept[0] >= 0 && kept[1] >= 0)) {
+        return true;
+    }
+    for (int i = 0; i < 2; i++) {
+        (void)close(request->fds[i]);
+        request->fds[i] = -1;
+    }
+    request->status = proto_error_set(&request->error, PCCD_E_SYSTEM,
+                                      "the daemon has no descriptors for a ring");
+    return false;
+}
+
 static void finish_attach(struct srv_request *request)
 {
     struct srv_session *session = request->session;
     struct srv_ring *ring = request->plan.attached;
     session->attaching = false;
     if (request->status != 0 || session->conn == NULL) {
+        srv_resource_drop(&ring->resource);
+        return;
+    }
+    if (!give_descriptors(request, ring)) {
         srv_resource_drop(&ring->resource);
         return;
     }
@@ -102,15 +130,11 @@ static void finish_attach(struct srv_request *request)
         .slot_stride = ring->slot_stride,
         .inflight_max = ring->inflight_max,
     };
-    /* The answer takes the descriptors along; the mappings are all the daemon needs. */
-    request->fds[0] = ring->upload.fd;
-    request->fds[1] = ring->results.fd;
-    ring->upload.fd = -1;
-    ring->results.fd = -1;
     if (session->ring != NULL) {
         srv_resource_drop(&session->ring->resource);
     }
     session->ring = ring;
+    srv_stray_use(session->service);
 }
 
 int srv_on_SHM_ATTACH(struct srv_call *call)

@@ -22,6 +22,7 @@
 #include "replacement.h"
 #include "service.h"
 #include "session.h"
+#include "stray.h"
 #include "srv_batch.h"
 #include "tracing.h"
 
@@ -321,6 +322,7 @@ void srv_request_conclude(struct srv_request *request)
     drop_copy(request);
     if (request->plan.ring != NULL) {
         srv_ring_rest(request->plan.ring, &session->service->reclaim);
+        srv_stray_use(session->service);
     }
     srv_plan_release(&request->plan);
     unlist(session, request);

@@ -6,6 +6,8 @@
  */
 #include "teardown.h"
 
+#include "dispatch.h"
+#include "linger.h"
 #include "meshes.h"
 #include "request.h"
 #include "ringio.h"
@@ -37,6 +39,15 @@ static void drop_everything(struct srv_session *session)
     }
     srv_tracing_drop(session);
     (void)srv_watcher_stop(session);
+}
+
+void srv_refuse(struct srv_session *session, const struct proto_error *error)
+{
+    if (session->conn != NULL) {
+        srv_dispatch_violation(session, error->code, error->text);
+    } else {
+        srv_linger_end(session, error->text);
+    }
 }
 
 void srv_let_go(struct srv_session *session)

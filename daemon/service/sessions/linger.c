@@ -49,7 +49,7 @@ static void stop_waiting(struct srv_session *session)
     }
 }
 
-static void end(struct srv_session *session, const char *why)
+void srv_linger_end(struct srv_session *session, const char *why)
 {
     srv_log(SRV_LOG_INFO, session->id, "ended: %s", why);
     stop_waiting(session);
@@ -71,10 +71,10 @@ static void on_tick(void *context)
     for (struct srv_session *session = service->sessions; session != NULL;) {
         struct srv_session *next = session->next; /* one that ends may free itself */
         if (session->state == SRV_SESSION_WAITING && is_gone(session)) {
-            end(session, "its process is gone");
+            srv_linger_end(session, "its process is gone");
         } else if (session->state == SRV_SESSION_WAITING &&
                    now_ns - session->lost_ns >= patience_ns) {
-            end(session, "nobody came back");
+            srv_linger_end(session, "nobody came back");
         }
         session = next;
     }
@@ -129,7 +129,7 @@ bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *
         }
     }
     if (oldest != NULL) {
-        end(oldest, "its user needs the place");
+        srv_linger_end(oldest, "its user needs the place");
     }
     return oldest != NULL;
 }
@@ -146,7 +146,7 @@ void srv_linger_end_all(struct srv_service *service)
     for (struct srv_session *session = service->sessions; session != NULL;) {
         struct srv_session *next = session->next;
         if (session->state == SRV_SESSION_WAITING) {
-            end(session, "the daemon is shutting down");
+            srv_linger_end(session, "the daemon is shutting down");
         }
         session = next;
     }

@@ -50,6 +50,8 @@ bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *
  * session of the user is over and not freed yet, or because one waited and is ended now.
  * A request that no user may have is no reason to end one. */
 bool srv_linger_make_room(const struct srv_session *session);
+/* End a session that waits; the log says why. */
+void srv_linger_end(struct srv_session *session, const char *why);
 /* End them all. */
 void srv_linger_end_all(struct srv_service *service);
 

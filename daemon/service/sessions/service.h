@@ -26,6 +26,7 @@
 
 struct proto_decoder;
 struct proto_encoder;
+struct proto_error;
 struct srv_watcher;
 struct srv_session;
 struct srv_shared;
@@ -63,6 +64,8 @@ struct srv_service {
      * and reads no hash of them; NULL: no. */
     void (*write)(void *writer, void *to, const void *from, uint64_t count);
     void *writer;
+    struct srv_timer *stray;  /* looks at what rings hold (stray.h); NULL: nobody does */
+    bool is_stray_soon;       /* it fires within a second */
     struct srv_timer *linger; /* runs while sessions wait for their clients (linger.h) */
     uint32_t waiting_count;   /* of these */
     struct srv_deadlines deadlines; /* of requests */
@@ -88,6 +91,8 @@ struct srv_service {
     /* A session ends: let go of its requests, scenes, meshes, ring and what it watches
      * (requests/teardown.h). Constant. */
     void (*let_go)(struct srv_session *session);
+    /* It may not go on: tell its client, if it has one, and end it. Constant. */
+    void (*refuse)(struct srv_session *session, const struct proto_error *error);
 };
 
 #endif

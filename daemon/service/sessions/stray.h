@@ -1,0 +1,25 @@
+/* stray.h - finds memory that clients take without having been given it.
+ *
+ * Room:     service. May include: the headers of base, queue and memory.
+ * Does:     look at what the rings of all sessions hold (ringio.h), a second after a
+ *           client has asked for something, and every half a minute otherwise; end a
+ *           session that goes on to take what its user's quota does not bear.
+ * Does not: look before srv_stray_init, nor while there are no rings.
+ * Threads:  [loop]
+ */
+#ifndef SRV_STRAY_H
+#define SRV_STRAY_H
+
+#include <stdbool.h>
+
+struct srv_service;
+
+/* Returns 0 or PCCD_E_NOMEM. Only for a host whose timers fire by themselves. */
+int srv_stray_init(struct srv_service *service);
+void srv_stray_deinit(struct srv_service *service);
+bool srv_stray_looks(const struct srv_service *service);
+
+/* A client with a ring has been answered. */
+void srv_stray_use(struct srv_service *service);
+
+#endif
