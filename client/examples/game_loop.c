@@ -28,8 +28,8 @@ static float height(int frame, int i) /* of vertex i, never exactly 0 */
 static void fill(float (*x)[3], int frame)
 {
     for (int i = 0; i < VERTICES; i++) {
-        x[i][0] = (float)(i % SIDE) / SIDE - 0.5f;
-        x[i][1] = (float)(i / SIDE) / SIDE - 0.5f;
+        x[i][0] = (float)(i % SIDE) / (float)SIDE - 0.5f;
+        x[i][1] = (float)(i / SIDE) / (float)SIDE - 0.5f;
         x[i][2] = height(frame, i);
     }
 }

@@ -65,7 +65,7 @@ static int run_obstacles(const char *url, int held)
     options.url = url;
     status = take_part(&options, x0, &client, &scene, &floor);
     for (int i = 1; status == 0 && i <= FRAMES; i++) {
-        status = hold(client, scene, floor, -1 + 2 * (float)i / FRAMES, &step);
+        status = hold(client, scene, floor, -1 + 2 * (float)i / (float)FRAMES, &step);
         status = status == 0 && write(held, "h", 1) != 1 ? PCCD_E_SYSTEM : status;
         status = status ? status : pccd_wait(client, step, -1, &answer);
         met += status == 0 ? answer.counts[PCCD_VF] : 0;

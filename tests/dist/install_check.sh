@@ -75,6 +75,7 @@ cat >"$work/game.cc" <<'END'
 #include <pccd.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string_view>
