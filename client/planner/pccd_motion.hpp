@@ -1,7 +1,7 @@
 /* pccd_motion.hpp - pccd for planners of OMPL: an edge is called free only if that is
  * proved.
  *
- * Room:     client/planner; installed. May include: pccd.hpp, OMPL 1.5, the standard
+ * Room:     client/planner; installed. May include: pccd.hpp, OMPL, the standard
  *           library. C++17; nothing is compiled until a program includes it.
  * Does:     cut a motion into k pieces and test the straight piece between both ends of
  *           each; the last one ends at the state that is given. Every link is thicker by

@@ -16,7 +16,7 @@ samples=${PCCD_SAMPLES:-100}
 
 if [ ! -x "$planner" ]; then
     for name in finds_a_path_that_is_free calls_nothing_free_that_meets_something \
-        refuses_few_free_edges refuses_small_turns_through_a_plate; do
+        refuses_few_free_edges refuses_small_turns_through_a_plate is_built_as_its_page_says; do
         tap_skip "planner__$name" "configure has not found OMPL (on Debian: libompl-dev)"
     done
     tap_end
@@ -50,4 +50,11 @@ tap_result $? planner__refuses_few_free_edges "$log"
 timeout 60 "$top_builddir/tests/planner/turns" >"$log" 2>&1
 # If it failed, a body could turn through what is thin, by less than OMPL cuts into pieces.
 tap_result $? planner__refuses_small_turns_through_a_plate "$log"
+
+line=$(sed -n 's/^    \(c++ .*\)/\1/p' "$top_srcdir/client/planner/README.md")
+(cd "$top_srcdir/client/planner" && export PKG_CONFIG_PATH=$top_builddir${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH} &&
+    eval "$line -o /dev/null") >"$log" 2>&1 && [ -n "$line" ]
+# If it failed, who builds by hand would look for folders that this release of OMPL does not have.
+tap_result $? planner__is_built_as_its_page_says "$log"
+
 tap_end
