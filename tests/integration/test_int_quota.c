@@ -361,6 +361,45 @@ static void memory__of_all_users_is_bounded(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define MESHES           2000u
+#define MESH_BYTES_LEAST 200u /* of one that was only announced */
+
+/* If it failed, meshes that are only announced would be memory that nobody is charged
+ * for. */
+static void meshes__cost_memory_before_they_are_filled(void **state)
+{
+    static const char *const options[] = {"--memory-max-mib", "8", NULL};
+    const struct proto_MESH_CREATE_request create = {.vertex_count = 3,
+                                                     .triangle_count = 1};
+    static struct test_raw raw;
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    uint32_t meshes = 0;
+    uint64_t before;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    before = test_stat(client, "engine_bytes_now");
+    assert_true(test_raw_open(&raw, daemon.socket));
+    assert_int_equal(test_raw_hello(&raw), 0);
+    for (; meshes < MESHES; meshes++) {
+        assert_int_equal(test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL), 0);
+    }
+    assert_true(test_stat(client, "engine_bytes_now") >=
+                before + MESHES * MESH_BYTES_LEAST);
+    while (test_raw_call(&raw, PROTO_METHOD_MESH_CREATE, &create, NULL) == 0) {
+        meshes++;
+        assert_true(meshes < (8u << 20) / MESH_BYTES_LEAST);
+    }
+    assert_int_equal(raw.error.code, PCCD_E_QUOTA);
+    test_raw_close(&raw);
+    assert_int_equal(test_stat_await(client, "engine_bytes_now", before), before);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* ---- what nobody was given --------------------------------------------------------- */
 
 #define SLOT_BYTES (4u << 20)
@@ -465,6 +504,7 @@ int main(void)
         cmocka_unit_test(memory__of_all_users_is_bounded),
         cmocka_unit_test(objects__share_the_triangles_of_their_mesh),
         cmocka_unit_test(objects__cost_the_memory_that_they_take),
+        cmocka_unit_test(meshes__cost_memory_before_they_are_filled),
         cmocka_unit_test(memory__that_nobody_was_given_is_charged_and_freed),
         cmocka_unit_test(memory__that_the_quota_does_not_bear_ends_the_session),
     };

@@ -60,10 +60,11 @@ int srv_on_MESH_CREATE(struct srv_call *call)
     if (status != 0) {
         return status;
     }
-    struct srv_mesh *mesh = srv_mesh_new(++session->service->mesh_last, shape);
+    struct srv_mesh *mesh =
+        srv_mesh_new(++session->service->mesh_last, shape, &call->error);
     if (mesh == NULL) {
         srv_resource_drop(&shape->resource); /* refunds it */
-        return proto_error_set(&call->error, PCCD_E_NOMEM, "no memory for a mesh");
+        return call->error.code;
     }
     status = srv_session_handle(session, &session->meshes, "mesh", mesh, request->want,
                                 &call->result.MESH_CREATE.mesh, &call->error);

@@ -6,8 +6,6 @@
  */
 #include "mesh_shape.h"
 
-#include <stdlib.h>
-
 #include "enginemem.h"
 #include "invariant.h"
 #include "proto_limits.h"
@@ -25,7 +23,7 @@ static void shape_free_rest(struct srv_job *job)
     struct srv_owner *owner = shape->resource.owner;
     srv_quota_refund(owner->user, SRV_QUOTA_MESHES, 1);
     srv_quota_refund(owner->user, SRV_QUOTA_TRIANGLES, srv_shape_charge(&shape->counts));
-    free(shape);
+    srv_enginemem_delete(owner->user, shape);
     srv_owner_release(owner);
 }
 
@@ -75,11 +73,11 @@ int srv_shape_admit(struct srv_owner *owner, const struct eng_mesh_counts *count
     if (status != 0) {
         return status;
     }
-    struct srv_shape *new = calloc(1, sizeof *new);
+    struct srv_shape *new = srv_enginemem_new(owner->user, sizeof *new, "a mesh", error);
     if (new == NULL) {
         srv_quota_refund(owner->user, SRV_QUOTA_MESHES, 1);
         srv_quota_refund(owner->user, SRV_QUOTA_TRIANGLES, triangles);
-        return proto_error_set(error, PCCD_E_NOMEM, "no memory for a mesh");
+        return error->code;
     }
     srv_resource_init(&new->resource, owner, shape_free_engine, shape_free_rest);
     new->counts = *counts;

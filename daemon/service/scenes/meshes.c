@@ -6,15 +6,17 @@
  */
 #include "meshes.h"
 
-#include <stdlib.h>
-
+#include "enginemem.h"
 #include "invariant.h"
 
-struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape)
+struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape,
+                              struct proto_error *error)
 {
     srv_assert_loop();
-    struct srv_mesh *mesh = calloc(1, sizeof *mesh);
+    struct srv_quota_user *user = shape->resource.owner->user;
+    struct srv_mesh *mesh = srv_enginemem_new(user, sizeof *mesh, "a mesh", error);
     if (mesh != NULL) {
+        mesh->user = user;
         mesh->current = shape;
         mesh->number = number;
         mesh->generation = 1;
@@ -25,7 +27,7 @@ struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape)
 static void free_if_done(struct srv_mesh *mesh)
 {
     if (mesh->is_gone && mesh->objects == NULL) {
-        free(mesh);
+        srv_enginemem_delete(mesh->user, mesh);
     }
 }
 

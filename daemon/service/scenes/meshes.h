@@ -44,6 +44,7 @@ struct srv_object {
 };
 
 struct srv_mesh {
+    struct srv_quota_user *user; /* who is charged for it */
     struct srv_shape *current;
     struct srv_shape *next;     /* announced and not committed; NULL: none */
     struct srv_object *objects; /* made of it, in the scenes that the session has */
@@ -56,9 +57,10 @@ struct srv_mesh {
     bool is_gone;        /* only its objects know it; goes with the last of them */
 };
 
-/* A mesh of that number and of a shape, whose reference it takes over. NULL: no memory;
- * the reference stays the caller's. */
-struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape);
+/* A mesh of that number and of a shape, whose reference it takes over. NULL, with *error
+ * set: no memory; the reference stays the caller's. */
+struct srv_mesh *srv_mesh_new(uint64_t number, struct srv_shape *shape,
+                              struct proto_error *error);
 /* Let go of its shapes; objects that are made of it stay. Takes no longer for many. */
 void srv_mesh_free(struct srv_mesh *mesh);
 
