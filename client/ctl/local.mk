@@ -101,10 +101,11 @@ libctl_la_SOURCES = \
     client/ctl/record/step_trace.c client/ctl/record/step_trace.h \
     client/ctl/record/still.c client/ctl/record/still.h \
     client/ctl/record/verify.c client/ctl/record/verify.h \
-    client/ctl/record/verify_distance.c \
+    client/ctl/record/verify_any.c client/ctl/record/verify_distance.c \
     client/ctl/record/verify_meeting.c client/ctl/record/verify_meeting.h \
-    client/ctl/record/verify_near.c \
+    client/ctl/record/verify_near.c client/ctl/record/verify_numbers.c \
     client/ctl/record/verify_options.c client/ctl/record/verify_options.h \
+    client/ctl/record/verify_place.c \
     client/ctl/record/verify_report.c client/ctl/record/verify_report.h \
     client/ctl/record/world.c client/ctl/record/world.h
 ctl_cppflags = -iquote $(top_srcdir)/client/ctl \

@@ -19,6 +19,12 @@ static void add(uint64_t sum[2], XXH128_hash_t what)
     sum[0] += what.high64 + (sum[1] < what.low64 ? 1 : 0);
 }
 
+void record_verdict_hash(uint32_t verdict, uint64_t hash[2])
+{
+    hash[0] = hash[1] = 0;
+    add(hash, XXH3_128bits(&verdict, sizeof verdict));
+}
+
 void record_answer_hash(uint32_t version, const void *records, uint64_t count,
                         size_t record_bytes, uint64_t hash[2])
 {

@@ -60,6 +60,7 @@ integration_names = \
     tests/integration/test_int_thick \
     tests/integration/test_int_threads \
     tests/integration/test_int_verify \
+    tests/integration/test_int_verify_fields \
     tests/integration/test_int_verify_near \
     tests/integration/test_int_version \
     tests/integration/test_int_warm \
@@ -312,6 +313,13 @@ tests_integration_test_int_broken_LDADD = librecord.la $(integration_libs)
 tests_integration_test_int_verify_SOURCES = tests/integration/test_int_verify.c
 tests_integration_test_int_verify_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)
 tests_integration_test_int_verify_LDADD = librecord.la $(integration_libs)
+
+tests_integration_test_int_verify_fields_SOURCES = \
+    tests/integration/test_int_verify_fields.c \
+    tests/integration/forge.c tests/integration/forge.h
+tests_integration_test_int_verify_fields_CPPFLAGS = $(integration_cppflags) $(record_cppflags) \
+    $(XXHASH_CFLAGS) -iquote $(top_srcdir)/tests/integration
+tests_integration_test_int_verify_fields_LDADD = librecord.la $(integration_libs) $(LIBM)
 
 tests_integration_test_int_verify_near_SOURCES = tests/integration/test_int_verify_near.c
 tests_integration_test_int_verify_near_CPPFLAGS = $(integration_cppflags) $(record_cppflags) $(XXHASH_CFLAGS)

@@ -16,9 +16,10 @@
 struct verification {
     struct play_options options;
     struct verify_options checks;
-    struct verify_counts counts;
-    struct verify_witness witness;
-    bool has_failed;
+    struct verify_report report;
+    struct verify_result result; /* of the last step or question */
+    struct ctl_error error;      /* of a step that was not shown */
+    int status;
 };
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -39,37 +40,69 @@ const struct argp ctl_argp_verify = {
     .parser = parse,
     .args_doc = "FILE",
     .doc = "Check the answers of a recording by exact rational arithmetic, which shares "
-           "nothing with the engine: every contact, and a sample of pairs that are not "
-           "among them.\vThe contacts are those of the recording, or a daemon's that "
+           "nothing with the engine: every contact, every number, and a sample of pairs "
+           "that are not among them.\vThe contacts are those of the recording, or a "
+           "daemon's that "
            "repeats it (a private one, unless another is named). Exit status: 0 after "
            "PASS, 1 after FAIL.",
     .children = children};
 
+static int add(struct verification *verification, int status, struct ctl_error *error)
+{
+    if (status == PCCD_OK) {
+        status = verify_report_add(&verification->report, &verification->result, error);
+    }
+    return status == PCCD_OK && verification->result.is_wrong ? PCCD_E_CANCELLED : status;
+}
+
 static int check(void *context, const struct play_step *step, struct ctl_error *error)
 {
     struct verification *verification = context;
-    bool is_right = true;
-    int status = verify_step(step, &verification->checks.settings, &verification->counts,
-                             &verification->witness, &is_right, error);
-    if (status != PCCD_OK || is_right) {
-        return status;
-    }
-    verification->has_failed = true;
-    return PCCD_E_CANCELLED;
+    return add(
+        verification,
+        verify_step(step, &verification->checks.settings, &verification->result, error),
+        error);
 }
 
 static int check_near(void *context, const struct play_near *near,
                       struct ctl_error *error)
 {
     struct verification *verification = context;
-    bool is_right = true;
-    int status = verify_distances(near, &verification->counts, &verification->witness,
-                                  &is_right, error);
-    if (status != PCCD_OK || is_right) {
-        return status;
+    return add(verification, verify_distances(near, &verification->result, error), error);
+}
+
+static void skip(void *context, uint64_t step, bool is_near)
+{
+    struct verification *verification = context;
+    verify_skip(step, is_near, &verification->result);
+    if (verification->status == PCCD_OK) {
+        verification->status = add(verification, PCCD_OK, &verification->error);
     }
-    verification->has_failed = true;
-    return PCCD_E_CANCELLED;
+}
+
+/* All of the recording. */
+static int run(struct verification *verification, struct play_summary *summary,
+               struct ctl_error *error)
+{
+    struct playing *playing = NULL;
+    int status = play_open(&verification->options.play, summary, &playing, error);
+    if (status == PCCD_OK) {
+        status = play_run(playing, check, verification, error);
+    }
+    if (status == PCCD_OK && verification->status != PCCD_OK) {
+        *error = verification->error;
+        status = verification->status;
+    }
+    if (status == PCCD_OK && verification->report.witness == NULL) {
+        status =
+            verify_report_strays(&verification->report, play_answers(playing), error);
+    }
+    if (status == PCCD_OK && verification->report.witness == NULL) {
+        status = verify_judge_counts(&verification->report.counts,
+                                     verification->options.play.path, error);
+    }
+    play_close(playing);
+    return status;
 }
 
 int ctl_cmd_verify(int argc, char **argv)
@@ -80,6 +113,7 @@ int ctl_cmd_verify(int argc, char **argv)
     play_options_init(&verification.options, "steps");
     verification.options.play.needs_records = true;
     verification.options.play.show_near = check_near;
+    verification.options.play.show_skipped = skip;
     if (argp_parse(&ctl_argp_verify, argc, argv, 0, NULL, &verification) != 0) {
         return CTL_USAGE;
     }
@@ -87,26 +121,21 @@ int ctl_cmd_verify(int argc, char **argv)
         verification.checks.repeats ? PLAY_DAEMON : PLAY_RECORDS;
     int status = play_options_open(&verification.options, &error);
     if (status == PCCD_OK) {
-        status = play(&verification.options.play, check, &verification, &summary, &error);
-    }
-    if (status == PCCD_OK && !verification.has_failed) {
-        status = verify_judge_counts(&verification.counts, verification.options.play.path,
-                                     &error);
+        status = run(&verification, &summary, &error);
     }
     if (status == PCCD_OK) {
-        const struct verify_witness *witness =
-            verification.has_failed ? &verification.witness : NULL;
         play_options_warn(&verification.options.play, &summary);
-        if (verification.options.is_json &&
-            !verify_print_json(&verification.counts, witness)) {
+        if (verification.options.is_json && !verify_print_json(&verification.report)) {
             status = ctl_error_set(&error, PCCD_E_SYSTEM, "the report cannot be written");
         } else if (!verification.options.is_json) {
-            verify_print_text(&verification.counts, witness);
+            verify_print_text(&verification.report);
         }
     }
     if (status != PCCD_OK) {
         ctl_error_tell(&error);
     }
+    bool is_right = verification.report.witness == NULL;
+    verify_report_deinit(&verification.report);
     play_options_deinit(&verification.options);
-    return (int)ctl_exit_of(status, !verification.has_failed);
+    return (int)ctl_exit_of(status, is_right);
 }

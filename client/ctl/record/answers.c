@@ -175,6 +175,7 @@ void answers_deinit(struct answers *answers)
     free(answers->items);
     free(answers->nears);
     free(answers->pages);
+    free(answers->numbers);
     memset(answers, 0, sizeof *answers);
 }
 
@@ -210,9 +211,9 @@ static size_t first_page(const struct answers *answers, uint64_t step)
     return low;
 }
 
-/* Append one page's records. */
+/* A page's records: what is there already is to be the same, the rest is appended. */
 static int append(struct record_reader *reader, const struct answers_page *page,
-                  size_t record_bytes, void **to, size_t *room, uint64_t *count,
+                  size_t record_bytes, struct answers_found *found,
                   struct ctl_error *error)
 {
     struct record_view view;
@@ -229,25 +230,31 @@ static int append(struct record_reader *reader, const struct answers_page *page,
                              "at byte %" PRIu64 ": records of another mode",
                              page->offset);
     }
-    size_t bytes = (size_t)(*count + head.count) * head.record_bytes;
-    if (bytes > *room) {
-        void *grown = realloc(*to, bytes + bytes / 2);
+    const uint8_t *from = (const uint8_t *)view.payload + sizeof head;
+    uint64_t end = head.first + head.count, known = found->count - head.first;
+    size_t bytes = (size_t)(end > found->count ? end : found->count) * record_bytes;
+    if (bytes > found->room) {
+        void *grown = realloc(found->records, bytes + bytes / 2);
         if (grown == NULL) {
             return no_memory(error);
         }
-        *to = grown;
-        *room = bytes + bytes / 2;
+        found->records = grown;
+        found->room = bytes + bytes / 2;
     }
-    memcpy((uint8_t *)*to + *count * head.record_bytes,
-           (const uint8_t *)view.payload + sizeof head,
-           (size_t)head.count * head.record_bytes);
-    *count += head.count;
+    known = known < head.count ? known : head.count;
+    uint8_t *to = (uint8_t *)found->records + head.first * record_bytes;
+    found->is_torn = found->is_torn ||
+                     (known > 0 && memcmp(to, from, (size_t)known * record_bytes) != 0);
+    if (end > found->count) {
+        memcpy(to + known * record_bytes, from + known * record_bytes,
+               (size_t)(head.count - known) * record_bytes);
+        found->count = end;
+    }
     return PCCD_OK;
 }
 
 int answers_records(const struct answers *answers, struct record_reader *reader,
-                    uint64_t step, void **to, size_t *room, uint64_t *count,
-                    bool *is_whole, struct ctl_error *error)
+                    uint64_t step, struct answers_found *found, struct ctl_error *error)
 {
     const struct record_answer *answer = answers_find(answers, step);
     const struct record_near_answer *near = answers_find_near(answers, step);
@@ -260,15 +267,70 @@ int answers_records(const struct answers *answers, struct record_reader *reader,
             near->what == PCCD_NEAR_VERTICES ? sizeof(double) : sizeof(struct pccd_near);
     }
     int status = PCCD_OK;
-    *count = 0;
+    found->count = found->first_count = 0;
+    found->is_torn = false;
     for (size_t i = first_page(answers, step);
          i < answers->page_count && answers->pages[i].step == step && status == PCCD_OK;
          i++) {
-        /* Pages may have been fetched again; what is there already is not needed. */
-        if (answers->pages[i].first == *count) {
-            status = append(reader, &answers->pages[i], each, to, room, count, error);
+        const struct answers_page *page = &answers->pages[i];
+        if (page->first == 0 && page->count > found->first_count) {
+            found->first_count = page->count;
+        }
+        /* Pages may have been fetched again, or from anywhere on. */
+        if (page->first <= found->count && page->count > 0) {
+            status = append(reader, page, each, found, error);
         }
     }
-    *is_whole = (answer != NULL || near != NULL) && *count == total;
+    found->is_whole = (answer != NULL || near != NULL) && found->count == total;
     return status;
+}
+
+/* ---- what belongs to nothing ------------------------------------------------------- */
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Whether a step or question of that number was asked. */
+static bool was_asked(const struct answers *answers, uint64_t number)
+{
+    return answers->asked_count > 0 &&
+           bsearch(&number, answers->numbers, answers->asked_count,
+                   sizeof *answers->numbers, compare_numbers) != NULL;
+}
+
+uint64_t answers_stray(struct answers *answers, uint64_t after)
+{
+    uint64_t least = UINT64_MAX;
+    if (answers->numbers == NULL) {
+        answers->numbers = malloc((answers->asked_count + 1) * sizeof *answers->numbers);
+        for (size_t i = 0; answers->numbers != NULL && i < answers->asked_count; i++) {
+            answers->numbers[i] = answers->asked[i].step;
+        }
+        if (answers->numbers == NULL) {
+            return 0; /* nothing is said of them then */
+        }
+        qsort(answers->numbers, answers->asked_count, sizeof *answers->numbers,
+              compare_numbers);
+    }
+#define LOOK(items, item_count)                                                          \
+    for (size_t i = 0; i < (item_count); i++) {                                          \
+        uint64_t step = (items)[i].step;                                                 \
+        bool is_twice = i > 0 && (items)[i - 1].step == step;                            \
+        if (step > after && step < least && (is_twice || !was_asked(answers, step))) {   \
+            least = step;                                                                \
+        }                                                                                \
+    }
+    LOOK(answers->items, answers->count)
+    LOOK(answers->nears, answers->near_count)
+#undef LOOK
+    for (size_t i = 0; i < answers->page_count; i++) {
+        uint64_t step = answers->pages[i].step;
+        if (step > after && step < least && !was_asked(answers, step)) {
+            least = step;
+        }
+    }
+    return least == UINT64_MAX ? 0 : least;
 }

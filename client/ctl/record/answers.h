@@ -33,7 +33,8 @@ struct answers {
     struct record_begin begin;
     struct answers_asked *asked;
     size_t asked_count, asked_room;
-    uint64_t sum; /* of all that was read: of two recordings it is not the same */
+    uint64_t *numbers; /* of these, sorted; NULL until they are wanted */
+    uint64_t sum;      /* of all that was read: of two recordings it is not the same */
     struct record_answer *items; /* by step */
     size_t count, room;
     struct record_near_answer *nears; /* by step */
@@ -53,10 +54,19 @@ void answers_deinit(struct answers *answers);
 const struct record_answer *answers_find(const struct answers *answers, uint64_t step);
 const struct record_near_answer *answers_find_near(const struct answers *answers,
                                                    uint64_t step);
-/* The records of a step, or of what is near, into *to (grown by realloc, of *room
- * bytes). *count = 0 without any; is_whole: they are all that the answer had. */
+/* Records of a step, or of what is near, from the first one on. */
+struct answers_found {
+    void *records; /* grown by realloc, of `room` bytes */
+    size_t room;
+    uint64_t count;
+    uint64_t first_count; /* of the longest page that begins with the first */
+    bool is_whole;        /* they are all that the answer had */
+    bool is_torn;         /* pages that overlap were not the same */
+};
 int answers_records(const struct answers *answers, struct record_reader *reader,
-                    uint64_t step, void **to, size_t *room, uint64_t *count,
-                    bool *is_whole, struct ctl_error *error);
+                    uint64_t step, struct answers_found *found, struct ctl_error *error);
+/* The number of an answer, or of a page of records, to a step or question that the
+ * recording does not have, or has answered twice; 0: there is none. From `after` on. */
+uint64_t answers_stray(struct answers *answers, uint64_t after);
 
 #endif

@@ -35,10 +35,12 @@ struct play_step {
     const struct pccd_contact *contacts; /* [count]; NULL: none, or not asked for */
     const struct pccd_pair *pairs;       /* [count] */
     uint64_t count;
-    bool is_whole; /* count is the answer's total */
-    /* Mode pairs was recorded by another rule than the daemon's (RECORD_EXACT_PAIRS): the
-     * two answers may differ. */
-    bool has_other_pairs;
+    uint64_t first_count; /* of these, those of the first page */
+    bool is_whole;        /* count is the answer's total */
+    bool is_torn;         /* pages that were fetched twice were not the same */
+    /* Mode pairs was recorded by another rule than that of today (RECORD_EXACT_PAIRS),
+     * and a daemon's answer may differ from it. */
+    bool has_old_pairs, has_other_pairs;
     struct pccd_client
         *client; /* the daemon's, this being its last step; NULL: not asked */
     const struct step_trace *trace; /* what its threads did; NULL: not asked for */
@@ -58,10 +60,15 @@ struct play_near {
     const struct pccd_near *records;  /* [count]; NULL: none, or not asked for */
     const double *bounds;             /* [count], of VERTICES, likewise */
     uint64_t count;
-    bool is_whole; /* count is the answer's total */
+    uint64_t first_count; /* of these, those of the first page */
+    bool is_whole;        /* count is the answer's total */
+    bool is_torn;         /* pages that were fetched twice were not the same */
 };
 typedef int (*play_near_fn)(void *context, const struct play_near *near,
                             struct ctl_error *error);
+
+/* A step or question that is not shown, because it had failed by chance. */
+typedef void (*play_skip_fn)(void *context, uint64_t number, bool is_near);
 
 /* Which item, a step or a question, is to be shown next, where several share the items of
  * a recording: its place in the order of the file, from 1, behind the one before; 0: none
@@ -84,7 +91,8 @@ struct play_settings {
     const char *label;       /* of the progress bar */
     play_near_fn show_near; /* as play's `show`; NULL: what is near is not shown, and only
                                 asked again where it moves something */
-    play_next_fn next;      /* NULL: all steps of the range are shown */
+    play_skip_fn show_skipped; /* NULL: it is not told */
+    play_next_fn next;         /* NULL: all steps of the range are shown */
 };
 
 /* What the file held. */
@@ -112,7 +120,7 @@ int play_run(struct playing *playing, play_fn show, void *context,
              struct ctl_error *error);
 void play_close(struct playing *playing);
 /* What was asked and answered. */
-const struct answers *play_answers(const struct playing *playing);
+struct answers *play_answers(struct playing *playing);
 /* PCCD_OK, or why reading the answers did not come to the end of the file. */
 int play_damage(const struct playing *playing, struct ctl_error *error);
 /* Whether a step is of the range that the settings name. */

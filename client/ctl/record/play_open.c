@@ -133,7 +133,7 @@ int play_open(const struct play_settings *settings, struct play_summary *summary
     return open_all(made, error);
 }
 
-const struct answers *play_answers(const struct playing *playing)
+struct answers *play_answers(struct playing *playing)
 {
     return &playing->answers;
 }
@@ -181,7 +181,7 @@ void play_close(struct playing *playing)
     record_reader_deinit(&playing->reader);
     record_reader_deinit(&playing->pages);
     step_trace_deinit(&playing->trace);
-    free(playing->records);
+    free(playing->found.records);
     free(playing);
 }
 

@@ -7,6 +7,8 @@
  * Does not: repeat what was before that step: the daemon is told where things are.
  * Threads:  one.
  * Source:   play.h.
+ *
+ * More than 600 lines: a step, a question, and what is passed by of both go one way.
  */
 #include "play.h"
 
@@ -73,6 +75,15 @@ static bool is_shown(const struct playing *playing, uint64_t step)
 {
     return playing->settings.next != NULL ? playing->place == playing->next_place
                                           : play_is_within(&playing->settings, step);
+}
+
+/* It had failed by chance. */
+static void skip(struct playing *playing, uint64_t step, bool is_near)
+{
+    playing->summary->skipped++;
+    if (playing->settings.show_skipped != NULL && is_shown(playing, step)) {
+        playing->settings.show_skipped(playing->context, step, is_near);
+    }
 }
 
 /* Somebody else computes what is passed by: the daemon, if one is there yet, does not see
@@ -155,8 +166,9 @@ static int judge_lengths(const struct playing *playing, const struct record_view
 /* Records of an answer: a daemon's, or those that were recorded. */
 struct found {
     const void *records; /* NULL: none */
-    uint64_t count;
+    uint64_t count, first_count;
     bool is_whole; /* all of them */
+    bool is_torn;
 };
 
 /* How it is asked again: as then, but for what the caller wants otherwise. */
@@ -197,8 +209,10 @@ static int ask_again(struct playing *playing, const struct record_view *view,
         note_told(playing);
     }
     if (status == PCCD_OK && collects && drive->answer.status == PCCD_OK) {
-        *found = (struct found){drive->records, drive->record_count,
-                                drive->record_count == drive->answer.total};
+        *found = (struct found){.records = drive->records,
+                                .count = drive->record_count,
+                                .first_count = drive->answer.count,
+                                .is_whole = drive->record_count == drive->answer.total};
     }
     return status;
 }
@@ -207,20 +221,22 @@ static int ask_again(struct playing *playing, const struct record_view *view,
 static int recall(struct playing *playing, uint64_t number, bool is_answered,
                   struct found *found, struct ctl_error *error)
 {
-    *found = (struct found){.records = NULL};
-    int status =
-        answers_records(&playing->answers, &playing->pages, number, &playing->records,
-                        &playing->record_room, &found->count, &found->is_whole, error);
-    if (status == PCCD_OK && is_answered && found->count > 0) {
-        found->records = playing->records;
-    }
+    struct answers_found *is = &playing->found;
+    int status = answers_records(&playing->answers, &playing->pages, number, is, error);
+    *found = (struct found){.records = is_answered && is->count > 0 ? is->records : NULL,
+                            .count = is->count,
+                            .first_count = is->first_count,
+                            .is_whole = is->is_whole,
+                            .is_torn = is->is_torn};
     return status;
 }
 
 static void show_records(struct play_step *step, uint32_t mode, const struct found *found)
 {
     step->count = found->count;
+    step->first_count = found->first_count;
     step->is_whole = found->is_whole;
+    step->is_torn = found->is_torn;
     step->contacts = mode == PCCD_MODE_PAIRS ? NULL : found->records;
     step->pairs = mode == PCCD_MODE_PAIRS ? found->records : NULL;
 }
@@ -229,7 +245,9 @@ static void show_near_records(struct play_near *near, uint32_t what,
                               const struct found *found)
 {
     near->count = found->count;
+    near->first_count = found->first_count;
     near->is_whole = found->is_whole;
+    near->is_torn = found->is_torn;
     near->records = what == PCCD_NEAR_VERTICES ? NULL : found->records;
     near->bounds = what == PCCD_NEAR_VERTICES ? found->records : NULL;
 }
@@ -298,8 +316,9 @@ static int show_step(struct playing *playing, const struct record_view *view,
                              .recorded = answers_find(&playing->answers, frame->step),
                              .hash_version =
                                  record_reader_hash_version(&playing->reader)};
-    step.has_other_pairs = asks_daemon && frame->mode == PCCD_MODE_PAIRS &&
-                           (playing->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
+    step.has_old_pairs = frame->mode == PCCD_MODE_PAIRS &&
+                         (playing->answers.begin.flags & RECORD_EXACT_PAIRS) == 0;
+    step.has_other_pairs = asks_daemon && step.has_old_pairs;
     int status = asks_daemon ? repeat_step(playing, view, slot, &step, error)
                              : recall_step(playing, &step, error);
     int then = step.recorded != NULL ? step.recorded->status : PCCD_OK;
@@ -327,7 +346,7 @@ static int follow_frame(struct playing *playing, const struct record_view *view,
     playing->wanted += is_shown(playing, frame->step);
     playing->last_step = frame->step;
     if (recorded != NULL && !play_is_repeatable(recorded->status)) {
-        playing->summary->skipped++;
+        skip(playing, frame->step, false);
         return PCCD_OK;
     }
     if (!is_shown(playing, frame->step)) {
@@ -426,7 +445,7 @@ static int follow_near(struct playing *playing, const struct record_view *view,
     playing->wanted += shows;
     playing->last_step = asked->step;
     if (near.recorded != NULL && !play_is_repeatable(near.recorded->status)) {
-        playing->summary->skipped++;
+        skip(playing, asked->step, true);
         return PCCD_OK;
     }
     double most = asked->what == PCCD_NEAR_NEAREST ? INFINITY : PROTO_COORDINATE_MAX;

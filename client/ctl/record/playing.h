@@ -25,9 +25,8 @@ struct playing {
     struct drive drive;
     struct progress progress;
     struct step_trace trace;
-    void *records; /* recorded ones */
-    size_t record_room;
-    uint64_t begun_ns; /* now, and then, of the first step that is repeated */
+    struct answers_found found; /* recorded ones */
+    uint64_t begun_ns;          /* now, and then, of the first step that is repeated */
     uint64_t begun_then_ns;
     uint64_t wanted;            /* steps of the range that the file has */
     uint64_t last_step;         /* read of the log */

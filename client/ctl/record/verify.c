@@ -1,8 +1,8 @@
 /* client/ctl/record/verify.c - whether the answer to a step is right.
  *
  * Room:     client/ctl.
- * Does:     order, counts and hash of the records; then each of them by exact arithmetic.
- * Does not: look for what is missing (verify_near.c).
+ * Does:     look at each record, by exact arithmetic; say what cannot be checked.
+ * Does not: look at numbers (verify_numbers.c) or for what is missing (verify_near.c).
  * Threads:  one.
  * Source:   verify.h; proto/PROTOCOL.md, "Records".
  */
@@ -15,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "answer_hash.h"
 #include "kinds.h"
 #include "oracle.h"
 #include "verify_meeting.h"
@@ -40,6 +39,17 @@ uint32_t verify_verdict(const struct play_step *step)
 {
     return step->answer != NULL ? (uint32_t)step->answer->verdict
                                 : step->recorded->verdict;
+}
+
+uint32_t verify_incomplete(const struct play_step *step)
+{
+    return step->answer != NULL ? (uint32_t)step->answer->incomplete
+                                : step->recorded->incomplete;
+}
+
+bool verify_is_complete(const struct play_step *step)
+{
+    return verify_incomplete(step) <= PCCD_INCOMPLETE_RESULT_FULL;
 }
 
 static struct pccd_pair pair_of(const struct play_step *step, uint64_t i)
@@ -125,10 +135,23 @@ static const char *misnamed(const struct registry_scene *scene,
     return NULL;
 }
 
-bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
-                  const struct pccd_pair *pair, const char *format, ...)
+bool verify_leave(struct verify_result *result, const char *format, ...)
 {
     va_list arguments;
+    if (result->unchecked[0] == '\0') {
+        va_start(arguments, format);
+        (void)vsnprintf(result->unchecked, sizeof result->unchecked, format, arguments);
+        va_end(arguments);
+    }
+    return true;
+}
+
+bool verify_wrong(struct verify_result *result, const struct play_step *step,
+                  const struct pccd_pair *pair, const char *format, ...)
+{
+    struct verify_witness *witness = &result->witness;
+    va_list arguments;
+    result->is_wrong = true;
     memset(witness, 0, sizeof *witness);
     witness->step = step->number;
     va_start(arguments, format);
@@ -192,9 +215,9 @@ static const char *malformed(const struct pccd_contact *contact, double toleranc
 
 static bool check_exactly(const struct play_step *step,
                           const struct pccd_contact *contact,
-                          const struct pccd_pair *pair, struct verify_counts *counts,
-                          struct verify_witness *witness)
+                          const struct pccd_pair *pair, struct verify_result *result)
 {
+    const uint32_t known = PCCD_PROVED | PCCD_INITIAL | PCCD_INSIDE;
     bool is_proved = (contact->flags & PCCD_PROVED) != 0;
     const char *what = NULL;
     struct verify_meeting meeting;
@@ -210,14 +233,26 @@ static bool check_exactly(const struct play_step *step,
                (contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) != meeting.flags) {
         what = "whether the features meet at t = 0, or begin within their distance, is "
                "claimed wrongly";
+    } else if (is_proved && (meeting.flags & PCCD_INITIAL) != 0 &&
+               (contact->toi != 0 || contact->toi_hi != 0)) {
+        what = "the features meet at t = 0, and the record's time is another";
+    } else if (!is_proved && (meeting.r == 0 || (contact->flags & PCCD_INITIAL) != 0 ||
+                              contact->flags != (meeting.flags & PCCD_INSIDE))) {
+        what = "what could be proved of the record is not";
+    } else if ((contact->flags & ~known) != 0 || contact->reserved != 0) {
+        what = "the record has flags, or a last word, that say nothing";
+    } else if (is_proved) {
+        what = verify_place(contact, (const double(*)[3])meeting.p, meeting.r);
     }
     oracle_first_free(first);
     if (what != NULL) {
-        return verify_wrong(witness, step, pair, "%s", what);
+        return verify_wrong(result, step, pair, "%s", what);
     }
-    counts->contacts += is_proved;
-    counts->possible += !is_proved;
-    return true;
+    result->counts.contacts += is_proved;
+    result->counts.possible += !is_proved;
+    return is_proved ||
+           verify_leave(result, "a record is possible: that it is not before its time is "
+                                "checked, and no more");
 }
 
 static uint64_t mix(uint64_t x)
@@ -228,9 +263,18 @@ static uint64_t mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-static bool check_contacts(const struct play_step *step,
-                           const struct verify_settings *settings,
-                           struct verify_counts *counts, struct verify_witness *witness)
+/* One of mode pairs: is it what the mode asks for? */
+static bool check_beside(const struct play_step *step, const struct pccd_pair *pair,
+                         struct verify_result *result)
+{
+    return (step->has_old_pairs && step->answer == NULL) ||
+           verify_is_beside(step, pair) ||
+           verify_wrong(result, step, pair, "an axis separates a pair of the answer");
+}
+
+static bool check_records(const struct play_step *step,
+                          const struct verify_settings *settings,
+                          struct verify_result *result)
 {
     double tolerance = step->frame->tolerance > 0 ? step->frame->tolerance : TOLERANCE;
     for (uint64_t i = 0; i < step->count; i++) {
@@ -248,18 +292,21 @@ static bool check_contacts(const struct play_step *step,
                        : NULL;
         }
         if (what != NULL) {
-            return verify_wrong(witness, step, &pair, "record %" PRIu64 ": %s", i, what);
+            return verify_wrong(result, step, &pair, "record %" PRIu64 ": %s", i, what);
         }
         bool is_chosen = settings->contacts_max == 0 ||
                          mix(settings->seed ^ mix(step->number) ^ i) % step->count <
                              settings->contacts_max;
-        if (contact == NULL || !is_chosen) {
+        if (!is_chosen) {
             continue;
         }
-        if (!check_exactly(step, contact, &pair, counts, witness)) {
-            witness->has_claim = true;
-            witness->toi = contact->toi;
-            witness->toi_hi = contact->toi_hi;
+        if (contact == NULL && !check_beside(step, &pair, result)) {
+            return false;
+        }
+        if (contact != NULL && !check_exactly(step, contact, &pair, result)) {
+            result->witness.has_claim = true;
+            result->witness.toi = contact->toi;
+            result->witness.toi_hi = contact->toi_hi;
             return false;
         }
     }
@@ -268,79 +315,89 @@ static bool check_contacts(const struct play_step *step,
 
 /* ---- the answer as a whole --------------------------------------------------------- */
 
-static bool check_sums(const struct play_step *step, struct verify_witness *witness)
+void verify_skip(uint64_t step, bool is_near, struct verify_result *result)
 {
-    size_t each =
-        step->pairs != NULL ? sizeof(struct pccd_pair) : sizeof(struct pccd_contact);
-    const void *records =
-        step->pairs != NULL ? (const void *)step->pairs : (const void *)step->contacts;
-    const struct record_answer *then = step->recorded;
-    const struct pccd_answer *now = step->answer;
-    double first = 2;
-    uint64_t hash[2];
-    for (uint64_t i = 0; step->contacts != NULL && i < step->count; i++) {
-        first = fmin(first, step->contacts[i].toi);
-    }
-    record_answer_hash(PCCD_HASH_VERSION, records, step->count, each, hash);
-    if (now != NULL && memcmp(now->hash, hash, sizeof hash) != 0) {
-        return verify_wrong(witness, step, NULL,
-                            "the daemon's hash is not that of its records");
-    }
-    if (then != NULL && then->status == PCCD_OK && then->incomplete <= 1 &&
-        !step->has_other_pairs) {
-        record_answer_hash(step->hash_version, records, step->count, each, hash);
-        if (memcmp(then->hash, hash, sizeof hash) != 0) {
-            return verify_wrong(
-                witness, step, NULL, "the recorded hash is not that of %s",
-                now != NULL ? "a daemon's records" : "the recorded records");
-        }
-    }
-    if (step->pairs == NULL && first != verify_toi_first(step)) {
-        return verify_wrong(witness, step, NULL,
-                            "the earliest time is not that of the records");
-    }
-    return true;
+    memset(result, 0, sizeof *result);
+    result->step = step;
+    result->is_near = is_near;
+    verify_leave(result, "it had failed by chance, and is not repeated");
 }
 
-/* Whether nothing ended the step before it was done. */
-static bool is_complete(const struct play_step *step)
+/* Of a failed step nothing else is said. */
+static bool is_bare(const struct record_answer *answer)
 {
-    uint32_t incomplete = step->answer != NULL ? (uint32_t)step->answer->incomplete
-                                               : step->recorded->incomplete;
-    return incomplete == PCCD_COMPLETE || incomplete == PCCD_INCOMPLETE_RESULT_FULL;
+    const struct record_answer bare = {.step = answer->step, .status = answer->status};
+    return memcmp(&bare, answer, sizeof bare) == 0;
+}
+
+/* Whether it has an answer to check; *is_right: what there is is right. */
+static bool can_check(const struct play_step *step, struct verify_result *result,
+                      bool *is_right)
+{
+    const struct record_answer *then = step->recorded;
+    const struct pccd_answer *now = step->answer;
+    int answered = now != NULL ? now->status : then != NULL ? then->status : PCCD_OK;
+    *is_right = true;
+    if (now != NULL && then != NULL && now->status != then->status) {
+        *is_right = verify_wrong(
+            result, step, NULL, "the recorded status is %s, that of a daemon %s",
+            pccd_status_name(then->status), pccd_status_name(now->status));
+    } else if (then != NULL && then->status != PCCD_OK && !is_bare(then)) {
+        *is_right = verify_wrong(result, step, NULL,
+                                 "the step failed, and its answer has numbers");
+    } else if (now == NULL && then == NULL) {
+        verify_leave(result, "it has no answer");
+    } else if (answered != PCCD_OK) {
+        verify_leave(result, "it failed: %s", pccd_status_text(answered));
+    } else if (step->scene == NULL) {
+        verify_leave(result, "its scene is gone");
+    } else {
+        return true;
+    }
+    return false;
+}
+
+/* What an answer that is not all there, or not all that there is, leaves open. */
+static void leave_open(const struct play_step *step, struct verify_result *result)
+{
+    static const char *const why[] = {[PCCD_INCOMPLETE_DEADLINE] = "its deadline passed",
+                                      [PCCD_INCOMPLETE_CANCELLED] = "it was cancelled",
+                                      [PCCD_INCOMPLETE_CONTACT_LIMIT] =
+                                          "there was more than the daemon kept"};
+    uint32_t incomplete = verify_incomplete(step);
+    if (!verify_is_complete(step)) {
+        verify_leave(result, "%s: what is missing in its answer is not checked",
+                     incomplete < sizeof why / sizeof why[0] ? why[incomplete] : "?");
+    } else if (step->has_old_pairs && verify_mode(step) == PCCD_MODE_PAIRS &&
+               step->answer == NULL) {
+        verify_leave(result, "it is of mode pairs, recorded when that compared boxes in "
+                             "single precision");
+    }
 }
 
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
-                struct verify_counts *counts, struct verify_witness *witness,
-                bool *is_right, struct ctl_error *error)
+                struct verify_result *result, struct ctl_error *error)
 {
-    int answered = step->answer != NULL     ? step->answer->status
-                   : step->recorded != NULL ? step->recorded->status
-                                            : PCCD_E_STATE;
-    *is_right = true;
-    counts->steps++;
-    if (step->answer != NULL && step->recorded != NULL &&
-        step->answer->status != step->recorded->status) {
-        *is_right = verify_wrong(witness, step, NULL,
-                                 "the recorded status is %s, that of a daemon %s",
-                                 pccd_status_name(step->recorded->status),
-                                 pccd_status_name(step->answer->status));
+    bool is_right = true;
+    int status = PCCD_OK;
+    memset(result, 0, sizeof *result);
+    result->step = step->number;
+    result->counts.steps = 1;
+    if (!can_check(step, result, &is_right)) {
+        result->counts.unchecked = is_right;
         return PCCD_OK;
     }
-    if (answered != PCCD_OK || step->scene == NULL) {
-        counts->unchecked++;
-        return PCCD_OK;
+    for (uint32_t i = 0; i < step->scene->object_count && status == PCCD_OK; i++) {
+        status = world_edges(step->scene->objects[i].mesh, error);
     }
-    for (uint32_t i = 0; i < step->scene->object_count; i++) {
-        int status = world_edges(step->scene->objects[i].mesh, error);
-        if (status != PCCD_OK) {
-            return status;
-        }
+    leave_open(step, result);
+    is_right = status == PCCD_OK && check_records(step, settings, result) &&
+               verify_numbers(step, result);
+    if (is_right && verify_mode(step) == PCCD_MODE_ANY) {
+        is_right = verify_any(step, result, error, &status);
     }
-    bool has_all = is_complete(step) && step->is_whole;
-    *is_right =
-        check_contacts(step, settings, counts, witness) &&
-        (!has_all || verify_mode(step) == PCCD_MODE_ANY || check_sums(step, witness)) &&
-        (!has_all || verify_near(step, settings, counts, witness));
-    return PCCD_OK;
+    if (is_right && status == PCCD_OK && step->is_whole && verify_is_complete(step)) {
+        (void)verify_near(step, settings, result);
+    }
+    return status;
 }

@@ -2,8 +2,9 @@
  * arithmetic (`pccdctl verify`).
  *
  * Room:     client/ctl. May include: play.h, oracle.h.
- * Does:     recompute every record, and a sample of pairs that were not reported, by
- *           exact rational arithmetic that shares nothing with the engine.
+ * Does:     recompute every record and every number of an answer, and a sample of pairs
+ *           that were not reported, by exact rational arithmetic that shares nothing with
+ *           the engine; say of what else it was not checked.
  * Does not: print.
  * Threads:  one.
  * Source:   the definition of a contact in oracle.h.
@@ -43,31 +44,64 @@ struct verify_witness {
     double lo, hi;
 };
 
-/* Check a step. PCCD_OK with *is_right; *witness is set when it is not. */
+#define VERIFY_WHY_BYTES 160
+
+/* What came of a step or a question; without pointers, so that other processes can be
+ * told. */
+struct verify_result {
+    uint64_t step;
+    bool is_near;
+    bool is_wrong; /* `witness` says how */
+    /* Why it, or a part of its answer, could not be checked; "": all of it was, but for
+     * what the settings leave out. */
+    char unchecked[VERIFY_WHY_BYTES];
+    struct verify_counts counts;
+    struct verify_witness witness;
+};
+
+/* Check a step, all of its answer but for what was measured (times, counters, threads,
+ * the method). PCCD_OK with *result, else an error. */
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
-                struct verify_counts *counts, struct verify_witness *witness,
-                bool *is_right, struct ctl_error *error);
-
-/* verify_near.c: pairs near each other that are not in the answer. */
-bool verify_near(const struct play_step *step, const struct verify_settings *settings,
-                 struct verify_counts *counts, struct verify_witness *witness);
-
-/* verify_distance.c: an answer about what is near, all of it. As verify_step. */
-int verify_distances(const struct play_near *near, struct verify_counts *counts,
-                     struct verify_witness *witness, bool *is_right,
+                struct verify_result *result, struct ctl_error *error);
+/* verify_distance.c: an answer about what is near, likewise. */
+int verify_distances(const struct play_near *near, struct verify_result *result,
                      struct ctl_error *error);
+/* One that was not repeated, because it had failed by chance. */
+void verify_skip(uint64_t step, bool is_near, struct verify_result *result);
 
-/* ---- what both use --------------------------------------------------------------- */
+/* ---- parts of it; false: wrong, and the result says how ---------------------------- */
+
+/* verify_numbers.c: the numbers of an answer, against its records. */
+bool verify_numbers(const struct play_step *step, struct verify_result *result);
+/* verify_near.c: a sample of pairs near each other that are not in the answer. */
+bool verify_near(const struct play_step *step, const struct verify_settings *settings,
+                 struct verify_result *result);
+/* verify_any.c: whether the verdict of mode any is that of all pairs. */
+bool verify_any(const struct play_step *step, struct verify_result *result,
+                struct ctl_error *error, int *status);
+/* verify_place.c: why the parameters or the normal of a contact whose times are right
+ * cannot be; NULL: they can. Of a thick pair r > 0. */
+const char *verify_place(const struct pccd_contact *contact, const double p[8][3],
+                         double r);
+
+/* ---- what they use ----------------------------------------------------------------- */
 
 /* Whether the answer holds the pair. */
 bool verify_has(const struct play_step *step, const struct pccd_pair *pair);
-/* *witness, with the exact time of the pair's contact if it has one. Returns false. */
-bool verify_wrong(struct verify_witness *witness, const struct play_step *step,
+/* Whether nothing ended the step before it was done. */
+bool verify_is_complete(const struct play_step *step);
+/* The result is wrong, with the exact time of the pair's contact if it has one. Returns
+ * false. */
+bool verify_wrong(struct verify_result *result, const struct play_step *step,
                   const struct pccd_pair *pair, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+/* Something was not checked; what was said first stays. Returns true. */
+bool verify_leave(struct verify_result *result, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 /* Numbers of a step's answer: the daemon's, or what was recorded. */
 uint32_t verify_mode(const struct play_step *step);
 double verify_toi_first(const struct play_step *step);
 uint32_t verify_verdict(const struct play_step *step);
+uint32_t verify_incomplete(const struct play_step *step);
 
 #endif

@@ -3,7 +3,7 @@
  * Room:     client/ctl.
  * Does:     find everything that is near by trying all pairs with exact arithmetic, and
  *           compare each byte of the answer with that.
- * Does not: check answers that are not whole: they are counted.
+ * Does not: check answers that are not whole: they are told.
  * Threads:  one.
  * Source:   verify.h; oracle_near.h, oracle_objects.h.
  */
@@ -24,17 +24,21 @@
 
 struct judge {
     const struct play_near *near;
-    struct verify_counts *counts;
-    struct verify_witness *witness;
+    struct verify_result *result;
+    /* What the answer must say beside its records. */
+    uint32_t verdict;
+    uint64_t crossings;
     struct oracle_object *objects;
     struct oracle_moment moment;
 };
 
 static bool wrong(struct judge *judge, const char *what, uint64_t at)
 {
-    memset(judge->witness, 0, sizeof *judge->witness);
-    judge->witness->step = judge->near->number;
-    (void)snprintf(judge->witness->what, sizeof judge->witness->what,
+    struct verify_witness *witness = &judge->result->witness;
+    judge->result->is_wrong = true;
+    memset(witness, 0, sizeof *witness);
+    witness->step = judge->near->number;
+    (void)snprintf(witness->what, sizeof witness->what,
                    "what is near: record %" PRIu64 ": %.140s", at, what);
     return false;
 }
@@ -103,37 +107,112 @@ static bool make_moment(struct judge *judge)
     return judge->objects != NULL && has_memory;
 }
 
-/* Numbers of the answer, where it has all records. */
-static bool check_sums(struct judge *judge)
+/* ---- numbers ----------------------------------------------------------------------- */
+
+/* Numbers of an answer that follow from its records. */
+struct numbers {
+    uint64_t total, counts[PCCD_KINDS_MAX];
+    double distance_min, distance_max;
+    uint64_t hash[2];
+};
+
+/* What was recorded, the whole struct, so that a number which comes later is not let by;
+ * only what was measured is taken from it. NULL: it is right. */
+static const char *check_recorded(const struct judge *judge, const struct numbers *is)
+{
+    const struct record_near_answer *then = judge->near->recorded;
+    struct record_near_answer must = {.step = judge->near->number,
+                                      .status = PCCD_OK,
+                                      .what = judge->near->asked->what,
+                                      .method = then->method,
+                                      .incomplete = then->incomplete,
+                                      .verdict = judge->verdict,
+                                      .threads = then->threads,
+                                      .total = is->total,
+                                      .distance_min = is->distance_min,
+                                      .distance_max = is->distance_max,
+                                      .crossings = judge->crossings};
+    memcpy(must.counts, is->counts, sizeof must.counts);
+    memcpy(must.hash, is->hash, sizeof must.hash);
+    memcpy(must.times, then->times, sizeof must.times);
+    memcpy(must.counters, then->counters, sizeof must.counters);
+#define SAME(member)                                                                     \
+    if (memcmp(&then->member, &must.member, sizeof must.member) != 0) {                  \
+        return #member;                                                                  \
+    }
+    SAME(what)
+    SAME(verdict)
+    SAME(total)
+    SAME(counts)
+    SAME(distance_min)
+    SAME(distance_max)
+    SAME(crossings)
+    SAME(hash)
+#undef SAME
+    return memcmp(then, &must, sizeof must) != 0 ? "another number" : NULL;
+}
+
+static const char *check_daemon(const struct judge *judge, const struct numbers *is)
+{
+    const struct pccd_answer *now = judge->near->answer;
+#define SAME(member)                                                                     \
+    if (memcmp(&now->member, &is->member, sizeof is->member) != 0) {                     \
+        return #member;                                                                  \
+    }
+    SAME(total)
+    SAME(counts)
+    SAME(distance_min)
+    SAME(distance_max)
+    SAME(hash)
+#undef SAME
+    return (uint32_t)now->what != judge->near->asked->what ? "what"
+           : (uint32_t)now->verdict != judge->verdict      ? "verdict"
+           : now->crossings != judge->crossings            ? "crossings"
+                                                           : NULL;
+}
+
+/* Both answers, where they have all records: these are right. With a gap the records, and
+ * so the numbers, of two right answers may differ. */
+static bool check_numbers(struct judge *judge, const struct numbers *is)
 {
     const struct play_near *near = judge->near;
     const struct record_near_answer *then = near->recorded;
-    uint64_t hash[2];
-    double least = 2e18, greatest = 0;
+    const char *name = near->answer != NULL ? check_daemon(judge, is) : NULL;
+    bool is_other = near->answer != NULL && play_has_gap(near->asked);
+    if (name == NULL && then != NULL) {
+        if (then->incomplete > PCCD_INCOMPLETE_RESULT_FULL || is_other) {
+            verify_leave(judge->result, "%s: only a daemon's answer was checked",
+                         is_other ? "it has a gap, with which answers may differ"
+                                  : "it ended before it was done");
+        } else {
+            name = check_recorded(judge, is);
+        }
+    }
+    if (name != NULL) {
+        char what[120];
+        (void)snprintf(what, sizeof what, "%s: it is not that of the records", name);
+        return wrong(judge, what, near->count);
+    }
+    judge->result->counts.near_records += near->count;
+    return true;
+}
+
+/* By records. */
+static bool check_sums(struct judge *judge)
+{
+    const struct play_near *near = judge->near;
+    struct numbers is = {.total = near->count, .distance_min = 2e18};
     record_answer_hash(PCCD_HASH_VERSION, near->records, near->count,
-                       sizeof *near->records, hash);
+                       sizeof *near->records, is.hash);
     if (play_has_gap(near->asked)) {
-        memset(hash, 0, sizeof hash);
+        memset(is.hash, 0, sizeof is.hash);
     }
     for (uint64_t i = 0; i < near->count; i++) {
-        least = fmin(least, near->records[i].d_lo);
-        greatest = fmax(greatest, near->records[i].d_hi);
+        is.counts[near->records[i].kind]++; /* it was found right */
+        is.distance_min = fmin(is.distance_min, near->records[i].d_lo);
+        is.distance_max = fmax(is.distance_max, near->records[i].d_hi);
     }
-    if ((near->answer != NULL && memcmp(near->answer->hash, hash, sizeof hash) != 0) ||
-        (then != NULL && then->status == PCCD_OK &&
-         then->incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
-         memcmp(then->hash, hash, sizeof hash) != 0)) {
-        return wrong(judge, "the hash is not that of the records", near->count);
-    }
-    if (near->answer != NULL
-            ? near->answer->distance_min != least ||
-                  near->answer->distance_max != greatest
-            : then->distance_min != least || then->distance_max != greatest) {
-        return wrong(judge, "the least or greatest distance is not that of the records",
-                     near->count);
-    }
-    judge->counts->near_records += near->count;
-    return true;
+    return check_numbers(judge, &is);
 }
 
 /* Every record and nothing else. */
@@ -165,37 +244,63 @@ static bool check_records(struct judge *judge, const struct oracle_nears *truth)
     return check_sums(judge);
 }
 
+/* Of one object: its bounds, which are those of the answer from `at` on if it was asked
+ * about; and the least and greatest of them that a pair makes. */
+static bool check_object(struct judge *judge, const struct oracle_nears *pairs,
+                         uint32_t object, struct record_bound *records, uint64_t *at,
+                         struct numbers *is)
+{
+    const struct play_near *near = judge->near;
+    const struct oracle_object *of = &judge->objects[object];
+    uint32_t only = near->asked->objects[0];
+    bool is_asked = only == 0 || only == of->object_id;
+    double *bounds = malloc(((size_t)of->vertex_count + 1) * sizeof *bounds);
+    bool is_right = bounds != NULL || wrong(judge, "no memory", near->count);
+    if (is_right && is_asked && of->vertex_count > near->count - *at) {
+        is_right = wrong(judge, "a vertex has no bound", near->count);
+    }
+    if (is_right) {
+        oracle_near_bounds(&judge->moment, pairs, object, INFINITY, bounds);
+    }
+    for (uint32_t v = 0; v < of->vertex_count && is_right; v++) {
+        if (bounds[v] < INFINITY) {
+            is->distance_min = fmin(is->distance_min, bounds[v]);
+            is->distance_max = fmax(is->distance_max, bounds[v]);
+        }
+        double bound = fmin(bounds[v], near->asked->distance);
+        if (is_asked && memcmp(&bound, &near->bounds[*at], sizeof bound) != 0) {
+            char what[120];
+            (void)snprintf(what, sizeof what, "bound %.17g, exact: %.17g",
+                           near->bounds[*at], bound);
+            is_right = wrong(judge, what, *at);
+        } else if (is_asked) {
+            records[(*at)++] = (struct record_bound){of->object_id, v, bound};
+        }
+    }
+    free(bounds);
+    return is_right;
+}
+
 /* One after the other, of all objects or of the one that was asked for. */
 static bool check_bounds(struct judge *judge, const struct oracle_nears *pairs)
 {
     const struct play_near *near = judge->near;
+    struct numbers is = {.total = near->count, .distance_min = 2e18};
+    struct record_bound *records = malloc((near->count + 1) * sizeof *records);
     uint64_t at = 0;
-    for (uint32_t i = 0; i < judge->moment.object_count; i++) {
-        uint32_t count = judge->objects[i].vertex_count;
-        uint32_t only = near->asked->objects[0];
-        if (only != 0 && only != judge->objects[i].object_id) {
-            continue;
-        }
-        double *bounds = malloc(((size_t)count + 1) * sizeof *bounds);
-        if (bounds == NULL || at + count > near->count) {
-            free(bounds);
-            return wrong(judge, bounds == NULL ? "no memory" : "a vertex has no bound",
-                         near->count);
-        }
-        oracle_near_bounds(&judge->moment, pairs, i, near->asked->distance, bounds);
-        for (uint32_t v = 0; v < count; v++, at++) {
-            if (memcmp(&bounds[v], &near->bounds[at], sizeof bounds[v]) != 0) {
-                char what[120];
-                (void)snprintf(what, sizeof what, "bound %.17g, exact: %.17g",
-                               near->bounds[at], bounds[v]);
-                free(bounds);
-                return wrong(judge, what, at);
-            }
-        }
-        free(bounds);
+    bool is_right = records != NULL || wrong(judge, "no memory", near->count);
+    for (uint32_t i = 0; i < judge->moment.object_count && is_right; i++) {
+        is_right = check_object(judge, pairs, i, records, &at, &is);
     }
-    judge->counts->near_records += at;
-    return at == near->count || wrong(judge, "there is no such vertex", at);
+    if (is_right && at != near->count) {
+        is_right = wrong(judge, "there is no such vertex", at);
+    }
+    if (is_right) {
+        record_answer_hash(PCCD_HASH_VERSION, records, at, sizeof *records, is.hash);
+        is_right = check_numbers(judge, &is);
+    }
+    free(records);
+    return is_right;
 }
 
 /* How many edges pass through faces. */
@@ -205,6 +310,7 @@ static bool check_count(struct judge *judge, uint64_t crossings)
     char what[120];
     uint64_t said =
         near->answer != NULL ? near->answer->crossings : near->recorded->crossings;
+    judge->crossings = crossings;
     (void)snprintf(what, sizeof what,
                    "%" PRIu64 " edges pass through faces, exact: %" PRIu64, said,
                    crossings);
@@ -217,9 +323,10 @@ static bool check_crossings(struct judge *judge, const struct oracle_nears *cros
 {
     const struct play_near *near = judge->near;
     bool intersects = crossings->count + touching->count > 0;
+    judge->verdict = intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
     uint32_t verdict =
         near->answer != NULL ? (uint32_t)near->answer->verdict : near->recorded->verdict;
-    if (verdict != (uint32_t)(intersects ? PCCD_VERDICT_YES : PCCD_VERDICT_NO)) {
+    if (verdict != judge->verdict) {
         return wrong(judge,
                      intersects ? "something intersects or touches, and it says no"
                                 : "nothing intersects or touches, and it says yes",
@@ -333,37 +440,94 @@ static int check(struct judge *judge)
     return is_right;
 }
 
-static bool can_check(const struct play_near *near)
+/* Of a failed question nothing else is said. */
+static bool is_bare(const struct record_near_answer *answer)
 {
-    int answered = near->answer != NULL     ? near->answer->status
-                   : near->recorded != NULL ? near->recorded->status
-                                            : PCCD_E_STATE;
-    if (answered != PCCD_OK || near->scene == NULL) {
-        return false;
-    }
-    uint32_t incomplete = near->answer != NULL ? (uint32_t)near->answer->incomplete
-                                               : near->recorded->incomplete;
-    return near->is_whole && incomplete <= PCCD_INCOMPLETE_RESULT_FULL;
+    const struct record_near_answer bare = {.step = answer->step,
+                                            .status = answer->status};
+    return memcmp(&bare, answer, sizeof bare) == 0;
 }
 
-int verify_distances(const struct play_near *near, struct verify_counts *counts,
-                     struct verify_witness *witness, bool *is_right,
+/* Why the answers to a question cannot be; NULL: they can. */
+static const char *misfit(const struct play_near *near)
+{
+    const struct record_near_answer *then = near->recorded;
+    const struct pccd_answer *now = near->answer;
+    if (now != NULL && then != NULL && now->status != then->status) {
+        return "the recorded status is not that of a daemon";
+    }
+    if (then != NULL && then->status != PCCD_OK) {
+        return is_bare(then) ? NULL : "the question failed, and its answer has numbers";
+    }
+    if (near->is_torn) {
+        return "a page of records that was fetched twice was not the same";
+    }
+    if (now != NULL || then == NULL) {
+        return NULL;
+    }
+    if (then->incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT ||
+        (then->incomplete == PCCD_INCOMPLETE_DEADLINE && near->asked->deadline_ns == 0)) {
+        return "the answer ended for no reason that there is";
+    }
+    if (near->count > then->total || (near->count > 0 && near->count < then->total &&
+                                      then->incomplete == PCCD_COMPLETE)) {
+        return "its total is not that of the records";
+    }
+    if (near->is_whole && then->incomplete <= PCCD_INCOMPLETE_RESULT_FULL &&
+        (then->incomplete == PCCD_COMPLETE) != (near->first_count == near->count)) {
+        return "whether its first page has all of it is claimed wrongly";
+    }
+    return NULL;
+}
+
+static bool can_check(const struct play_near *near, struct verify_result *result)
+{
+    const struct record_near_answer *then = near->recorded;
+    const struct pccd_answer *now = near->answer;
+    if (now == NULL && then == NULL) {
+        verify_leave(result, "it has no answer");
+        return false;
+    }
+    int status = now != NULL ? now->status : then->status;
+    uint32_t incomplete = now != NULL ? (uint32_t)now->incomplete : then->incomplete;
+    if (status != PCCD_OK) {
+        verify_leave(result, "it failed: %s", pccd_status_text(status));
+    } else if (near->scene == NULL) {
+        verify_leave(result, "its scene is gone");
+    } else if (incomplete > PCCD_INCOMPLETE_RESULT_FULL) {
+        verify_leave(result, "it ended before it was done");
+    } else if (!near->is_whole) {
+        verify_leave(result, "%" PRIu64 " of its %" PRIu64 " records are known",
+                     near->count, now != NULL ? now->total : then->total);
+    }
+    return result->unchecked[0] == '\0';
+}
+
+int verify_distances(const struct play_near *near, struct verify_result *result,
                      struct ctl_error *error)
 {
-    struct judge judge = {.near = near, .counts = counts, .witness = witness};
-    *is_right = true;
-    counts->nears++;
-    if (!can_check(near)) {
-        counts->nears_unchecked++;
+    struct judge judge = {.near = near, .result = result, .verdict = PCCD_VERDICT_NONE};
+    const char *what = misfit(near);
+    memset(result, 0, sizeof *result);
+    result->step = near->number;
+    result->is_near = true;
+    result->counts.nears = 1;
+    if (what != NULL) {
+        wrong(&judge, what, near->count);
+        return PCCD_OK;
+    }
+    if (!can_check(near, result)) {
+        result->counts.nears_unchecked = 1;
         return PCCD_OK;
     }
     if (!make_moment(&judge)) {
         free_moment(&judge);
         return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what is near");
     }
-    int found = check(&judge);
-    counts->nears_unchecked += found < 0;
-    *is_right = found != 0;
+    if (check(&judge) < 0) {
+        result->counts.nears_unchecked = 1;
+        verify_leave(result, "more pairs are near than can be decided");
+    }
     free_moment(&judge);
     return PCCD_OK;
 }

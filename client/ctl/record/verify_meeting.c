@@ -84,23 +84,37 @@ static bool is_excluded(const struct registry_object *object,
            (is->rest_rings > 0 && are_joined(object->mesh, pair, is->rest_rings));
 }
 
-void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
-                 struct verify_meeting *meeting)
+/* The radii of a pair, and the separation: zeros where rest leaves it thin. Returns
+ * whether it is thick. */
+static bool find_radii(const struct play_step *step, const struct pccd_pair *pair,
+                       double radius[3])
 {
     const struct registry_object *a = registry_object(step->scene, pair->object_a);
     const struct registry_object *b = registry_object(step->scene, pair->object_b);
     const uint32_t *points = common_kinds[pair->kind].points;
-    const uint32_t *va = world_feature(a->mesh, points[0], &pair->feature_a);
-    const uint32_t *vb = world_feature(b->mesh, points[1], &pair->feature_b);
-    const struct oracle_thick thick = {.points_a = (int)points[0],
-                                       .points_b = (int)points[1],
-                                       .p = (const double(*)[3])meeting->p,
-                                       .radius = {world_radius(a, va, points[0]),
-                                                  world_radius(b, vb, points[1]),
-                                                  step->separation.separation},
-                                       .approach = step->separation.approach};
-    bool is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0 &&
-                    (a != b || !is_excluded(a, pair));
+    radius[0] =
+        world_radius(a, world_feature(a->mesh, points[0], &pair->feature_a), points[0]);
+    radius[1] =
+        world_radius(b, world_feature(b->mesh, points[1], &pair->feature_b), points[1]);
+    radius[2] = step->separation.separation;
+    bool is_thick =
+        radius[0] + radius[1] + radius[2] > 0 && (a != b || !is_excluded(a, pair));
+    if (!is_thick) {
+        memset(radius, 0, 3 * sizeof *radius);
+    }
+    return is_thick;
+}
+
+void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
+                 struct verify_meeting *meeting)
+{
+    const uint32_t *points = common_kinds[pair->kind].points;
+    struct oracle_thick thick = {.points_a = (int)points[0],
+                                 .points_b = (int)points[1],
+                                 .p = (const double(*)[3])meeting->p,
+                                 .approach = step->separation.approach};
+    bool is_thick = find_radii(step, pair, thick.radius);
+    meeting->r = thick.radius[0] + thick.radius[1] + thick.radius[2];
     verify_points(step->scene, pair, meeting->p);
     meeting->first = is_thick ? oracle_thick_first_new(&thick)
                      : pair->kind == PCCD_VF || pair->kind == PCCD_EE
@@ -110,4 +124,46 @@ void verify_meet(const struct play_step *step, const struct pccd_pair *pair,
     bool is_inside = is_thick && thick.approach > 0 && oracle_thick_is_inside(&thick);
     meeting->flags =
         (at_once ? (uint32_t)PCCD_INITIAL : 0) | (is_inside ? (uint32_t)PCCD_INSIDE : 0);
+}
+
+/* Is high - low above the exact sum of the radii? */
+static bool is_beyond(double high, double low, const double radius[3])
+{
+    const double terms[5] = {high, -low, -radius[0], -radius[1], -radius[2]};
+    mpq_t sum, term;
+    if (high <= low || radius[0] + radius[1] + radius[2] == 0) {
+        return high > low;
+    }
+    mpq_inits(sum, term, NULL);
+    for (int i = 0; i < 5; i++) {
+        mpq_set_d(term, terms[i]);
+        mpq_add(sum, sum, term);
+    }
+    bool is = mpq_sgn(sum) > 0;
+    mpq_clears(sum, term, NULL);
+    return is;
+}
+
+bool verify_is_beside(const struct play_step *step, const struct pccd_pair *pair)
+{
+    const uint32_t *points = common_kinds[pair->kind].points;
+    uint32_t all = points[0] + points[1];
+    double p[8][3], radius[3];
+    bool is_beside =
+        find_radii(step, pair, radius) || pair->kind == PCCD_VF || pair->kind == PCCD_EE;
+    verify_points(step->scene, pair, p);
+    for (uint32_t way = 0; way < 6 && is_beside; way++) {
+        bool are_apart = true;
+        for (uint32_t i = 0; i < points[0] && are_apart; i++) {
+            for (uint32_t j = points[0]; j < all && are_apart; j++) {
+                for (uint32_t end = 0; end < 8; end += 4) {
+                    double a = p[end + i][way % 3], b = p[end + j][way % 3];
+                    are_apart = are_apart && (way < 3 ? is_beyond(a, b, radius)
+                                                      : is_beyond(b, a, radius));
+                }
+            }
+        }
+        is_beside = !are_apart;
+    }
+    return is_beside;
 }

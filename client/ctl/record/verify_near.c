@@ -27,8 +27,7 @@ struct box {
 struct draw {
     const struct play_step *step;
     const struct verify_settings *settings;
-    struct verify_counts *counts;
-    struct verify_witness *witness;
+    struct verify_result *result;
     uint64_t state; /* of the random numbers */
     uint64_t left;  /* pairs */
 };
@@ -118,14 +117,21 @@ static bool judge(struct draw *draw, const struct pccd_pair *pair)
         return true;
     }
     draw->left--;
+    if (verify_mode(draw->step) == PCCD_MODE_PAIRS) {
+        draw->result->counts.non_contacts++;
+        return !verify_is_beside(draw->step, pair) ||
+               (draw->step->has_old_pairs && draw->step->answer == NULL) ||
+               verify_wrong(draw->result, draw->step, pair,
+                            "a pair that no axis separates is missing in the answer");
+    }
     verify_meet(draw->step, pair, &meeting);
     bool is_right = meeting.first == NULL || may_be_left_out(draw->step, meeting.first);
     oracle_first_free(meeting.first);
     if (!is_right) {
-        return verify_wrong(draw->witness, draw->step, pair,
+        return verify_wrong(draw->result, draw->step, pair,
                             "a contact is missing in the answer");
     }
-    draw->counts->non_contacts++;
+    draw->result->counts.non_contacts++;
     return true;
 }
 
@@ -222,12 +228,11 @@ static bool has_named(const struct registry_scene *scene)
 }
 
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
-                 struct verify_counts *counts, struct verify_witness *witness)
+                 struct verify_result *result)
 {
     struct draw draw = {.step = step,
                         .settings = settings,
-                        .counts = counts,
-                        .witness = witness,
+                        .result = result,
                         .state = settings->seed ^ step->number * 0x2545f4914f6cdd1du,
                         .left = settings->sample};
     uint32_t kinds = has_named(step->scene) ? PCCD_KIND_COUNT : PCCD_EE + 1;

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "array.h"
 #include "json_text.h"
 #include "kinds.h"
 #include "plural.h"
@@ -62,11 +63,92 @@ static void print_witness(const struct verify_witness *witness)
     }
 }
 
-void verify_print_text(const struct verify_counts *counts,
-                       const struct verify_witness *witness)
+/* X(key, member) of struct verify_counts. */
+#define COUNTS(X)                                                                        \
+    X(steps)                                                                             \
+    X(contacts)                                                                          \
+    X(possible)                                                                          \
+    X(non_contacts)                                                                      \
+    X(unchecked)                                                                         \
+    X(nears)                                                                             \
+    X(near_records)                                                                      \
+    X(nears_unchecked)
+
+/* ---- all of it --------------------------------------------------------------------- */
+
+static int leave(struct verify_report *report, uint64_t step, bool is_near,
+                 const char *why, struct ctl_error *error)
 {
-    if (witness != NULL) {
-        print_witness(witness);
+    if (!array_reserve((void **)&report->unchecked, report->unchecked_count,
+                       &report->unchecked_room, sizeof *report->unchecked)) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for what was not checked");
+    }
+    struct verify_unchecked *added = &report->unchecked[report->unchecked_count++];
+    *added = (struct verify_unchecked){.step = step, .is_near = is_near};
+    (void)snprintf(added->why, sizeof added->why, "%s", why);
+    return PCCD_OK;
+}
+
+int verify_report_add(struct verify_report *report, const struct verify_result *result,
+                      struct ctl_error *error)
+{
+#define ADD(name) report->counts.name += result->counts.name;
+    COUNTS(ADD)
+#undef ADD
+    if (result->is_wrong) {
+        report->witness = &result->witness;
+        return PCCD_OK;
+    }
+    return result->unchecked[0] == '\0'
+               ? PCCD_OK
+               : leave(report, result->step, result->is_near, result->unchecked, error);
+}
+
+int verify_report_strays(struct verify_report *report, struct answers *answers,
+                         struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint64_t step = answers_stray(answers, 0); step != 0 && status == PCCD_OK;
+         step = answers_stray(answers, step)) {
+        status = leave(report, step, false,
+                       "an answer, or records, of a step that the recording does not "
+                       "have, or that has another",
+                       error);
+    }
+    return status;
+}
+
+void verify_report_deinit(struct verify_report *report)
+{
+    free(report->unchecked);
+    *report = (struct verify_report){.witness = NULL};
+}
+
+/* Of one or several, one behind the other, for one reason. */
+static void print_unchecked(const struct verify_report *report)
+{
+    const struct verify_unchecked *all = report->unchecked;
+    for (size_t i = 0, end; i < report->unchecked_count; i = end) {
+        end = i + 1;
+        while (end < report->unchecked_count && all[end].is_near == all[i].is_near &&
+               strcmp(all[end].why, all[i].why) == 0) {
+            end++;
+        }
+        printf("not checked: %s %" PRIu64, all[i].is_near ? "question" : "step",
+               all[i].step);
+        if (end > i + 1) {
+            printf(" to %" PRIu64 " (%zu)", all[end - 1].step, end - i);
+        }
+        printf(": %s\n", all[i].why);
+    }
+}
+
+void verify_print_text(const struct verify_report *report)
+{
+    const struct verify_counts *counts = &report->counts;
+    print_unchecked(report);
+    if (report->witness != NULL) {
+        print_witness(report->witness);
         return;
     }
     printf(
@@ -92,17 +174,6 @@ void verify_print_text(const struct verify_counts *counts,
     }
     putchar('\n');
 }
-
-/* X(key, member) of struct verify_counts. */
-#define COUNTS(X)                                                                        \
-    X(steps)                                                                             \
-    X(contacts)                                                                          \
-    X(possible)                                                                          \
-    X(non_contacts)                                                                      \
-    X(unchecked)                                                                         \
-    X(nears)                                                                             \
-    X(near_records)                                                                      \
-    X(nears_unchecked)
 
 static bool set_count(json_t *object, const char *key, uint64_t value)
 {
@@ -209,13 +280,29 @@ bool verify_witness_read(const json_t *object, struct verify_witness *witness)
     return true;
 }
 
-bool verify_print_json(const struct verify_counts *counts,
-                       const struct verify_witness *witness)
+static json_t *unchecked_json(const struct verify_report *report)
 {
-    json_t *all = json_pack("{s:b}", "pass", witness == NULL);
-    bool ok = all != NULL && verify_counts_json(all, counts);
-    if (ok && witness != NULL) {
-        ok = json_object_set_new(all, "witness", verify_witness_json(witness)) == 0;
+    json_t *array = json_array();
+    for (size_t i = 0; i < report->unchecked_count && array != NULL; i++) {
+        const struct verify_unchecked *one = &report->unchecked[i];
+        json_t *told = json_pack("{s:I, s:b, s:s}", "step", (json_int_t)one->step,
+                                 "is_near", one->is_near, "why", one->why);
+        if (json_array_append_new(array, told) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+bool verify_print_json(const struct verify_report *report)
+{
+    json_t *all = json_pack("{s:b}", "pass", report->witness == NULL);
+    bool ok = all != NULL && verify_counts_json(all, &report->counts);
+    ok = ok && json_object_set_new(all, "not_checked", unchecked_json(report)) == 0;
+    if (ok && report->witness != NULL) {
+        ok = json_object_set_new(all, "witness", verify_witness_json(report->witness)) ==
+             0;
     }
     ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
     json_decref(all);

@@ -24,14 +24,6 @@ struct verification {
     struct verify_options checks;
 };
 
-/* What came of a step or a question. */
-struct item {
-    uint64_t step;
-    bool is_wrong;
-    struct verify_counts counts;
-    struct verify_witness witness; /* of one that is wrong */
-};
-
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     struct verification *verification = state->input;
@@ -68,39 +60,26 @@ static int check(void *context, const struct play_step *step, void *result,
                  struct ctl_error *error)
 {
     const struct verification *verification = context;
-    struct item *item = result;
-    bool is_right = true;
-    item->step = step->number;
-    int status = verify_step(step, &verification->checks.settings, &item->counts,
-                             &item->witness, &is_right, error);
-    item->is_wrong = !is_right;
-    return status;
+    return verify_step(step, &verification->checks.settings, result, error);
 }
 
 static int check_near(void *context, const struct play_near *near, void *result,
                       struct ctl_error *error)
 {
-    struct item *item = result;
-    bool is_right = true;
     (void)context;
-    item->step = near->number;
-    int status = verify_distances(near, &item->counts, &item->witness, &is_right, error);
-    item->is_wrong = !is_right;
-    return status;
+    return verify_distances(near, result, error);
 }
 
-/* It counts nowhere. */
 static void skip(void *context, const struct answers_asked *asked, void *result)
 {
-    struct item *item = result;
     (void)context;
-    item->step = asked->step;
+    verify_skip(asked->step, asked->is_near, result);
 }
 
 static bool is_last(void *context, const void *result)
 {
     (void)context;
-    return ((const struct item *)result)->is_wrong;
+    return ((const struct verify_result *)result)->is_wrong;
 }
 
 static json_t *settings(void *context)
@@ -114,9 +93,10 @@ static json_t *settings(void *context)
 
 static json_t *line(const void *result)
 {
-    const struct item *item = result;
+    const struct verify_result *item = result;
     json_t *object =
-        json_pack("{s:I, s:b}", "step", (json_int_t)item->step, "pass", !item->is_wrong);
+        json_pack("{s:I, s:b, s:b, s:s}", "step", (json_int_t)item->step, "is_near",
+                  item->is_near, "pass", !item->is_wrong, "not_checked", item->unchecked);
     json_t *counts = json_object();
     bool ok = object != NULL && counts != NULL;
     ok = ok && verify_counts_json(counts, &item->counts);
@@ -136,12 +116,16 @@ static json_t *line(const void *result)
 
 static bool read_line(const json_t *object, void *result)
 {
-    struct item *item = result;
+    struct verify_result *item = result;
+    const char *unchecked = json_string_value(json_object_get(object, "not_checked"));
     const json_t *pass = json_object_get(object, "pass");
     const json_t *witness = json_object_get(object, "witness");
     memset(item, 0, sizeof *item);
     item->step = (uint64_t)json_integer_value(json_object_get(object, "step"));
+    item->is_near = json_is_true(json_object_get(object, "is_near"));
     item->is_wrong = json_is_false(pass);
+    (void)snprintf(item->unchecked, sizeof item->unchecked, "%s",
+                   unchecked != NULL ? unchecked : "");
     return json_is_boolean(pass) &&
            verify_counts_read(json_object_get(object, "counts"), &item->counts) &&
            (!item->is_wrong || verify_witness_read(witness, &item->witness));
@@ -149,56 +133,46 @@ static bool read_line(const json_t *object, void *result)
 
 /* ---- the report -------------------------------------------------------------------- */
 
-static void add(struct verify_counts *sum, const struct verify_counts *counts)
-{
-    sum->steps += counts->steps;
-    sum->contacts += counts->contacts;
-    sum->possible += counts->possible;
-    sum->non_contacts += counts->non_contacts;
-    sum->unchecked += counts->unchecked;
-    sum->nears += counts->nears;
-    sum->near_records += counts->near_records;
-    sum->nears_unchecked += counts->nears_unchecked;
-}
-
 /* In the order of the file, up to the first that is wrong. */
 static int report(void *context, const struct recordings *recordings,
                   const struct recording *file, bool *is_right, struct ctl_error *error)
 {
     const struct verification *verification = context;
-    const struct verify_witness *witness = NULL;
-    struct verify_counts counts = {.steps = 0};
+    struct verify_report all = {.witness = NULL};
     int status = PCCD_OK;
-    for (uint64_t i = 0; i < file->count && witness == NULL; i++) {
-        const struct item *item = recordings_result(recordings, file, i);
+    for (uint64_t i = 0; i < file->count && all.witness == NULL && status == PCCD_OK;
+         i++) {
+        const struct verify_result *item = recordings_result(recordings, file, i);
         if (item != NULL) {
-            add(&counts, &item->counts);
-            witness = item->is_wrong ? &item->witness : NULL;
+            status = verify_report_add(&all, item, error);
         }
     }
-    *is_right = witness == NULL;
+    *is_right = all.witness == NULL;
     if (*is_right) {
-        status = play_damage(file->playing, error);
-        status =
-            status == PCCD_OK ? verify_judge_counts(&counts, file->path, error) : status;
+        status = status == PCCD_OK ? play_damage(file->playing, error) : status;
+        status = status == PCCD_OK
+                     ? verify_report_strays(&all, play_answers(file->playing), error)
+                     : status;
+        status = status == PCCD_OK ? verify_judge_counts(&all.counts, file->path, error)
+                                   : status;
     }
-    if (status != PCCD_OK) {
-        return status;
+    if (status == PCCD_OK) {
+        recordings_separate(recordings, file);
     }
-    recordings_separate(recordings, file);
-    if (!verification->options.play.is_json) {
-        verify_print_text(&counts, witness);
-    } else if (!verify_print_json(&counts, witness)) {
-        return ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
+    if (status == PCCD_OK && !verification->options.play.is_json) {
+        verify_print_text(&all);
+    } else if (status == PCCD_OK && !verify_print_json(&all)) {
+        status = ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
     }
-    return PCCD_OK;
+    verify_report_deinit(&all);
+    return status;
 }
 
 int program_verify(int argc, char **argv)
 {
     struct verification verification = {.checks = VERIFY_OPTIONS_INIT};
     const struct recordings_work work = {.name = "verify",
-                                         .result_bytes = sizeof(struct item),
+                                         .result_bytes = sizeof(struct verify_result),
                                          .context = &verification,
                                          .step = check,
                                          .near = check_near,

@@ -1,0 +1,308 @@
+/* client/ctl/record/verify_numbers.c - whether the numbers of an answer are those of its
+ * records.
+ *
+ * Room:     client/ctl.
+ * Does:     compute each number anew, and compare all of them: what was recorded as the
+ *           whole struct, so that a number which comes later is not let by.
+ * Does not: look at what was measured: times, counters, threads, the method.
+ * Threads:  one.
+ * Source:   verify.h; proto/PROTOCOL.md, "What a step answers".
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "answer_hash.h"
+#include "verify.h"
+
+/* The numbers that records have. */
+struct numbers {
+    uint64_t total, counts[PCCD_KINDS_MAX], possible, initial, inside;
+    double toi_first, safe_step;
+    uint64_t hash[2];
+};
+
+static void count_contact(struct numbers *is, const struct pccd_contact *contact)
+{
+    bool is_initial = (contact->flags & PCCD_INITIAL) != 0;
+    is->counts[contact->kind]++;
+    is->possible += (contact->flags & PCCD_PROVED) == 0;
+    is->initial += is_initial;
+    is->inside += !is_initial && (contact->flags & PCCD_INSIDE) != 0;
+    is->toi_first = fmin(is->toi_first, contact->toi);
+}
+
+/* By records that have a kind each. */
+static void number(const struct play_step *step, uint32_t hash_version,
+                   struct numbers *is)
+{
+    bool is_pairs = verify_mode(step) == PCCD_MODE_PAIRS;
+    *is = (struct numbers){.total = step->count, .toi_first = 2};
+    for (uint64_t i = 0; i < step->count; i++) {
+        if (is_pairs) {
+            is->counts[step->pairs[i].kind]++;
+        } else {
+            count_contact(is, &step->contacts[i]);
+        }
+    }
+    if (verify_mode(step) == PCCD_MODE_ANY) {
+        record_verdict_hash(verify_verdict(step), is->hash);
+    } else {
+        record_answer_hash(
+            hash_version,
+            is_pairs ? (const void *)step->pairs : (const void *)step->contacts,
+            step->count, is_pairs ? sizeof *step->pairs : sizeof *step->contacts,
+            is->hash);
+    }
+    bool is_empty = verify_mode(step) == PCCD_MODE_ANY
+                        ? verify_verdict(step) == PCCD_VERDICT_NO
+                        : step->count == 0;
+    bool has_time = is->toi_first > 0 && is->toi_first <= 1;
+    is->safe_step = verify_incomplete(step) != PCCD_COMPLETE &&
+                            verify_incomplete(step) != PCCD_INCOMPLETE_RESULT_FULL
+                        ? 0
+                    : is_empty ? 1
+                    : has_time ? nextafter(is->toi_first, 0)
+                               : 0;
+}
+
+/* ---- what was recorded ------------------------------------------------------------- */
+
+/* X(member): what differs is named by it. */
+#define NAMED(X)                                                                         \
+    X(step)                                                                              \
+    X(mode)                                                                              \
+    X(verdict)                                                                           \
+    X(total)                                                                             \
+    X(vf)                                                                                \
+    X(ee)                                                                                \
+    X(possible)                                                                          \
+    X(initial)                                                                           \
+    X(toi_first)                                                                         \
+    X(hash)
+
+static const char *differing(const struct record_answer *a, const struct record_answer *b)
+{
+#define COMPARE(member)                                                                  \
+    if (memcmp(&a->member, &b->member, sizeof a->member) != 0) {                         \
+        return #member;                                                                  \
+    }
+    NAMED(COMPARE)
+#undef COMPARE
+    return memcmp(a, b, sizeof *a) != 0 ? "another number" : NULL;
+}
+
+/* All that its records, or those of a daemon's answer to the same step, say of the
+ * recorded answer; only what was measured is taken from it. */
+static bool check_recorded(const struct play_step *step, const struct numbers *is,
+                           struct verify_result *result)
+{
+    const struct record_answer *then = step->recorded;
+    bool is_any = step->frame->mode == PCCD_MODE_ANY;
+    struct record_answer must = {.step = step->number,
+                                 .status = PCCD_OK,
+                                 .mode = step->frame->mode,
+                                 .method = then->method,
+                                 .incomplete = then->incomplete,
+                                 .verdict = is_any ? verify_verdict(step)
+                                                   : (uint32_t)PCCD_VERDICT_NONE,
+                                 .threads = then->threads,
+                                 .total = is->total,
+                                 .vf = is->counts[PCCD_VF],
+                                 .ee = is->counts[PCCD_EE],
+                                 .possible = is->possible,
+                                 .initial = is->initial,
+                                 .toi_first = is->toi_first};
+    memcpy(must.hash, is->hash, sizeof must.hash);
+    memcpy(must.times, then->times, sizeof must.times);
+    memcpy(must.counters, then->counters, sizeof must.counters);
+    const char *name = differing(then, &must);
+    return name == NULL ||
+           verify_wrong(result, step, NULL, "the recorded %s is not that of %s", name,
+                        step->answer != NULL ? "a daemon's records"
+                                             : "the recorded records");
+}
+
+/* ---- what a daemon answers --------------------------------------------------------- */
+
+static bool check_daemon(const struct play_step *step, const struct numbers *is,
+                         struct verify_result *result)
+{
+    const struct pccd_answer *now = step->answer;
+    const char *name = NULL;
+    uint32_t verdict =
+        step->frame->mode == PCCD_MODE_ANY ? (uint32_t)now->verdict : PCCD_VERDICT_NONE;
+#define SAME(member, what)                                                               \
+    if (name == NULL && memcmp(&now->member, &is->member, sizeof is->member) != 0) {     \
+        name = (what);                                                                   \
+    }
+    SAME(total, "total")
+    SAME(counts, "number of a kind")
+    SAME(possible, "possible")
+    SAME(initial, "initial")
+    SAME(inside, "inside")
+    SAME(toi_first, "toi_first")
+    SAME(safe_step, "safe_step")
+    SAME(hash, "hash")
+#undef SAME
+    name = name == NULL && (uint32_t)now->verdict != verdict ? "verdict" : name;
+    name = name == NULL && (uint32_t)now->mode != step->frame->mode ? "mode" : name;
+    name = name == NULL && now->crowded && is->initial + is->inside <= is->total / 2
+               ? "crowded"
+               : name;
+    return name == NULL ||
+           verify_wrong(result, step, NULL, "the daemon's %s is not that of its records",
+                        name);
+}
+
+/* ---- both -------------------------------------------------------------------------- */
+
+/* Why an answer cannot have ended as it says; NULL: it can. */
+static const char *misended(const struct play_step *step)
+{
+    uint32_t incomplete = verify_incomplete(step), verdict = verify_verdict(step);
+    bool is_any = verify_mode(step) == PCCD_MODE_ANY;
+    if (incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT) {
+        return "the answer is incomplete for no reason that there is";
+    }
+    if (incomplete == PCCD_INCOMPLETE_DEADLINE && step->frame->deadline_ns == 0 &&
+        step->answer == NULL) {
+        return "the answer ended at a deadline, and the step had none";
+    }
+    if (is_any && (incomplete == PCCD_INCOMPLETE_RESULT_FULL ||
+                   incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT)) {
+        return "the answer of mode any has no records, and says that there were too many";
+    }
+    if (is_any && incomplete == PCCD_COMPLETE && verdict == PCCD_VERDICT_NONE) {
+        return "the answer is complete, and has no verdict";
+    }
+    if (is_any && incomplete != PCCD_COMPLETE && verdict != PCCD_VERDICT_NONE) {
+        return "the answer is not complete, and has a verdict";
+    }
+    if (is_any && verdict > PCCD_VERDICT_NONE) {
+        return "the answer has a verdict that there is not";
+    }
+    if (incomplete == PCCD_COMPLETE && step->first_count < step->count) {
+        return "the answer is complete, and its first page is not";
+    }
+    if (incomplete == PCCD_INCOMPLETE_RESULT_FULL && step->is_whole &&
+        step->first_count == step->count) {
+        return "the answer goes on behind its first page, which has all of it";
+    }
+    return NULL;
+}
+
+/* Of mode first: can each record attain the earliest time? */
+static bool check_earliest(const struct play_step *step, struct verify_result *result)
+{
+    double bound = INFINITY;
+    for (uint64_t i = 0; i < step->count; i++) {
+        bound = fmin(bound, step->contacts[i].toi_hi);
+    }
+    for (uint64_t i = 0; i < step->count; i++) {
+        if (step->contacts[i].toi > bound) {
+            return verify_wrong(result, step, NULL,
+                                "record %" PRIu64 ": another is earlier for certain", i);
+        }
+    }
+    return true;
+}
+
+/* Do any two features make a pair of VE or VV, whose numbers are not recorded? */
+static bool has_free(const struct registry_scene *scene)
+{
+    bool has = false;
+    for (uint32_t i = 0; i < scene->object_count; i++) {
+        has = has || scene->objects[i].mesh->named_edge_count > 0 ||
+              scene->objects[i].mesh->named_point_count > 0;
+    }
+    return has;
+}
+
+/* Of an answer of which some records are not there: what the others say of its recorded
+ * numbers. */
+static bool check_part(const struct play_step *step, struct verify_result *result)
+{
+    const struct record_answer *then = step->recorded;
+    uint64_t kinds = then->vf + then->ee;
+    struct numbers is;
+    number(step, step->hash_version, &is);
+    return (is.counts[PCCD_VF] <= then->vf && is.counts[PCCD_EE] <= then->ee &&
+            is.possible <= then->possible && is.initial <= then->initial &&
+            is.toi_first >= then->toi_first && kinds <= then->total &&
+            (kinds == then->total || has_free(step->scene))) ||
+           verify_wrong(result, step, NULL,
+                        "the recorded numbers do not fit those of its records that are "
+                        "there");
+}
+
+/* Records that there should be, or should not. */
+static bool check_pages(const struct play_step *step, uint64_t total,
+                        struct verify_result *result)
+{
+    const char *whose = step->answer != NULL ? "a daemon gives" : "the recording has";
+    if (step->is_torn) {
+        return verify_wrong(result, step, NULL,
+                            "a page of records that was fetched twice was not the same");
+    }
+    if (step->count > total || (verify_mode(step) == PCCD_MODE_ANY && total > 0) ||
+        (step->count > 0 && step->count < total &&
+         verify_incomplete(step) == PCCD_COMPLETE)) {
+        return verify_wrong(result, step, NULL,
+                            "its total is not that of the records: %" PRIu64
+                            ", and %s %" PRIu64,
+                            total, whose, step->count);
+    }
+    if (step->count < total && step->answer == NULL && !check_part(step, result)) {
+        return false;
+    }
+    return step->count == total ||
+           verify_leave(result,
+                        "%s %" PRIu64 " of its %" PRIu64
+                        " records: its numbers, and what is missing, are not checked",
+                        whose, step->count, total);
+}
+
+bool verify_numbers(const struct play_step *step, struct verify_result *result)
+{
+    const struct record_answer *then = step->recorded;
+    struct numbers is;
+    uint64_t total = step->answer != NULL ? step->answer->total : then->total;
+    const char *what = misended(step);
+    if (verify_mode(step) != step->frame->mode) {
+        what = "the answer is of another mode than the step";
+    }
+    if (what != NULL) {
+        return verify_wrong(result, step, NULL, "%s", what);
+    }
+    if (!check_pages(step, total, result)) {
+        return false;
+    }
+    if (step->count != total) {
+        return true;
+    }
+    if (verify_mode(step) == PCCD_MODE_FIRST && !check_earliest(step, result)) {
+        return false;
+    }
+    if (step->answer != NULL) {
+        number(step, PCCD_HASH_VERSION, &is);
+        if (!check_daemon(step, &is, result)) {
+            return false;
+        }
+    }
+    if (then == NULL || step->has_other_pairs) {
+        return then == NULL ||
+               verify_leave(result, "it is of mode pairs, recorded when that compared "
+                                    "boxes in single precision: only a daemon's answer "
+                                    "was checked");
+    }
+    if (step->answer != NULL &&
+        (then->incomplete > PCCD_INCOMPLETE_RESULT_FULL || !verify_is_complete(step))) {
+        return verify_leave(result, "it ended before it was done: only a daemon's answer "
+                                    "was checked");
+    }
+    number(step, step->hash_version, &is);
+    return check_recorded(step, &is, result);
+}

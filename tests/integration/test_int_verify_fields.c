@@ -1,0 +1,640 @@
+/* test_int_verify_fields.c - each number of each kind of answer, changed, and whether
+ * pccdctl verify finds that.
+ *
+ * Room:     tests/integration. May include: pccd.h, client/record, tests/support.
+ * Does:     record an answer of each mode, of thick objects, of a batch, of several
+ *           pages, and of each question about what is near; change one field of one
+ *           struct of the recording, with all checksums and all sums over records made
+ *           right; have it judged. The tables below name every byte of these structs, so
+ *           that a new field is either judged or said not to be.
+ * Threads:  one.
+ *
+ * More than 600 lines: a table for each struct, and all that is changed by them.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "daemon.h"
+#include "fixture.h"
+#include "forge.h"
+#include "grid.h"
+#include "record_hash.h"
+#include "run_ctl.h"
+
+static char folder[] = "/tmp/pccd-test-fields-XXXXXX";
+static char forged[96];
+
+/* ---- the tables -------------------------------------------------------------------- */
+
+/* What becomes of a field that is changed. */
+enum fate {
+    JUDGED,  /* FAIL */
+    TOLD,    /* FAIL, or the step is named as not checked, or the file as damaged */
+    MEASURED /* how long it took, and what was done: nobody can say */
+};
+
+struct field {
+    const char *name;
+    size_t at, bytes, each; /* each: of an element */
+    enum fate fate;
+    bool is_real;
+};
+
+#define FIELD(type, member, each_, fate_, real)                                          \
+    {                                                                                    \
+#member, offsetof(struct type, member), sizeof(((struct type *)0)->member),      \
+            each_, fate_, real                                                           \
+    }
+
+static const struct field answer_fields[] = {
+    FIELD(record_answer, step, 8, TOLD, false),
+    FIELD(record_answer, status, 4, TOLD, false),
+    FIELD(record_answer, mode, 4, JUDGED, false),
+    FIELD(record_answer, method, 4, MEASURED, false),
+    FIELD(record_answer, incomplete, 4, TOLD, false),
+    FIELD(record_answer, verdict, 4, JUDGED, false),
+    FIELD(record_answer, threads, 4, MEASURED, false),
+    FIELD(record_answer, total, 8, JUDGED, false),
+    FIELD(record_answer, vf, 8, JUDGED, false),
+    FIELD(record_answer, ee, 8, JUDGED, false),
+    FIELD(record_answer, possible, 8, JUDGED, false),
+    FIELD(record_answer, initial, 8, JUDGED, false),
+    FIELD(record_answer, toi_first, 8, JUDGED, true),
+    FIELD(record_answer, hash, 8, JUDGED, false),
+    FIELD(record_answer, times, 8, MEASURED, false),
+    FIELD(record_answer, counters, 8, MEASURED, false)};
+
+static const struct field near_answer_fields[] = {
+    FIELD(record_near_answer, step, 8, TOLD, false),
+    FIELD(record_near_answer, status, 4, TOLD, false),
+    FIELD(record_near_answer, what, 4, TOLD, false),
+    FIELD(record_near_answer, method, 4, MEASURED, false),
+    FIELD(record_near_answer, incomplete, 4, TOLD, false),
+    FIELD(record_near_answer, verdict, 4, JUDGED, false),
+    FIELD(record_near_answer, threads, 4, MEASURED, false),
+    FIELD(record_near_answer, total, 8, JUDGED, false),
+    FIELD(record_near_answer, counts, 8, JUDGED, false),
+    FIELD(record_near_answer, distance_min, 8, JUDGED, true),
+    FIELD(record_near_answer, distance_max, 8, JUDGED, true),
+    FIELD(record_near_answer, crossings, 8, JUDGED, false),
+    FIELD(record_near_answer, hash, 8, JUDGED, false),
+    FIELD(record_near_answer, times, 8, MEASURED, false),
+    FIELD(record_near_answer, counters, 8, MEASURED, false)};
+
+static const struct field contact_fields[] = {
+    FIELD(pccd_contact, kind, 4, JUDGED, false),
+    FIELD(pccd_contact, flags, 4, TOLD, false), /* a thick one may be possible */
+    FIELD(pccd_contact, object_a, 4, JUDGED, false),
+    FIELD(pccd_contact, feature_a, 4, JUDGED, false),
+    FIELD(pccd_contact, object_b, 4, JUDGED, false),
+    FIELD(pccd_contact, feature_b, 4, JUDGED, false),
+    FIELD(pccd_contact, toi, 8, JUDGED, true),
+    FIELD(pccd_contact, toi_hi, 8, JUDGED, true),
+    FIELD(pccd_contact, param, 4, JUDGED, true),
+    FIELD(pccd_contact, normal, 4, JUDGED, true),
+    FIELD(pccd_contact, reserved, 4, JUDGED, false)};
+
+static const struct field pair_fields[] = {FIELD(pccd_pair, kind, 4, JUDGED, false),
+                                           FIELD(pccd_pair, object_a, 4, JUDGED, false),
+                                           FIELD(pccd_pair, feature_a, 4, JUDGED, false),
+                                           FIELD(pccd_pair, object_b, 4, JUDGED, false),
+                                           FIELD(pccd_pair, feature_b, 4, JUDGED, false)};
+
+static const struct field near_fields[] = {FIELD(pccd_near, kind, 4, JUDGED, false),
+                                           FIELD(pccd_near, flags, 4, JUDGED, false),
+                                           FIELD(pccd_near, object_a, 4, JUDGED, false),
+                                           FIELD(pccd_near, feature_a, 4, JUDGED, false),
+                                           FIELD(pccd_near, object_b, 4, JUDGED, false),
+                                           FIELD(pccd_near, feature_b, 4, JUDGED, false),
+                                           FIELD(pccd_near, d_lo, 8, JUDGED, true),
+                                           FIELD(pccd_near, d_hi, 8, JUDGED, true),
+                                           FIELD(pccd_near, param, 4, JUDGED, true),
+                                           FIELD(pccd_near, direction, 4, JUDGED, true),
+                                           FIELD(pccd_near, count, 4, JUDGED, false)};
+
+static const struct field bound_fields[] = {{"bound", 0, 8, 8, JUDGED, true}};
+
+/* Of both heads of pages, whose layout is the same. */
+static const struct field head_fields[] = {
+    FIELD(record_records, step, 8, TOLD, false),
+    FIELD(record_records, first, 8, TOLD, false),
+    FIELD(record_records, count, 8, TOLD, false),
+    FIELD(record_records, record_bytes, 4, TOLD, false),
+    FIELD(record_records, reserved, 4, MEASURED, false)};
+
+struct table {
+    const struct field *fields;
+    size_t count, bytes;
+};
+#define TABLE(fields, bytes)                                                             \
+    {                                                                                    \
+        fields, sizeof(fields) / sizeof(fields)[0], bytes                                \
+    }
+static const struct table answers = TABLE(answer_fields, sizeof(struct record_answer));
+static const struct table near_answers =
+    TABLE(near_answer_fields, sizeof(struct record_near_answer));
+static const struct table contacts = TABLE(contact_fields, sizeof(struct pccd_contact));
+static const struct table pairs = TABLE(pair_fields, sizeof(struct pccd_pair));
+static const struct table nears = TABLE(near_fields, sizeof(struct pccd_near));
+static const struct table bounds = TABLE(bound_fields, sizeof(double));
+static const struct table heads = TABLE(head_fields, sizeof(struct record_records));
+
+/* If this failed, a field that is new in an answer would be neither judged nor said not
+ * to be. */
+static void tables__have_every_byte(void **state)
+{
+    const struct table *const all[] = {&answers, &near_answers, &contacts, &pairs,
+                                       &nears,   &bounds,       &heads};
+    (void)state;
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        size_t end = 0;
+        for (size_t k = 0; k < all[i]->count; k++) {
+            const struct field *field = &all[i]->fields[k];
+            assert_int_equal(field->at, end);
+            assert_int_equal(field->bytes % field->each, 0);
+            end = field->at + field->bytes;
+        }
+        assert_int_equal(end, all[i]->bytes);
+    }
+}
+
+/* ---- recordings -------------------------------------------------------------------- */
+
+/* A floor, and a needle above it that goes down through it. */
+static const double floor_x[3][3] = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
+static const double above[3][3] = {{.75, .5, 1}, {.75, .5, 3}, {1.25, .75, 3}};
+static const double below[3][3] = {{.75, .5, -1}, {.75, .5, 1}, {1.25, .75, 1}};
+static const double lower[3][3] = {{.75, .5, .5}, {.75, .5, 2.5}, {1.25, .75, 2.5}};
+static const uint32_t face[1][3] = {{0, 1, 2}};
+/* Two tetrahedra, a corner of each in the other. */
+static const double closed_x[2][4][3] = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}},
+                                         {{.5, .5, .5}, {5, 1, 1}, {1, 5, 1}, {1, 1, 5}}};
+static const uint32_t closed_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+struct stage {
+    struct pccd_client *client;
+    uint32_t scene, floor, needle;
+};
+
+static void begin(void **state, struct stage *stage, const char *name, char path[96],
+                  uint64_t result_bytes)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    uint32_t mesh[2];
+    (void)snprintf(path, 96, "%s/%s.rec", folder, name);
+    (void)unlink(path);
+    assert_int_equal(test_shared_connect(state, result_bytes, &stage->client), 0);
+    assert_int_equal(pccd_record_start(stage->client, path, &settings), 0);
+    assert_int_equal(pccd_scene_create(stage->client, NULL, &stage->scene), 0);
+    assert_int_equal(pccd_mesh_create(stage->client, floor_x, PCCD_FORMAT_F64, 3, face, 1,
+                                      &mesh[0], NULL),
+                     0);
+    assert_int_equal(pccd_mesh_create(stage->client, above, PCCD_FORMAT_F64, 3, face, 1,
+                                      &mesh[1], NULL),
+                     0);
+    assert_int_equal(pccd_scene_add(stage->client, stage->scene, mesh[0], &stage->floor),
+                     0);
+    assert_int_equal(pccd_scene_add(stage->client, stage->scene, mesh[1], &stage->needle),
+                     0);
+}
+
+/* From above to x; *total records. */
+static void step(struct stage *stage, const struct pccd_step_settings *settings,
+                 const double (*x)[3], bool is_empty)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    assert_int_equal(pccd_step_x0x1(stage->client, stage->scene, stage->needle, above, x,
+                                    PCCD_FORMAT_F64, 3, settings, &answer),
+                     0);
+    assert_true(is_empty == (answer.total == 0));
+    pccd_answer_release(stage->client, &answer);
+}
+
+static void end(struct stage *stage)
+{
+    assert_int_equal(pccd_record_stop(stage->client, NULL), 0);
+    pccd_close(stage->client);
+}
+
+/* ---- changing ---------------------------------------------------------------------- */
+
+#define RECORDS_BYTES_MAX 262144u
+
+/* A change of the first answer, or of its first page, of a recording. */
+struct change {
+    uint16_t kind;    /* of the chunk */
+    uint32_t number;  /* which of them, from 1 */
+    size_t at, bytes; /* of its payload */
+    uint8_t value[8]; /* what is there then */
+    bool is_dropped;  /* the chunk is not there at all */
+    bool mends_sums;  /* of the answer, to fit the records */
+    uint32_t seen;
+    struct record_answer answer;
+    struct record_near_answer near;
+    uint32_t answers; /* seen */
+};
+
+static bool apply(void *context, struct forge_chunk *chunk)
+{
+    struct change *change = context;
+    bool is_answer = chunk->kind == RECORD_ANSWER || chunk->kind == RECORD_NEAR_ANSWER;
+    change->answers += is_answer;
+    if (change->mends_sums && is_answer && change->answers == 1) {
+        memcpy(chunk->payload,
+               chunk->kind == RECORD_ANSWER ? (const void *)&change->answer
+                                            : &change->near,
+               chunk->bytes);
+    }
+    change->seen += chunk->kind == change->kind;
+    if (chunk->kind != change->kind || change->seen != change->number) {
+        return true;
+    }
+    assert_true(change->at + change->bytes <= chunk->bytes);
+    memcpy(chunk->payload + change->at, change->value, change->bytes);
+    return !change->is_dropped;
+}
+
+/* The first answer of a file, and its first page. */
+struct first {
+    uint16_t answer_kind, records_kind;
+    struct record_answer answer;
+    struct record_near_answer near;
+    uint8_t head_and_records[RECORDS_BYTES_MAX];
+    uint64_t bytes; /* of these */
+};
+
+static bool note_first(void *context, struct forge_chunk *chunk)
+{
+    struct first *first = context;
+    bool is_answer = chunk->kind == RECORD_ANSWER || chunk->kind == RECORD_NEAR_ANSWER;
+    bool is_page = chunk->kind == RECORD_RECORDS || chunk->kind == RECORD_NEAR_RECORDS;
+    if (is_answer && first->answer_kind == 0) {
+        first->answer_kind = chunk->kind;
+        memcpy(chunk->kind == RECORD_ANSWER ? (void *)&first->answer : &first->near,
+               chunk->payload, chunk->bytes);
+    }
+    if (is_page && first->records_kind == 0) {
+        assert_true(chunk->bytes <= sizeof first->head_and_records);
+        first->records_kind = chunk->kind;
+        first->bytes = chunk->bytes;
+        memcpy(first->head_and_records, chunk->payload, chunk->bytes);
+    }
+    return true;
+}
+
+/* Sums and hash that fit the records, where these are of steps or of pairs. */
+static void mend(const struct first *first, struct change *change)
+{
+    struct record_records head;
+    const uint8_t *records = first->head_and_records + sizeof head;
+    memcpy(&head, first->head_and_records, sizeof head);
+    change->mends_sums = true;
+    change->answer = first->answer;
+    change->near = first->near;
+    if (first->answer_kind == RECORD_NEAR_ANSWER) {
+        struct record_near_answer *near = &change->near;
+        near->distance_min =
+            head.record_bytes == sizeof(double) ? near->distance_min : 2e18;
+        bool has_hash = near->hash[0] != 0 || near->hash[1] != 0;
+        memset(near->counts, 0, sizeof near->counts);
+        near->distance_max = head.record_bytes == sizeof(double) ? near->distance_max : 0;
+        for (uint64_t i = 0;
+             head.record_bytes == sizeof(struct pccd_near) && i < head.count; i++) {
+            struct pccd_near one;
+            memcpy(&one, records + i * sizeof one, sizeof one);
+            near->counts[one.kind % PCCD_KINDS_MAX]++;
+            near->distance_min = fmin(near->distance_min, one.d_lo);
+            near->distance_max = fmax(near->distance_max, one.d_hi);
+        }
+        if (has_hash && head.record_bytes == sizeof(struct pccd_near)) {
+            record_hash_2(records, head.count, head.record_bytes, near->hash);
+        }
+        return;
+    }
+    struct record_answer *answer = &change->answer;
+    answer->vf = answer->ee = answer->possible = answer->initial = 0;
+    answer->toi_first = 2;
+    for (uint64_t i = 0; i < head.count; i++) {
+        struct pccd_contact one = {.flags = PCCD_PROVED, .toi = 2};
+        memcpy(&one, records + i * head.record_bytes, head.record_bytes);
+        if (head.record_bytes == sizeof(struct pccd_pair)) {
+            one.flags = PCCD_PROVED;
+        }
+        answer->vf += one.kind == PCCD_VF;
+        answer->ee += one.kind == PCCD_EE;
+        if (head.record_bytes == sizeof one) {
+            answer->possible += (one.flags & PCCD_PROVED) == 0;
+            answer->initial += (one.flags & PCCD_INITIAL) != 0;
+            answer->toi_first = fmin(answer->toi_first, one.toi);
+        }
+    }
+    record_hash_2(records, head.count, head.record_bytes, answer->hash);
+}
+
+/* ---- judging ----------------------------------------------------------------------- */
+
+static uint32_t missed; /* changes that were not found */
+
+/* Files whose records are too many to be looked at again and again: some of them. */
+static const char *options = "";
+
+static void judge(const char *path, const char *of, const struct field *field,
+                  size_t element, struct change *change)
+{
+    char said[8192], line[64];
+    forge_recording(path, forged, apply, change);
+    assert_true(change->seen >= change->number);
+    (void)snprintf(line, sizeof line, "--sample 50 %s", options);
+    int status = test_ctl("verify", line, forged, said, sizeof said);
+    bool is_told = status == 1 || status == 4 ||
+                   strstr(said, "not checked: step 1: ") != NULL ||
+                   strstr(said, "not checked: question 1: ") != NULL;
+    /* 4: the file is refused, as pages of records do not fit it. */
+    bool is_right = field->fate == MEASURED ? status == 0
+                    : field->fate == TOLD   ? is_told
+                                            : status == 1 || status == 4;
+    if (!is_right || (status == 1 && strstr(said, "FAIL: ") == NULL)) {
+        print_message("%s, %s: %s[%zu]: %d, %s\n", path, of, field->name, element, status,
+                      said);
+        missed++;
+    }
+}
+
+/* Values that a field may have in its place: of words the others of an enum, or one bit
+ * more; of numbers a little more, or much. */
+static uint32_t other_values(const struct field *field, const uint8_t *is,
+                             uint8_t values[8][8])
+{
+    uint32_t count = 0, word;
+    uint64_t whole;
+    double real;
+    float narrow;
+    memcpy(&word, is, sizeof word);
+    if (field->is_real && field->each == 8) {
+        const double more[2] = {1e-4, .25};
+        memcpy(&real, is, sizeof real);
+        for (int i = 0; i < 2; i++, count++) {
+            double other = real + more[i];
+            memcpy(values[count], &other, sizeof other);
+        }
+    } else if (field->is_real) {
+        memcpy(&narrow, is, sizeof narrow);
+        narrow += .25f;
+        memcpy(values[count++], &narrow, sizeof narrow);
+    } else if (field->each == 8) {
+        memcpy(&whole, is, sizeof whole);
+        const uint64_t others[2] = {whole + 1, whole ^ 0x100000000u};
+        memcpy(values[count++], &others[0], 8);
+        memcpy(values[count++], &others[1], 8);
+    } else if (strcmp(field->name, "status") == 0) {
+        const int32_t others[2] = {PCCD_E_NOMEM, PCCD_E_NOTFINITE};
+        memcpy(values[count++], &others[0], 4);
+        memcpy(values[count++], &others[1], 4);
+    } else {
+        for (uint32_t other = 0; other < 5; other++) {
+            if (other != word) {
+                memcpy(values[count++], &other, sizeof other);
+            }
+        }
+    }
+    return count;
+}
+
+/* Each field of a table, of one chunk at `at` of its payload, which is `is`. */
+static void change_each(const char *path, const char *of, const struct table *table,
+                        uint16_t kind, size_t at, const uint8_t *is, struct first *first,
+                        const char *but)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        const struct field *field = &table->fields[i];
+        for (size_t e = 0; e < field->bytes / field->each; e++) {
+            uint8_t values[8][8];
+            size_t place = field->at + e * field->each;
+            uint32_t count = other_values(field, is + place, values);
+            for (uint32_t v = 0; v < count && strstr(but, field->name) == NULL; v++) {
+                struct change change = {
+                    .kind = kind, .number = 1, .at = at + place, .bytes = field->each};
+                if (field->fate == MEASURED && v > 0) {
+                    continue; /* one is enough */
+                }
+                memcpy(change.value, values[v], sizeof change.value);
+                if (first != NULL) {
+                    struct first *copy = malloc(sizeof *copy);
+                    assert_non_null(copy);
+                    *copy = *first;
+                    memcpy(copy->head_and_records + at + place, values[v], field->each);
+                    mend(copy, &change);
+                    free(copy);
+                }
+                judge(path, of, field, e, &change);
+            }
+        }
+    }
+}
+
+/* Everything of the first answer of a file. `but`: names of fields of records of which
+ * another value is right, too. */
+static void change_all(const char *path, const char *but)
+{
+    struct first *first = calloc(1, sizeof *first);
+    struct record_records head;
+    char said[4096];
+    assert_non_null(first);
+    assert_int_equal(test_ctl("verify", options, path, said, sizeof said), 0);
+    assert_non_null(strstr(said, "PASS"));
+    assert_null(strstr(said, "not checked"));
+    forge_recording(path, forged, note_first, first);
+    bool is_near = first->answer_kind == RECORD_NEAR_ANSWER;
+    change_each(path, "answer", is_near ? &near_answers : &answers, first->answer_kind, 0,
+                is_near ? (const uint8_t *)&first->near : (const uint8_t *)&first->answer,
+                NULL, "");
+    if (first->records_kind != 0) {
+        memcpy(&head, first->head_and_records, sizeof head);
+        change_each(path, "head", &heads, first->records_kind, 0, first->head_and_records,
+                    NULL, "");
+        change_each(path, "record",
+                    head.record_bytes == sizeof(struct pccd_near)
+                        ? (is_near ? &nears : &contacts)
+                    : head.record_bytes == sizeof(double) ? &bounds
+                                                          : &pairs,
+                    first->records_kind, sizeof head,
+                    first->head_and_records + sizeof head, first, but);
+    }
+    free(first);
+}
+
+/* If this failed, a wrong number in the answer to a step would be called right. */
+static void steps__have_no_number_that_is_not_judged(void **state)
+{
+    static const char *const names[] = {"all", "first", "any", "pairs", "none", "thick"};
+    char path[96];
+    for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        const struct pccd_step_settings settings = {.struct_bytes = sizeof settings,
+                                                    .mode = i < 4    ? (enum pccd_mode)i
+                                                            : i == 4 ? PCCD_MODE_ANY
+                                                                     : PCCD_MODE_ALL,
+                                                    .separation = i == 5 ? .25 : 0};
+        struct stage stage;
+        bool is_empty = settings.mode == PCCD_MODE_ANY;
+        begin(state, &stage, names[i], path, 0);
+        step(&stage, &settings, i == 4 ? lower : below, is_empty);
+        step(&stage, &settings, i == 4 ? lower : below, is_empty);
+        end(&stage);
+        change_all(path, "");
+    }
+    assert_int_equal(missed, 0);
+}
+
+/* If this failed, a wrong number in the answer to a scene of a batch would be called
+ * right. */
+static void batches__have_no_number_that_is_not_judged(void **state)
+{
+    struct pccd_batch_part part = {.count = 3, .format = PCCD_FORMAT_F64};
+    struct pccd_batch_answer answer = PCCD_BATCH_ANSWER_INIT;
+    struct pccd_batch *batch = NULL;
+    struct stage stage;
+    const void *x0[1] = {above}, *x1[1] = {below};
+    char path[96];
+    begin(state, &stage, "batch", path, 0);
+    part.scene = stage.scene;
+    part.object = stage.needle;
+    part.way = PCCD_BATCH_X0X1;
+    assert_int_equal(pccd_batch_create(stage.client, &part, 1, &batch), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pccd_batch_step(batch, x0, x1, NULL, &answer), 0);
+        assert_true(answer.total > 0);
+        pccd_batch_release(stage.client, &answer);
+    }
+    pccd_batch_destroy(batch);
+    end(&stage);
+    change_all(path, "");
+    assert_int_equal(missed, 0);
+}
+
+/* If this failed, records could be taken away from an answer of several pages, or its
+ * numbers changed, and what is left be called right. */
+static void pages__have_no_number_that_is_not_judged(void **state)
+{
+    const struct pccd_record_settings settings = {.contacts = 1};
+    const struct field page = {"page", 0, 0, 1, TOLD, false};
+    struct pccd_client *client = NULL;
+    struct test_grid grid;
+    char path[96];
+    uint32_t pages = 0;
+    (void)snprintf(path, sizeof path, "%s/pages.rec", folder);
+    assert_int_equal(test_shared_connect(state, 65536, &client), 0);
+    assert_int_equal(pccd_record_start(client, path, &settings), 0);
+    assert_int_equal(test_grid_make(client, 40, &grid), 0);
+    for (int i = 0; i < 2; i++) {
+        struct pccd_answer answer = PCCD_ANSWER_INIT;
+        uint64_t number = 0;
+        assert_int_equal(test_grid_submit(&grid, NULL, &number), 0);
+        assert_int_equal(pccd_wait(client, number, -1, &answer), 0);
+        for (pages = 1; answer.cursor < answer.total; pages++) {
+            uint64_t cursor = answer.cursor;
+            pccd_answer_release(client, &answer);
+            assert_int_equal(pccd_fetch(client, grid.scene, number, cursor, &answer), 0);
+        }
+        pccd_answer_release(client, &answer);
+    }
+    assert_true(pages >= 2);
+    test_grid_free(&grid);
+    pccd_close(client);
+    options = "--contacts 20";
+    struct first *first = calloc(1, sizeof *first);
+    assert_non_null(first);
+    forge_recording(path, forged, note_first, first);
+    change_each(path, "answer", &answers, RECORD_ANSWER, 0,
+                (const uint8_t *)&first->answer, NULL, "");
+    change_each(path, "head", &heads, RECORD_RECORDS, 0, first->head_and_records, NULL,
+                "");
+    for (uint32_t i = 1; i <= pages; i++) {
+        struct change change = {.kind = RECORD_RECORDS, .number = i, .is_dropped = true};
+        judge(path, "page", &page, i, &change);
+    }
+    options = "";
+    free(first);
+    assert_int_equal(missed, 0);
+}
+
+static void ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what what,
+                double gap)
+{
+    struct pccd_near_settings settings = PCCD_NEAR_SETTINGS_INIT;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    settings.what = what;
+    settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1.5;
+    settings.gap = gap;
+    assert_int_equal(pccd_ask_near(client, scene, NULL, 0, &settings, &answer), 0);
+    assert_true(answer.total > 0);
+    pccd_answer_release(client, &answer);
+}
+
+/* If this failed, a wrong number in an answer about what is near would be called
+ * right. */
+static void questions__have_no_number_that_is_not_judged(void **state)
+{
+    static const char *const names[] = {"n_pairs", "n_features", "n_vertices", "nearest",
+                                        "n_cross", "n_depth",    "n_gap"};
+    char path[96];
+    for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct stage stage;
+        uint32_t scene, mesh, object;
+        enum pccd_near_what what = i == 6 ? PCCD_NEAR_NEAREST : (enum pccd_near_what)i;
+        begin(state, &stage, names[i], path, 0);
+        scene = stage.scene;
+        if (what == PCCD_NEAR_CROSSINGS || what == PCCD_NEAR_DEPTH) {
+            assert_int_equal(pccd_scene_create(stage.client, NULL, &scene), 0);
+            for (int k = 0; k < 2; k++) {
+                assert_int_equal(pccd_mesh_create(stage.client, closed_x[k],
+                                                  PCCD_FORMAT_F64, 4, closed_faces, 4,
+                                                  &mesh, NULL),
+                                 0);
+                assert_int_equal(pccd_scene_add(stage.client, scene, mesh, &object), 0);
+            }
+        }
+        for (int k = 0; k < 2; k++) {
+            ask(stage.client, scene, what, i == 6 ? .125 : 0);
+        }
+        end(&stage);
+        change_all(path, "");
+    }
+    assert_int_equal(missed, 0);
+}
+
+static int set_up(void **state)
+{
+    if (mkdtemp(folder) == NULL) {
+        return -1;
+    }
+    (void)snprintf(forged, sizeof forged, "%s/forged.rec", folder);
+    return test_shared_start(state);
+}
+
+static int tear_down(void **state)
+{
+    char command[128];
+    (void)snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command) == 0 ? test_shared_stop(state) : -1;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tables__have_every_byte),
+        cmocka_unit_test(steps__have_no_number_that_is_not_judged),
+        cmocka_unit_test(batches__have_no_number_that_is_not_judged),
+        cmocka_unit_test(pages__have_no_number_that_is_not_judged),
+        cmocka_unit_test(questions__have_no_number_that_is_not_judged),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
