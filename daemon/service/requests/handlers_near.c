@@ -188,7 +188,6 @@ static int move_early(struct srv_request *request)
         *srv_stepping_owed(request) = request->error;
         return status;
     }
-    request->result.SCENE_NEAR = request->plan.scene->near;
     return 0;
 }
 
@@ -245,16 +244,20 @@ static void answer_near_early(struct srv_request *request, enum pccd_incomplete 
     say_nothing(&request->params.SCENE_NEAR, why, &answer);
     answer.ns_queue = common_now_ns() - request->arrival_ns;
     srv_stepping_answer_early(request, &answer, &answer.release);
+    if (srv_request_state(request) == SRV_REQUEST_EARLY) {
+        srv_metrics_add_near(&request->session->service->metrics, &answer);
+    }
 }
 
 static void finish_near(struct srv_request *request)
 {
     const struct proto_SCENE_NEAR_result *answer = &request->result.SCENE_NEAR;
     struct srv_session *session = request->session;
-    bool was_asked = request->status == 0 && answer->record_bytes != 0;
-    if (was_asked) { /* else it was answered before, and nothing was left to do */
-        srv_metrics_add_near(&session->service->metrics, answer);
+    if (request->status == 0) {
         session->told.upload_bytes += request->upload_bytes;
+    }
+    if (request->status == 0 && srv_request_state(request) != SRV_REQUEST_EARLY) {
+        srv_metrics_add_near(&session->service->metrics, answer);
         session->told.result_bytes += answer->count * answer->record_bytes;
     }
 }
