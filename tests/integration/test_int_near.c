@@ -579,6 +579,40 @@ static void near__forgets_the_beginning_when_a_step_fails(void **state)
     assert_true(distance_at(crossing, 1) == 3);
 }
 
+/* If it failed, one of two objects that a refused step names would have begun where it
+ * did, and the other where it is: a state that never was. */
+static void near__forgets_the_beginning_of_all_that_a_failed_step_names(void **state)
+{
+    struct test_crossing *crossing = *state;
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    float x[3][3];
+    float floor[3][3];
+    struct pccd_motion motions[2] = {
+        {.object = crossing->object, .count = 3, .format = PCCD_FORMAT_F32, .x1 = x},
+        {.object = crossing->floor, .count = 3, .format = PCCD_FORMAT_F32, .x1 = floor}};
+
+    test_crossing_positions(x, -3);
+    memcpy(floor, test_floor_x, sizeof floor);
+    for (int i = 0; i < 3; i++) {
+        floor[i][2] = 0.5F;
+    }
+    good(crossing->client,
+         pccd_step(crossing->client, crossing->scene, motions, 2, NULL, &answer));
+    pccd_answer_release(crossing->client, &answer);
+    assert_true(distance_at(crossing, 0) == 1);
+    x[2][1] = NAN;
+    for (int i = 0; i < 2; i++) { /* the one that is not finite comes first, or last */
+        assert_int_equal(
+            pccd_step(crossing->client, crossing->scene, motions, 2, NULL, &answer),
+            PCCD_E_NOTFINITE);
+        assert_true(distance_at(crossing, 0) == 3.5);
+        assert_true(distance_at(crossing, 1) == 3.5);
+        struct pccd_motion first = motions[0];
+        motions[0] = motions[1];
+        motions[1] = first;
+    }
+}
+
 /* ---- shared scenes ----------------------------------------------------------------- */
 
 /* One client in the scene, with a triangle or the floor in it. */
@@ -762,6 +796,7 @@ int main(void)
         CROSSING(near__refuses_by_name),
         CROSSING(near__that_fails_moves_nothing),
         CROSSING(near__forgets_the_beginning_when_a_step_fails),
+        CROSSING(near__forgets_the_beginning_of_all_that_a_failed_step_names),
         cmocka_unit_test(near__leaves_held_frames_where_they_are),
         cmocka_unit_test(near__is_asked_by_every_member),
         CROSSING(near__shows_in_counters_and_traces),

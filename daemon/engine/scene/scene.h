@@ -183,6 +183,8 @@ int eng_stage_x0x1(struct eng_scene *scene, uint32_t object_idx, enum pccd_forma
 int eng_stage_lend(struct eng_scene *scene, uint32_t object_idx, double (**x0)[3],
                    double (**x1)[3]);
 int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start);
+/* Also of any object of a step that is aborted before it was staged: it began where it
+ * is. */
 void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx);
 /* Both ends as transforms of the registered positions. `m`: double[12], rows of [R | t];
  * x' = ((m0*x + m1*y) + m2*z) + m3 per row, each operation rounded once (no fma): the

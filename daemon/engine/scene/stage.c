@@ -227,8 +227,9 @@ int eng_stage_lent(struct eng_scene *scene, uint32_t object_idx, bool has_start)
 void eng_stage_forget(struct eng_scene *scene, uint32_t object_idx)
 {
     struct eng_object *object = eng_scene_object(scene, object_idx);
-    if (object) {
+    if (object && !(scene->staging && scene->is_trial)) {
         mend(scene, object);
+        scene->has_lost_start = true;
     }
 }
 

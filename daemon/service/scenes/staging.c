@@ -93,6 +93,11 @@ static int copy_segment(const struct staging *staging, const struct srv_placed *
     srv_assert_failed("the kind was checked", __FILE__, __LINE__);
 }
 
+static bool may_move(const struct staging *staging, const struct srv_placed *object)
+{
+    return staging->member == NULL || object->member == staging->member;
+}
+
 /* Check and stage segment `at` of a table that was copied already. */
 static int take_segment(struct staging *staging, const struct proto_segment *segment,
                         uint32_t at)
@@ -108,7 +113,7 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
                                "segment %u: object 0x%x is not in the scene", at,
                                segment->object);
     }
-    if (staging->member != NULL && object->member != staging->member) {
+    if (!may_move(staging, object)) {
         return proto_error_set(staging->error, PCCD_E_ACCESS,
                                "segment %u: object 0x%x is another session's", at,
                                segment->object);
@@ -133,13 +138,31 @@ static int take_segment(struct staging *staging, const struct proto_segment *seg
     return 0;
 }
 
+/* Segments that are not staged any more: their objects count as if they had stood still,
+ * as all that the request names. */
+static void forget_rest(const struct staging *staging, uint32_t segments,
+                        const struct proto_segment *table)
+{
+    for (uint32_t at = 0; at < segments; at++) {
+        const struct srv_placed *object =
+            srv_scene_find(staging->scene, table[at].object);
+        if (object != NULL && may_move(staging, object)) {
+            eng_stage_forget(staging->scene->engine, object->engine_idx);
+        }
+    }
+}
+
 /* Stage segments of a table that was copied already. */
 static int stage_copied(struct staging *staging, uint32_t segments,
                         const struct proto_segment *table)
 {
     int status = 0;
-    for (uint32_t at = 0; at < segments && status == 0; at++) {
+    uint32_t at = 0;
+    for (; at < segments && status == 0; at++) {
         status = take_segment(staging, &table[at], at);
+    }
+    if (status != 0) { /* what is named before that was staged, and will be aborted */
+        forget_rest(staging, segments - (at - 1), table + at - 1);
     }
     return status;
 }
