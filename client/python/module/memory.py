@@ -63,7 +63,7 @@ class Memory:
                     span.orphan = orphan
 
         self._spans = spans
-        fields: Any = dict(abi.pccd_options._fields_)
+        fields: Any = {name: kind for name, kind, *_ in abi.pccd_options._fields_}
         self.unmap = fields["unmap"](unmap)
 
     def span(self, address: int) -> Span:
