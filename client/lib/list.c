@@ -6,6 +6,7 @@
  * Threads:  [owner].
  */
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "connection.h"
@@ -54,6 +55,132 @@ static int call(struct pccd_client *client, int method, const void *request, voi
 
 /* ---- lists ------------------------------------------------------------------------- */
 
+/* Daemons that may end while one list is read. */
+#define ENDED_MAX 16u
+
+/* Entries are kept until all are there. If another daemon takes the place of the one that
+ * is asked, it may have them in another order, and the list is read anew. */
+struct list {
+    const char *what;
+    int method;
+    uint64_t session; /* that was asked for; 0: the client's own, or no such */
+    void *request;
+    void *result;
+    size_t result_bytes;
+    /* Make the request that for the entry behind `result`, NULL: for the first one. 1;
+     * 0: `result` is the end; or an error. */
+    int (*next)(struct pccd_client *client, void *request, const void *result);
+    char *entries; /* results, to be freed */
+    size_t count, room;
+};
+
+static int keep(struct pccd_client *client, struct list *list)
+{
+    if (list->count == list->room) {
+        size_t room = 2 * list->room + 16;
+        char *entries = realloc(list->entries, room * list->result_bytes);
+
+        if (entries == NULL) {
+            return cli_fail(client, PCCD_E_NOMEM, "%s: no memory for the list",
+                            list->what);
+        }
+        list->entries = entries;
+        list->room = room;
+    }
+    memcpy(list->entries + list->count++ * list->result_bytes, list->result,
+           list->result_bytes);
+    return 0;
+}
+
+/* Another daemon has answered. */
+static int begin_anew(struct pccd_client *client, struct list *list, uint32_t ended)
+{
+    if (list->session != 0) {
+        return cli_fail(client, PCCD_E_HANDLE,
+                        "%s: the daemon that had session %llu has ended", list->what,
+                        (unsigned long long)list->session);
+    }
+    if (ended == ENDED_MAX) {
+        return cli_fail(client, PCCD_E_DISCONNECTED,
+                        "%s: %u daemons have ended while it was read", list->what, ended);
+    }
+    list->count = 0;
+    return list->next(client, list->request, NULL);
+}
+
+/* All entries, none on failure. `given`: as check says. */
+static int read_list(struct pccd_client *client, struct list *list, bool given)
+{
+    int status = check(client, list->what, given);
+    uint64_t epoch = status == 0 ? client->link.epoch : 0;
+    uint32_t ended = 0;
+
+    status = status == 0 ? list->next(client, list->request, NULL) : status;
+    while (status == 1) {
+        status = call(client, list->method, list->request, list->result);
+        if (status == 0 && client->link.epoch != epoch) {
+            epoch = client->link.epoch;
+            status = begin_anew(client, list, ++ended);
+            continue;
+        }
+        if (status == 0) {
+            status = list->next(client, list->request, list->result);
+        }
+        if (status == 1) {
+            int failed = keep(client, list);
+
+            status = failed != 0 ? failed : 1;
+        }
+    }
+    list->count = status == 0 ? list->count : 0;
+    return status;
+}
+
+/* The cursor of the next entry, which must grow. */
+static int advance(struct pccd_client *client, uint32_t *cursor, uint32_t next)
+{
+    if (next <= *cursor) {
+        return cli_fail(client, PCCD_E_BADMSG, "a list that does not end");
+    }
+    *cursor = next;
+    return 1;
+}
+
+/* Of a list of handles, `first` being the member that is 0 at its end. */
+#define NEXT_OF(METHOD, first)                                                           \
+    static int next_##METHOD(struct pccd_client *client, void *request,                  \
+                             const void *result)                                         \
+    {                                                                                    \
+        struct proto_##METHOD##_request *asked = request;                                \
+        const struct proto_##METHOD##_result *got = result;                              \
+                                                                                         \
+        if (got == NULL) {                                                               \
+            asked->cursor = 0;                                                           \
+            return 1;                                                                    \
+        }                                                                                \
+        return got->first == 0 ? 0 : advance(client, &asked->cursor, got->next);         \
+    }
+NEXT_OF(LIST_SCENE, scene)
+NEXT_OF(LIST_OBJECT, object)
+NEXT_OF(LIST_PAIR, a)
+NEXT_OF(LIST_MESH, mesh)
+
+static int next_session(struct pccd_client *client, void *request, const void *result)
+{
+    struct proto_LIST_SESSION_request *asked = request;
+    const struct proto_LIST_SESSION_result *got = result;
+
+    if (got == NULL || got->session == 0) {
+        asked->before = 0;
+        return got == NULL;
+    }
+    if (asked->before != 0 && got->session >= asked->before) { /* numbers only fall */
+        return cli_fail(client, PCCD_E_BADMSG, "list.session: not in order");
+    }
+    asked->before = got->session;
+    return 1;
+}
+
 static struct pccd_session_info
 session_info(const struct proto_LIST_SESSION_result *result)
 {
@@ -93,32 +220,23 @@ int pccd_list_sessions(struct pccd_client *client, pccd_session_fn each, void *c
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SESSION_request request = {.before = 0};
     struct proto_LIST_SESSION_result result;
-    int status = check(client, "list.session", each != NULL);
+    struct list list = {.what = "list.session",
+                        .method = PROTO_METHOD_LIST_SESSION,
+                        .request = &request,
+                        .result = &result,
+                        .result_bytes = sizeof result,
+                        .next = next_session};
+    int status = read_list(client, &list, each != NULL);
 
-    while (status == 0) { /* numbers only fall */
-        status = call(client, PROTO_METHOD_LIST_SESSION, &request, &result);
-        if (status != 0 || result.session == 0) {
-            break;
-        }
-        if (request.before != 0 && result.session >= request.before) {
-            return cli_fail(client, PCCD_E_BADMSG, "list.session: not in order");
-        }
-        const struct pccd_session_info info = session_info(&result);
+    for (size_t i = 0; i < list.count; i++) {
+        const struct proto_LIST_SESSION_result *entries =
+            (const struct proto_LIST_SESSION_result *)(const void *)list.entries;
+        const struct pccd_session_info info = session_info(&entries[i]);
 
         each(context, &info);
-        request.before = result.session;
     }
+    free(list.entries);
     return status;
-}
-
-/* The cursor of the next entry, which must grow. */
-static int advance(struct pccd_client *client, uint32_t *cursor, uint32_t next)
-{
-    if (next <= *cursor) {
-        return cli_fail(client, PCCD_E_BADMSG, "a list that does not end");
-    }
-    *cursor = next;
-    return 0;
 }
 
 int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn each,
@@ -127,33 +245,38 @@ int pccd_list_scenes(struct pccd_client *client, uint64_t session, pccd_scene_fn
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_SCENE_request request = {.session = session};
     struct proto_LIST_SCENE_result result;
-    int status = check(client, "list.scene", each != NULL);
+    struct list list = {.what = "list.scene",
+                        .method = PROTO_METHOD_LIST_SCENE,
+                        .session = session,
+                        .request = &request,
+                        .result = &result,
+                        .result_bytes = sizeof result,
+                        .next = next_LIST_SCENE};
+    int status = read_list(client, &list, each != NULL);
 
-    while (status == 0) {
-        status = call(client, PROTO_METHOD_LIST_SCENE, &request, &result);
-        if (status != 0 || result.scene == 0) {
-            break;
-        }
+    for (size_t i = 0; i < list.count; i++) {
+        const struct proto_LIST_SCENE_result *entry =
+            (const struct proto_LIST_SCENE_result *)(const void *)list.entries + i;
         const struct pccd_scene_info info = {
-            .scene = result.scene,
-            .objects = result.objects,
-            .steps = result.steps,
-            .number = result.number,
-            .total = result.total,
-            .hash = {result.hash_hi, result.hash_lo},
-            .ns_step = result.ns_step,
-            .ignored = result.ignored,
-            .name = result.name,
-            .uid = result.uid,
-            .rights = result.rights,
-            .members = result.members,
-            .held = result.held,
-            .writable = result.writable,
+            .scene = entry->scene,
+            .objects = entry->objects,
+            .steps = entry->steps,
+            .number = entry->number,
+            .total = entry->total,
+            .hash = {entry->hash_hi, entry->hash_lo},
+            .ns_step = entry->ns_step,
+            .ignored = entry->ignored,
+            .name = entry->name,
+            .uid = entry->uid,
+            .rights = entry->rights,
+            .members = entry->members,
+            .held = entry->held,
+            .writable = entry->writable,
         };
 
         each(context, &info);
-        status = advance(client, &request.cursor, result.next);
     }
+    free(list.entries);
     return status;
 }
 
@@ -163,22 +286,27 @@ int pccd_list_objects(struct pccd_client *client, uint64_t session, uint32_t sce
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_OBJECT_request request = {.session = session, .scene = scene};
     struct proto_LIST_OBJECT_result result;
-    int status = check(client, "list.object", each != NULL);
+    struct list list = {.what = "list.object",
+                        .method = PROTO_METHOD_LIST_OBJECT,
+                        .session = session,
+                        .request = &request,
+                        .result = &result,
+                        .result_bytes = sizeof result,
+                        .next = next_LIST_OBJECT};
+    int status = read_list(client, &list, each != NULL);
 
-    while (status == 0) {
-        status = call(client, PROTO_METHOD_LIST_OBJECT, &request, &result);
-        if (status != 0 || result.object == 0) {
-            break;
-        }
-        struct pccd_object_info info = {.object = result.object,
-                                        .mesh = result.mesh,
-                                        .triangles = result.triangles,
-                                        .owner = result.owner};
+    for (size_t i = 0; i < list.count; i++) {
+        const struct proto_LIST_OBJECT_result *entry =
+            (const struct proto_LIST_OBJECT_result *)(const void *)list.entries + i;
+        struct pccd_object_info info = {.object = entry->object,
+                                        .mesh = entry->mesh,
+                                        .triangles = entry->triangles,
+                                        .owner = entry->owner};
 
-        COMMON_ATTRIBUTES_COPY(&info, &result);
+        COMMON_ATTRIBUTES_COPY(&info, entry);
         each(context, &info);
-        status = advance(client, &request.cursor, result.next);
     }
+    free(list.entries);
     return status;
 }
 
@@ -188,18 +316,23 @@ int pccd_list_pairs(struct pccd_client *client, uint64_t session, uint32_t scene
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_PAIR_request request = {.session = session, .scene = scene};
     struct proto_LIST_PAIR_result result;
-    int status = check(client, "list.pair", each != NULL);
+    struct list list = {.what = "list.pair",
+                        .method = PROTO_METHOD_LIST_PAIR,
+                        .session = session,
+                        .request = &request,
+                        .result = &result,
+                        .result_bytes = sizeof result,
+                        .next = next_LIST_PAIR};
+    int status = read_list(client, &list, each != NULL);
 
-    while (status == 0) {
-        status = call(client, PROTO_METHOD_LIST_PAIR, &request, &result);
-        if (status != 0 || result.a == 0) {
-            break;
-        }
-        const struct pccd_ignored_pair pair = {result.a, result.b};
+    for (size_t i = 0; i < list.count; i++) {
+        const struct proto_LIST_PAIR_result *entry =
+            (const struct proto_LIST_PAIR_result *)(const void *)list.entries + i;
+        const struct pccd_ignored_pair pair = {entry->a, entry->b};
 
         each(context, &pair);
-        status = advance(client, &request.cursor, result.next);
     }
+    free(list.entries);
     return status;
 }
 
@@ -209,28 +342,33 @@ int pccd_list_meshes(struct pccd_client *client, uint64_t session, pccd_mesh_fn 
     CLI_ENTER_OR_RETURN(client);
     struct proto_LIST_MESH_request request = {.session = session};
     struct proto_LIST_MESH_result result;
-    int status = check(client, "list.mesh", each != NULL);
+    struct list list = {.what = "list.mesh",
+                        .method = PROTO_METHOD_LIST_MESH,
+                        .session = session,
+                        .request = &request,
+                        .result = &result,
+                        .result_bytes = sizeof result,
+                        .next = next_LIST_MESH};
+    int status = read_list(client, &list, each != NULL);
 
-    while (status == 0) {
-        status = call(client, PROTO_METHOD_LIST_MESH, &request, &result);
-        if (status != 0 || result.mesh == 0) {
-            break;
-        }
+    for (size_t i = 0; i < list.count; i++) {
+        const struct proto_LIST_MESH_result *entry =
+            (const struct proto_LIST_MESH_result *)(const void *)list.entries + i;
         const struct pccd_registered_mesh info = {
-            .mesh = result.mesh,
-            .vertex_count = result.vertex_count,
-            .triangle_count = result.triangle_count,
-            .generation = result.generation,
-            .objects = result.objects,
-            .committed = result.committed,
-            .replacing = result.replacing,
-            .edge_count = result.edge_count,
-            .point_count = result.point_count,
+            .mesh = entry->mesh,
+            .vertex_count = entry->vertex_count,
+            .triangle_count = entry->triangle_count,
+            .generation = entry->generation,
+            .objects = entry->objects,
+            .committed = entry->committed,
+            .replacing = entry->replacing,
+            .edge_count = entry->edge_count,
+            .point_count = entry->point_count,
         };
 
         each(context, &info);
-        status = advance(client, &request.cursor, result.next);
     }
+    free(list.entries);
     return status;
 }
 

@@ -385,6 +385,77 @@ static void restore__wanted_places_cost_nothing_when_their_scene_is_gone(void **
     finish(client);
 }
 
+/* ---- lists ------------------------------------------------------------------------- */
+
+#define IGNORING 12u
+
+struct pairs {
+    uint32_t objects[IGNORING];
+    uint32_t count, seen[IGNORING][IGNORING];
+};
+
+static void see_pair(void *context, const struct pccd_ignored_pair *pair)
+{
+    struct pairs *pairs = context;
+
+    pairs->count++;
+    for (uint32_t a = 0; a < IGNORING; a++) {
+        for (uint32_t b = 0; b < IGNORING; b++) {
+            pairs->seen[a][b] += pair->object_a == pairs->objects[a] &&
+                                 pair->object_b == pairs->objects[b];
+        }
+    }
+}
+
+/* If it failed, a list that is read while the daemon is replaced would have entries twice
+ * and lack others. */
+static void restore__lists_are_those_of_one_daemon(void **state)
+{
+    const uint32_t all = IGNORING * (IGNORING - 1) / 2;
+    static struct pairs pairs;
+    struct pccd_client *client;
+    uint32_t scene, mesh;
+    pid_t killer;
+
+    (void)state;
+    start("4096");
+    client = connect_with(4, 4096);
+    assert_int_equal(pccd_mesh_create(client, corners, PCCD_FORMAT_F32, 3, one_triangle,
+                                      1, &mesh, NULL),
+                     0);
+    assert_int_equal(pccd_scene_create(client, NULL, &scene), 0);
+    for (uint32_t a = 0; a < IGNORING; a++) {
+        assert_int_equal(pccd_scene_add(client, scene, mesh, &pairs.objects[a]), 0);
+    }
+    for (uint32_t n = 0; n < IGNORING * IGNORING; n++) { /* in no order */
+        uint32_t a = n * 29 % (IGNORING * IGNORING) / IGNORING;
+        uint32_t b = n * 29 % IGNORING;
+
+        if (a < b) {
+            assert_int_equal(
+                pccd_pair_ignore(client, scene, pairs.objects[a], pairs.objects[b], true),
+                0);
+        }
+    }
+    killer = kill_workers(daemon_.socket, 10, 12);
+    while (waitpid(killer, NULL, WNOHANG) == 0) {
+        uint32_t once = 0;
+
+        pairs.count = 0;
+        memset(pairs.seen, 0, sizeof pairs.seen);
+        assert_int_equal(pccd_list_pairs(client, 0, scene, see_pair, &pairs), 0);
+        for (uint32_t n = 0; n < IGNORING * IGNORING; n++) {
+            uint32_t a = n / IGNORING, b = n % IGNORING;
+
+            once += a < b && pairs.seen[a][b] + pairs.seen[b][a] == 1;
+        }
+        assert_int_equal(pairs.count, all);
+        assert_int_equal(once, all);
+    }
+    assert_true(link_of(client).reconnects > 2);
+    finish(client);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -394,6 +465,7 @@ int main(void)
         cmocka_unit_test(restore__gives_up_a_mesh_that_ends_every_daemon),
         cmocka_unit_test(restore__answers_batches_as_if_nothing_had_happened),
         cmocka_unit_test(restore__brings_back_scenes_that_have_lost_objects),
+        cmocka_unit_test(restore__lists_are_those_of_one_daemon),
         cmocka_unit_test(restore__wanted_places_cost_nothing_when_their_scene_is_gone),
     };
 
