@@ -17,7 +17,7 @@
 #include "codec.h"
 #include "utf8.h"
 
-#define FIELDS_MAX 64u /* of one message; one bit each */
+#define FIELDS_MAX 96u /* of one message */
 
 /* ---- names and errors ---------------------------------------------------------------
  */
@@ -345,7 +345,7 @@ static const char *read_field(const struct proto_field *field,
 static int read_fields(const msgpack_object_map *map, const struct proto_fields *fields,
                        char *out, struct proto_error *error)
 {
-    uint64_t seen = 0;
+    bool seen[FIELDS_MAX] = {false};
     uint32_t guess = 0;
     for (uint32_t i = 0; i < map->size; i++) {
         const msgpack_object_kv *pair = &map->ptr[i];
@@ -358,11 +358,11 @@ static int read_fields(const msgpack_object_map *map, const struct proto_fields 
             continue;
         }
         const struct proto_field *field = &fields->items[found];
-        if (seen >> found & 1) {
+        if (seen[found]) {
             return proto_error_set(error, PCCD_E_BADMSG, "field \"%s\" is given twice",
                                    field->name);
         }
-        seen |= 1ull << found;
+        seen[found] = true;
         guess = (uint32_t)found + 1;
         const char *wanted = read_field(field, &pair->val, out + field->offset);
         if (wanted != NULL) {
@@ -371,7 +371,7 @@ static int read_fields(const msgpack_object_map *map, const struct proto_fields 
         }
     }
     for (uint32_t i = 0; i < fields->count; i++) {
-        if (fields->items[i].need == PROTO_NEED_REQ && !(seen >> i & 1)) {
+        if (fields->items[i].need == PROTO_NEED_REQ && !seen[i]) {
             return proto_error_set(error, PCCD_E_BADMSG, "field \"%s\" is missing",
                                    fields->items[i].name);
         }

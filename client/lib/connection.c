@@ -1,6 +1,6 @@
 /* connection.c - the connection to a daemon, until it is lost.
  *
- * Room:     client/lib. May include: connection.h, direct.h.
+ * Room:     client/lib. May include: connection.h, direct.h, launch.h.
  * Does:     what its end means for the calls that have no answer: each fails, or is held
  *           for another connection.
  * Does not: read (receive.c), write (rpc.c) or make connections (link.c, recover.c).
@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "direct.h"
+#include "launch.h"
 
 void cli_fds_close(struct pccd_client *client)
 {
@@ -86,8 +87,13 @@ int cli_lose(struct pccd_client *client, const char *why)
 
     assert(!client->dead); /* it is lost once */
     if (client->goaway == 0) {
+        char words[CLI_WORDS_BYTES] = "";
+
+        if (link->way == CLI_WAY_USER || link->way == CLI_WAY_PRIVATE) {
+            cli_launch_words(client, link->path, words);
+        }
         (void)snprintf(client->dead_text, sizeof client->dead_text,
-                       "the daemon at %s is gone: %s", client->url, why);
+                       "the daemon at %s is gone: %s%s", client->url, why, words);
     }
     /* A forked copy has no claim on the session. */
     if (!link->is_established || link->patience_ns == 0 || client->owner != getpid()) {

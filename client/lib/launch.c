@@ -11,28 +11,32 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "folder.h"
+#include "last_words.h"
 #include "launch.h"
 #include "openmp.h"
 
-#define READY_FD      3  /* in the daemon */
-#define FD_FLOOR      10 /* our ends lie above what dup2 overwrites in the daemon */
-#define ARGUMENTS_MAX 12
-#define PROGRAM_BYTES 4096
-#define SOCKET_NAME   "/pccd.sock"
-#define STOP_NS       2000000000ull /* from SIGTERM to SIGKILL */
-#define REAP_PAUSE_NS 2000000       /* where the kernel has no descriptors of processes */
-#define STOP_ENTRIES  64            /* files of a private folder: the socket, the lock */
+#define READY_FD       3  /* in the daemon */
+#define FD_FLOOR       10 /* our ends lie above what dup2 overwrites in the daemon */
+#define ARGUMENTS_MAX  12
+#define PROGRAM_BYTES  4096
+#define SOCKET_NAME    "/pccd.sock"
+#define STOP_NS        2000000000ull /* from SIGTERM to SIGKILL */
+#define REAP_PAUSE_NS  2000000 /* where the kernel has no descriptors of processes */
+#define LOG_PATH_BYTES 4096
+#define STOP_ENTRIES   64 /* files of a private folder: socket, lock, log */
 
 extern char **environ;
 
@@ -127,16 +131,58 @@ static int raise_fd(int fd)
     return raised;
 }
 
-/* Where the daemon's messages go. */
-static int open_log(void)
+/* The file that the messages of the daemon at that socket go to; it has a log of its own
+ * unless PCCD_LOG names one. */
+static bool name_log(const char *socket_path, char name[LOG_PATH_BYTES])
 {
-    const char *name = getenv("PCCD_LOG");
+    const char *chosen = getenv("PCCD_LOG");
+    bool is_own = chosen == NULL || chosen[0] == '\0';
+
+    (void)snprintf(name, LOG_PATH_BYTES, "%s%s", is_own ? socket_path : chosen,
+                   is_own ? COMMON_OWN_LOG_ENDING : "");
+    return is_own;
+}
+
+/* Open it. Of its own log nobody else may have a hand in the folder, which the daemon
+ * would make itself. Anything else: its messages go nowhere. */
+static int open_log(const char *socket_path)
+{
+    char name[LOG_PATH_BYTES], folder[LOG_PATH_BYTES];
+    struct stat found;
     int fd = -1;
 
-    if (name != NULL && name[0] != '\0') {
+    if (!name_log(socket_path, name)) {
         fd = open(name, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+    } else if (strchr(name, '/') != NULL) {
+        (void)snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(name, '/') - name),
+                       name);
+        (void)mkdir(folder, 0700);
+        if (lstat(folder, &found) == 0 && S_ISDIR(found.st_mode) &&
+            found.st_uid == geteuid() && (found.st_mode & 022) == 0) {
+            fd = open(name,
+                      O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK,
+                      0600);
+        }
     }
     return raise_fd(fd >= 0 ? fd : open("/dev/null", O_WRONLY | O_CLOEXEC));
+}
+
+void cli_launch_words(const struct pccd_client *client, const char *socket_path,
+                      char words[CLI_WORDS_BYTES])
+{
+    char name[LOG_PATH_BYTES], line[COMMON_LAST_WORDS_BYTES], ended[64] = "";
+    siginfo_t info = {.si_pid = 0};
+
+    if (client->child.pid > 0 && client->owner == getpid() &&
+        waitid(P_PID, (id_t)client->child.pid, &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        info.si_pid != 0 && info.si_code != CLD_EXITED) {
+        (void)snprintf(ended, sizeof ended, ", by signal %d (%s)", info.si_status,
+                       sigdescr_np(info.si_status));
+    }
+    (void)name_log(socket_path, name);
+    common_last_words(name, line);
+    (void)snprintf(words, CLI_WORDS_BYTES, "%s%s%s", ended,
+                   line[0] != '\0' ? "; it said: " : "", line);
 }
 
 /* Whether an entry of an environment is of that variable. */
@@ -147,12 +193,13 @@ static bool is_variable(const char *entry, const char *name)
     return strncmp(entry, name, length) == 0 && entry[length] == '=';
 }
 
-/* This process's environment with what the daemon's OpenMP needs: a daemon that has to
- * set it itself starts twice. The entries are this process's own; the caller frees the
- * array. NULL: no memory. */
-static char **make_environment(void)
+/* This process's environment with what the daemon's OpenMP needs, and whose its log is: a
+ * daemon that has to set the former itself starts twice. The entries are this process's
+ * own; the caller frees the array. NULL: no memory. */
+static char **make_environment(bool has_own_log)
 {
     static char spin[] = COMMON_OPENMP_SPIN_NAME "=" COMMON_OPENMP_SPIN_VALUE;
+    static char own_log[] = COMMON_OWN_LOG_NAME "=1";
     bool has_spin = false;
     size_t count = 0;
     size_t kept = 0;
@@ -161,9 +208,9 @@ static char **make_environment(void)
     while (environ[count] != NULL) {
         count++;
     }
-    made = calloc(count + 2, sizeof *made); /* one more variable, and the end */
+    made = calloc(count + 3, sizeof *made); /* two more variables, and the end */
     for (size_t i = 0; made != NULL && i < count; i++) {
-        bool is_unwanted = false;
+        bool is_unwanted = is_variable(environ[i], COMMON_OWN_LOG_NAME);
 
         for (size_t k = 0; k < COMMON_OPENMP_UNWANTED; k++) {
             is_unwanted =
@@ -175,14 +222,18 @@ static char **make_environment(void)
         }
     }
     if (made != NULL && !has_spin) {
-        made[kept] = spin;
+        made[kept++] = spin;
+    }
+    if (made != NULL && has_own_log) {
+        made[kept] = own_log;
     }
     return made;
 }
 
 /* Nothing of this process is left in the new one but the environment, and the four
  * descriptors. Returns 0 or an errno. */
-static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *pid)
+static int spawn_clean(char *const *arguments, int log_fd, bool has_own_log, int ready_fd,
+                       pid_t *pid)
 {
     char **environment = NULL;
     posix_spawn_file_actions_t actions;
@@ -213,7 +264,7 @@ static int spawn_clean(char *const *arguments, int log_fd, int ready_fd, pid_t *
         (status = posix_spawn_file_actions_addclosefrom_np(&actions, READY_FD + 1)) ==
             0 &&
         (status = posix_spawn_file_actions_addchdir_np(&actions, "/")) == 0) {
-        environment = make_environment();
+        environment = make_environment(has_own_log);
         status = environment == NULL ? ENOMEM
                                      : posix_spawn(pid, arguments[0], &actions,
                                                    &attributes, arguments, environment);
@@ -254,11 +305,12 @@ static int await_ready(struct pccd_client *client, int fd, uint64_t deadline_ns)
     }
 }
 
-/* Run `arguments` with --ready-fd READY_FD and wait until it listens. *pid is set as soon
- * as the process exists. */
-static int start(struct pccd_client *client, char *const *arguments, uint64_t deadline_ns,
-                 pid_t *pid)
+/* Run `arguments`, a daemon at that socket, with --ready-fd READY_FD and wait until it
+ * listens. *pid is set as soon as the process exists. */
+static int start(struct pccd_client *client, char *const *arguments,
+                 const char *socket_path, uint64_t deadline_ns, pid_t *pid)
 {
+    char log_name[LOG_PATH_BYTES];
     int pipe_fds[2];
     int log_fd;
     int status;
@@ -267,13 +319,14 @@ static int start(struct pccd_client *client, char *const *arguments, uint64_t de
         return cli_fail(client, PCCD_E_SYSTEM, "pipe: %s", strerror(errno));
     }
     pipe_fds[1] = raise_fd(pipe_fds[1]);
-    log_fd = open_log();
+    log_fd = open_log(socket_path);
     if (pipe_fds[1] < 0 || log_fd < 0) {
         status = cli_fail(client, PCCD_E_SYSTEM,
                           "no descriptor for the daemon's messages: %s", strerror(errno));
         goto out;
     }
-    status = spawn_clean(arguments, log_fd, pipe_fds[1], pid);
+    status =
+        spawn_clean(arguments, log_fd, name_log(socket_path, log_name), pipe_fds[1], pid);
     if (status != 0) {
         status = cli_fail(client, PCCD_E_SYSTEM, "start of %s: %s", arguments[0],
                           strerror(status));
@@ -291,6 +344,17 @@ out:
     }
     (void)close(pipe_fds[0]);
     return status;
+}
+
+/* Others will use the daemon, too: it has all processors of the cpuset, though this
+ * thread may be bound to one (by mpirun, by OMP_PROC_BIND). false: nothing is changed. */
+static bool take_all_processors(cpu_set_t *mine)
+{
+    cpu_set_t all;
+
+    memset(&all, 0xff, sizeof all); /* the system takes out what the cpuset has not */
+    return sched_getaffinity(0, sizeof *mine, mine) == 0 &&
+           sched_setaffinity(0, sizeof all, &all) == 0;
 }
 
 int cli_launch_user(struct pccd_client *client, const char *program, const char *path,
@@ -312,12 +376,17 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
                                       (char *)"30",
                                       NULL};
     pid_t shell = 0;
+    cpu_set_t mine;
     int status = choose_program(client, program, found);
 
     if (status != 0) {
         return status;
     }
-    status = start(client, arguments, deadline_ns, &shell);
+    bool is_bound = take_all_processors(&mine);
+    status = start(client, arguments, path, deadline_ns, &shell);
+    if (is_bound) {
+        (void)sched_setaffinity(0, sizeof mine, &mine);
+    }
     while (shell > 0 && waitpid(shell, NULL, 0) < 0 && errno == EINTR) {
         ;
     }
@@ -347,6 +416,16 @@ static int make_directory(struct pccd_client *client, char *directory)
                     strerror(errno));
 }
 
+/* It has closed its descriptors, and ends; who reaps it has not changed. */
+static void await_zombie(pid_t pid)
+{
+    siginfo_t info;
+
+    while (waitid(P_PID, (id_t)pid, &info, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
+        ;
+    }
+}
+
 int cli_launch_private(struct pccd_client *client, const char *program, char *path,
                        uint64_t deadline_ns)
 {
@@ -364,10 +443,13 @@ int cli_launch_private(struct pccd_client *client, const char *program, char *pa
         return status;
     }
     (void)stpcpy(stpcpy(path, client->child.directory), SOCKET_NAME);
-    status = start(client, arguments, deadline_ns, &client->child.pid);
+    status = start(client, arguments, path, deadline_ns, &client->child.pid);
     if (status == PCCD_E_AGAIN) {
-        return cli_fail(client, PCCD_E_NODAEMON,
-                        "%s ended at once; PCCD_LOG=FILE shows what it says", found);
+        char words[CLI_WORDS_BYTES];
+
+        await_zombie(client->child.pid);
+        cli_launch_words(client, path, words);
+        return cli_fail(client, PCCD_E_NODAEMON, "%.200s ended at once%s", found, words);
     }
     return status;
 }

@@ -23,6 +23,13 @@ int cli_launch_user(struct pccd_client *client, const char *program, const char 
 int cli_launch_private(struct pccd_client *client, const char *program, char *path,
                        uint64_t deadline_ns);
 
+#define CLI_WORDS_BYTES 384u
+
+/* What is known of the end of a daemon that was started at that socket: how, if it is a
+ * private one of ours, and the last line that it wrote; "" nothing. */
+void cli_launch_words(const struct pccd_client *client, const char *socket_path,
+                      char words[CLI_WORDS_BYTES]);
+
 /* Tell a private daemon to end, and go on meanwhile; does nothing without one. */
 void cli_launch_let_end(struct cli_child *child);
 

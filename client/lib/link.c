@@ -272,11 +272,12 @@ static int connect_user(struct pccd_client *client, uint64_t deadline_ns)
         start += started != PCCD_E_BUSY || common_now_ns() >= deadline_ns;
         status = retry_session(client, deadline_ns);
         if (is_worth_retrying(status) && started == PCCD_E_AGAIN) {
-            return cli_fail(
-                client, PCCD_E_NODAEMON,
-                "the daemon that was started for %s ended at once; PCCD_LOG=FILE "
-                "shows what it says",
-                link->path);
+            char words[CLI_WORDS_BYTES];
+
+            cli_launch_words(client, link->path, words);
+            return cli_fail(client, PCCD_E_NODAEMON,
+                            "the daemon that was started for %s ended at once%s",
+                            link->path, words);
         }
     }
     return status;

@@ -225,9 +225,9 @@ int pccd_daemon(const struct pccd_client *client, struct pccd_daemon_info *info)
 
 /* The lists, histograms, settings and steps below need a daemon that offers them
  * (E_VERSION otherwise). A list is no snapshot: it is read entry by entry, while other
- * clients go on, and told by `each` when all is read. If another daemon takes the place of
- * the one that is asked, the list is its own; E_HANDLE of a session that only the other
- * one had. `each` may not call the library with this client.
+ * clients go on, and told by `each` when all is read. If another daemon takes the place
+ * of the one that is asked, the list is its own; E_HANDLE of a session that only the
+ * other one had. `each` may not call the library with this client.
  *
  * Sessions of this client's user, the newest first, or of everybody when that user is
  * root or the daemon's own. */

@@ -21,6 +21,7 @@
 #include "commandline.h"
 #include "crash.h"
 #include "engine.h"
+#include "last_words.h"
 #include "lifeline.h"
 #include "listener.h"
 #include "lockfile.h"
@@ -92,6 +93,22 @@ static void ignore_signals(void)
     sigaction(SIGHUP, &ignore, NULL);  /* a closed terminal is no reason to go */
 }
 
+/* Its messages go to the file beside the socket (last_words.h). */
+static bool has_own_log(void)
+{
+    return getenv(COMMON_OWN_LOG_NAME) != NULL;
+}
+
+/* It has ended as it should: nobody has to know its last words. */
+static void remove_own_log(const struct srv_options *options)
+{
+    char path[SRV_SOCKET_PATH_BYTES + sizeof COMMON_OWN_LOG_ENDING];
+    (void)stpcpy(stpcpy(path, options->socket_path), COMMON_OWN_LOG_ENDING);
+    if (has_own_log()) {
+        (void)unlink(path);
+    }
+}
+
 /* The folder of a private daemon's socket was made for it alone, by a client that may be
  * dead by now. One that holds anything else stays: rmdir fails then. */
 static void remove_private_folder(const struct srv_options *options)
@@ -123,6 +140,9 @@ static int run_locked(const struct srv_options *options, char **argv)
     }
     int exit_status = options->supervise ? srv_supervise(options, argv, &lockfile)
                                          : srv_reactor_run(options, &lockfile);
+    if (exit_status == 0) {
+        remove_own_log(options); /* before another one has it */
+    }
     srv_lockfile_release(&lockfile);
     remove_private_folder(options);
     return exit_status;
@@ -136,6 +156,7 @@ int main(int argc, char **argv)
     struct srv_options options;
     srv_options_parse(&options, argc, argv);
     srv_log_set_level(options.log_level);
+    srv_log_own_file(has_own_log() ? COMMON_OWN_LOG_BYTES : 0);
     if (!has_instruction_set()) {
         return 1;
     }

@@ -357,8 +357,10 @@ static void choose_affinity(struct srv_reactor *reactor)
         options->pin == SRV_PIN_ON ||
         (options->pin == SRV_PIN_AUTO &&
          options->threads_max == reactor->server.service.workspaces[0].affinity->count);
-    reactor->server.service.metrics.counters.threads_bound =
-        reactor->server.service.is_pinned;
+    struct proto_STATS_result *counters = &reactor->server.service.metrics.counters;
+    counters->threads_bound = reactor->server.service.is_pinned;
+    counters->processors = reactor->server.service.workspaces[0].affinity->count;
+    counters->processors_allowed = srv_processors_allowed();
 }
 
 static void on_report(uv_timer_t *timer)

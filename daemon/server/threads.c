@@ -2,6 +2,7 @@
  *
  * Room:     server. See threads.h.
  * Does:     make them all, idle, and end them again: some ten microseconds each.
+ *           Ask for all processors, and go back to those that it had.
  * Does not: keep them: whoever takes them in between wins.
  * Threads:  [loop]
  */
@@ -9,6 +10,8 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "engine.h"
@@ -51,4 +54,17 @@ uint32_t srv_threads_granted(uint32_t wanted, uint32_t own)
     srv_log(SRV_LOG_WARN, 0, "%u %s instead of %u: %s", granted,
             proto_plural(granted, "thread", "threads"), wanted, strerror(failed));
     return granted;
+}
+
+uint32_t srv_processors_allowed(void)
+{
+    cpu_set_t mine, all;
+    if (sched_getaffinity(0, sizeof mine, &mine) != 0) {
+        return 0;
+    }
+    memset(&all, 0xff, sizeof all); /* the system takes out what the cpuset has not */
+    bool is_known = sched_setaffinity(0, sizeof all, &all) == 0 &&
+                    sched_getaffinity(0, sizeof all, &all) == 0;
+    (void)sched_setaffinity(0, sizeof mine, &mine);
+    return is_known ? (uint32_t)CPU_COUNT(&all) : 0;
 }

@@ -16,4 +16,8 @@
  * computes belongs to it: `wanted`, or less, and then it is said; at least 1. */
 uint32_t srv_threads_granted(uint32_t wanted, uint32_t own);
 
+/* On how many processors they could run if whoever started the process had not bound it
+ * to fewer: those of its cpuset. 0: not known. */
+uint32_t srv_processors_allowed(void);
+
 #endif

@@ -302,6 +302,45 @@ status=$?
 chmod 0700 "$work"
 tap_result $status doctor__finds_what_is_wrong "$log"
 
+# If it failed, nobody would learn that a daemon computes by one thread because what started it was
+# bound to one processor.
+if [ "$(nproc)" -lt 2 ] || ! command -v taskset >/dev/null; then
+    tap_skip doctor__tells_of_a_daemon_that_is_bound "it takes two processors and taskset"
+else
+    cpu=$(taskset -pc $$ | sed 's/.*: //; s/[-,].*//')
+    mkfifo bound.ready
+    taskset -c "$cpu" "$PCCD_DAEMON" --socket "$work/bound" --ready-fd 3 3>bound.ready 2>>"$log" &
+    bound_pid=$!
+    read -r -t 20 -N 1 _ <bound.ready
+    ctl doctor --socket "$work/bound" && says '^warn +threads +1 thread of a step, 1 of [0-9]+ processors$' &&
+        ctl status --socket "$work/bound" && says '^team +1 thread at most.*; on 1 of [0-9]+ processors'
+    status=$?
+    kill "$bound_pid" && wait "$bound_pid"
+    tap_result $status doctor__tells_of_a_daemon_that_is_bound "$log"
+fi
+
+# If it failed, nobody would learn why the daemon that a program has started is gone.
+cat >dying <<'SH'
+#!/bin/sh
+echo 'listening' >&2
+echo 'the disk is on fire' >&2
+echo './dying(+0x1)[0x7f]' >&2
+kill -ABRT $$
+SH
+chmod +x dying
+mkdir -m 0700 dead && {
+    ! env -u PCCD_URL -u PCCD_LOG XDG_RUNTIME_DIR="$work/dead" timeout 20 "$PCCDCTL" ping --daemon "$work/dying" 2>err
+    env -u PCCD_URL -u PCCD_LOG XDG_RUNTIME_DIR="$work/dead" PCCD_DAEMON=$work/dying timeout 20 "$PCCDCTL" \
+        load a.obj b.obj >out 2>err
+    cat err >>"$log"
+    grep -q 'ended at once; it said: the disk is on fire' err &&
+        { env -u PCCD_URL XDG_RUNTIME_DIR="$work/dead" timeout 20 "$PCCDCTL" doctor >out; [ $? -eq 1 ]; } &&
+        says '^warn +log +the last daemon there has died; it said: the disk is on fire$' &&
+        ! env -u PCCD_LOG timeout 20 "$PCCDCTL" ping --private --daemon "$work/dying" 2>err &&
+        grep -qF 'ended at once, by signal 6 (Aborted); it said: the disk is on fire' err
+}
+tap_result $? doctor__tells_the_last_words_of_a_daemon "$log"
+
 # If it failed, the way out that doctor shows to who has no daemon would lead nowhere.
 mkdir none && {
     env -u PCCD_URL XDG_RUNTIME_DIR="$work/none" timeout 20 "$PCCDCTL" doctor >out 2>err

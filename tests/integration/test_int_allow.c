@@ -21,6 +21,7 @@
 
 #include "daemon.h"
 #include "raw.h"
+#include "run_ctl.h"
 #include "skip.h"
 
 #define USER  65534u
@@ -185,6 +186,26 @@ static void allow__strangers_do_not_fill_the_log(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* If it failed, who looks at a daemon that refuses strangers would be told to let them
+ * take more places. */
+static void allow__status_says_who_was_refused(void **state)
+{
+    static const char *const options[] = {"--allow-gid", "54321", NULL};
+    struct test_daemon daemon;
+    char said[4096];
+
+    (void)state;
+    if (geteuid() != 0) {
+        test_skip(TEST_ONLY_ROOT);
+    }
+    start(&daemon, options);
+    assert_int_equal(ask(&daemon, USER, 7, 7), PCCD_E_ACCESS);
+    assert_int_equal(test_ctl("status", "--socket", daemon.socket, said, sizeof said), 0);
+    assert_non_null(strstr(said, "1 connection was of users whom pccdd --allow-uid"));
+    assert_null(strstr(said, "clients-max"));
+    assert_true(test_daemon_finish(&daemon));
+}
+
 /* If it failed, a socket without a list could be reached by others. */
 static void allow__without_a_list_only_our_own_user_gets_there(void **state)
 {
@@ -208,6 +229,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(allow__lists_of_users_and_groups_are_kept),
         cmocka_unit_test(allow__strangers_take_no_places),
+        cmocka_unit_test(allow__status_says_who_was_refused),
         cmocka_unit_test(allow__strangers_do_not_fill_the_log),
         cmocka_unit_test(allow__without_a_list_only_our_own_user_gets_there),
     };

@@ -7,6 +7,7 @@
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <sched.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -14,6 +15,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -24,6 +26,7 @@
 #include "crossing.h"
 #include "daemon.h"
 #include "pccd.h"
+#include "skip.h"
 
 /* Connect to the user's own daemon; the exit status says whether a step was right. */
 static int run_autostart_child(int pid_fd)
@@ -53,6 +56,8 @@ static void end_autostarted(uint32_t pid, const char *runtime)
         test_sleep_ms(5);
     (void)snprintf(path, sizeof path, "%s/pccd/pccd.sock", runtime);
     assert_int_not_equal(access(path, F_OK), 0);
+    (void)snprintf(path, sizeof path, "%s/pccd/pccd.sock.log", runtime);
+    assert_int_not_equal(access(path, F_OK), 0); /* nobody has to know its last words */
     (void)snprintf(path, sizeof path, "rm -rf %s", runtime);
     assert_int_equal(system(path), 0);
 }
@@ -136,9 +141,73 @@ static void autostart__a_daemon_that_has_the_lock_is_waited_for(void **state)
     end_autostarted(pid, runtime);
 }
 
+/* If it failed, a program whose daemon dies would not learn of what. */
+static void autostart__error_has_the_last_words_of_a_private_daemon(void **state)
+{
+    static const struct {
+        int signal;
+        const char *text;
+    } cases[] = {{SIGSEGV, "it said: pccdd "}, {SIGKILL, "by signal 9 (Killed)"}};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pccd_options options;
+        struct pccd_client *client = NULL;
+        siginfo_t info;
+
+        pccd_options_init(&options);
+        options.private_daemon = true;
+        options.reconnect_ms = -1;
+        assert_int_equal(pccd_connect(&options, &client), 0);
+        assert_int_equal(kill((pid_t)pccd_daemon_pid(client), cases[i].signal), 0);
+        assert_int_equal(waitid(P_PID, pccd_daemon_pid(client), &info, WEXITED | WNOWAIT),
+                         0);
+        assert_int_equal(pccd_ping(client, NULL), PCCD_E_DISCONNECTED);
+        if (strstr(pccd_error_text(client), cases[i].text) == NULL) {
+            fail_msg("signal %d: %s", cases[i].signal, pccd_error_text(client));
+        }
+        pccd_close(client);
+    }
+}
+
+/* If it failed, a program that is bound to one processor, as mpirun binds ranks, would
+ * start a daemon that computes with one thread for everybody. */
+static void autostart__daemon_of_a_bound_program_has_all_processors(void **state)
+{
+    char runtime[] = "/tmp/pccd-test-XXXXXX";
+    struct pccd_client *client = NULL;
+    struct pccd_daemon_info info;
+    cpu_set_t all, one, after;
+
+    (void)state;
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    if (CPU_COUNT(&all) < 2) {
+        test_skip("it takes two processors");
+    }
+    CPU_ZERO(&one);
+    for (size_t cpu = 0; CPU_COUNT(&one) == 0; cpu++) {
+        if (CPU_ISSET(cpu, &all)) {
+            CPU_SET(cpu, &one);
+        }
+    }
+    assert_non_null(mkdtemp(runtime));
+    assert_int_equal(setenv("XDG_RUNTIME_DIR", runtime, 1), 0);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    assert_int_equal(pccd_connect(NULL, &client), 0);
+    assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+    assert_true(CPU_EQUAL(&after, &one));
+    assert_int_equal(pccd_daemon(client, &info), 0);
+    assert_true(info.threads_max >= (uint32_t)CPU_COUNT(&all));
+    pccd_close(client);
+    end_autostarted(info.pid, runtime);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(autostart__error_has_the_last_words_of_a_private_daemon),
+        cmocka_unit_test(autostart__daemon_of_a_bound_program_has_all_processors),
         cmocka_unit_test(autostart__clients_that_start_together_share_one_daemon),
         cmocka_unit_test(autostart__a_daemon_that_has_the_lock_is_waited_for),
     };

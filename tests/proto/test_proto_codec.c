@@ -402,8 +402,8 @@ static void manifest__fits_the_decoder(void **state)
     (void)state;
     for (int i = 0; i < PROTO_MESSAGE_COUNT; i++) {
         const struct proto_message_info *message = &proto_messages[i];
-        assert_in_range(message->request.count, 1, 64);
-        assert_in_range(message->result.count, i < PROTO_METHOD_COUNT ? 1 : 0, 64);
+        assert_in_range(message->request.count, 1, 96);
+        assert_in_range(message->result.count, i < PROTO_METHOD_COUNT ? 1 : 0, 96);
         assert_in_range(message->since, PROTO_VERSION_MIN, PROTO_VERSION_MAX);
         for (uint32_t f = 0; f < message->request.count; f++) {
             for (uint32_t g = 0; g < f; g++) {

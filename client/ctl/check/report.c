@@ -134,7 +134,18 @@ static void print_kinds_briefly(FILE *to, const uint64_t counts[PCCD_KINDS_MAX])
     }
 }
 
-static void print_records(FILE *to, const struct pccd_answer *answer)
+/* What to do about neighbours, where `what` was done already. */
+static const char *advice_of_thin(uint32_t what)
+{
+    bool has_rings = (what & PCCD_OBJECT_REST_RINGS) != 0;
+    bool has_distance = (what & PCCD_OBJECT_REST_DISTANCE) != 0;
+    return has_rings && has_distance ? "Make it less, or --rest-exclusion more"
+           : has_rings               ? "Give more --rings, or see --rest-exclusion"
+           : has_distance            ? "Make --rest-exclusion more, or see --rings"
+                                     : "See --rings and --rest-exclusion";
+}
+
+static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t what)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
     if (answer->mode == PCCD_MODE_ANY) {
@@ -164,11 +175,10 @@ static void print_records(FILE *to, const struct pccd_answer *answer)
     }
     fprintf(to, "safe step  %.17g\n", answer->safe_step);
     if (answer->crowded) {
-        fputs("warning    most pairs are within their distance at the start. Is the "
-              "thickness "
-              "above\n           the length of the edges? See --rings and "
-              "--rest-exclusion\n",
-              to);
+        fprintf(to,
+                "warning    most pairs are within their distance at the start. Is the "
+                "thickness above\n           the length of the edges? %s\n",
+                advice_of_thin(what));
     }
 }
 
@@ -272,7 +282,7 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
 {
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
             tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
-    print_records(to, &step->answer);
+    print_records(to, &step->answer, mesh->object_what);
     report_print_rest(to, mesh->build_ms, step);
 }
 

@@ -43,6 +43,7 @@ void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_C
 struct report_mesh {
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;
+    uint32_t object_what; /* that options have set: bits of pccd_object_what */
     double build_ms; /* edges and feature ownership, then the hierarchy; paid once */
 };
 

@@ -204,6 +204,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     run->settings = check_step_settings(options);
     run->ask = &options->ask;
     run->mesh.settings = options->scene_settings;
+    run->mesh.object_what = options->ask.object.what;
     status = check_run_begin(run, &check->frames[0], options->ask.csv != NULL, error);
     if (status == PCCD_OK && options->ask.csv != NULL) {
         /* The first frame's faces go when the third frame comes, so the CSV has its own.

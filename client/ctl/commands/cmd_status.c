@@ -174,9 +174,16 @@ static void print(const struct status *status)
         print_quantiles("steps", &status->steps, "; ");
         print_quantiles("requests", &status->requests, "\n");
     }
-    printf("team       %" PRIu32 " %s at most%s\n", status->daemon.threads_max,
+    printf("team       %" PRIu32 " %s at most%s", status->daemon.threads_max,
            proto_plural(status->daemon.threads_max, "thread", "threads"),
            counters_get(c, "threads_bound") != 0 ? ", each bound to a processor" : "");
+    uint64_t processors = counters_get(c, "processors");
+    uint64_t allowed = counters_get(c, "processors_allowed");
+    if (processors < allowed) {
+        printf("; on %" PRIu64 " of %" PRIu64 " processors: pccdctl doctor tells why",
+               processors, allowed);
+    }
+    putchar('\n');
     print_health(&status->health);
 }
 

@@ -44,8 +44,9 @@ static bool ends_in(const char *name, const char *end)
 
 bool counters_is_gauge(const char *name)
 {
-    static const char *const gauges[] = {"uptime_ns", "pid", "threads_max",
-                                         "threads_bound"};
+    static const char *const gauges[] = {"uptime_ns",   "pid",
+                                         "threads_max", "threads_bound",
+                                         "processors",  "processors_allowed"};
     for (size_t i = 0; i < sizeof gauges / sizeof gauges[0]; i++) {
         if (strcmp(name, gauges[i]) == 0) {
             return true;

@@ -9,7 +9,6 @@
 #include "doctor.h"
 
 #include <inttypes.h>
-#include <sched.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -61,6 +60,11 @@ static void look_at_failure(struct doctor *doctor, int status)
         break;
     }
     doctor_find(doctor, DOCTOR_FAIL, "daemon", advice, "%s", pccd_error_text(NULL));
+    if (doctor->last_words[0] != '\0') {
+        doctor_find(doctor, DOCTOR_WARN, "log",
+                    "if it was no kill, this says what to mend before another one starts",
+                    "the last daemon there has died; it said: %s", doctor->last_words);
+    }
 }
 
 static void look_at_versions(struct doctor *doctor, const struct pccd_daemon_info *daemon)
@@ -76,16 +80,23 @@ static void look_at_versions(struct doctor *doctor, const struct pccd_daemon_inf
 static void look_at_threads(struct doctor *doctor, const struct pccd_daemon_info *daemon,
                             const struct counters *counters)
 {
-    cpu_set_t set;
     bool is_bound = counters_get(counters, "threads_bound") != 0;
-    int processors = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    if (daemon->threads_max > (uint32_t)processors) {
+    uint64_t processors = counters_get(counters, "processors"); /* 0: an older one */
+    uint64_t allowed = counters_get(counters, "processors_allowed");
+    if (processors < allowed) {
+        doctor_find(doctor, DOCTOR_WARN, "threads",
+                    "what started it was bound to these (by mpirun, OMP_PROC_BIND or "
+                    "taskset): end it, and start pccdd elsewhere",
+                    "%" PRIu32 " %s of a step, %" PRIu64 " of %" PRIu64 " processors",
+                    daemon->threads_max,
+                    proto_plural(daemon->threads_max, "thread", "threads"), processors,
+                    allowed);
+    } else if (processors > 0 && daemon->threads_max > processors) {
         doctor_find(doctor, DOCTOR_WARN, "threads",
                     "more threads than processors wait for each other: pccdctl config "
                     "set threads N",
-                    "%" PRIu32 " threads of a step, %d %s", daemon->threads_max,
-                    processors,
-                    proto_plural((uint64_t)processors, "processor", "processors"));
+                    "%" PRIu32 " threads of a step, %" PRIu64 " %s", daemon->threads_max,
+                    processors, proto_plural(processors, "processor", "processors"));
     } else if (!is_bound && daemon->threads_max > 1) {
         doctor_find(doctor, DOCTOR_WARN, "threads",
                     "pccdd --pin on, if it is the only daemon that computes here",
@@ -93,11 +104,11 @@ static void look_at_threads(struct doctor *doctor, const struct pccd_daemon_info
                     "share one",
                     daemon->threads_max);
     } else {
-        doctor_find(doctor, DOCTOR_OK, "threads", "", "%" PRIu32 " %s of a step%s, %d %s",
-                    daemon->threads_max,
+        doctor_find(doctor, DOCTOR_OK, "threads", "",
+                    "%" PRIu32 " %s of a step%s, %" PRIu64 " %s", daemon->threads_max,
                     proto_plural(daemon->threads_max, "thread", "threads"),
                     is_bound ? ", each bound to a processor" : "", processors,
-                    proto_plural((uint64_t)processors, "processor", "processors"));
+                    proto_plural(processors, "processor", "processors"));
     }
 }
 

@@ -1,6 +1,6 @@
 /* client/ctl/observe/doctor.h - looks for mistakes in a set-up (`pccdctl doctor`).
  *
- * Room:     client/ctl. May include: pccd.h.
+ * Room:     client/ctl. May include: pccd.h, proto/common.
  * Does:     examine limits, files and a daemon; note each finding.
  * Does not: print or change anything.
  * Threads:  one.
@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "last_words.h"
 #include "pccd.h"
 
 enum doctor_verdict { DOCTOR_OK, DOCTOR_WARN, DOCTOR_FAIL };
@@ -30,6 +31,7 @@ struct doctor_finding {
 struct doctor {
     uint32_t count;
     bool has_failed;
+    char last_words[COMMON_LAST_WORDS_BYTES]; /* of a daemon that died; "": none */
     struct doctor_finding findings[DOCTOR_MAX];
 };
 

@@ -203,6 +203,15 @@ static void look_at_systemd(struct doctor *doctor)
                 "no unit is installed, and none needed");
 }
 
+/* What a daemon there said last that has not ended as it should. It is no fault where
+ * another one has come since. */
+static void look_at_log(struct doctor *doctor, const char *path)
+{
+    char name[PATH_BYTES + sizeof COMMON_OWN_LOG_ENDING];
+    snprintf(name, sizeof name, "%s" COMMON_OWN_LOG_ENDING, path);
+    common_last_words(name, doctor->last_words);
+}
+
 void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *options)
 {
     char path[PATH_BYTES];
@@ -232,4 +241,5 @@ void doctor_look_at_socket(struct doctor *doctor, const struct pccd_options *opt
                     (unsigned)(found.st_mode & 07777), (unsigned)found.st_uid);
     }
     look_at_lock(doctor, path, has_socket);
+    look_at_log(doctor, path);
 }

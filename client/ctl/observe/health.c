@@ -31,7 +31,8 @@ say(struct health *health, const char *format, ...)
 void health_judge(const struct counters *counters, struct health *health)
 {
     uint64_t queued = counters_get(counters, "jobs_queued_now");
-    uint64_t refused = counters_get(counters, "sessions_refused");
+    uint64_t denied = counters_get(counters, "sessions_denied");
+    uint64_t refused = counters_get(counters, "sessions_refused") - denied;
     uint64_t torn = counters_get(counters, "slots_torn");
     uint64_t stale = counters_get(counters, "slots_stale");
     uint64_t errors = counters_get(counters, "errors");
@@ -42,6 +43,11 @@ void health_judge(const struct counters *counters, struct health *health)
     if (queued > QUEUE_MAX) {
         say(health, "%" PRIu64 " %s: pccdctl top tells whose", queued,
             proto_plural(queued, "request waits", "requests wait"));
+    }
+    if (denied > 0) {
+        say(health,
+            "%" PRIu64 " %s of users whom pccdd --allow-uid and --allow-gid do not name",
+            denied, proto_plural(denied, "connection was", "connections were"));
     }
     if (refused > 0) {
         say(health,

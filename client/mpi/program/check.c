@@ -279,6 +279,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     }
     check->run.settings = check_step_settings(&check->options->check);
     check->run.mesh.settings = check->options->check.scene_settings;
+    check->run.mesh.object_what = ask->object.what;
     status = begin(check, error);
     if (status != PCCD_OK) {
         return status;

@@ -33,6 +33,24 @@ void srv_log_set_level(enum srv_level level)
     atomic_store_explicit(&level_max, (int)level, memory_order_relaxed);
 }
 
+/* Relaxed: likewise. 0: it is not ours. */
+static _Atomic uint32_t own_bytes_max;
+
+void srv_log_own_file(uint32_t bytes_max)
+{
+    atomic_store_explicit(&own_bytes_max, bytes_max, memory_order_relaxed);
+}
+
+/* Whoever opened it appends, so that the next line stands at its begin. */
+static void keep_short(void)
+{
+    uint32_t bytes_max = atomic_load_explicit(&own_bytes_max, memory_order_relaxed);
+    if (bytes_max > 0 && lseek(STDERR_FILENO, 0, SEEK_END) > (off_t)bytes_max) {
+        int ignored = ftruncate(STDERR_FILENO, 0);
+        (void)ignored; /* nobody is left to tell */
+    }
+}
+
 int srv_log_level_by_name(const char *name)
 {
     for (int level = 0; level < SRV_LOG_COUNT; level++) {
@@ -122,6 +140,7 @@ static void write_line(enum srv_level level, uint64_t session, const char *forma
     /* A pipe that nobody reads must not stop the daemon. One with room has it for at
      * least PIPE_BUF bytes, enough for a line of each of the two threads. */
     struct pollfd out = {.fd = STDERR_FILENO, .events = POLLOUT};
+    keep_short();
     if (poll(&out, 1, 0) > 0) {
         ssize_t ignored = write(STDERR_FILENO, line, length + 1);
         (void)ignored; /* nobody is left to tell */

@@ -4,7 +4,7 @@
  * Does:     write one line to stderr per event: ISO time, level, session, text. Limit
  *           each kind of line that clients can cause as often as they like: a number at
  *           once, then some a second; say how many were left out.
- * Does not: rotate, buffer or wait: what stderr has no room for is lost.
+ * Does not: buffer or wait: what stderr has no room for is lost.
  * Threads:  [any]; a line is one write, so lines never mix.
  */
 #ifndef SRV_LOG_H
@@ -26,6 +26,10 @@ void srv_log_set_level(enum srv_level level);
 
 /* The level of that name ("error", "warn", "info", "debug"), or -1. */
 int srv_log_level_by_name(const char *name);
+
+/* What it writes to is a file that nobody else keeps: it begins anew when it has become
+ * longer than that. */
+void srv_log_own_file(uint32_t bytes_max);
 
 /* `session` 0: not about one. Control characters, and what is not UTF-8, are written
  * as \xNN, because some of it comes from peers. */

@@ -64,6 +64,7 @@ static int deny_stranger(struct srv_session *session, struct proto_error *error)
         return 0;
     }
     session->service->metrics.counters.sessions_refused++;
+    session->service->metrics.counters.sessions_denied++;
     proto_error_set(error, PCCD_E_ACCESS,
                     "user %u is not in the lists of this daemon (pccdd --allow-uid, "
                     "--allow-gid)",
