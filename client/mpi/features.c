@@ -53,6 +53,12 @@ static int make_tables(struct pccd_mpi *world, struct ranks_object *object)
 int pccd_mpi_feature(struct pccd_mpi *world, uint32_t object, uint32_t points,
                      uint32_t feature, uint32_t vertices[3])
 {
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (vertices == NULL) {
+        return ranks_missing(&world->link, "vertices");
+    }
     struct ranks_object *found = ranks_find_object(world, object);
     if (found == NULL || points < 1 || points > 3) {
         return ranks_fail(&world->link, found == NULL ? PCCD_E_HANDLE : PCCD_E_INVAL,

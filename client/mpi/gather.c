@@ -231,6 +231,9 @@ static int make_streams(struct merge *merge, const uint64_t *counts)
 int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
                     void *context)
 {
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct ranks_link *link = &world->link;
     struct merge merge = {.world = world,
                           .record_bytes = bytes_of(world),
@@ -240,6 +243,8 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
     int status = counts == NULL ? ranks_no_memory(world) : PCCD_OK;
     if (root < 0 || root >= link->size) {
         status = ranks_fail(link, PCCD_E_INVAL, "there is no rank %d", root);
+    } else if (each == NULL && root == link->rank) {
+        status = ranks_missing(link, "each");
     }
     status = ranks_agree(link, RANKS_GATHER, (uint64_t)root, status);
     if (status == PCCD_OK) {
@@ -269,8 +274,13 @@ int pccd_mpi_gather(struct pccd_mpi *world, int root, pccd_mpi_records_fn each,
 
 int pccd_mpi_get_share(struct pccd_mpi *world, struct pccd_mpi_share *share)
 {
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct pccd_mpi_share now = world->share;
-    int status = ranks_agree(&world->link, RANKS_GET_SHARE, 0, PCCD_OK);
+    int status =
+        ranks_agree(&world->link, RANKS_GET_SHARE, 0,
+                    share == NULL ? ranks_missing(&world->link, "share") : PCCD_OK);
     if (status != PCCD_OK) {
         return status;
     }

@@ -93,6 +93,9 @@ static int put_mesh(struct pccd_mpi *world, const struct pccd_mpi_part *part,
 static struct pccd_mpi_part read_part(const struct pccd_mpi_part *part)
 {
     struct pccd_mpi_part known = {.struct_bytes = sizeof known};
+    if (part == NULL) {
+        return known;
+    }
     size_t bytes = part->struct_bytes;
     memcpy(&known, part, bytes == 0 || bytes > sizeof known ? sizeof known : bytes);
     return known;
@@ -102,9 +105,15 @@ int pccd_mpi_mesh_put(struct pccd_mpi *world, const struct pccd_mpi_part *part,
                       uint32_t *mesh, struct pccd_mesh_info *info)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct pccd_mpi_part known = read_part(part);
-    const uint32_t same[3] = {known.vertex_total, known.triangle_total, *mesh};
-    int status = ranks_part_check(world, &known);
+    const uint32_t same[3] = {known.vertex_total, known.triangle_total,
+                              mesh != NULL ? *mesh : 0};
+    int status = part == NULL || mesh == NULL
+                     ? ranks_missing(&world->link, part == NULL ? "part" : "mesh")
+                     : ranks_part_check(world, &known);
     if (status == PCCD_OK && *mesh != 0 && ranks_find_mesh(world, *mesh) == NULL) {
         status =
             ranks_fail(&world->link, PCCD_E_HANDLE, "there is no mesh %" PRIu32, *mesh);
@@ -128,6 +137,9 @@ void ranks_forget_mesh(struct pccd_mpi *world, struct ranks_mesh *mesh)
 int pccd_mpi_mesh_destroy(struct pccd_mpi *world, uint32_t mesh)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct ranks_mesh *found = ranks_find_mesh(world, mesh);
     int status = found != NULL ? PCCD_OK
                                : ranks_fail(&world->link, PCCD_E_HANDLE,

@@ -85,8 +85,13 @@ int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
     struct pccd_near_settings near = PCCD_NEAR_SETTINGS_INIT;
     struct ranks_moment moment = {
         .motions = motions, .motion_count = motion_count, .near = &near};
-    size_t bytes = settings->struct_bytes;
-    memcpy(&near, settings, bytes == 0 || bytes > sizeof near ? sizeof near : bytes);
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
+    if (settings != NULL) {
+        size_t bytes = settings->struct_bytes;
+        memcpy(&near, settings, bytes == 0 || bytes > sizeof near ? sizeof near : bytes);
+    }
     near.struct_bytes = sizeof near;
     int status = check(world, &near);
     uint64_t hash = hash_of(&near);

@@ -65,11 +65,17 @@ static int make_object(struct pccd_mpi *world, struct ranks_mesh *mesh,
 int pccd_mpi_add(struct pccd_mpi *world, uint32_t mesh, uint32_t *object)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct ranks_mesh *found = ranks_find_mesh(world, mesh);
     struct ranks_object *made = NULL;
     int status = found != NULL ? PCCD_OK
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
                                             "there is no mesh %" PRIu32, mesh);
+    if (object == NULL) {
+        status = ranks_missing(&world->link, "object");
+    }
     status = ranks_agree(&world->link, RANKS_ADD, mesh, status);
     if (status == PCCD_OK) {
         status = ranks_agree_on(&world->link, make_object(world, found, &made));
@@ -123,6 +129,9 @@ static void forget_object(struct pccd_mpi *world, struct ranks_object *object)
 int pccd_mpi_remove(struct pccd_mpi *world, uint32_t object)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct ranks_object *found = ranks_find_object(world, object);
     int status = found != NULL ? PCCD_OK
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
@@ -157,10 +166,16 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
                         const struct pccd_object_settings *settings)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     struct ranks_object *found = ranks_find_object(world, object);
     struct pccd_object_settings asked = {.struct_bytes = sizeof asked};
-    size_t bytes = settings->struct_bytes;
-    memcpy(&asked, settings, bytes == 0 || bytes > sizeof asked ? sizeof asked : bytes);
+    if (settings != NULL) {
+        size_t bytes = settings->struct_bytes;
+        memcpy(&asked, settings,
+               bytes == 0 || bytes > sizeof asked ? sizeof asked : bytes);
+    }
     struct pccd_object_settings now = settings_at_first();
     if (found != NULL) {
         now = found->settings;
@@ -178,6 +193,9 @@ int pccd_mpi_object_set(struct pccd_mpi *world, uint32_t object,
                                : ranks_fail(&world->link, PCCD_E_HANDLE,
                                             "there is no object %" PRIu32, object);
     status = status == PCCD_OK ? check_length(world, now.rest_distance) : status;
+    if (settings == NULL) {
+        status = ranks_missing(&world->link, "settings");
+    }
     if (status == PCCD_OK && now.rest_rings > RINGS_MAX) {
         status = ranks_fail(&world->link, PCCD_E_LIMIT, "rest_rings are at most %u",
                             RINGS_MAX);
@@ -207,6 +225,9 @@ int pccd_mpi_pair_ignore(struct pccd_mpi *world, uint32_t object_a, uint32_t obj
                          bool ignored)
 {
     COMMON_ROUNDING_HERE;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     const uint32_t same[3] = {object_a, object_b, ignored};
     uint32_t missing = ranks_find_object(world, object_a) == NULL   ? object_a
                        : ranks_find_object(world, object_b) == NULL ? object_b

@@ -142,11 +142,11 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
 
 /* pccd_ask_near for the whole scene, where its last step ended or began; if any rank
  * gives motions, the objects move first, and it is answered for where they begin or end.
- * `settings` is the same on every rank. answer: near and count are this rank's records,
- * by the ranks that have their first features; all other numbers are of the whole, as for
- * a step. Of VERTICES vertex_bounds[count] are those of the vertices that this rank owns:
- * of all objects by increasing handle (or of object_a), each in the order of its part.
- * The answer of the last step is gone. Errors: those of pccd_ask_near. */
+ * `settings` (NULL: the defaults) is the same on every rank. answer: near and count are
+ * this rank's records, by the ranks that have their first features; all other numbers are
+ * of the whole, as for a step. Of VERTICES vertex_bounds[count] are those of the vertices
+ * that this rank owns: of all objects by increasing handle (or of object_a), each in the
+ * order of its part. The last step's answer is gone. Errors: those of pccd_ask_near. */
 int pccd_mpi_near(struct pccd_mpi *world, const struct pccd_motion *motions,
                   uint32_t motion_count, const struct pccd_near_settings *settings,
                   struct pccd_answer *answer);

@@ -40,6 +40,11 @@ int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
     return status;
 }
 
+int ranks_missing(struct ranks_link *link, const char *what)
+{
+    return ranks_fail(link, PCCD_E_INVAL, "rank %d: %s is NULL", link->rank, what);
+}
+
 int ranks_mpi(struct ranks_link *link, int code, const char *what)
 {
     if (code == MPI_SUCCESS) {

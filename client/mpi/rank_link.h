@@ -39,6 +39,8 @@ struct ranks_link {
 /* A sentence about what went wrong in this rank. Returns `status`. */
 int ranks_fail(struct ranks_link *link, int status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* PCCD_E_INVAL: an argument of this rank that must be given is NULL. */
+int ranks_missing(struct ranks_link *link, const char *what);
 
 /* What is done in the whole of a call; names of calls, for the message of one that is out
  * of order. */

@@ -532,6 +532,9 @@ int ranks_moment_make(struct pccd_mpi *world, enum ranks_call call, uint64_t has
         moment->near != NULL ? moment->near->threads : moment->settings.threads;
     world->team = threads < world->threads ? threads : world->threads;
     ranks_stop_begin(&world->stop);
+    if (answer == NULL || (moment->motions == NULL && moment->motion_count > 0)) {
+        status = ranks_missing(&world->link, answer == NULL ? "answer" : "motions");
+    }
     if (status == PCCD_OK) {
         status = moment_init(world, moment);
     }
@@ -558,6 +561,9 @@ int pccd_mpi_step(struct pccd_mpi *world, const struct pccd_motion *motions,
     COMMON_ROUNDING_HERE;
     struct ranks_moment moment = {.motions = motions, .motion_count = motion_count};
     uint64_t hash = 0;
+    if (world == NULL) {
+        return PCCD_E_INVAL;
+    }
     int status = read_settings(world, settings, &moment.settings, &hash);
     return ranks_moment_make(world, RANKS_STEP, hash, status, &moment, answer);
 }

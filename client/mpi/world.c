@@ -209,6 +209,9 @@ static int count_threads(MPI_Comm comm, uint32_t *threads, const char **what)
 int pccd_mpi_threads(MPI_Comm comm, uint32_t *threads)
 {
     const char *what;
+    if (threads == NULL) {
+        return PCCD_E_INVAL;
+    }
     return count_threads(comm, threads, &what) == MPI_SUCCESS ? PCCD_OK : PCCD_E_SYSTEM;
 }
 
@@ -306,6 +309,10 @@ int pccd_mpi_open(MPI_Comm comm, const struct pccd_mpi_options *options,
     COMMON_ROUNDING_HERE;
     struct pccd_mpi_options asked = {.struct_bytes = sizeof asked};
     int is_there = 0;
+    if (world == NULL) {
+        snprintf(open_text, sizeof open_text, "world is NULL");
+        return PCCD_E_INVAL;
+    }
     *world = NULL;
     open_text[0] = '\0';
     if (options != NULL) {

@@ -261,6 +261,72 @@ static int near_open(void)
     return status;
 }
 
+/* What one rank leaves out. */
+static int no_part(void)
+{
+    const struct pccd_mpi_part part = make_part();
+    return put_part(test.is_last ? NULL : &part);
+}
+
+static int no_handle(void)
+{
+    uint32_t object;
+    return pccd_mpi_add(test.world, test.mesh, test.is_last ? NULL : &object);
+}
+
+static int no_settings(void)
+{
+    const struct pccd_object_settings settings = {.what = 0};
+    return pccd_mpi_object_set(test.world, test.object, test.is_last ? NULL : &settings);
+}
+
+static int no_answer(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    return pccd_mpi_step(test.world, NULL, 0, NULL, test.is_last ? NULL : &answer);
+}
+
+static int no_motions(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    return pccd_mpi_near(test.world, NULL, test.is_last, NULL, &answer);
+}
+
+static int no_share(void)
+{
+    struct pccd_mpi_share share = {.struct_bytes = sizeof share};
+    return pccd_mpi_get_share(test.world, test.is_last ? NULL : &share);
+}
+
+/* Every function without a world, which no rank hears of. */
+static int no_world(void)
+{
+    struct pccd_answer answer = PCCD_ANSWER_INIT;
+    struct pccd_mpi_part part = make_part();
+    struct pccd_object_settings settings = {.what = 0};
+    struct pccd_mpi_share share = {.struct_bytes = sizeof share};
+    uint32_t vertices[3], handle = 0;
+    const int got[] = {pccd_mpi_open(MPI_COMM_WORLD, NULL, NULL),
+                       pccd_mpi_threads(MPI_COMM_WORLD, NULL),
+                       pccd_mpi_mesh_put(NULL, &part, &handle, NULL),
+                       pccd_mpi_mesh_destroy(NULL, 1),
+                       pccd_mpi_add(NULL, 1, &handle),
+                       pccd_mpi_remove(NULL, 1),
+                       pccd_mpi_object_set(NULL, 1, &settings),
+                       pccd_mpi_pair_ignore(NULL, 1, 2, true),
+                       pccd_mpi_step(NULL, NULL, 0, NULL, &answer),
+                       pccd_mpi_near(NULL, NULL, 0, NULL, &answer),
+                       pccd_mpi_gather(NULL, 0, NULL, NULL),
+                       pccd_mpi_feature(NULL, 1, 1, 1, vertices),
+                       pccd_mpi_get_share(NULL, &share)};
+    for (size_t i = 0; i < sizeof got / sizeof got[0]; i++) {
+        if (got[i] != PCCD_E_INVAL) {
+            stop("a call without a world");
+        }
+    }
+    return pccd_mpi_feature(test.world, test.object, 1, 0, NULL);
+}
+
 static const struct mistake {
     const char *name;
     int (*make)(void);
@@ -285,6 +351,13 @@ static const struct mistake {
     {"near-negative", near_negative, PCCD_E_INVAL, "distance is negative"},
     {"near-far", near_far, PCCD_E_LIMIT, "distance is beyond 1e+18"},
     {"near-object", near_object, PCCD_E_HANDLE, "object_b 77 is not in the scene"},
+    {"no-part", no_part, PCCD_E_INVAL, "rank %d"},
+    {"no-handle", no_handle, PCCD_E_INVAL, "rank %d: object is NULL"},
+    {"no-settings", no_settings, PCCD_E_INVAL, "rank %d: settings is NULL"},
+    {"no-answer", no_answer, PCCD_E_INVAL, "rank %d: answer is NULL"},
+    {"no-motions", no_motions, PCCD_E_INVAL, "rank %d: motions is NULL"},
+    {"no-share", no_share, PCCD_E_INVAL, "rank %d: share is NULL"},
+    {"no-world", no_world, PCCD_E_INVAL, "vertices is NULL"},
     {"near-open", near_open, PCCD_E_INVAL, "is not closed"},
 };
 

@@ -30,6 +30,37 @@ def scene():
     return np.concatenate([sheet, cone]), np.concatenate([triangles, faces])
 
 
+def refused(status, call, *arguments, **named):
+    try:
+        call(*arguments, **named)
+    except pccd.PccdError as problem:
+        assert problem.status == status, problem
+        return problem.text
+    raise AssertionError("not refused")
+
+
+def misuse(comm, world, x, faces, **totals):
+    """Arrays of another length than they should have, on one rank; threads."""
+    last = comm.rank == comm.size - 1
+    invalid = pccd.Status.E_INVAL
+    for name in "radii", "vertices", "triangle_numbers":
+        count = len(faces) if name == "triangle_numbers" else len(x)
+        text = refused(invalid, world.mesh_create, x, faces, **totals,
+                       **{name: np.zeros(count - last, int) if last else None})
+        assert (name if last else "NULL") in text, text
+    refused(invalid, world.near, "closest")
+    refused(invalid, world.near, "vertices")
+    if last:
+        got = []
+        world._turn.acquire()
+        thread = threading.Thread(target=lambda: got.append(
+            refused(pccd.Status.E_BUSY, world.step)))
+        thread.start()
+        thread.join()
+        world._turn.release()
+        assert "another thread" in got[0]
+
+
 def main():
     comm = MPI.COMM_WORLD
     x, triangles = scene()
@@ -50,6 +81,8 @@ def main():
         motions.x1(whole, x1)
         alone, ours = client.step_x1(one, body, end), world.step(motions)
         assert ours.total == alone.total > 10, (ours.total, alone.total)
+        misuse(comm, world, x[mine], faces, vertex_total=len(x),
+               triangle_total=len(triangles))
         assert ours.hash == alone.hash and ours.toi_first == alone.toi_first
         assert comm.allreduce(ours.count) == ours.total
         assert all(len(world.feature(whole, 1, c["feature_a"])) == 1
@@ -93,6 +126,9 @@ def main():
             assert comm.size == 1
         except pccd.PccdError as problem:
             assert comm.size > 1 and problem.status == pccd.Status.E_INVAL, problem
+    for call in world.step, world.near, world.share, world.gather:
+        refused(pccd.Status.E_STATE, call)
+    world.close()
     return 0
 
 

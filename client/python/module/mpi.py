@@ -176,6 +176,22 @@ class World:
         vertices and triangle_total triangles: positions x (n, 3) of its vertices, whose
         numbers in the whole mesh are `vertices` (None: those after the ranks before), and
         triangles of any vertices, by these numbers. mesh: replace that one."""
+        made = c_uint32(u32("mesh", mesh))
+        try:
+            part, _kept = self._part(x, triangles, vertex_total, triangle_total, vertices,
+                                     triangle_numbers, radii, edges, points)
+        except PccdError:  # the other ranks are to hear of it
+            _mpi.pccd_mpi_mesh_put(self._open(), None, None, None)
+            raise
+        self._check(_mpi.pccd_mpi_mesh_put(self._open(), byref(part), byref(made), None))
+        return made.value
+
+    @staticmethod
+    def _part(x: ArrayLike, triangles: Optional[ArrayLike], vertex_total: int,
+              triangle_total: int, vertices: Optional[ArrayLike],
+              triangle_numbers: Optional[ArrayLike], radii: Optional[ArrayLike],
+              edges: Optional[ArrayLike], points: Optional[ArrayLike]) -> Any:
+        """For the library, and the arrays that are to stay meanwhile."""
         placed = pack_vertices("x", x)
         part = with_size(_Part(vertex_total=u32("vertex_total", vertex_total),
                                triangle_total=u32("triangle_total", triangle_total)))
@@ -199,9 +215,7 @@ class World:
             if given is not None and np.shape(given) != (count,):
                 raise refusal(Status.E_INVAL, f"{name} has the shape {np.shape(given)}, "
                               f"not ({count},)")
-        made = c_uint32(u32("mesh", mesh))
-        self._check(_mpi.pccd_mpi_mesh_put(self._open(), byref(part), byref(made), None))
-        return made.value
+        return part, kept
 
     def mesh_destroy(self, mesh: int) -> None:
         """No object may have it."""
