@@ -358,6 +358,80 @@ static void step__early_ends_say_why(void **state)
     free(contacts);
 }
 
+#define SPIKES 3500u
+#define KEPT   20u
+
+/* Spikes over a floor, in a row; those in the middle are nearer. */
+static struct eng_scene *make_spikes(void)
+{
+    static const double floor[4][3] = {
+        {-9, -9, 0}, {3 * SPIKES, -9, 0}, {3 * SPIKES, 9, 0}, {-9, 9, 0}};
+    static const uint32_t halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    static double x[3 * SPIKES][3];
+    static uint32_t corners[SPIKES][3];
+    for (uint32_t i = 0; i < SPIKES; i++) {
+        double height = i / 500 == 3 ? 0.5 : 0.75;
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t v = 3 * i + k;
+            x[v][0] = 3.0 * i + (k == 1);
+            x[v][1] = 0.25 + (k == 2);
+            x[v][2] = height + (k > 0 ? 5 : 0);
+            corners[i][k] = v;
+        }
+    }
+    struct eng_scene *scene;
+    uint32_t idx;
+    struct eng_mesh *meshes[2] = {kit_mesh(floor, 4, halves, 2),
+                                  kit_mesh((const double(*)[3])x, 3 * SPIKES,
+                                           (const uint32_t(*)[3])corners, SPIKES)};
+    assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+    for (uint32_t i = 0; i < 2; i++) {
+        assert_int_equal(eng_scene_add(scene, meshes[i], i + 1, &idx), PCCD_OK);
+        eng_mesh_release(meshes[i]);
+    }
+    return scene;
+}
+
+/* All spikes fall by 1. */
+static struct eng_step_result fall(struct eng_scene *scene,
+                                   const struct eng_step_settings *settings)
+{
+    static const double pose[2][12] = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
+                                       {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1}};
+    struct eng_step_result result;
+    eng_stage_begin(scene);
+    assert_int_equal(eng_stage_rigid(scene, 1, 0, 3 * SPIKES, pose[0], pose[1]), PCCD_OK);
+    assert_int_equal(eng_step(scene, settings, &result), PCCD_OK);
+    return result;
+}
+
+/* If it failed: of many contacts that are found early in the search and meet late so few
+ * would be kept that none is left when others are found to be earlier. */
+static void step__keeps_the_first_of_the_earliest(void **state)
+{
+    (void)state;
+    struct eng_scene *scene = make_spikes();
+    struct pccd_contact first[KEPT];
+    for (uint32_t round = 0; round < 3 * 2; round++) {
+        struct eng_step_settings settings = ENG_STEP_SETTINGS_DEFAULT;
+        settings.mode = PCCD_MODE_FIRST;
+        settings.method = round % 2 == 0 ? PCCD_METHOD_WIDE : PCCD_METHOD_PAPER;
+        settings.threads = 1 + round / 2;
+        settings.team_always = true;
+        struct eng_step_result result = fall(scene, &settings);
+        assert_true(result.incomplete == PCCD_COMPLETE && result.count >= 500);
+        double toi = result.toi_first;
+        memcpy(first, result.records, sizeof first);
+        settings.contact_max = KEPT;
+        result = fall(scene, &settings);
+        assert_int_equal(result.incomplete, PCCD_INCOMPLETE_CONTACT_LIMIT);
+        assert_int_equal(result.count, KEPT);
+        assert_memory_equal(result.records, first, sizeof first);
+        assert_true(result.toi_first >= toi); /* that of the records */
+    }
+    eng_scene_free(scene);
+}
+
 struct asked {
     pthread_t thread; /* that called */
     bool was_other;
@@ -671,6 +745,7 @@ int main(void)
         cmocka_unit_test(step__first_is_found_whatever_is_found_before),
         TEST(step__tolerance_narrows_brackets_only),
         TEST(step__early_ends_say_why),
+        cmocka_unit_test(step__keeps_the_first_of_the_earliest),
         TEST(step__only_the_caller_is_asked_and_can_stop),
         cmocka_unit_test(step__deadline_is_seen_between_slow_tests),
         cmocka_unit_test(step__empty_scene_and_single_object_have_no_contacts),

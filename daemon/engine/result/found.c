@@ -89,18 +89,79 @@ static void refill(struct eng_found *found, const unsigned char *sorted, uint64_
     found->count = count;
 }
 
-/* Fold the records, if that is to be, and keep the first `limit` in order. PCCD_E_NOMEM:
- * all stay. */
+/* times[count] is a heap, the latest on top. */
+static void push_time(double *times, uint64_t count, double time)
+{
+    uint64_t at = count;
+    for (; at > 0 && times[(at - 1) / 2] < time; at = (at - 1) / 2) {
+        times[at] = times[(at - 1) / 2];
+    }
+    times[at] = time;
+}
+
+/* `time` in the place of the latest. */
+static void replace_latest(double *times, uint64_t count, double time)
+{
+    uint64_t at = 0;
+    for (uint64_t below = 1; below < count; below = 2 * at + 1) {
+        below += below + 1 < count && times[below + 1] > times[below];
+        if (times[below] <= time) {
+            break;
+        }
+        times[at] = times[below];
+        at = below;
+    }
+    times[at] = time;
+}
+
+/* Of contacts in order those that may be among the first `limit` of all up to some time,
+ * and one more, so that it shows that there were more: those that are not preceded by so
+ * many that are as early. Returns how many; they come first. PCCD_E_NOMEM: < 0. */
+static int64_t keep_early(struct eng_records *sorted, uint64_t limit)
+{
+    struct pccd_contact *contacts = (void *)sorted->data;
+    uint64_t most = limit + 1;
+    uint64_t heap = 0;
+    int64_t kept = 0;
+    double *times = eng_alloc(most, sizeof *times);
+    if (!times) {
+        return PCCD_E_NOMEM;
+    }
+    for (uint64_t i = 0; i < sorted->count; i++) {
+        if (heap < most) {
+            push_time(times, heap++, contacts[i].toi);
+        } else if (contacts[i].toi < times[0]) {
+            replace_latest(times, heap, contacts[i].toi);
+        } else {
+            continue;
+        }
+        contacts[kept++] = contacts[i];
+    }
+    eng_free(times);
+    return kept;
+}
+
+/* Fold the records, if that is to be, and keep the first `limit` in order, or of the
+ * earliest those that may be. PCCD_E_NOMEM: all stay. */
 static int cut(struct eng_found *found)
 {
     struct eng_found *const lists[1] = {found};
     struct eng_records sorted = {0};
     struct eng_merge merge;
     struct eng_counts counts;
+    const uint64_t limit = found->limit;
     eng_merge_init(&merge);
+    found->limit = found->is_of_earliest ? UINT64_MAX : limit;
     int status = eng_merge_begin(&merge, lists, 1, &sorted);
     if (status == PCCD_OK) {
         status = eng_merge_end(&merge, &counts);
+    }
+    found->limit = limit;
+    if (status == PCCD_OK && found->is_of_earliest) {
+        int64_t kept = keep_early(&sorted, limit);
+        status = kept < 0 ? PCCD_E_NOMEM : PCCD_OK;
+        sorted.count = kept < 0 ? sorted.count : (uint64_t)kept;
+        found->most = sorted.count + sorted.count / 4 + found->per_block;
     }
     if (status == PCCD_OK) {
         refill(found, sorted.data, sorted.count);
@@ -120,7 +181,8 @@ static int cut(struct eng_found *found)
  * so that cutting costs each record little. */
 static uint64_t most_of(const struct eng_found *found)
 {
-    return found->limit + found->limit / 4 + found->per_block;
+    uint64_t most = found->limit + found->limit / 4 + found->per_block;
+    return found->most > most ? found->most : most;
 }
 
 /* Is a record of that name kept? */

@@ -60,6 +60,7 @@ void eng_worker_begin(struct eng_worker *worker, struct eng_scene *scene,
                                                       : sizeof(struct pccd_contact),
                     settings->contact_max);
     worker->found.folds = settings->near && settings->near->what == PCCD_NEAR_FEATURES;
+    worker->found.is_of_earliest = settings->mode == PCCD_MODE_FIRST;
 }
 
 void eng_stop_init(struct eng_stop *stop, const struct eng_step_settings *settings)
