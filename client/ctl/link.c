@@ -123,6 +123,7 @@ void ctl_link_options(const struct ctl_link *link, struct pccd_options *asked)
     asked->daemon = link->daemon;
     asked->timeout_ms = link->timeout_ms;
     asked->result_bytes = link->result_bytes;
+    asked->observes = link->observes;
     asked->no_autostart = link->policy == CTL_LINK_EXISTING;
     if (link->is_private) {
         unsetenv("PCCD_URL"); /* or the library would take its direct: for private */

@@ -30,6 +30,7 @@ struct ctl_link {
     const char *daemon;
     int timeout_ms;
     bool is_private;       /* asked for */
+    bool observes;         /* it only asks about the daemon, or sets it; before parsing */
     uint64_t result_bytes; /* 0 = the library's default */
 };
 

@@ -49,6 +49,7 @@ struct cli_link {
     char *daemon;           /* program; NULL: the default */
     uint64_t patience_ns;   /* from the loss; 0: the loss is an error at once */
     uint32_t daemons_max;   /* that may end over one request */
+    bool observes;          /* hello says so */
     uint64_t told_anew;     /* daemons that have been told of all that is kept */
     uint32_t uploads_ended; /* daemons, over the mesh that is being registered */
     bool can_restore;       /* another daemon may be told what is kept */

@@ -136,6 +136,7 @@ static int take_options(struct pccd_client *client, const struct pccd_options *a
     options->no_keep = asked->no_keep;
     options->daemons_max = asked->daemons_max;
     options->slot_bytes = asked->slot_bytes;
+    options->observes = asked->observes;
     options->unmap = asked->unmap;
     options->unmap_context = asked->unmap_context;
     if (asked->timeout_ms != 0) {
@@ -163,6 +164,7 @@ static int choose_way(struct pccd_client *client, const struct pccd_options *opt
     const char *url = options->url != NULL ? options->url : getenv("PCCD_URL");
 
     link->no_autostart = options->no_autostart;
+    link->observes = options->observes;
     link->patience_ns =
         options->reconnect_ms < 0 ? 0 : (uint64_t)options->reconnect_ms * 1000000u;
     link->daemons_max = options->daemons_max == 0  ? CLI_DAEMONS_MAX

@@ -142,7 +142,8 @@ static int say_hello(struct pccd_client *client, bool with_held, uint64_t deadli
                                           .resume_epoch = link->epoch,
                                           .resume_session = link->session,
                                           .token_hi = link->token[0],
-                                          .token_lo = link->token[1]};
+                                          .token_lo = link->token[1],
+                                          .observer = link->observes};
     struct proto_HELLO_result result;
     const char *name;
     int status;

@@ -103,6 +103,9 @@ struct pccd_options {
     int reconnect_ms;      /* how long to look for a daemon that was lost (see below);
                               0 = 10000; negative: not at all, its loss is an error */
     bool no_keep;          /* keep no copies for another daemon: saves their memory */
+    bool observes;         /* it only lists (not pairs), watches, reads counters and sets
+                              settings, all else is E_STATE: the first eight such clients
+                              of a user take no place of its clients */
     int daemons_max;       /* a request fails after so many daemons have ended over it
                               (see below); 0 = 4; negative: it never does */
     /* For languages that hand out arrays in the library's memory and cannot take them

@@ -147,6 +147,7 @@ static void library__structs_keep_their_layout(void **state)
     AT(pccd_options, spin_us, 64);
     AT(pccd_options, reconnect_ms, 68);
     AT(pccd_options, no_keep, 72);
+    AT(pccd_options, observes, 73);
     AT(pccd_options, daemons_max, 76);
     AT(pccd_options, unmap, 80);
     AT(pccd_options, unmap_context, 88);

@@ -139,10 +139,61 @@ static void refused__give_way_when_descriptors_are_short(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+#define OBSERVERS_MAX 8 /* that take no place of a client */
+
+static int observe(const char *url, struct pccd_client **client)
+{
+    struct pccd_options options;
+
+    pccd_options_init(&options);
+    options.url = url;
+    options.observes = true;
+    return pccd_connect(&options, client);
+}
+
+/* If it failed, a user who has as many clients as may be could not see that, nor let more
+ * in, as pccdctl doctor advises. */
+static void refused__who_observes_takes_no_place(void **state)
+{
+    const char *const options[] = {"--clients-max", "1", NULL};
+    struct pccd_client *clients[OBSERVERS_MAX];
+    struct pccd_client *client;
+    struct pccd_client *other = NULL;
+    struct test_daemon daemon;
+    uint32_t scene = 0;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    for (int i = 0; i < OBSERVERS_MAX; i++) {
+        assert_int_equal(observe(daemon.url, &clients[i]), 0);
+        assert_int_equal(test_stat(clients[i], "sessions_now"), i + 2);
+    }
+    assert_int_equal(observe(daemon.url, &other), PCCD_E_QUOTA); /* these have a bound */
+    assert_int_equal(pccd_scene_create(clients[0], NULL, &scene), PCCD_E_STATE);
+    assert_int_equal(pccd_config_set(clients[0], "clients-max", "2"), 0);
+    other = test_connect(daemon.url);
+    assert_non_null(other);
+    assert_int_equal(pccd_scene_create(other, NULL, &scene), 0);
+    pccd_close(clients[0]); /* its place is another observer's */
+    for (int i = 0; i < 1000 && observe(daemon.url, &clients[0]) != 0; i++) {
+        test_sleep_ms(10);
+    }
+    assert_int_equal(pccd_ping(clients[0], NULL), 0);
+    for (int i = 0; i < OBSERVERS_MAX; i++) {
+        pccd_close(clients[i]);
+    }
+    pccd_close(other);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refused__every_client_beyond_the_quota_hears_so),
+        cmocka_unit_test(refused__who_observes_takes_no_place),
         cmocka_unit_test(refused__give_way_when_descriptors_are_short),
     };
 

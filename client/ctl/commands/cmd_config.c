@@ -138,7 +138,8 @@ static int run(struct pccd_client *client, struct config_options *options)
 
 int ctl_cmd_config(int argc, char **argv)
 {
-    struct config_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct config_options options = {
+        .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_config, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;

@@ -62,7 +62,7 @@ static void print_json(const struct doctor *doctor)
 
 int ctl_cmd_doctor(int argc, char **argv)
 {
-    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_doctor, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;

@@ -314,6 +314,7 @@ int ctl_cmd_list(int argc, char **argv)
     if (argp_parse(&ctl_argp_list, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;
     }
+    options.link.observes = options.what != PAIRS; /* these come through shared memory */
     int status = ctl_link_open(&options.link, &client);
     if (status == CTL_DONE) {
         status = list(client, &options);

@@ -154,7 +154,7 @@ static int print_all(struct pccd_client *client)
 
 int ctl_cmd_metrics(int argc, char **argv)
 {
-    struct ctl_link link = {.policy = CTL_LINK_EXISTING};
+    struct ctl_link link = {.policy = CTL_LINK_EXISTING, .observes = true};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_metrics, argc, argv, 0, NULL, &link) != 0) {
         return CTL_USAGE;

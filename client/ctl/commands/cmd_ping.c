@@ -133,9 +133,10 @@ static int ping_all(struct pccd_client *client, const struct ping_options *optio
 
 int ctl_cmd_ping(int argc, char **argv)
 {
-    struct ping_options options = {.link = {.policy = CTL_LINK_EXISTING},
-                                   .count = PINGS_DEFAULT,
-                                   .interval_s = INTERVAL_DEFAULT_S};
+    struct ping_options options = {
+        .link = {.policy = CTL_LINK_EXISTING, .observes = true},
+        .count = PINGS_DEFAULT,
+        .interval_s = INTERVAL_DEFAULT_S};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_ping, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;

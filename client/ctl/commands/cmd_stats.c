@@ -173,7 +173,8 @@ static int print(struct pccd_client *client, const struct stats_options *options
 
 int ctl_cmd_stats(int argc, char **argv)
 {
-    struct stats_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct stats_options options = {
+        .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_stats, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;

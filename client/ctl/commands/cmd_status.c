@@ -237,7 +237,7 @@ static void print_json(const struct status *status)
 
 int ctl_cmd_status(int argc, char **argv)
 {
-    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct ctl_query query = {.link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_status, argc, argv, 0, NULL, &query) != 0) {
         return CTL_USAGE;

@@ -407,7 +407,7 @@ static int run(struct pccd_client *client, const struct top_options *options)
 
 int ctl_cmd_top(int argc, char **argv)
 {
-    struct top_options options = {.link = {.policy = CTL_LINK_EXISTING},
+    struct top_options options = {.link = {.policy = CTL_LINK_EXISTING, .observes = true},
                                   .interval_s = INTERVAL_DEFAULT};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_top, argc, argv, 0, NULL, &options) != 0) {

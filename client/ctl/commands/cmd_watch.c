@@ -169,7 +169,8 @@ static int watch(struct pccd_client *client, const struct watch_options *options
 
 int ctl_cmd_watch(int argc, char **argv)
 {
-    struct watch_options options = {.link = {.policy = CTL_LINK_EXISTING}};
+    struct watch_options options = {
+        .link = {.policy = CTL_LINK_EXISTING, .observes = true}};
     struct pccd_client *client = NULL;
     if (argp_parse(&ctl_argp_watch, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;

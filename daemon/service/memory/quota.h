@@ -33,6 +33,7 @@ struct srv_quota_user {
     uint32_t refs;          /* sessions */
     uint32_t leaving;       /* of these, over, and not freed yet */
     uint32_t hosts_leaving; /* of these, sessions that held a shared scene */
+    uint32_t observers;     /* sessions that take no place of a client */
     uint32_t waiting;       /* sessions that wait for their client to come back */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */

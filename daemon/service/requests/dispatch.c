@@ -155,6 +155,39 @@ static int refuse_before_hello(struct srv_call *call)
     return 0;
 }
 
+/* What an observer may ask. */
+static bool is_for_observers(int method)
+{
+    switch (method) {
+    case PROTO_METHOD_HELLO:
+    case PROTO_METHOD_PING:
+    case PROTO_METHOD_BYE:
+    case PROTO_METHOD_STATS:
+    case PROTO_METHOD_STATS_THREAD:
+    case PROTO_METHOD_STATS_HISTOGRAM:
+    case PROTO_METHOD_LIST_SESSION:
+    case PROTO_METHOD_LIST_SCENE:
+    case PROTO_METHOD_LIST_OBJECT:
+    case PROTO_METHOD_LIST_MESH:
+    case PROTO_METHOD_CONFIG_GET:
+    case PROTO_METHOD_CONFIG_SET:
+    case PROTO_METHOD_WATCH_START:
+    case PROTO_METHOD_WATCH_STOP:
+        return true;
+    default:
+        return false;
+    }
+}
+
+static int refuse_observer(struct srv_call *call)
+{
+    return !call->session->is_observer || is_for_observers(call->method)
+               ? 0
+               : proto_error_set(&call->error, PCCD_E_STATE,
+                                 "%s is not for a client that said it only observes",
+                                 proto_messages[call->method].name);
+}
+
 static int refuse_busy(struct srv_call *call)
 {
     if ((proto_messages[call->method].flags & PROTO_F_COMPUTE) == 0) {
@@ -175,8 +208,8 @@ static int refuse_busy(struct srv_call *call)
 }
 
 static int (*const refusals[])(struct srv_call *call) = {
-    refuse_stranger, refuse_beyond_quota, refuse_unknown,
-    refuse_shutdown, refuse_before_hello, refuse_busy,
+    refuse_stranger,     refuse_beyond_quota, refuse_unknown, refuse_shutdown,
+    refuse_before_hello, refuse_observer,     refuse_busy,
 };
 
 /* ---- the way through --------------------------------------------------------------- */

@@ -40,18 +40,19 @@ static int choose_version(struct srv_call *call, uint32_t *version)
     return PCCD_E_VERSION;
 }
 
-/* A new session; one that was refused takes the place of one that only waits. */
+/* A new session; one that was refused takes the place of one that only waits, or none. */
 static int open_session(struct srv_call *call, uint32_t version)
 {
     struct srv_session *session = call->session;
     const struct proto_HELLO_request *request = &call->params.HELLO;
+    bool is_observer = request->observer && srv_session_observe(session);
     if (session->state == SRV_SESSION_REFUSED &&
         (session->is_stranger ||
          !srv_linger_evict(session->service, session->owner.user) ||
          srv_session_admit(session, &call->error) != 0)) {
         return srv_dispatch_refuse_quota(session, &call->error);
     }
-    if (request->resumable) {
+    if (request->resumable && !is_observer) {
         srv_linger_enable(session);
     }
     srv_session_open(session, version);

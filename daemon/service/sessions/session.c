@@ -103,6 +103,23 @@ struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn
     return session;
 }
 
+bool srv_session_observe(struct srv_session *session)
+{
+    struct srv_quota_user *user = session->owner.user;
+    PCCD_ASSERT(!session->is_observer && session->state != SRV_SESSION_OPEN);
+    if (session->is_stranger || user->observers >= SRV_OBSERVERS_MAX) {
+        return false;
+    }
+    if (session->counted) {
+        srv_quota_refund(user, SRV_QUOTA_CLIENTS, 1);
+        session->counted = false;
+    }
+    user->observers++;
+    session->is_observer = true;
+    session->state = SRV_SESSION_NEW;
+    return true;
+}
+
 int srv_session_admit(struct srv_session *session, struct proto_error *error)
 {
     PCCD_ASSERT(session->state == SRV_SESSION_REFUSED);
@@ -137,6 +154,7 @@ void srv_session_detach(struct srv_session *session)
     session->conn = NULL;
     session->state = SRV_SESSION_CLOSED;
     session->owner.user->leaving++;
+    session->owner.user->observers -= session->is_observer;
     session->owner.user->hosts_leaving += session->is_host;
     if (session->counted) {
         srv_quota_refund(session->owner.user, SRV_QUOTA_CLIENTS, 1);

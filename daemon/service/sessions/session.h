@@ -20,8 +20,8 @@
 #include "proto_limits.h"
 #include "resource.h"
 
-#define SRV_REQUESTS_MAX 32u   /* of one session in flight, steps among them */
-#define SRV_OVERDUE_MAX  8u    /* of one session, answered before their turn, besides */
+#define SRV_REQUESTS_MAX 32u /* of one session in flight, steps among them */
+#define SRV_OVERDUE_MAX  8u  /* of one session, answered before their turn, besides */
 
 enum srv_session_state {
     SRV_SESSION_NEW = 0,     /* connected, no hello yet */
@@ -58,6 +58,7 @@ struct srv_session {
     struct srv_replies *replies;    /* NULL: the session cannot be resumed */
     uint64_t lost_ns;               /* WAITING: since when */
     bool counted;                   /* charged as a client of its user */
+    bool is_observer;               /* takes no place of a client, and makes nothing */
     bool is_host;                   /* it was made to hold a shared scene */
     bool attaching;                 /* a ring is being created */
     bool is_behind;                 /* has not been told of a shared scene's last step */
@@ -94,6 +95,12 @@ struct srv_session *srv_session_new_host(struct srv_service *service, uid_t uid)
 /* Ask again for the place of a refused session. Returns 0 with state NEW, or PCCD_E_QUOTA
  * with *error set. */
 int srv_session_admit(struct srv_session *session, struct proto_error *error);
+
+#define SRV_OBSERVERS_MAX 8u /* of a user; further ones are clients like others */
+
+/* Its client says that it will only observe: it takes no place of a client, if it had one
+ * or was refused one. False: its user has SRV_OBSERVERS_MAX of these. Before it opens. */
+bool srv_session_observe(struct srv_session *session);
 
 /* The session is over: stop its requests, drop everything it has. The session frees
  * itself as soon as the compute thread has let go of it. */
