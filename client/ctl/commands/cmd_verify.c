@@ -97,10 +97,6 @@ static int run(struct verification *verification, struct play_summary *summary,
         status =
             verify_report_strays(&verification->report, play_answers(playing), error);
     }
-    if (status == PCCD_OK && verification->report.witness == NULL) {
-        status = verify_judge_counts(&verification->report.counts,
-                                     verification->options.play.path, error);
-    }
     play_close(playing);
     return status;
 }
@@ -130,6 +126,10 @@ int ctl_cmd_verify(int argc, char **argv)
         } else if (!verification.options.is_json) {
             verify_print_text(&verification.report);
         }
+    }
+    if (status == PCCD_OK) {
+        status = verify_report_judge(&verification.report, verification.options.play.path,
+                                     &error);
     }
     if (status != PCCD_OK) {
         ctl_error_tell(&error);

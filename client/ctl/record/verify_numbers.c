@@ -283,7 +283,8 @@ bool verify_numbers(const struct play_step *step, struct verify_result *result)
     if (step->count != total) {
         return true;
     }
-    if (verify_mode(step) == PCCD_MODE_FIRST && !check_earliest(step, result)) {
+    if (verify_mode(step) == PCCD_MODE_FIRST && verify_is_complete(step) &&
+        !check_earliest(step, result)) {
         return false;
     }
     if (step->answer != NULL) {

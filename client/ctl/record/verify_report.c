@@ -124,6 +124,23 @@ void verify_report_deinit(struct verify_report *report)
     *report = (struct verify_report){.witness = NULL};
 }
 
+/* Whether any answer was checked. */
+static bool has_checked(const struct verify_counts *counts)
+{
+    return counts->steps != counts->unchecked || counts->nears != counts->nears_unchecked;
+}
+
+int verify_report_judge(const struct verify_report *report, const char *path,
+                        struct ctl_error *error)
+{
+    const struct verify_counts *counts = &report->counts;
+    return report->witness != NULL || has_checked(counts)
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_STATE,
+                               "%s: none of %" PRIu64 " steps has an answer to check",
+                               path, counts->steps);
+}
+
 /* Of one or several, one behind the other, for one reason. */
 static void print_unchecked(const struct verify_report *report)
 {
@@ -149,6 +166,8 @@ void verify_print_text(const struct verify_report *report)
     print_unchecked(report);
     if (report->witness != NULL) {
         print_witness(report->witness);
+    }
+    if (report->witness != NULL || !has_checked(counts)) {
         return;
     }
     printf(
@@ -297,7 +316,8 @@ static json_t *unchecked_json(const struct verify_report *report)
 
 bool verify_print_json(const struct verify_report *report)
 {
-    json_t *all = json_pack("{s:b}", "pass", report->witness == NULL);
+    json_t *all = json_pack("{s:b}", "pass",
+                            report->witness == NULL && has_checked(&report->counts));
     bool ok = all != NULL && verify_counts_json(all, &report->counts);
     ok = ok && json_object_set_new(all, "not_checked", unchecked_json(report)) == 0;
     if (ok && report->witness != NULL) {
@@ -307,14 +327,4 @@ bool verify_print_json(const struct verify_report *report)
     ok = ok && json_dumpf(all, stdout, JSON_TEXT_FLAGS) == 0 && putchar('\n') == '\n';
     json_decref(all);
     return ok;
-}
-
-int verify_judge_counts(const struct verify_counts *counts, const char *path,
-                        struct ctl_error *error)
-{
-    return counts->steps != counts->unchecked || counts->nears != counts->nears_unchecked
-               ? PCCD_OK
-               : ctl_error_set(error, PCCD_E_STATE,
-                               "%s: none of %" PRIu64 " steps has an answer to check",
-                               path, counts->steps);
 }

@@ -34,8 +34,9 @@ int verify_report_strays(struct verify_report *report, struct answers *answers,
                          struct ctl_error *error);
 void verify_report_deinit(struct verify_report *report);
 
-/* PCCD_OK, or PCCD_E_STATE: none of the answers could be checked. */
-int verify_judge_counts(const struct verify_counts *counts, const char *path,
+/* PCCD_OK, or PCCD_E_STATE: none of the answers could be checked, and none is wrong. The
+ * report says so, too, and why. */
+int verify_report_judge(const struct verify_report *report, const char *path,
                         struct ctl_error *error);
 
 /* On the standard output. False: no memory, or it could not be written. */

@@ -153,8 +153,6 @@ static int report(void *context, const struct recordings *recordings,
         status = status == PCCD_OK
                      ? verify_report_strays(&all, play_answers(file->playing), error)
                      : status;
-        status = status == PCCD_OK ? verify_judge_counts(&all.counts, file->path, error)
-                                   : status;
     }
     if (status == PCCD_OK) {
         recordings_separate(recordings, file);
@@ -164,6 +162,7 @@ static int report(void *context, const struct recordings *recordings,
     } else if (status == PCCD_OK && !verify_print_json(&all)) {
         status = ctl_error_set(error, PCCD_E_SYSTEM, "the report cannot be written");
     }
+    status = status == PCCD_OK ? verify_report_judge(&all, file->path, error) : status;
     verify_report_deinit(&all);
     return status;
 }
