@@ -59,6 +59,8 @@ libengine_la_SOURCES = \
     daemon/engine/elementary/distance_quick.h \
     daemon/engine/elementary/distance_rule.c \
     daemon/engine/elementary/distance_rule.h \
+    daemon/engine/elementary/divisor.c \
+    daemon/engine/elementary/divisor.h \
     daemon/engine/elementary/exact.c \
     daemon/engine/elementary/exact.h \
     daemon/engine/elementary/exact_leap.c \

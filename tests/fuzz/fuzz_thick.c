@@ -16,8 +16,9 @@
 #define FAILURES_MAX 10
 
 static const char *const names[FUZZ_THICK_FAMILIES] = {
-    "random",     "grid", "tangent", "minimum", "throughout", "sliver", "collapse",
-    "degenerate", "flat", "inside",  "zero",    "far",        "powers", "denormal"};
+    "random", "grid",     "tangent", "minimum",    "throughout",
+    "sliver", "collapse", "shrink",  "degenerate", "flat",
+    "inside", "zero",     "far",     "powers",     "denormal"};
 
 const char *fuzz_thick_name(enum fuzz_thick_family family)
 {
@@ -76,7 +77,7 @@ const char *fuzz_thick_judge_hit(const struct fuzz_thick_case *made,
         return "toi is late";
     }
     if ((hit->flags & PCCD_PROVED) == 0) {
-        return NULL;
+        return "not proved";
     }
     if (!truth->first) {
         return "invented";
@@ -192,7 +193,6 @@ static void solve_both(struct fuzz_thick_run *run, const struct fuzz_thick_case 
 {
     struct fuzz_thick_counts *counts = &run->counts[made->family];
     uint64_t by_integers = run->thick.decided[ENG_THICK_BY_INTEGERS];
-    uint64_t possible = run->thick.possible;
     for (int i = 0; i < ENG_THICK_STAGES; i++) {
         memset(&hits[i], 0, sizeof hits[i]);
         run->thick.first = (enum eng_thick_stage)i;
@@ -201,22 +201,17 @@ static void solve_both(struct fuzz_thick_run *run, const struct fuzz_thick_case 
         if (i == 0) {
             counts->by_integers +=
                 run->thick.decided[ENG_THICK_BY_INTEGERS] > by_integers;
-            counts->possible += run->thick.possible > possible;
         }
     }
 }
 
-/* What is proved by both has the same bytes, and nothing is proved by one and denied by
- * the other. */
+/* What they find has the same bytes, and is proved. */
 static bool agree(const bool found[ENG_THICK_STAGES],
                   const struct eng_hit hits[ENG_THICK_STAGES])
 {
-    for (int i = 0; i < ENG_THICK_STAGES; i++) {
-        if (found[i] && (hits[i].flags & PCCD_PROVED) == 0) {
-            return true;
-        }
-    }
-    return found[0] == found[1] && (!found[0] || fuzz_thick_same_hit(&hits[0], &hits[1]));
+    return found[0] == found[1] &&
+           (!found[0] || ((hits[0].flags & PCCD_PROVED) != 0 &&
+                          fuzz_thick_same_hit(&hits[0], &hits[1])));
 }
 
 static void run_case(struct fuzz_thick_run *run, const struct fuzz_thick_case *made)
@@ -269,7 +264,6 @@ struct fuzz_thick_counts fuzz_thick_total(const struct fuzz_thick_run *run)
         total.inside += own->inside;
         total.inseparable += own->inseparable;
         total.by_integers += own->by_integers;
-        total.possible += own->possible;
     }
     return total;
 }

@@ -25,6 +25,7 @@ enum fuzz_thick_family {
     FUZZ_THICK_THROUGHOUT, /* the distance does not change for a while */
     FUZZ_THICK_SLIVER,     /* as thin as 2^-54, or edges nearly parallel */
     FUZZ_THICK_COLLAPSE,   /* a feature is less than it was, at one instant */
+    FUZZ_THICK_SHRINK,     /* points meet at an end, others only nearly, by noise */
     FUZZ_THICK_DEGENERATE, /* all the time */
     FUZZ_THICK_FLAT,       /* all in one plane */
     FUZZ_THICK_INSIDE,     /* begins within r, with an approach */
@@ -48,7 +49,6 @@ struct fuzz_thick_counts {
     uint64_t inside;      /* at t = 0, with an approach */
     uint64_t inseparable; /* no axis keeps them apart by r over the step */
     uint64_t by_integers; /* that doubles left open */
-    uint64_t possible;    /* that integers gave up */
 };
 
 struct fuzz_thick_run {

@@ -236,6 +236,40 @@ static void make_collapse(struct prng *prng, struct fuzz_thick_case *made)
     }
 }
 
+/* Noise of 1e-6 to 1e-16; one in four of any size down to 2^-1000. */
+static double noise(struct prng *prng, uint64_t size)
+{
+    double least = ldexp(1, -20 - (int)prng_below(prng, size));
+    return least * prng_between(prng, -1, 1);
+}
+
+/* At one end some points are where the first of them is, and others nearly; elsewhere
+ * they are at thousandths or whole numbers, with noise or without. */
+static void make_shrink(struct prng *prng, struct fuzz_thick_case *made)
+{
+    points_t x = made->query.query.x;
+    uint64_t size = prng_below(prng, 4) ? 33 : 980;
+    uint64_t at_end = prng_below(prng, 2);
+    double unit = prng_below(prng, 2) ? 1 : 0.001;
+    for (int i = 0; i < 24; i++) {
+        double value = integer(prng, unit == 1 ? 2 : 2000) * unit;
+        x[i / 12][i / 3 % 4][i % 3] =
+            value + (prng_below(prng, 2) ? noise(prng, size) : 0);
+    }
+    for (int i = 1; i < 4; i++) {
+        if (prng_below(prng, 3) == 0) {
+            continue;
+        }
+        bool is_near = prng_below(prng, 3) == 0;
+        for (int k = 0; k < 3; k++) {
+            x[at_end][i][k] = x[at_end][0][k] + (is_near ? noise(prng, size) : 0);
+        }
+    }
+    made->query.radius[0] = prng_below(prng, 2) ? 0.25 : prng_between(prng, 0, 1);
+    made->query.radius[1] = prng_below(prng, 2) ? 0.25 : 0;
+    made->query.approach = prng_below(prng, 3) ? 0 : 0.3;
+}
+
 static void make_degenerate(struct prng *prng, struct fuzz_thick_case *made)
 {
     points_t x = made->query.query.x;
@@ -336,9 +370,9 @@ static void make_inside(struct prng *prng, struct fuzz_thick_case *made)
 typedef void (*make_fn)(struct prng *prng, struct fuzz_thick_case *made);
 
 static const make_fn makers[FUZZ_THICK_FAMILIES] = {
-    make_random, make_grid,     make_tangent,    make_minimum, make_throughout,
-    make_sliver, make_collapse, make_degenerate, make_flat,    make_inside,
-    make_zero,   make_far,      make_powers,     make_denormal};
+    make_random, make_grid,     make_tangent, make_minimum,    make_throughout,
+    make_sliver, make_collapse, make_shrink,  make_degenerate, make_flat,
+    make_inside, make_zero,     make_far,     make_powers,     make_denormal};
 
 /* ---- changes that leave a case in its family --------------------------------------- */
 

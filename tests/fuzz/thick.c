@@ -25,11 +25,10 @@ static void print_counts(const char *name, const struct fuzz_thick_counts *count
     double percent = 100.0 / (double)(counts->cases ? counts->cases : 1);
     printf("  %-10s %10" PRIu64
            " cases, hits %5.1f %%, initial %4.1f %%, inside %5.1f %%,"
-           " inseparable %5.1f %%, by integers %5.1f %%, possible %" PRIu64 "\n",
+           " inseparable %5.1f %%, by integers %5.1f %%\n",
            name, counts->cases, percent * (double)counts->hits,
            percent * (double)counts->initial, percent * (double)counts->inside,
-           percent * (double)counts->inseparable, percent * (double)counts->by_integers,
-           counts->possible);
+           percent * (double)counts->inseparable, percent * (double)counts->by_integers);
 }
 
 static void print(const struct fuzz_thick_run *run, uint64_t seed)
@@ -130,21 +129,17 @@ static int tell_times(uint64_t seed, uint64_t each)
     run.thick.first = ENG_THICK_BY_INTEGERS;
     for (int family = 0; us && each > 0 && family < FUZZ_THICK_FAMILIES; family++) {
         uint64_t count = 0;
-        uint64_t possible = 0;
         while (count < each) {
             struct fuzz_thick_case made;
             fuzz_thick_make(&run.prng, least_kind, &made);
             if ((int)made.family == family) {
-                uint64_t before = run.thick.possible;
                 us[count++] = decide_us(&run, &made);
-                possible += run.thick.possible > before;
             }
         }
         qsort(us, each, sizeof *us, compare_doubles);
-        printf("  %-10s median %7.2f us, 99 %% %7.1f us, longest %7.1f us, possible "
-               "%" PRIu64 "\n",
+        printf("  %-10s median %7.2f us, 99 %% %7.1f us, longest %7.1f us\n",
                fuzz_thick_name((enum fuzz_thick_family)family), us[each / 2],
-               us[each - 1 - each / 100], us[each - 1], possible);
+               us[each - 1 - each / 100], us[each - 1]);
         fflush(stdout);
     }
     free(us);

@@ -93,7 +93,6 @@ struct handmade {
     uint64_t queries;
     uint64_t decided;
     uint64_t hits;
-    uint64_t possible;
     uint64_t wrong;
     uint64_t pairs; /* of scenes: judged */
 };
@@ -116,7 +115,6 @@ static void solve(struct handmade *tally, const struct trial *trial, bool is_vf)
         const char *what = fuzz_thick_judge_hit(&made, &truth, is_hit ? &hit : NULL);
         tally->decided++;
         tally->hits += is_hit;
-        tally->possible += is_hit && (hit.flags & PCCD_PROVED) == 0;
         if (what && tally->wrong++ < 10) {
             fuzz_thick_print(stdout, &made, &hit, what);
         }
@@ -165,11 +163,11 @@ static void engine__answers_every_handmade_query_at_a_distance(void **state)
         test_skip("no hand-made queries in $PCCD_DATA");
     }
     fuzz_thick_deinit(&tally.solver);
-    print_message("# %llu queries, decided %llu times: %llu meet, %llu wrong, %llu "
-                  "possible; in scenes %llu pairs judged\n",
+    print_message("# %llu queries, decided %llu times: %llu meet, %llu wrong; "
+                  "in scenes %llu pairs judged\n",
                   (unsigned long long)tally.queries, (unsigned long long)tally.decided,
                   (unsigned long long)tally.hits, (unsigned long long)tally.wrong,
-                  (unsigned long long)tally.possible, (unsigned long long)tally.pairs);
+                  (unsigned long long)tally.pairs);
     assert_int_equal(tally.queries, TRUTH_HANDMADE);
     assert_int_equal(tally.wrong, 0);
 }
@@ -221,13 +219,12 @@ static void try_distance(struct trial *trial, double part, const char *of, doubl
     uint32_t way = (uint32_t)prng_below(&trial->prng, truth_way_count());
     trial_radius(trial, part * size);
     try(trial, way, long_share() ? 2 : 0);
-    print_message("# %s, r = %g of %s, approach %g: %llu pairs, %llu answered; judged "
-                  "%llu of these, %llu of the others; %llu wrong, %llu possible\n",
-                  trial->name, part, of, trial->approach,
-                  (unsigned long long)trial->walked, (unsigned long long)trial->met,
-                  (unsigned long long)trial->judged_found,
-                  (unsigned long long)trial->judged_absent,
-                  (unsigned long long)trial->wrong, (unsigned long long)trial->possible);
+    print_message(
+        "# %s, r = %g of %s, approach %g: %llu pairs, %llu answered; judged "
+        "%llu of these, %llu of the others; %llu wrong\n",
+        trial->name, part, of, trial->approach, (unsigned long long)trial->walked,
+        (unsigned long long)trial->met, (unsigned long long)trial->judged_found,
+        (unsigned long long)trial->judged_absent, (unsigned long long)trial->wrong);
     assert_true(trial->judged_absent > 0 && (trial->judged_found > 0 || long_share()));
 }
 

@@ -64,7 +64,6 @@ static void judge(struct trial *trial, const struct oracle_feature *a,
         hit.toi_hi = contact->toi_hi;
         memcpy(hit.param, contact->param, sizeof hit.param);
         memcpy(hit.normal, contact->normal, sizeof hit.normal);
-        trial->possible += (hit.flags & PCCD_PROVED) == 0;
     }
     const char *what = fuzz_thick_judge_hit(&made, &truth, contact ? &hit : NULL);
     oracle_first_free(truth.first);

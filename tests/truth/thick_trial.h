@@ -35,7 +35,6 @@ struct trial {
     uint64_t met;    /* of these: answered */
     uint64_t judged_found;
     uint64_t judged_absent;
-    uint64_t possible; /* of those answered: not proved */
     uint64_t wrong;
 };
 

@@ -72,8 +72,7 @@ static void check(const struct thick_case *made, const struct eng_thick_query *q
     bool is_initial = made->is_inside && due == 0;
     if (((hit.flags & PCCD_INITIAL) != 0) != is_initial ||
         (hit.flags & PCCD_PROVED) == 0 ||
-        (((hit.flags & PCCD_INSIDE) != 0) !=
-         (made->is_inside && query->approach > 0))) {
+        (((hit.flags & PCCD_INSIDE) != 0) != (made->is_inside && query->approach > 0))) {
         fail_msg("%s: flags %u", made->name, hit.flags);
     }
     if (!(hit.toi <= due && due <= hit.toi_hi && hit.toi_hi - hit.toi <= tolerance)) {
@@ -159,6 +158,78 @@ static void thick__without_radius_has_the_bytes_of_contact(void **state)
         }
     }
     assert_in_range(hits, 20, 1000);
+}
+
+/* Points meet at t = 1, or are there as far apart as the noise that others have. The
+ * first time, of those that meet, is in the bracket, as the oracle says. */
+static const struct {
+    uint32_t kind;
+    double x[2][4][3];
+    double radius[2];
+    double approach;
+    bool hits;
+    double lo;
+    double hi;
+} noisy[] = {
+    {PCCD_EE,
+     {{{0, 0, -.706}, {-1, 7.04e-7, -8e-7}, {0, -6e-7, -.36}, {-1.8, -9.476e-7, 0}},
+      {{-1, 0, 0}, {-1, 7.04e-7, -8e-7}, {-1, 0, 0}, {-1, 0, 0}}},
+     {.25, .25},
+     .3,
+     true,
+     .9999989469,
+     .999998948},
+    {PCCD_EE,
+     {{{8e-8, 0, 1},
+       {-1, 1e-8, -1.00000006},
+       {-2e-8, 1.00000006, -7e-8},
+       {-1.00000001, -1e-8, -1}},
+      {{-1, 8e-8, 1},
+       {-.99999994, 8e-8, 1},
+       {-1.00000007, 8e-8, 1},
+       {-.99999999, 8e-8, 1}}},
+     {.25, .25},
+     .3,
+     true,
+     .9999999956,
+     .9999999966},
+    {.kind = PCCD_VF,
+     .x = {{{0, -.99999996, 0},
+            {-1.00000009, 0, 1},
+            {-7e-8, -1, 1e-8},
+            {.99999998, -9e-8, 0}},
+           {{-9e-8, -8e-8, 1}, {1, -1, -1}, {1, 0, 1.00000003}, {1, -1, -1}}},
+     .radius = {.25, .5},
+     .approach = .3},
+    {.kind = PCCD_EE,
+     .x = {{{1.00000009, 0, -.99999995},
+            {0, 6e-8, .99999996},
+            {1.00000007, 0, 1},
+            {0, 0, 0}},
+           {{-2e-8, 0, 0}, {-2e-8, 0, 0}, {0, 2e-8, -8e-8}, {0, -2e-8, 0}}},
+     .radius = {.25, .1},
+     .approach = 0x1.031e1881b8116p-3},
+};
+
+/* If it failed: where edges shrink to a point, or nearly, a contact would be said that
+ * is none, or nobody would know. */
+static void thick__what_shrinks_to_a_point_is_decided(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < 2 * (sizeof noisy / sizeof *noisy); i++) {
+        struct eng_thick_query query = {.approach = noisy[i / 2].approach};
+        struct eng_hit hit;
+        query.query.kind = (enum pccd_kind)noisy[i / 2].kind;
+        memcpy(query.query.x, noisy[i / 2].x, sizeof query.query.x);
+        memcpy(query.radius, noisy[i / 2].radius, sizeof noisy[i / 2].radius);
+        thick_scratch()->first = (enum eng_thick_stage)(i % 2);
+        assert_int_equal(solve(&query, TOLERANCE, 1, &hit), noisy[i / 2].hits);
+        if (noisy[i / 2].hits) {
+            assert_int_equal(hit.flags, PCCD_PROVED | PCCD_INSIDE);
+            assert_true(hit.toi >= noisy[i / 2].lo && hit.toi_hi <= noisy[i / 2].hi);
+        }
+    }
+    thick_scratch()->first = ENG_THICK_BY_DOUBLES;
 }
 
 static void assert_direction(const struct eng_hit *hit, double x, double y, double z)
@@ -300,6 +371,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thick__times_are_those_worked_out_by_hand),
+        cmocka_unit_test(thick__what_shrinks_to_a_point_is_decided),
         cmocka_unit_test(thick__without_radius_has_the_bytes_of_contact),
         cmocka_unit_test(thick__nearest_points_are_described),
         cmocka_unit_test(thick__cells_follow_each_other),

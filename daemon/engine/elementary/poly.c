@@ -102,6 +102,16 @@ void eng_poly_negate(struct eng_poly *poly)
     }
 }
 
+size_t eng_poly_bits(const struct eng_poly *poly)
+{
+    size_t most = 0;
+    for (int i = 0; i <= poly->degree; i++) {
+        size_t own = mpz_sizeinbase(poly->c[i], 2);
+        most = own > most ? own : most;
+    }
+    return most;
+}
+
 void eng_poly_shorten(struct eng_poly *poly)
 {
     mp_bitcnt_t zeros = ~(mp_bitcnt_t)0;
@@ -116,9 +126,7 @@ void eng_poly_shorten(struct eng_poly *poly)
     }
 }
 
-/* One step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree.
- * Returns the old lead(a), in the scratch of a. */
-static mpz_srcptr eliminate(struct eng_poly *a, const struct eng_poly *b)
+void eng_poly_eliminate(struct eng_poly *a, const struct eng_poly *b)
 {
     int shift = a->degree - b->degree;
     mpz_ptr lead = a->scratch[1];
@@ -131,7 +139,6 @@ static mpz_srcptr eliminate(struct eng_poly *a, const struct eng_poly *b)
         mpz_submul(a->c[i + shift], lead, b->c[i]);
     }
     trim(a);
-    return lead;
 }
 
 /* a = lead(b)^(difference of degrees, and 1) a modulo b: what pseudo-division leaves. */
@@ -139,7 +146,7 @@ static void leave_remainder(struct eng_poly *a, const struct eng_poly *b)
 {
     int left = a->degree - b->degree + 1;
     for (; a->degree >= b->degree; left--) {
-        eliminate(a, b);
+        eng_poly_eliminate(a, b);
     }
     for (; left > 0; left--) {
         for (int i = 0; i <= a->degree; i++) {
@@ -212,7 +219,7 @@ void eng_poly_reduce(struct eng_poly *a, const struct eng_poly *b)
 {
     assert(b->degree > 0 && mpz_sgn(b->c[b->degree]) > 0);
     while (a->degree >= b->degree) {
-        eliminate(a, b);
+        eng_poly_eliminate(a, b);
     }
 }
 
@@ -415,11 +422,10 @@ bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
     mpz_ptr at_1 = poly->scratch[1];
     mpz_set(at_0, poly->c[variations - 1]);
     mpz_set_ui(at_1, 0);
+    unsigned long factor = 1; /* i over variations - 1 */
     for (int i = variations - 1; i <= poly->degree; i++) {
-        unsigned long factor = variations == 1   ? 1
-                               : variations == 2 ? (unsigned long)i
-                                                 : (unsigned long)(i * (i - 1) / 2);
         mpz_addmul_ui(at_1, poly->c[i], factor);
+        factor = factor * (unsigned long)(i + 1) / (unsigned long)(i + 2 - variations);
     }
     return divide_between(part, at_0, at_1, poly->scratch[2], stride);
 }

@@ -50,6 +50,10 @@ void eng_poly_negate(struct eng_poly *poly);
  * `out` is neither. gcd(0, b) = b. */
 void eng_poly_gcd(struct eng_poly *out, struct eng_poly *a, struct eng_poly *b);
 
+/* One step of pseudo-division: a = lead(b) a - lead(a) t^shift b, of lower degree; that
+ * of `a` is at least that of b. */
+void eng_poly_eliminate(struct eng_poly *a, const struct eng_poly *b);
+
 /* Divide by the greatest common divisor of the coefficients, which may not all be 0. */
 void eng_poly_make_primitive(struct eng_poly *poly);
 
@@ -75,6 +79,9 @@ void eng_poly_zoom(struct eng_poly *out, const struct eng_poly *a, const mpz_t n
 void eng_poly_narrow(struct eng_poly *out, const struct eng_poly *a, const mpz_t num,
                      const mpz_t width, unsigned long k);
 
+/* Bits of the longest coefficient. */
+size_t eng_poly_bits(const struct eng_poly *poly);
+
 /* Divide by the largest power of two that divides all coefficients. */
 void eng_poly_shorten(struct eng_poly *poly);
 
@@ -86,9 +93,10 @@ int eng_poly_sign_at_1(struct eng_poly *poly);
  * throughout (0, 1) (0 only for the zero polynomial); else it is meaningless. */
 int eng_poly_variations(struct eng_poly *poly, int *sign);
 
-/* The part of [0, 1], cut into 2^stride parts, in which the roots seem to be, of 1 to 3
- * variations: where one would be if the polynomial were linear; the middle of two, if its
- * slope were; the middle of three, where the slope of that is 0. False: nowhere. */
+/* The part of [0, 1], cut into 2^stride parts, in which the roots seem to be, of 1 or
+ * more variations: where one would be if the polynomial were linear; the middle of two,
+ * if its slope were; of three, where the slope of that is 0, and so on. False:
+ * nowhere. */
 bool eng_poly_guess(mpz_t part, struct eng_poly *poly, int variations,
                     unsigned long stride);
 

@@ -73,34 +73,18 @@ static void advance_alone(const struct eng_thick_query *query, int depth, double
                      advance);
 }
 
-/* Of a pair that integers gave up: would a chunk have left it out? */
-static bool stays_beyond(const struct eng_thick_query *query)
-{
-    struct eng_point points[4];
-    uint32_t kept;
-    const struct eng_kernels *kernels = set_points(&query->query, points);
-    double reach = eng_thick_reach(query->radius);
-    return kernels->stay_beyond(common_kinds[(uint32_t)query->query.kind].points[0],
-                                points, quads, 1, &reach, &kept) == 0;
-}
-
 /* ---- decisions --------------------------------------------------------------------- */
 
 static bool decide_exactly(struct eng_thick *thick, const struct eng_thick_query *query,
-                           const struct eng_advance *advance, int depth,
-                           struct eng_hit *hit)
+                           int depth, struct eng_hit *hit)
 {
     struct eng_thick_verdict verdict;
     eng_thick_exact_decide(&thick->exact, query, depth, &verdict);
     thick->decided[ENG_THICK_BY_INTEGERS]++;
-    if (verdict.found == ENG_THICK_NONE ||
-        (verdict.found == ENG_THICK_GIVEN_UP && stays_beyond(query))) {
+    if (!verdict.is_found) {
         return false;
     }
-    if (verdict.found == ENG_THICK_GIVEN_UP) {
-        thick->possible++;
-        *hit = (struct eng_hit){.toi = advance->until, .toi_hi = 1};
-    } else if (verdict.is_initial) {
+    if (verdict.is_initial) {
         *hit = (struct eng_hit){.flags = PCCD_PROVED | PCCD_INITIAL};
     } else {
         set_cell(hit, verdict.cell, depth);
@@ -127,7 +111,7 @@ bool eng_thick_decide(struct eng_thick *thick, const struct eng_thick_query *que
         found.flags |= advance->is_inside ? PCCD_INSIDE : 0;
         break;
     case ENG_ADVANCE_OPEN:
-        if (!decide_exactly(thick, query, advance, depth, &found)) {
+        if (!decide_exactly(thick, query, depth, &found)) {
             return false;
         }
     }

@@ -4,8 +4,8 @@
  * Room:     engine. May include: exact.h, kernel.h, thick_exact.h,
  *           thick_query.h.
  * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
- *           margins, and by integers where they are not sure. A miss is certain, a
- *           contact exists; only what exhausts integers' bounds is `possible`.
+ *           margins, and by integers where they are not sure. A miss is certain, and
+ *           every contact is proved.
  * Does not: know objects, which pairs there are, or which of them rest excludes. Steps
  *           ask it through thick_batch.h (near/thick_work.h).
  * Threads:  one thread for one scratch. Decisions allocate nothing.
@@ -27,8 +27,7 @@
  * first t lies at which the distance is at most r. Cells are 2^-30 long, or shorter if
  * the tolerance asks for it. So the bytes are a function of the first time and of the
  * tolerance alone, whichever stage has found them; before toi the distance is more
- * than r. Without PCCD_PROVED: nobody knows whether there is such a t; toi_hi is 1, and
- * before toi there is none. That is left of pairs whose exponents are far apart.
+ * than r.
  */
 #ifndef ENG_THICK_H
 #define ENG_THICK_H
@@ -38,13 +37,12 @@
 #include "thick_exact.h"
 #include "thick_query.h"
 
-/* Who decides. The answer is the same, but for `possible`. */
+/* Who decides. The answer is the same. */
 enum eng_thick_stage { ENG_THICK_BY_DOUBLES, ENG_THICK_BY_INTEGERS, ENG_THICK_STAGES };
 
 struct eng_thick {
     enum eng_thick_stage first; /* the stage to begin with; for tests */
     uint64_t decided[ENG_THICK_STAGES];
-    uint64_t possible; /* of those decided by integers: given up */
     struct eng_thick_exact exact;
 };
 
@@ -52,8 +50,8 @@ struct eng_thick {
 int eng_thick_init(struct eng_thick *thick);
 void eng_thick_deinit(struct eng_thick *thick);
 
-/* True: the distance is at most r at some time, or may be (not PCCD_PROVED), and *hit is
- * set. False: certainly not, or not in a cell that begins before or at `t_end`. The bytes
+/* True: the distance is at most r at some time, and *hit is set. False: it is not, or not
+ * in a cell that begins before or at `t_end`. The bytes
  * of *hit depend on the query and on `tolerance`, 1e-12 .. 1, alone. param and normal are
  * those of the nearest points at the double toi, by doubles: normal from feature b to
  * feature a, zeros where they coincide up to rounding. VE: param[1] is the position along

@@ -21,6 +21,10 @@
 
 #define X ((size_t)1192) /* bits of a coordinate, or of r, with some room */
 
+/* BOUNDS.md, "How long numbers become". */
+static_assert(ENG_THICK_SIDE_BITS >= 4 * X + 64, "a side");
+static_assert(ENG_THICK_POLY_BITS >= 10 * X + 2400 + 16, "poly, its Bernstein form");
+
 static void place_polys(struct eng_poly *polys, int count, struct eng_limbs *limbs,
                         int terms, size_t bits)
 {
@@ -46,8 +50,8 @@ static void place(struct eng_thick_exact *exact, struct eng_limbs *limbs)
     place_polys(&exact->term, 1, limbs, 7, 6 * X + 64);
     place_polys(&exact->num, 1, limbs, 7, 6 * X + 64);
     place_polys(&exact->den, 1, limbs, 5, 4 * X + 64);
-    place_polys(exact->side, ENG_THICK_SIDES, limbs, 5, 4 * X + 64);
-    place_polys(&exact->poly, 1, limbs, 7, ENG_THICK_BITS);
+    place_polys(exact->side, ENG_THICK_SIDES, limbs, 5, ENG_THICK_SIDE_BITS);
+    place_polys(&exact->poly, 1, limbs, 7, ENG_THICK_POLY_BITS);
     eng_thick_roots_place(&exact->roots, limbs);
 }
 
@@ -356,7 +360,6 @@ void eng_thick_exact_decide(struct eng_thick_exact *exact,
     const struct parts_list *list = &parts_of[kind];
     int low = lowest(query, list->points);
     exact->queries++;
-    exact->roots.work = 0;
     load_points(exact, query, list->points, low, false);
     load_radius(exact, query, low);
     set_start(exact, kind);
@@ -366,7 +369,7 @@ void eng_thick_exact_decide(struct eng_thick_exact *exact,
     if (verdict->is_inside) {
         verdict->is_initial = query->approach == 0 || mpz_sgn(exact->best[0]) == 0;
         if (verdict->is_initial) {
-            verdict->found = ENG_THICK_FOUND;
+            verdict->is_found = true;
             return;
         }
         set_approach(exact, query->approach);
@@ -378,15 +381,8 @@ void eng_thick_exact_decide(struct eng_thick_exact *exact,
         if (is_nothing(exact)) {
             continue;
         }
-        enum eng_thick_found found =
+        verdict->is_found |=
             eng_thick_first_root(&exact->roots, &exact->poly, exact->side,
                                  exact->side_count, depth, &verdict->cell);
-        if (found == ENG_THICK_GIVEN_UP) {
-            verdict->found = found;
-            return;
-        }
-        if (found == ENG_THICK_FOUND) {
-            verdict->found = found;
-        }
     }
 }

@@ -4,7 +4,7 @@
  * Room:     engine. May include: thick_query.h, thick_roots.h, GMP.
  * Does:     decide, from the binary inputs, whether two features are within a distance of
  *           each other at t = 0, and in which cell of time they first are; without
- *           rounding, or give up where numbers become too long.
+ *           rounding, whatever the inputs.
  * Threads:  one thread for one scratch. Decisions allocate nothing.
  * Source:   BOUNDS.md, "Thick features".
  */
@@ -35,7 +35,7 @@ size_t eng_thick_exact_bytes(void);
 
 /* What is found, and what the pair is at t = 0. */
 struct eng_thick_verdict {
-    enum eng_thick_found found;
+    bool is_found;
     bool is_inside;  /* d(0) <= r */
     bool is_initial; /* it meets at t = 0: is_inside, and without approach, or d(0) = 0 */
     int64_t cell;    /* of the first time, if found and not initial */

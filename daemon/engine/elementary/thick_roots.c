@@ -19,20 +19,35 @@
 /* Turns beside a side's root before a common divisor is looked for. */
 #define TURNS_MAX 6
 
+/* Of leaps. */
+#define STRIDE_MIN 4ul
+#define STRIDE_MAX 1024ul
+
+/* BOUNDS.md, "How long numbers become". */
+#define ROOT_BITS   (ENG_THICK_POLY_BITS + 16ul) /* the polynomial, each root once */
+#define DEPTH_MAX   (86310ul + STRIDE_MAX)       /* of an interval */
+#define ZOOMED_BITS (ROOT_BITS + 6 * DEPTH_MAX + 32)
+
+static void place(struct eng_poly *poly, struct eng_limbs *limbs, int terms, size_t bits)
+{
+    const struct eng_poly_size size = {terms, bits, terms, bits};
+    eng_poly_place(poly, limbs, &size);
+}
+
 void eng_thick_roots_place(struct eng_thick_roots *roots, struct eng_limbs *limbs)
 {
-    const struct eng_poly_size size = {7, ENG_THICK_BITS, 7, ENG_THICK_BITS};
-    eng_poly_place(&roots->root, limbs, &size);
-    eng_poly_place(&roots->zoomed, limbs, &size);
-    eng_poly_place(&roots->base, limbs, &size);
-    eng_poly_place(&roots->sign, limbs, &size);
-    eng_poly_place(&roots->divisor, limbs, &size);
-    eng_poly_place(&roots->scratch, limbs, &size);
-    eng_limbs_give(limbs, roots->num, ENG_THICK_BITS);
-    eng_limbs_give(limbs, roots->at, ENG_THICK_BITS);
-    eng_limbs_give(limbs, roots->part, ENG_THICK_BITS);
+    place(&roots->root, limbs, 7, ROOT_BITS);
+    place(&roots->slope, limbs, 6, ROOT_BITS);
+    place(&roots->zoomed, limbs, 7, ZOOMED_BITS);
+    place(&roots->base, limbs, 7, ZOOMED_BITS);
+    place(&roots->sign, limbs, 7, ZOOMED_BITS);
+    eng_divisor_place(&roots->divisor, limbs);
+    eng_limbs_give(limbs, roots->num, ZOOMED_BITS);
+    eng_limbs_give(limbs, roots->at, ZOOMED_BITS);
+    eng_limbs_give(limbs, roots->part, ZOOMED_BITS + STRIDE_MAX);
+    eng_limbs_give(limbs, roots->cell, DEPTH_MAX + 64);
     for (int i = 0; i < ENG_THICK_PENDING; i++) {
-        eng_limbs_give(limbs, roots->pending[i].num, ENG_THICK_BITS);
+        eng_limbs_give(limbs, roots->pending[i].num, DEPTH_MAX);
     }
 }
 
@@ -63,7 +78,7 @@ static int64_t cell_of(struct eng_thick_roots *roots, mpz_srcptr num, unsigned l
                        int depth)
 {
     unsigned long bits = (unsigned long)depth + ENG_THICK_CELL_BITS;
-    mpz_ptr out = roots->scratch.scratch[0];
+    mpz_ptr out = roots->cell;
     if (k < bits) {
         mpz_mul_2exp(out, num, bits - k);
     } else {
@@ -72,123 +87,51 @@ static int64_t cell_of(struct eng_thick_roots *roots, mpz_srcptr num, unsigned l
     return cell_at((int64_t)mpz_get_ui(out));
 }
 
-/* ---- bounded arithmetic ------------------------------------------------------------ */
-
-static size_t bits_of(const struct eng_poly *poly)
-{
-    size_t most = 0;
-    for (int i = 0; i <= poly->degree; i++) {
-        size_t own = mpz_sizeinbase(poly->c[i], 2);
-        most = own > most ? own : most;
-    }
-    return most;
-}
-
-/* Is there room for numbers of this many bits? */
-static bool has_room(const struct eng_thick_roots *roots, size_t bits)
-{
-    return bits < ENG_THICK_BITS && roots->work < ENG_THICK_WORK;
-}
-
-/* out = a over the interval. False: too long. */
-static bool zoom(struct eng_thick_roots *roots, struct eng_poly *out,
-                 const struct eng_poly *a, mpz_srcptr num, unsigned long k)
-{
-    unsigned long degree = a->degree < 0 ? 0 : (unsigned long)a->degree;
-    size_t bits = bits_of(a) + degree * (k + 2) + 8;
-    roots->work += (degree + 1) * (degree + 1) * (bits / GMP_NUMB_BITS + 8) *
-                   (k / GMP_NUMB_BITS + 1);
-    if (!has_room(roots, bits)) {
-        return false;
-    }
-    eng_poly_zoom(out, a, num, k);
-    return true;
-}
-
-/* divisor = the primitive greatest common divisor of a and b, which are used up. The
- * numbers on the way are subresultants, of at most 11 coefficients each, and before they
- * are divided some products of these. */
-static bool set_divisor(struct eng_thick_roots *roots, struct eng_poly *a,
-                        struct eng_poly *b)
-{
-    size_t bits_a = bits_of(a);
-    size_t bits_b = bits_of(b);
-    size_t bits = 40 * ((bits_a > bits_b ? bits_a : bits_b) + 8);
-    uint64_t limbs = bits / (4 * GMP_NUMB_BITS) + 1;
-    roots->work += 40 * limbs * limbs;
-    if (!has_room(roots, bits)) {
-        return false;
-    }
-    eng_poly_gcd(&roots->divisor, a, b);
-    eng_poly_make_primitive(&roots->divisor);
-    return true;
-}
-
 /* root = poly, each root once. */
-static bool set_root(struct eng_thick_roots *roots, struct eng_poly *poly)
+static void set_root(struct eng_thick_roots *roots, struct eng_poly *poly)
 {
     eng_poly_shorten(poly);
     if (poly->degree < 2 || eng_residue_is_square_free(poly)) {
         eng_poly_copy(&roots->root, poly);
-        return true;
-    }
-    if (bits_of(poly) + 8 >= ENG_THICK_BITS) {
-        return false;
+        return;
     }
     eng_poly_make_primitive(poly);
-    eng_poly_copy(&roots->scratch, poly);
     for (int i = 1; i <= poly->degree; i++) {
-        mpz_mul_ui(roots->sign.c[i - 1], poly->c[i], (unsigned long)i);
+        mpz_mul_ui(roots->slope.c[i - 1], poly->c[i], (unsigned long)i);
     }
-    roots->sign.degree = poly->degree - 1;
-    if (!set_divisor(roots, &roots->scratch, &roots->sign)) {
-        return false;
-    }
-    eng_poly_divide(&roots->root, poly, &roots->divisor);
+    roots->slope.degree = poly->degree - 1;
+    eng_divisor_find(&roots->divisor, poly, &roots->slope);
+    eng_poly_divide(&roots->root, poly, &roots->divisor.common);
     eng_poly_shorten(&roots->root);
-    return true;
 }
 
 /* ---- the sides at a root ----------------------------------------------------------- */
 
 /* Are all sides positive at num / 2^k? */
-static enum eng_thick_found look_at_point(struct eng_thick_roots *roots,
-                                          const struct eng_poly *side, int side_count,
-                                          mpz_srcptr num, unsigned long k)
+static bool are_positive_at(struct eng_thick_roots *roots, const struct eng_poly *side,
+                            int side_count, mpz_srcptr num, unsigned long k)
 {
     for (int i = 0; i < side_count; i++) {
-        if (!zoom(roots, &roots->sign, &side[i], num, k)) {
-            return ENG_THICK_GIVEN_UP;
-        }
+        eng_poly_zoom(&roots->sign, &side[i], num, k);
         if (eng_poly_sign_at_0(&roots->sign) <= 0) {
-            return ENG_THICK_NONE;
+            return false;
         }
     }
-    return ENG_THICK_FOUND;
+    return true;
 }
 
-/* Is a side 0 at the only root in the interval roots->at, k? */
-static enum eng_thick_found is_common(struct eng_thick_roots *roots,
-                                      const struct eng_poly *side, unsigned long k)
+/* Is a side, that is not zero throughout, 0 at the only root in the interval roots->at,
+ * k? */
+static bool is_common(struct eng_thick_roots *roots, const struct eng_poly *side,
+                      unsigned long k)
 {
     int sign;
-    if (side->degree >= 1 && !eng_residue_may_share_root(&roots->root, side)) {
-        return ENG_THICK_NONE;
+    if (side->degree < 1 || !eng_residue_may_share_root(&roots->root, side)) {
+        return false;
     }
-    if (side->degree < 1) {
-        return side->degree < 0 ? ENG_THICK_FOUND : ENG_THICK_NONE;
-    }
-    if (bits_of(&roots->root) >= ENG_THICK_BITS || bits_of(side) >= ENG_THICK_BITS) {
-        return ENG_THICK_GIVEN_UP;
-    }
-    eng_poly_copy(&roots->scratch, &roots->root);
-    eng_poly_copy(&roots->sign, side);
-    if (!set_divisor(roots, &roots->scratch, &roots->sign) ||
-        !zoom(roots, &roots->sign, &roots->divisor, roots->at, k)) {
-        return ENG_THICK_GIVEN_UP;
-    }
-    return eng_poly_variations(&roots->sign, &sign) % 2 == 1 ? ENG_THICK_FOUND
-                                                             : ENG_THICK_NONE;
+    eng_divisor_find(&roots->divisor, &roots->root, side);
+    eng_poly_zoom(&roots->sign, &roots->divisor.common, roots->at, k);
+    return eng_poly_variations(&roots->sign, &sign) % 2 == 1;
 }
 
 /* What is known of the sides at a root, alone in its interval. */
@@ -199,89 +142,76 @@ struct sides {
     bool is_apart[ENG_THICK_SIDES]; /* certainly not 0 at the root */
 };
 
-/* NONE: some side is not positive. FOUND: nothing speaks against it. *is_open: but some
- * sides are not known yet. */
-static enum eng_thick_found look_at_sides(struct eng_thick_roots *roots,
-                                          struct sides *sides, unsigned long k,
-                                          bool asks_for_common, bool *is_open)
+enum sides_are { POSITIVE, OPEN, NOT_POSITIVE };
+
+static enum sides_are look_at_sides(struct eng_thick_roots *roots, struct sides *sides,
+                                    unsigned long k, bool asks_for_common)
 {
-    *is_open = false;
+    enum sides_are are = POSITIVE;
     for (int i = 0; i < sides->count; i++) {
+        const struct eng_poly *side = &sides->side[i];
         int sign;
         if (sides->is_known[i]) {
             continue;
         }
-        if (!zoom(roots, &roots->sign, &sides->side[i], roots->at, k)) {
-            return ENG_THICK_GIVEN_UP;
-        }
-        if (eng_poly_variations(&roots->sign, &sign) == 0) {
+        if (eng_poly_is_plain(&roots->sign, side, roots->at, k, &sign)) {
             if (sign <= 0) {
-                return ENG_THICK_NONE;
+                return NOT_POSITIVE;
             }
             sides->is_known[i] = true;
             continue;
         }
-        *is_open = true;
+        are = OPEN;
         if (asks_for_common && !sides->is_apart[i]) {
-            enum eng_thick_found common = is_common(roots, &sides->side[i], k);
-            if (common != ENG_THICK_NONE) {
-                return common == ENG_THICK_FOUND ? ENG_THICK_NONE : common;
+            if (is_common(roots, side, k)) {
+                return NOT_POSITIVE;
             }
             sides->is_apart[i] = true;
         }
     }
-    return ENG_THICK_FOUND;
+    return are;
 }
 
 /* ---- leaps ------------------------------------------------------------------------- */
 
 /* Bisection takes a step a bit. A leap goes to one of 2^stride parts of an interval, if
  * that has as many variations as the interval: then all other parts have no roots
- * (exact_roots.c). */
-
-#define STRIDE_MIN 4ul
-#define STRIDE_MAX 512ul
+ * (exact_leap.c). */
 
 /* Part number roots->part of 2^stride of the interval num, whose polynomial is
- * roots->base: roots->at names it, and roots->zoomed is of it. False: too long. */
-static bool go_to_part(struct eng_thick_roots *roots, mpz_srcptr num,
+ * roots->base: roots->at names it, and roots->zoomed is of it. */
+static void go_to_part(struct eng_thick_roots *roots, mpz_srcptr num,
                        unsigned long stride)
 {
     mpz_mul_2exp(roots->at, num, stride);
     mpz_add(roots->at, roots->at, roots->part);
-    return zoom(roots, &roots->zoomed, &roots->base, roots->part, stride);
+    eng_poly_zoom(&roots->zoomed, &roots->base, roots->part, stride);
 }
 
 /* Has that part all variations of the interval? */
-static enum eng_thick_found leap_to(struct eng_thick_roots *roots, mpz_srcptr num,
-                                    unsigned long stride, int variations)
+static bool leap_to(struct eng_thick_roots *roots, mpz_srcptr num, unsigned long stride,
+                    int variations)
 {
     int sign;
-    if (!go_to_part(roots, num, stride)) {
-        return ENG_THICK_GIVEN_UP;
-    }
-    return eng_poly_variations(&roots->zoomed, &sign) != variations ? ENG_THICK_NONE
-                                                                    : ENG_THICK_FOUND;
+    go_to_part(roots, num, stride);
+    return eng_poly_variations(&roots->zoomed, &sign) == variations;
 }
 
-/* From the interval num, k, whose polynomial is roots->base. */
-static enum eng_thick_found leap(struct eng_thick_roots *roots, mpz_srcptr num,
-                                 unsigned long k, unsigned long stride, int variations)
+/* From the interval num, whose polynomial is roots->base. */
+static bool leap(struct eng_thick_roots *roots, mpz_srcptr num, unsigned long stride,
+                 int variations)
 {
-    if (!has_room(roots, k + stride + 8) ||
-        !has_room(roots, bits_of(&roots->base) + stride + 16)) {
-        return ENG_THICK_GIVEN_UP;
-    }
-    if (variations > 3 ||
-        !eng_poly_guess(roots->part, &roots->base, variations, stride)) {
+    if (!eng_poly_guess(roots->part, &roots->base, variations, stride)) {
         mpz_set_ui(roots->part, 0);
     }
-    enum eng_thick_found found = leap_to(roots, num, stride, variations);
-    if (found == ENG_THICK_NONE && mpz_sgn(roots->part) != 0) {
-        mpz_sub_ui(roots->part, roots->part, 1);
-        found = leap_to(roots, num, stride, variations);
+    if (leap_to(roots, num, stride, variations)) {
+        return true;
     }
-    return found;
+    if (mpz_sgn(roots->part) == 0) {
+        return false;
+    }
+    mpz_sub_ui(roots->part, roots->part, 1);
+    return leap_to(roots, num, stride, variations);
 }
 
 /* What was gone to is the interval at hand. */
@@ -299,62 +229,49 @@ static unsigned long longer(unsigned long stride)
 /* ---- the root of an interval ------------------------------------------------------- */
 
 /* One of both halves of the interval num has the one root: that becomes the part at
- * hand, or the root itself, if it is the middle: *is_point. */
-static bool halve(struct eng_thick_roots *roots, mpz_srcptr num, bool *is_point)
+ * hand. True: the middle is the root itself. */
+static bool halve(struct eng_thick_roots *roots, mpz_srcptr num)
 {
     int sign;
-    *is_point = false;
     mpz_set_ui(roots->part, 0);
-    if (!go_to_part(roots, num, 1)) {
-        return false;
-    }
+    go_to_part(roots, num, 1);
     if (eng_poly_variations(&roots->zoomed, &sign) % 2 == 1) {
-        return true;
+        return false;
     }
     mpz_set_ui(roots->part, 1);
-    if (!go_to_part(roots, num, 1)) {
-        return false;
-    }
-    *is_point = eng_poly_sign_at_0(&roots->zoomed) == 0;
-    return true;
+    go_to_part(roots, num, 1);
+    return eng_poly_sign_at_0(&roots->zoomed) == 0;
 }
 
-/* The root, which is alone in the interval roots->num, k; roots->zoomed is of that. */
-static enum eng_thick_found look_at_root(struct eng_thick_roots *roots,
-                                         const struct eng_poly *side, int side_count,
-                                         unsigned long k, int depth, int64_t *cell)
+/* Are all sides positive at the root that is alone in the interval roots->num, k?
+ * roots->zoomed is of that. */
+static bool look_at_root(struct eng_thick_roots *roots, const struct eng_poly *side,
+                         int side_count, unsigned long k, int depth, int64_t *cell)
 {
     struct sides sides = {.side = side, .count = side_count};
     unsigned long stride = STRIDE_MIN;
     mpz_set(roots->at, roots->num);
     for (int turn = 0;; turn++) {
-        bool is_open;
-        bool is_point = false;
         set_base(roots);
-        enum eng_thick_found found =
-            look_at_sides(roots, &sides, k, turn >= TURNS_MAX, &is_open);
-        if (found != ENG_THICK_FOUND) {
-            return found;
+        enum sides_are are = look_at_sides(roots, &sides, k, turn >= TURNS_MAX);
+        if (are == NOT_POSITIVE) {
+            return false;
         }
-        if (!is_open && k >= (unsigned long)depth + ENG_THICK_CELL_BITS) {
+        if (are == POSITIVE && k >= (unsigned long)depth + ENG_THICK_CELL_BITS) {
             *cell = cell_of(roots, roots->at, k, depth);
-            return ENG_THICK_FOUND;
+            return true;
         }
         mpz_swap(roots->num, roots->at);
-        found = leap(roots, roots->num, k, stride, 1);
-        if (found == ENG_THICK_FOUND) {
+        if (leap(roots, roots->num, stride, 1)) {
             k += stride;
             stride = longer(stride);
             continue;
         }
         stride = STRIDE_MIN;
-        if (found == ENG_THICK_GIVEN_UP || !halve(roots, roots->num, &is_point)) {
-            return ENG_THICK_GIVEN_UP;
-        }
         k++;
-        if (is_point) {
+        if (halve(roots, roots->num)) {
             *cell = cell_of(roots, roots->at, k, depth);
-            return look_at_point(roots, side, side_count, roots->at, k);
+            return are_positive_at(roots, side, side_count, roots->at, k);
         }
     }
 }
@@ -378,49 +295,35 @@ static void push(struct eng_thick_roots *roots, unsigned long k, int variations,
 #define ALONE_MIN 5u
 
 /* The parts with roots of the interval roots->num, with roots->zoomed its polynomial, are
- * pushed. *is_zoomed: roots->zoomed is of the one on top. */
-static bool split(struct eng_thick_roots *roots, const struct eng_thick_pending *whole,
-                  bool *is_zoomed)
+ * pushed. True: roots->zoomed is of the one on top. */
+static bool split(struct eng_thick_roots *roots, const struct eng_thick_pending *whole)
 {
     int sign;
     unsigned long k = whole->k;
-    unsigned long stride = STRIDE_MIN;
-    *is_zoomed = true;
     set_base(roots);
-    if (whole->alone >= ALONE_MIN) {
-        enum eng_thick_found found =
-            leap(roots, roots->num, k, whole->stride, whole->variations);
-        if (found == ENG_THICK_FOUND) {
-            push(roots, k + whole->stride, whole->variations, whole->alone,
-                 longer(whole->stride));
-            return true;
-        }
-        if (found == ENG_THICK_GIVEN_UP) {
-            return false;
-        }
+    if (whole->alone >= ALONE_MIN &&
+        leap(roots, roots->num, whole->stride, whole->variations)) {
+        push(roots, k + whole->stride, whole->variations, whole->alone,
+             longer(whole->stride));
+        return true;
     }
     mpz_set_ui(roots->part, 1);
-    if (!go_to_part(roots, roots->num, 1)) {
-        return false;
-    }
+    go_to_part(roots, roots->num, 1);
     int behind = eng_poly_variations(&roots->zoomed, &sign);
     unsigned alone = behind == 0 || behind == whole->variations ? whole->alone + 1 : 0;
     if (behind > 0) {
-        push(roots, k + 1, behind, alone, stride);
+        push(roots, k + 1, behind, alone, STRIDE_MIN);
     }
     if (eng_poly_sign_at_0(&roots->zoomed) == 0) {
-        push(roots, k + 1, 0, 0, stride);
+        push(roots, k + 1, 0, 0, STRIDE_MIN);
     }
     mpz_set_ui(roots->part, 0);
-    if (!go_to_part(roots, roots->num, 1)) {
-        return false;
-    }
+    go_to_part(roots, roots->num, 1);
     int before = eng_poly_variations(&roots->zoomed, &sign);
     if (before > 0) {
-        push(roots, k + 1, before, alone, stride);
+        push(roots, k + 1, before, alone, STRIDE_MIN);
     }
-    *is_zoomed = before > 0;
-    return true;
+    return before > 0;
 }
 
 /* The ends and the inside of [0, 1]. 0 itself is no time that is looked for. */
@@ -439,10 +342,10 @@ static void push_all(struct eng_thick_roots *roots)
     }
 }
 
-/* The first root in (0, 1] with positive sides, if its cell is not after `last`. */
-static enum eng_thick_found first_root(struct eng_thick_roots *roots,
-                                       const struct eng_poly *side, int side_count,
-                                       int depth, int64_t last, int64_t *cell)
+/* Is there a root in (0, 1] with positive sides, whose cell is not after `last`? *cell:
+ * that of the first. */
+static bool first_root(struct eng_thick_roots *roots, const struct eng_poly *side,
+                       int side_count, int depth, int64_t last, int64_t *cell)
 {
     bool is_zoomed = false;
     push_all(roots);
@@ -455,42 +358,33 @@ static enum eng_thick_found first_root(struct eng_thick_roots *roots,
         mpz_swap(roots->num, top->num);
         *cell = cell_of(roots, roots->num, whole.k, depth);
         if (*cell > last) {
-            return ENG_THICK_NONE;
+            return false;
         }
-        if (!is_zoomed &&
-            !zoom(roots, &roots->zoomed, &roots->root, roots->num, whole.k)) {
-            return ENG_THICK_GIVEN_UP;
+        if (!is_zoomed) {
+            eng_poly_zoom(&roots->zoomed, &roots->root, roots->num, whole.k);
         }
         is_zoomed = false;
-        enum eng_thick_found found = ENG_THICK_NONE;
-        if (whole.variations == 0) {
-            found = look_at_point(roots, side, side_count, roots->num, whole.k);
-        } else if (whole.variations == 1) {
-            found = look_at_root(roots, side, side_count, whole.k, depth, cell);
-        } else if (!split(roots, &whole, &is_zoomed)) {
-            found = ENG_THICK_GIVEN_UP;
-        }
-        if (found != ENG_THICK_NONE) {
-            return found;
+        if (whole.variations > 1) {
+            is_zoomed = split(roots, &whole);
+        } else if (whole.variations == 1
+                       ? look_at_root(roots, side, side_count, whole.k, depth, cell)
+                       : are_positive_at(roots, side, side_count, roots->num, whole.k)) {
+            return *cell <= last;
         }
     }
-    return ENG_THICK_NONE;
+    return false;
 }
 
-enum eng_thick_found eng_thick_first_root(struct eng_thick_roots *roots,
-                                          struct eng_poly *poly,
-                                          const struct eng_poly *side, int side_count,
-                                          int depth, int64_t *cell)
+bool eng_thick_first_root(struct eng_thick_roots *roots, struct eng_poly *poly,
+                          const struct eng_poly *side, int side_count, int depth,
+                          int64_t *cell)
 {
-    assert(side_count <= ENG_THICK_SIDES && poly->degree >= 0);
     int64_t own = 0;
-    if (!set_root(roots, poly)) {
-        return ENG_THICK_GIVEN_UP;
+    assert(side_count <= ENG_THICK_SIDES && poly->degree >= 0);
+    set_root(roots, poly);
+    if (!first_root(roots, side, side_count, depth, *cell, &own)) {
+        return false;
     }
-    enum eng_thick_found found = first_root(roots, side, side_count, depth, *cell, &own);
-    if (found == ENG_THICK_FOUND && own > *cell) {
-        return ENG_THICK_NONE;
-    }
-    *cell = found == ENG_THICK_FOUND ? own : *cell;
-    return found;
+    *cell = own;
+    return true;
 }

@@ -2,7 +2,7 @@
  * polynomial is zero while others are positive: when two thick features come within
  * reach of each other by one pair of their parts.
  *
- * Room:     engine. May include: poly.h.
+ * Room:     engine. May include: divisor.h.
  * Does:     isolate roots in (0, 1] from the left, tell whether other polynomials are
  *           positive there, and name the cell of time that the first such root lies in.
  * Threads:  one thread for one struct eng_thick_roots. Nothing is allocated.
@@ -13,13 +13,11 @@
 
 #include <stdint.h>
 
-#include "poly.h"
+#include "divisor.h"
 
-/* Bits of the longest number. What might become longer is not computed. */
-#define ENG_THICK_BITS 131072ul
-
-/* Products of limbs, some 1 ns each, after which a decision is given up. */
-#define ENG_THICK_WORK 2000000ull
+/* Bits of what is asked about: of a polynomial, of a side. */
+#define ENG_THICK_POLY_BITS 14336ul
+#define ENG_THICK_SIDE_BITS 4832ul
 
 #define ENG_THICK_SIDES 4
 
@@ -28,8 +26,6 @@
  * of a cell. Number -1 begins at 0, the last one ends at 1. */
 #define ENG_THICK_CELL_BITS   12
 #define ENG_THICK_CELL_OFFSET 1365
-
-enum eng_thick_found { ENG_THICK_NONE, ENG_THICK_FOUND, ENG_THICK_GIVEN_UP };
 
 /* An interval [num, num + 1] / 2^k with roots, or the root num / 2^k. */
 struct eng_thick_pending {
@@ -44,21 +40,21 @@ struct eng_thick_pending {
 #define ENG_THICK_PENDING 13
 
 struct eng_thick_roots {
-    uint64_t work;        /* so far; set to 0 by whoever begins a decision */
-    struct eng_poly root; /* the polynomial, each root once */
-    struct eng_poly zoomed, base, sign, divisor, scratch;
+    struct eng_poly root;  /* the polynomial, each root once */
+    struct eng_poly slope; /* of the polynomial */
+    struct eng_poly zoomed, base, sign;
+    struct eng_divisor divisor;
     struct eng_thick_pending pending[ENG_THICK_PENDING]; /* the earliest is on top */
     int pending_count;
-    mpz_t num, at, part;
+    mpz_t num, at, part, cell;
 };
 
 /* poly: of a degree of at most 6, and not zero; is used up. side[side_count]: of a degree
- * of at most 4. Finds the first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for
- * all i, unless it lies in a cell after *cell; sets *cell to the number of its cell. */
-enum eng_thick_found eng_thick_first_root(struct eng_thick_roots *roots,
-                                          struct eng_poly *poly,
-                                          const struct eng_poly *side, int side_count,
-                                          int depth, int64_t *cell);
+ * of at most 4. Is there a first t, 0 < t <= 1, with poly(t) = 0 and side[i](t) > 0 for
+ * all i, in a cell not after *cell? Sets *cell to the number of its cell. */
+bool eng_thick_first_root(struct eng_thick_roots *roots, struct eng_poly *poly,
+                          const struct eng_poly *side, int side_count, int depth,
+                          int64_t *cell);
 
 void eng_thick_roots_place(struct eng_thick_roots *roots, struct eng_limbs *limbs);
 

@@ -1,0 +1,115 @@
+/* tests/unit/test_eng_divisor.c - greatest common divisors by primes.
+ *
+ * Room:     engine (divisor.h, poly.h).
+ * Does:     compare them with those that remainders give; a prime that misleads.
+ * Threads:  one.
+ * Source:   daemon/engine/elementary/divisor.h.
+ */
+#include "divisor.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "eng_kit.h"
+
+static void poly_init(struct eng_poly *poly)
+{
+    poly->degree = -1;
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_inits(poly->c[i], poly->scratch[i], NULL);
+    }
+}
+
+static void poly_deinit(struct eng_poly *poly)
+{
+    for (int i = 0; i < ENG_POLY_TERMS; i++) {
+        mpz_clears(poly->c[i], poly->scratch[i], NULL);
+    }
+}
+
+static void set_numbers(struct eng_poly *poly, int degree, const long *numbers,
+                        unsigned long shift)
+{
+    poly->degree = degree;
+    for (int i = 0; i <= degree; i++) {
+        mpz_set_si(poly->c[i], numbers[i]);
+        mpz_mul_2exp(poly->c[i], poly->c[i], shift * (unsigned long)(degree - i));
+    }
+}
+
+static struct eng_divisor *divisor_scratch(void)
+{
+    static struct eng_divisor divisor;
+    struct eng_limbs limbs = {NULL, 0};
+    eng_divisor_place(&divisor, &limbs);
+    limbs = (struct eng_limbs){calloc(limbs.count, sizeof(mp_limb_t)), 0};
+    assert_non_null(limbs.next);
+    eng_divisor_place(&divisor, &limbs);
+    return &divisor;
+}
+
+/* Products of short and of long polynomials; and t - 2^260 and 2 t^2 - 1, which have a
+ * common root modulo 2^521 - 1. If it failed: a side would be said to be 0 at a root
+ * where it is not, or a root to be there twice. */
+static void divisor__is_that_of_remainders(void **state)
+{
+    static const long unlucky[2][3] = {{-1, 1}, {-1, 0, 2}};
+    struct kit_random random = {3};
+    struct eng_divisor *divisor = divisor_scratch();
+    mp_limb_t *block = divisor->common.c[0]->_mp_d;
+    struct eng_poly p[6];
+    int degrees[5] = {0};
+    (void)state;
+    for (int i = 0; i < 6; i++) {
+        poly_init(&p[i]);
+    }
+    for (int n = 0; n < 2000; n++) {
+        unsigned long shift = kit_below(&random, 3) ? kit_below(&random, 40) : 700;
+        for (int i = 0; i < 3; i++) {
+            long numbers[4];
+            int degree = (int)kit_below(&random, i == 0 ? 4 : 3);
+            for (int k = 0; k <= degree; k++) {
+                numbers[k] = (long)kit_below(&random, 9) - 4;
+            }
+            numbers[degree] = 1 + (long)kit_below(&random, 3);
+            set_numbers(&p[i], degree, numbers, shift);
+        }
+        eng_poly_mul(&p[3], &p[0], &p[1]);
+        eng_poly_mul(&p[4], &p[0], &p[2]);
+        if (p[3].degree < 1 || p[4].degree < 1) {
+            continue;
+        }
+        eng_divisor_find(divisor, &p[3], &p[4]);
+        eng_poly_gcd(&p[5], &p[3], &p[4]);
+        eng_poly_make_primitive(&p[5]);
+        assert_int_equal(divisor->common.degree, p[5].degree);
+        for (int i = 0; i <= p[5].degree && p[5].degree > 0; i++) {
+            int same = mpz_sgn(p[5].c[p[5].degree]) > 0
+                           ? mpz_cmp(divisor->common.c[i], p[5].c[i])
+                           : mpz_cmpabs(divisor->common.c[i], p[5].c[i]);
+            assert_int_equal(same, 0);
+        }
+        degrees[p[5].degree]++;
+    }
+    assert_true(degrees[0] > 50 && degrees[1] > 50 && degrees[2] > 50 && degrees[3] > 50);
+    set_numbers(&p[3], 1, unlucky[0], 260);
+    set_numbers(&p[4], 2, unlucky[1], 0);
+    eng_divisor_find(divisor, &p[3], &p[4]);
+    assert_int_equal(divisor->common.degree, 0);
+    for (int i = 0; i < 6; i++) {
+        poly_deinit(&p[i]);
+    }
+    free(block);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(divisor__is_that_of_remainders),
+    };
+    return cmocka_run_group_tests_name("eng_divisor", tests, NULL, NULL);
+}
