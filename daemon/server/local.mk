@@ -22,7 +22,7 @@ libserver_la_SOURCES = \
     daemon/server/reactor.c daemon/server/reactor.h \
     daemon/server/refused.c daemon/server/refused.h \
     daemon/server/replyqueue.c daemon/server/replyqueue.h \
-    daemon/server/sandbox.c daemon/server/sandbox.h \
+    daemon/server/sandbox.c daemon/server/sandbox.h daemon/server/sandbox_calls.h \
     daemon/server/server.h \
     daemon/server/socketfile.c daemon/server/socketfile.h \
     daemon/server/supervise.c daemon/server/supervise.h \

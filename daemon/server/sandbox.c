@@ -13,6 +13,7 @@
 #include "landlock.h"
 #include "log.h"
 #include "pccd_types.h"
+#include "sandbox_calls.h"
 
 static int landlock_version; /* 0: not in use */
 static int begin_status;     /* 0, or why there is to be no sandbox: a negative errno */
@@ -30,68 +31,9 @@ static int begin_status;     /* 0, or why there is to be no sandbox: a negative 
 #include <sys/stat.h>
 
 static const int allowed[] = {
-    /* clients: taken over by accept4, not made */
-    SCMP_SYS(accept4),
-    SCMP_SYS(recvmsg),
-    SCMP_SYS(recvfrom),
-    SCMP_SYS(sendmsg),
-    SCMP_SYS(sendto),
-    SCMP_SYS(shutdown),
-    SCMP_SYS(getsockopt),
-    SCMP_SYS(setsockopt),
-    SCMP_SYS(read),
-    SCMP_SYS(write),
-    SCMP_SYS(writev),
-    SCMP_SYS(close),
-    SCMP_SYS(dup3), /* a listening socket in the place of another */
-    SCMP_SYS(fcntl),
-    SCMP_SYS(geteuid), /* is a client this process's own user? */
-    /* the event loop */
-    SCMP_SYS(epoll_wait),
-    SCMP_SYS(epoll_pwait),
-    SCMP_SYS(epoll_ctl),
-    SCMP_SYS(poll),
-    SCMP_SYS(ppoll),
-    /* memory, shared and private; executable: see below */
-    SCMP_SYS(memfd_create),
-    SCMP_SYS(ftruncate),
-    SCMP_SYS(fallocate),
-    SCMP_SYS(fstat), /* and fchmod and openat: see below */
-    SCMP_SYS(newfstatat),
-    SCMP_SYS(munmap),
-    SCMP_SYS(mremap),
-    SCMP_SYS(madvise),
-    SCMP_SYS(brk),
-    SCMP_SYS(lseek),
-    /* threads */
-    SCMP_SYS(futex),
-    SCMP_SYS(sched_yield),
-    SCMP_SYS(sched_getaffinity),
-    SCMP_SYS(sched_setaffinity),
-    SCMP_SYS(set_robust_list),
-    SCMP_SYS(rseq),
-    SCMP_SYS(gettid),
-    SCMP_SYS(getpid),
-    SCMP_SYS(membarrier),
-    SCMP_SYS(exit),
-    /* time and chance */
-    SCMP_SYS(clock_gettime),
-    SCMP_SYS(clock_nanosleep),
-    SCMP_SYS(nanosleep),
-    SCMP_SYS(getrandom),
-    SCMP_SYS(restart_syscall),
-    SCMP_SYS(getrusage),
-    SCMP_SYS(sysinfo),
-    SCMP_SYS(uname),
-    /* signals, and the end: the socket and its lock are removed */
-    SCMP_SYS(rt_sigaction),
-    SCMP_SYS(rt_sigprocmask),
-    SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(sigaltstack),
-    SCMP_SYS(tgkill),
-    SCMP_SYS(unlink),
-    SCMP_SYS(rmdir),
-    SCMP_SYS(exit_group),
+#define ALLOWED(call) SCMP_SYS(call),
+    SRV_SANDBOX_CALLS(ALLOWED)
+#undef ALLOWED
 };
 
 /* Calls that only some arguments make harmless. */

@@ -135,7 +135,7 @@ bench/peers         ipc/distance/distance_type.hpp ipc/utils/logger.hpp tbb/glob
 bench/peers         algorithm atomic cstdio cstdlib memory string vector
 bench/redis         seccomp.h
 bench/run           jansson.h xxhash.h
-tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h xxhash.h
+tests               cmocka.h gmp.h jansson.h msgpack.h omp.h png.h seccomp.h xxhash.h
 tests               array cmath cstring limits pccd.hpp span
 tests               arm.hpp cstdio cstdlib cstring map pccd_ipc.hpp random set string tuple ipc/broad_phase/brute_force.hpp
 tests               ipc/ccd/additive_ccd.hpp ipc/collisions/normal/normal_collisions.hpp

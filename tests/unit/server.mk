@@ -7,12 +7,12 @@ check_PROGRAMS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
     tests/unit/test_srv_runners \
     tests/unit/test_srv_log tests/unit/test_srv_outbox \
-    tests/unit/test_srv_outlet tests/unit/test_srv_replies
+    tests/unit/test_srv_outlet tests/unit/test_srv_replies tests/unit/test_srv_sandbox
 TESTS += tests/unit/test_srv_region tests/unit/test_srv_handles \
     tests/unit/test_srv_quota tests/unit/test_srv_compute tests/unit/test_srv_fairqueue \
     tests/unit/test_srv_runners \
     tests/unit/test_srv_log tests/unit/test_srv_outbox \
-    tests/unit/test_srv_outlet tests/unit/test_srv_replies
+    tests/unit/test_srv_outlet tests/unit/test_srv_replies tests/unit/test_srv_sandbox
 
 tests_unit_test_srv_outbox_SOURCES = tests/unit/test_srv_outbox.c
 tests_unit_test_srv_outbox_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
@@ -55,3 +55,8 @@ tests_unit_test_srv_compute_SOURCES = tests/unit/test_srv_compute.c
 tests_unit_test_srv_compute_CPPFLAGS = $(SERVER_TEST_CPPFLAGS)
 tests_unit_test_srv_compute_CFLAGS = $(AM_CFLAGS) -pthread
 tests_unit_test_srv_compute_LDADD = $(SERVER_TEST_LDADD)
+
+tests_unit_test_srv_sandbox_SOURCES = tests/unit/test_srv_sandbox.c
+tests_unit_test_srv_sandbox_CPPFLAGS = $(SERVER_TEST_CPPFLAGS) $(SECCOMP_CFLAGS) \
+    -I$(top_srcdir)/tests/support
+tests_unit_test_srv_sandbox_LDADD = $(SECCOMP_LIBS) $(CMOCKA_LIBS)
