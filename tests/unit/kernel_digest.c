@@ -123,6 +123,42 @@ static void run_within(const struct eng_kernels *kernels)
     say(kernels, "widen_within", widen);
 }
 
+static void run_bounds(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    static double x[POINTS][3];
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        memcpy(x[i], ground->points[i].x0, sizeof x[i]);
+    }
+    for (uint32_t first = 0; first < POINTS; first += 7) {
+        struct eng_bounds bounds = ENG_NO_BOUNDS;
+        uint32_t count = first % VALUES;
+        count = count < POINTS - first ? count : POINTS - first;
+        kernels->bound_positions((const double(*)[3])x + first, count, &bounds);
+        all = digest(all, &bounds, sizeof bounds);
+    }
+    say(kernels, "bound_positions", all);
+}
+
+/* 64 items at a time, many of which are as far as the pivot. */
+static void run_come_before(const struct eng_kernels *kernels)
+{
+    struct prng prng = {8};
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t round = 0; round < 300; round++) {
+        struct eng_split_item items[64];
+        for (uint32_t i = 0; i < 64; i++) {
+            for (int k = 0; k < 3; k++) {
+                items[i].centroid[k] = (float)some_coordinate(&prng, round % 2);
+            }
+            items[i].id = (i * 37 + round) % 64 + (i % 2 ? 1u << 31 : 0);
+        }
+        uint64_t bits = kernels->come_before(items, &items[round % 64], (int)(round % 3));
+        all = digest(all, &bits, sizeof bits);
+    }
+    say(kernels, "come_before", all);
+}
+
 static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
 {
     const uint32_t *const corner[3] = {ground->corner[0], ground->corner[1],
@@ -154,6 +190,29 @@ static void run_boxes(const struct eng_kernels *kernels, struct ground *ground)
     say(kernels, "box_fold", fold);
 }
 
+/* Every block and a box of every other, at both ends. */
+static void run_gaps(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    static const float limits[] = {0x1p-3f, 4, 0x1p90f};
+    uint64_t all = DIGEST_BEGIN;
+    for (uint32_t i = 0; i < 2 * BLOCKS * BLOCKS; i++) {
+        uint32_t end = i % 2;
+        const struct eng_wide_block *block = &ground->blocks[i / 2 % BLOCKS];
+        const struct eng_wide_block *other = &ground->blocks[i / 2 / BLOCKS];
+        float square[ENG_WIDE];
+        float box[2][4] = {{0}};
+        for (int k = 0; k < 3; k++) {
+            box[0][k] = other->row[ENG_LOW0 + end][k][i % ENG_WIDE];
+            box[1][k] = other->row[ENG_HIGH0 + end][k][i % ENG_WIDE];
+        }
+        uint32_t bits =
+            kernels->box_gaps(block->row[ENG_LOW0 + end], block->row[ENG_HIGH0 + end],
+                              (const float(*)[4])box, limits[i % 3], square);
+        all = digest(digest(all, &bits, sizeof bits), square, sizeof square);
+    }
+    say(kernels, "box_gaps", all);
+}
+
 /* Cells in which the lattice and the cloud have much room and what is far away has none;
  * the joins below use what is written here. */
 static void run_quantised(const struct eng_kernels *kernels, struct ground *ground)
@@ -179,16 +238,14 @@ typedef uint32_t join_fn(struct eng_join *job, struct eng_join_round *round,
                          uint32_t *out_a, uint32_t *out_b, uint32_t room);
 
 /* The blocks as lists of points, edges or faces: every block with those after it. */
-static void run_join(const struct eng_kernels *kernels, const struct ground *ground,
-                     const char *what, join_fn *join, uint32_t a_corners,
-                     uint32_t b_corners)
+static uint64_t digest_join(uint64_t all, const struct ground *ground, join_fn *join,
+                            uint32_t a_corners, uint32_t b_corners)
 {
     static uint32_t out[2][ENG_JOIN_MAX];
     static struct eng_join_round round;
-    uint64_t all = DIGEST_BEGIN;
-    for (uint32_t i = 0; i < 12 * BLOCKS * BLOCKS; i++) {
-        bool is_quantised = i >= 6 * BLOCKS * BLOCKS;
-        uint32_t way = i / BLOCKS / BLOCKS % 6;
+    for (uint32_t i = 0; i < 14 * BLOCKS * BLOCKS; i++) {
+        bool is_quantised = i >= 7 * BLOCKS * BLOCKS;
+        uint32_t way = i / BLOCKS / BLOCKS % 7;
         bool is_swept = way == 5 && !is_quantised;
         struct eng_join job = {.a = ground->blocks,
                                .b = ground->blocks,
@@ -199,8 +256,12 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
                                    is_quantised ? ground->quantised_around : NULL,
                                .farthest = ground->farthest,
                                .boxes = way < 4    ? ENG_JOIN_MOVING
+                                        : way == 6 ? ENG_JOIN_AT
                                         : is_swept ? ENG_JOIN_SWEPT
                                                    : ENG_JOIN_NEAR,
+                               .end = i % 2,
+                               .growth = 0.0625f,
+                               .cells = {256, 256, 128}, /* as much, see run_quantised */
                                .in_time = way / 2 == 1,
                                .t_end = way == 4   ? 0.046f
                                         : way == 5 ? 0x1p-20f
@@ -222,13 +283,25 @@ static void run_join(const struct eng_kernels *kernels, const struct ground *gro
         all = digest(all, out[0], count * sizeof *out[0]);
         all = digest(all, out[1], count * sizeof *out[1]);
     }
-    say(kernels, what, all);
+    return all;
+}
+
+static void run_joins(const struct eng_kernels *kernels, const struct ground *ground)
+{
+    uint64_t all = DIGEST_BEGIN;
+    say(kernels, "join_nodes", digest_join(all, ground, kernels->join_nodes, 0, 0));
+    for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
+        const uint32_t *points = common_kinds[kind].points;
+        all = digest_join(all, ground, kernels->join_features[kind],
+                          points[0] == 1 ? 0 : points[0], points[1] == 1 ? 0 : points[1]);
+    }
+    say(kernels, "join_features", all);
 }
 
 /* Of all kinds in turn; what comes of it, described. */
-static uint64_t digest_advance(uint64_t before, const struct eng_kernels *kernels,
-                               const struct ground *ground, uint32_t i,
-                               const uint32_t *pairs, uint32_t count)
+static void digest_advance(const struct eng_kernels *kernels, const struct ground *ground,
+                           uint32_t i, const uint32_t *pairs, uint32_t count,
+                           uint64_t *advanced, uint64_t *described)
 {
     static struct eng_advance advance[PAIRS];
     static struct eng_hit hits[PAIRS];
@@ -242,18 +315,17 @@ static uint64_t digest_advance(uint64_t before, const struct eng_kernels *kernel
                      advance);
     for (uint32_t k = 0; k < count; k++) {
         const struct eng_advance *own = &advance[k];
-        before = digest(before, &own->now, sizeof own->now);
-        before = digest(before, &own->is_inside, sizeof own->is_inside);
-        before = digest(before, &own->until, sizeof own->until);
-        before = digest(before, &own->cell, sizeof own->cell);
+        *advanced = digest(*advanced, &own->now, sizeof own->now);
+        *advanced = digest(*advanced, &own->is_inside, sizeof own->is_inside);
+        *advanced = digest(*advanced, &own->until, sizeof own->until);
+        *advanced = digest(*advanced, &own->cell, sizeof own->cell);
         hits[k].toi = own->until < 1 ? own->until : 1;
     }
     kernels->describe(i % 4, ground->points, ground->quads, pairs, count, hits);
     for (uint32_t k = 0; k < count; k++) {
-        before = digest(before, hits[k].param, sizeof hits[k].param);
-        before = digest(before, hits[k].normal, sizeof hits[k].normal);
+        *described = digest(*described, hits[k].param, sizeof hits[k].param);
+        *described = digest(*described, hits[k].normal, sizeof hits[k].normal);
     }
-    return before;
 }
 
 static void run_tests(const struct eng_kernels *kernels, const struct ground *ground)
@@ -263,6 +335,7 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
     uint64_t filter = DIGEST_BEGIN;
     uint64_t stay_beyond = DIGEST_BEGIN;
     uint64_t advance = DIGEST_BEGIN;
+    uint64_t describe = DIGEST_BEGIN;
     double reach[PAIRS];
     for (uint32_t i = 0; i < PAIRS; i++) {
         reach[i] = 0.25 * (i % 8);
@@ -279,12 +352,13 @@ static void run_tests(const struct eng_kernels *kernels, const struct ground *gr
                                     reach, kept);
         stay_beyond =
             digest(digest(stay_beyond, &left, sizeof left), kept, left * sizeof *kept);
-        advance = digest_advance(advance, kernels, ground, i, kept, left);
+        digest_advance(kernels, ground, i, kept, left, &advance, &describe);
     }
     say(kernels, "apart", apart);
     say(kernels, "filter", filter);
     say(kernels, "stay_beyond", stay_beyond);
     say(kernels, "advance", advance);
+    say(kernels, "describe", describe);
 }
 
 static void set_numbers(const struct ground *ground, uint32_t part, uint32_t *a,
@@ -306,6 +380,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
     const uint32_t part = POINTS / 4;
     uint64_t place = DIGEST_BEGIN;
     uint64_t sift = DIGEST_BEGIN;
+    uint64_t sift_near = DIGEST_BEGIN;
     uint64_t sift_thick = DIGEST_BEGIN;
     for (uint32_t i = 0; i < 3 * 40; i++) {
         const struct eng_grid *grid = &grids[i % 3];
@@ -323,8 +398,17 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
             .t_end = i % 5 == 0 ? 0.375f : 1,
             .swept = i % 11 < 5,
             .in_time = i % 7 == 0,
-            .cubic_first = i % 2 == 0};
+            .cubic_first = i % 2 == 0,
+            .narrows = i % 5 < 2};
         uint32_t count = PAIRS - i;
+        set_numbers(ground, part, a, b, count);
+        count = kernels->sift_near(i % 4 < 2    ? PCCD_VF
+                                   : i % 4 == 2 ? PCCD_EE
+                                                : PCCD_EF,
+                                   &sieve, i / 4 % 2, (float)(i * i), a, b, count);
+        sift_near = digest(digest(sift_near, &count, sizeof count), a, count * sizeof *a);
+        sift_near = digest(sift_near, b, count * sizeof *b);
+        count = PAIRS - i;
         set_numbers(ground, part, a, b, count);
         count = kernels->sift_thick(i % 4 < 2 ? PCCD_VF : PCCD_EE, &sieve, (float)(i * i),
                                     a, b, count);
@@ -340,6 +424,7 @@ static void run_sieve(const struct eng_kernels *kernels, struct ground *ground)
     }
     say(kernels, "place_points", place);
     say(kernels, "sift", sift);
+    say(kernels, "sift_near", sift_near);
     say(kernels, "sift_thick", sift_thick);
 }
 
@@ -492,11 +577,12 @@ int main(void)
             continue;
         }
         run_within(kernels);
+        run_bounds(kernels, &ground);
+        run_come_before(kernels);
         run_boxes(kernels, &ground);
         run_quantised(kernels, &ground);
-        run_join(kernels, &ground, "join_nodes", kernels->join_nodes, 0, 0);
-        run_join(kernels, &ground, "join_edges", kernels->join_features[PCCD_EE], 2, 2);
-        run_join(kernels, &ground, "join_faces", kernels->join_features[PCCD_VF], 0, 3);
+        run_gaps(kernels, &ground);
+        run_joins(kernels, &ground);
         run_sieve(kernels, &ground);
         run_tests(kernels, &ground);
         run_bracket(kernels, &ground);
