@@ -178,6 +178,12 @@ struct until {
     uint32_t growth; /* quantised_growth() */
 };
 
+ENG_INLINE struct until until_as_rules_ask(const struct eng_join *job)
+{
+    return (struct until){until_of(job->t_end),
+                          quantised_growth(job->farthest, job->t_end)};
+}
+
 /* ---- boxes that meet --------------------------------------------------------------- */
 
 /* List the boxes of a that meet the box around b, for each pair of blocks of the round:
@@ -212,6 +218,38 @@ ENG_INLINE uint32_t list_boxes(struct eng_join *job, struct eng_join_round *roun
         count += eng_pack16(round->box + count, bits, n * ENG_WIDE | m << 8);
     }
     return count;
+}
+
+ENG_INLINE uint32_t begin_by(struct eng_join *job, struct eng_join_round *round,
+                             uint32_t pairs, bool self, enum rule rule,
+                             struct sides *sides, uint32_t *selves)
+{
+    const struct until until = until_as_rules_ask(job);
+    *sides = make_ready(job, round, pairs, rule);
+    return self ? list_boxes(job, round, sides, pairs, true, rule, until, selves)
+                : list_boxes(job, round, sides, pairs, false, rule, until, selves);
+}
+
+/* One for all joins: one for each takes the compiler three times as long. */
+static __attribute__((noinline)) uint32_t
+begin_round(struct eng_join *job, struct eng_join_round *round, uint32_t pairs, bool self,
+            enum rule rule, struct sides *sides, uint32_t *selves)
+{
+    switch (rule) {
+#define BEGIN(rule)                                                                      \
+    case rule:                                                                           \
+        return begin_by(job, round, pairs, self, rule, sides, selves);
+        BEGIN(RULE_STEP)
+        BEGIN(RULE_UNTIL)
+        BEGIN(RULE_NEAR)
+        BEGIN(RULE_QUANTISED_STEP)
+        BEGIN(RULE_QUANTISED_UNTIL)
+        BEGIN(RULE_QUANTISED_BEGIN)
+        BEGIN(RULE_QUANTISED_NEAR)
+#undef BEGIN
+    default: /* RULE_SWEPT */
+        return 0;
+    }
 }
 
 /* What a list of nodes or features asks for: their vertices, of either side, 0 if they do
@@ -318,12 +356,11 @@ ENG_INLINE uint32_t test_selves(struct eng_join_round *round, const struct sides
 ENG_INLINE uint32_t find_by(struct eng_join *job, struct eng_join_round *round,
                             uint32_t pairs, bool self, struct wants wants, enum rule rule)
 {
-    const struct until until = {until_of(job->t_end),
-                                quantised_growth(job->farthest, job->t_end)};
-    struct sides sides = make_ready(job, round, pairs, rule);
+    const struct until until = until_as_rules_ask(job);
+    struct sides sides;
     uint32_t selves;
+    uint32_t count = begin_round(job, round, pairs, self, rule, &sides, &selves);
     look_at_corners(job, &sides, wants);
-    uint32_t count = list_boxes(job, round, &sides, pairs, self, rule, until, &selves);
     uint32_t found = test_boxes(round, &sides, count, wants, rule, until);
     job->tests += pairs + count;
     if (self) {
@@ -491,10 +528,7 @@ ENG_INLINE uint32_t join_swept(struct eng_join *job, struct eng_join_round *roun
 
 /* ---- by any rule ------------------------------------------------------------------- */
 
-/* The rule, and whether it is a run with itself, as constants of the code. */
-#define FIND(rule)                                                                       \
-    (self ? find_by(job, round, pairs, true, wants, rule)                                \
-          : find_by(job, round, pairs, false, wants, rule))
+#define FIND(rule) find_by(job, round, pairs, self, wants, rule)
 
 ENG_INLINE uint32_t find(struct eng_join *job, struct eng_join_round *round,
                          uint32_t pairs, bool self, struct wants wants)
