@@ -356,8 +356,8 @@ tests_unit_test_eng_wide_LDADD = $(ENG_TEST_LDADD)
 
 # The kernels once more for another processor, where a compiler for it is.
 check_PROGRAMS += tests/unit/kernel_digest
-TESTS += tests/unit/test_eng_neon.sh
-dist_check_SCRIPTS += tests/unit/test_eng_neon.sh
+TESTS += tests/unit/test_eng_neon.sh tests/unit/test_eng_sets.sh
+dist_check_SCRIPTS += tests/unit/test_eng_neon.sh tests/unit/test_eng_sets.sh
 tests_unit_kernel_digest_SOURCES = tests/unit/kernel_digest.c
 tests_unit_kernel_digest_CPPFLAGS = $(ENG_TEST_CPPFLAGS) -I$(top_srcdir)/tests/support
 tests_unit_kernel_digest_LDADD = libengine.la $(LIBM)

@@ -209,11 +209,13 @@ static void rounds__leave_out_what_stands(void **state)
                                 expected.count * sizeof *expected.list);
             assert_true(found.tests <= all.tests && found.apart <= all.apart);
             assert_true((found.still > 0) || found.count == all.count);
-            pairs += found.count;
-            still += all.count - found.count;
+            if (isa == ENG_ISA_SCALAR) { /* which every processor has */
+                pairs += found.count;
+                still += all.count - found.count;
+            }
         }
     }
-    assert_true(pairs > 100000 && still > 100000);
+    assert_true(pairs > 30000 && still > 30000);
 }
 
 /* If a pair were lost where a round ends, or where there is no room for it, its contact

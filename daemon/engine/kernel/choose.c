@@ -20,7 +20,8 @@ extern const struct eng_kernels eng_avx512_kernels;
 extern const struct eng_kernels eng_neon_kernels;
 #endif
 
-const struct eng_kernels *eng_kernels_of(enum eng_isa isa)
+/* The kernels that this processor can run. */
+static const struct eng_kernels *kernels_here(enum eng_isa isa)
 {
     switch (isa) {
     case ENG_ISA_SCALAR:
@@ -51,11 +52,12 @@ const struct eng_kernels *eng_kernels_of(enum eng_isa isa)
     }
 }
 
-const struct eng_kernels *eng_kernels_named(const char *name)
+/* Those of that name, or the best up to `last`. */
+static const struct eng_kernels *find(const char *name, int last)
 {
     bool any = !name || !*name;
-    for (int isa = ENG_ISA_COUNT - 1; isa >= 0; isa--) {
-        const struct eng_kernels *kernels = eng_kernels_of((enum eng_isa)isa);
+    for (int isa = last; isa >= 0; isa--) {
+        const struct eng_kernels *kernels = kernels_here((enum eng_isa)isa);
         if (kernels && (any || strcmp(kernels->name, name) == 0)) {
             return kernels;
         }
@@ -69,11 +71,21 @@ const struct eng_kernels *eng_kernels(void)
     const struct eng_kernels *kernels =
         atomic_load_explicit(&chosen, memory_order_relaxed);
     if (!kernels) {
-        kernels = eng_kernels_named(getenv("PCCD_CPU"));
-        kernels = kernels ? kernels : eng_kernels_named(NULL);
+        kernels = find(getenv("PCCD_CPU"), ENG_ISA_COUNT - 1);
+        kernels = kernels ? kernels : find(NULL, ENG_ISA_COUNT - 1);
         atomic_store_explicit(&chosen, kernels, memory_order_relaxed);
     }
     return kernels;
+}
+
+const struct eng_kernels *eng_kernels_of(enum eng_isa isa)
+{
+    return isa <= eng_kernels()->isa ? kernels_here(isa) : NULL;
+}
+
+const struct eng_kernels *eng_kernels_named(const char *name)
+{
+    return find(name, (int)eng_kernels()->isa);
 }
 
 const char *eng_kernels_name(const struct eng_kernels *kernels)

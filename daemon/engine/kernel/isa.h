@@ -19,16 +19,16 @@ enum eng_isa {
     ENG_ISA_COUNT
 };
 
-/* The kernels of an instruction set; NULL if this processor, or this build, has none. */
+/* Kernels of a set; NULL: this processor or build has none, or it is beyond PCCD_CPU. */
 const struct eng_kernels *eng_kernels_of(enum eng_isa isa);
 
 /* The set of that name, "scalar", "sse4", "avx2", "avx512" or "neon"; NULL or "": the
  * best that the processor has. NULL: there is no such set here. */
 const struct eng_kernels *eng_kernels_named(const char *name);
 
-/* What PCCD_CPU names, or the best; chosen at the first call and kept. A name that
- * this processor cannot follow counts as none: programs check it first, with
- * eng_kernels_named, and say so. */
+/* What PCCD_CPU names, or the best; chosen at the first call and kept. Later sets are
+ * used as little as if the processor had none. A name that it cannot follow counts as
+ * none: programs check it first, with eng_kernels_named, and say so. */
 const struct eng_kernels *eng_kernels(void);
 
 /* Its name, as in PCCD_CPU. */
