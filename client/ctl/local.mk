@@ -137,13 +137,18 @@ EXTRA_DIST += client/ctl/picture/cloth.apng
 bashcompletiondir = $(datadir)/bash-completion/completions
 zshcompletiondir = $(datadir)/zsh/site-functions
 fishcompletiondir = $(datadir)/fish/vendor_completions.d
-bashcompletion_DATA = client/ctl/completion/pccdctl
-zshcompletion_DATA = client/ctl/completion/_pccdctl
-fishcompletion_DATA = client/ctl/completion/pccdctl.fish
+bashcompletion_DATA =
+zshcompletion_DATA =
+fishcompletion_DATA =
+if RUNS_PROGRAMS
+bashcompletion_DATA += client/ctl/completion/pccdctl
+zshcompletion_DATA += client/ctl/completion/_pccdctl
+fishcompletion_DATA += client/ctl/completion/pccdctl.fish
+endif
 CLEANFILES += $(bashcompletion_DATA) $(zshcompletion_DATA) $(fishcompletion_DATA)
 client/ctl/completion/pccdctl: pccdctl$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion bash >$@
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && $(EMULATOR) ./pccdctl$(EXEEXT) completion bash >$@.tmp && mv $@.tmp $@
 client/ctl/completion/_pccdctl: pccdctl$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion zsh >$@
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && $(EMULATOR) ./pccdctl$(EXEEXT) completion zsh >$@.tmp && mv $@.tmp $@
 client/ctl/completion/pccdctl.fish: pccdctl$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && ./pccdctl$(EXEEXT) completion fish >$@
+	$(AM_V_GEN)$(MKDIR_P) client/ctl/completion && $(EMULATOR) ./pccdctl$(EXEEXT) completion fish >$@.tmp && mv $@.tmp $@

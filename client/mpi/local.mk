@@ -86,15 +86,17 @@ pccd_mpi_LDADD = libranks.la libctl.la libclient.la liboracle.la $(MPI_LIBS) $(J
 
 # Completion, as of pccdctl.
 mpi_completion = client/mpi/program/completion
+if RUNS_PROGRAMS
 bashcompletion_DATA += $(mpi_completion)/pccd-mpi
 zshcompletion_DATA += $(mpi_completion)/_pccd-mpi
 fishcompletion_DATA += $(mpi_completion)/pccd-mpi.fish
+endif
 $(mpi_completion)/pccd-mpi: pccd-mpi$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion bash >$@
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && $(EMULATOR) ./pccd-mpi$(EXEEXT) completion bash >$@.tmp && mv $@.tmp $@
 $(mpi_completion)/_pccd-mpi: pccd-mpi$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion zsh >$@
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && $(EMULATOR) ./pccd-mpi$(EXEEXT) completion zsh >$@.tmp && mv $@.tmp $@
 $(mpi_completion)/pccd-mpi.fish: pccd-mpi$(EXEEXT)
-	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && ./pccd-mpi$(EXEEXT) completion fish >$@
+	$(AM_V_GEN)$(MKDIR_P) $(mpi_completion) && $(EMULATOR) ./pccd-mpi$(EXEEXT) completion fish >$@.tmp && mv $@.tmp $@
 
 # For mpirun; tests/mpi/mpi_check.sh runs it.
 check_PROGRAMS += client/mpi/example/cloth_mpi

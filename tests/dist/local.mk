@@ -6,9 +6,9 @@
 # Both take minutes and want what a build wants; the second debhelper, dh-python and lintian.
 
 TESTS += tests/dist/bootstrap_check.sh tests/dist/container_check.sh \
-    tests/dist/install_check.sh
+    tests/dist/cross_check.sh tests/dist/install_check.sh
 dist_check_SCRIPTS += tests/dist/bootstrap_check.sh tests/dist/container_check.sh \
-    tests/dist/install_check.sh
+    tests/dist/cross_check.sh tests/dist/install_check.sh
 
 EXTRA_DIST += tests/dist/deb_check.sh tests/dist/dist_check.sh
 .PHONY: dist-check-reproducible deb-check
