@@ -129,8 +129,10 @@ static int run_locked(const struct srv_options *options, char **argv)
     pid_t holder = 0;
     int status = srv_lockfile_acquire(&lockfile, options->socket_path, &holder);
     if (status == PCCD_E_BUSY) {
-        srv_log(SRV_LOG_ERROR, 0, "%s is served by process %ld already",
-                options->socket_path, (long)holder);
+        if (!has_own_log()) { /* which is the other one's, too */
+            srv_log(SRV_LOG_ERROR, 0, "%s is served by process %ld already",
+                    options->socket_path, (long)holder);
+        }
         srv_listener_tell_held(options->ready_fd);
         return 1;
     }

@@ -7,6 +7,7 @@ Does:     motions that are read at each step, in this process, too; recordings; 
 
 import ctypes
 import gc
+import itertools
 import os
 import platform
 import signal
@@ -54,29 +55,40 @@ class Several(Case):
         self.assertEqual(client.daemon_pid, os.getpid())
         client.close()
 
-    # If this failed, a program that rounds otherwise would miss contacts of `direct:`, or
-    # round otherwise after it.
+    # If this failed, a program that rounds otherwise, or flushes subnormal numbers, would
+    # get other contacts of `direct:`, or compute otherwise after it.
     def test_direct__is_the_same_however_the_program_rounds(self):
         libm = ctypes.CDLL("libm.so.6")
         unit = 0x400000 if platform.machine() == "aarch64" else 0x400
+        flushes = [0, 0x8000, 0x40, 0x8040] if platform.machine() == "x86_64" else [0]
         random = np.random.default_rng(7)
         x = random.random((2, 3000, 3))
         triangles = np.arange(3000, dtype=np.uint32).reshape(-1, 3)
         x[:] = x[:, ::3].repeat(3, 1) + 0.1 * x
-        hashes = set()
-        for direction in range(4):
-            self.assertEqual(libm.fesetround(direction * unit), 0)
+        small = x * 2.0**-1022
+        before, mine, after = ((ctypes.c_uint32 * 8)() for _ in range(3))
+        libm.fegetenv(before)
+        told = set()
+        for direction, flush in itertools.product(range(4), flushes):
+            libm.fesetround(direction * unit)
+            libm.fegetenv(mine)
+            mine[7] |= flush  # MXCSR, of an x86
             try:
+                self.assertEqual(libm.fesetenv(mine), 0)
                 with pccd.connect("direct:") as client:
-                    scene = client.scene_create()
-                    body = client.scene_add(scene, client.mesh_create(x[0], triangles))
-                    with client.step_x1(scene, body, x[1]) as answer:
-                        hashes.add(answer.hash)
-                        self.assertGreater(answer.total, 1000)
-                self.assertEqual(libm.fegetround(), direction * unit)
+                    for positions in (x, small):
+                        scene = client.scene_create()
+                        mesh = client.mesh_create(positions[0], triangles)
+                        body = client.scene_add(scene, mesh)
+                        with client.step_x1(scene, body, positions[1]) as answer:
+                            told.add((positions is x, answer.hash, answer.total))
+                libm.fegetenv(after)
             finally:
-                libm.fesetround(0)
-        self.assertEqual(len(hashes), 1)
+                libm.fesetenv(before)
+            self.assertEqual(after[7] & ~0x3f, mine[7] & ~0x3f)
+            self.assertEqual(list(after)[:1], list(mine)[:1])
+        self.assertEqual(len(told), 2)
+        self.assertGreater(min(total for _, _, total in told), 1000)
 
     # If this failed, more motions than there was room for would be lost.
     def test_motions__may_be_any_number(self):

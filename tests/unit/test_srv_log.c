@@ -3,12 +3,15 @@
  * Room:     tests; sees daemon/server/log.h.
  * Does:     lines into a pipe that is read late or never.
  */
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -110,9 +113,51 @@ static void log__of_a_kind_is_bounded(void **state)
     assert_int_equal(count_lines(text, report), 1);
 }
 
+/* How long a file is to which so many lines went; the last one must be there. */
+static off_t bytes_of_lines(uint32_t own_bytes_max)
+{
+    char name[] = "/tmp/pccd-log-XXXXXX", last[sizeof TEXT];
+    struct stat found;
+    int status = 0, fd = mkstemp(name);
+    pid_t child;
+    assert_true(fd >= 0);
+    assert_int_equal(unlink(name), 0);
+    assert_int_equal(fcntl(fd, F_SETFL, O_APPEND), 0);
+    child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        if (dup2(fd, STDERR_FILENO) != STDERR_FILENO) {
+            _exit(1);
+        }
+        srv_log_own_file(own_bytes_max);
+        for (uint64_t line = 1; line <= LINES; line++) {
+            srv_log(SRV_LOG_ERROR, line, TEXT);
+        }
+        _exit(0);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(fstat(fd, &found), 0);
+    assert_int_equal(pread(fd, last, sizeof last, found.st_size - (off_t)sizeof last),
+                     sizeof last);
+    assert_memory_equal(last, TEXT "\n", sizeof last);
+    (void)close(fd);
+    return found.st_size;
+}
+
+/* If it failed, the log of a daemon that a program has started would fill the memory that
+ * it lies in; or a log that somebody keeps would lose lines. */
+static void log__own_file_stays_short(void **state)
+{
+    (void)state;
+    assert_in_range(bytes_of_lines(4096), 100, 4096 + 200);
+    assert_true(bytes_of_lines(0) > LINES * (off_t)sizeof TEXT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(log__own_file_stays_short),
         cmocka_unit_test(log__does_not_wait_for_a_reader),
         cmocka_unit_test(log__of_a_kind_is_bounded),
     };
