@@ -554,9 +554,9 @@ struct pccd_answer {
     double safe_step;
     uint64_t inside; /* records with PCCD_INSIDE, but for those with PCCD_INITIAL, too; in
                       * modes any and pairs 0 */
-    bool crowded;    /* there are thick pairs, and more than half of the records have
-                      * PCCD_INITIAL or PCCD_INSIDE: mostly a radius above the length of
-                      * the edges, for which rest_rings and rest_distance are */
+    bool crowded;    /* more than half of the records have PCCD_INITIAL or PCCD_INSIDE, of
+                      * a thick object or by the separation: mostly a radius above the
+                      * length of the edges, for which rest_rings and rest_distance are */
 };
 
 /* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;

@@ -23,6 +23,7 @@ struct totals {
     uint64_t verdicts[PCCD_VERDICT_NONE + 1];
     uint64_t incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT + 1];
     uint64_t threads, crossings;
+    uint64_t thin; /* contacts that begin where they meet, of objects without thickness */
     uint64_t said; /* struct ranks_stop */
     struct pccd_step_counters counters;
 };
@@ -30,15 +31,25 @@ struct totals {
 /* Of struct ranks_sums what is added up. */
 #define SUMS_WORDS ((int)(offsetof(struct ranks_sums, toi_first) / sizeof(uint64_t)))
 
-static bool is_thick(const struct pccd_mpi *world,
-                     const struct pccd_step_settings *settings)
+static bool is_thick(const struct pccd_mpi *world, uint32_t handle, uint32_t *at)
 {
-    bool is_on = settings->separation > 0;
-    for (uint32_t o = 0; o < world->object_count; o++) {
-        const struct ranks_object *object = world->objects[o];
-        is_on = is_on || object->settings.radius > 0 || object->mesh->radius_max > 0;
+    const struct ranks_object *object = ranks_find_object_from(world, handle, at);
+    return object->settings.radius > 0 || object->mesh->radius_max > 0;
+}
+
+/* Of this rank's records, whatever the step's separation. */
+static uint64_t count_thin(const struct pccd_mpi *world, enum pccd_mode mode)
+{
+    const struct pccd_contact *contacts = world->records;
+    uint32_t at_a = 0, at_b = 0;
+    uint64_t thin = 0;
+    for (uint64_t i = 0; mode <= PCCD_MODE_FIRST && i < world->record_count; i++) {
+        if ((contacts[i].flags & (PCCD_INITIAL | PCCD_INSIDE)) != 0) {
+            thin += !is_thick(world, contacts[i].object_a, &at_a) &&
+                    !is_thick(world, contacts[i].object_b, &at_b);
+        }
     }
-    return is_on;
+    return thin;
 }
 
 static enum pccd_verdict verdict_of(const struct totals *totals, enum pccd_mode mode)
@@ -94,8 +105,10 @@ static void write_answer(const struct pccd_mpi *world,
     answer->toi_first = answer->mode == PCCD_MODE_PAIRS ? 2 : sums->toi_first;
     answer->verdict = verdict_of(totals, answer->mode);
     answer->incomplete = why_incomplete(totals, answer->mode);
-    answer->crowded = is_thick(world, settings) && answer->mode != PCCD_MODE_ANY &&
-                      sums->initial + sums->inside > sums->total / 2;
+    answer->crowded =
+        answer->mode != PCCD_MODE_ANY &&
+        sums->initial + sums->inside - (settings->separation > 0 ? 0 : totals->thin) >
+            sums->total / 2;
     answer->counters = totals->counters;
     answer->threads = (uint32_t)totals->threads;
     answer->safe_step = safe_step(answer);
@@ -138,9 +151,13 @@ static int slowest(struct pccd_mpi *world, uint64_t *cut_ns, struct pccd_answer 
 
 /* Of an answer that is too long the first records stay; what is counted of them is
  * counted anew. */
-static int shorten(struct pccd_mpi *world, struct totals *totals)
+static int shorten(struct pccd_mpi *world, enum pccd_mode mode, struct totals *totals)
 {
     int status = ranks_limit_keep(world);
+    if (status == PCCD_OK) {
+        totals->thin = count_thin(world, mode);
+        status = ranks_sum(&world->link, &totals->thin, 1);
+    }
     if (status == PCCD_OK) {
         ranks_records_sum(world, &totals->sums);
         status = ranks_min_doubles(&world->link, &totals->sums.toi_first, 1);
@@ -174,6 +191,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
         ranks_records_drop_later(world, limit);
         ranks_records_sum(world, &totals.sums);
     }
+    totals.thin = count_thin(world, answer->mode);
     totals.verdicts[answer->verdict] = 1;
     totals.incomplete[answer->incomplete] = 1;
     double toi_first = totals.sums.toi_first;
@@ -200,7 +218,7 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
     totals.sums.toi_first = toi_first;
     world->found = totals.sums.total;
     if (status == PCCD_OK && totals.sums.total > world->record_limit) {
-        status = shorten(world, &totals);
+        status = shorten(world, answer->mode, &totals);
     }
     write_answer(world, settings, &totals, answer);
     return status;

@@ -12,6 +12,7 @@
 #include "kinds.h"
 #include "memory.h"
 #include "moving.h"
+#include "thickness.h"
 
 /* Records of a brief step that are looked at, at most: some 10 us. */
 #define BRIEF_RECORDS 1024u
@@ -143,17 +144,22 @@ static void find_owners(const struct eng_kept *kept, const struct eng_scene *sce
     }
 }
 
-static bool record_stands(const struct eng_kept *kept, const struct eng_scene *scene,
-                          const unsigned char *record, uint32_t bytes,
-                          struct owners *owners)
+static void look_up(const struct eng_kept *kept, const struct eng_scene *scene,
+                    uint32_t a, uint32_t b, struct owners *owners)
 {
-    uint32_t a = eng_name_word(record, bytes, 1);
-    uint32_t b = eng_name_word(record, bytes, 3);
     if (!owners->object[0] || a != owners->id[0] || b != owners->id[1]) {
         owners->id[0] = a;
         owners->id[1] = b;
         find_owners(kept, scene, owners);
     }
+}
+
+static bool record_stands(const struct eng_kept *kept, const struct eng_scene *scene,
+                          const unsigned char *record, uint32_t bytes,
+                          struct owners *owners)
+{
+    look_up(kept, scene, eng_name_word(record, bytes, 1), eng_name_word(record, bytes, 3),
+            owners);
     if (!owners->may_stand) {
         return false;
     }
@@ -304,6 +310,33 @@ void eng_kept_count(const struct eng_records *records, struct eng_counts *counts
                      counts, &bound);
     }
     counts->hash = eng_hash_records(records->data, records->count, records->record_bytes);
+}
+
+bool eng_kept_is_crowded(struct eng_kept *kept, const struct eng_scene *scene,
+                         const struct eng_records *records,
+                         const struct eng_counts *counts)
+{
+    uint64_t within = counts->initial + counts->inside;
+    const uint64_t half = records->count / 2;
+    const bool has_changed = kept->objects_changed;
+    struct owners owners = {.may_stand = false};
+    if (!scene->thickness.is_on || within <= half) {
+        return false;
+    }
+    if ((has_changed || !kept->table) && !make_table(kept, scene)) {
+        return true; /* it is not known of whom */
+    }
+    kept->objects_changed = has_changed;
+    for (uint64_t i = 0; i < records->count && within > half; i++) {
+        const struct pccd_contact *contact =
+            (const void *)(records->data + i * sizeof *contact);
+        if ((contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) != 0) {
+            look_up(kept, scene, contact->object_a, contact->object_b, &owners);
+            within -= !eng_thickness_is_within(scene, owners.object[0]) &&
+                      !eng_thickness_is_within(scene, owners.object[1]);
+        }
+    }
+    return within > half;
 }
 
 /* Where among the records [count] one of this name belongs: from the end on, as those to

@@ -78,6 +78,12 @@ bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene
 double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
                        struct eng_records *records, struct eng_counts *counts);
 
+/* Of an answer's records and their counts: do more than half begin within the distance of
+ * their objects, of which one is thick? */
+bool eng_kept_is_crowded(struct eng_kept *kept, const struct eng_scene *scene,
+                         const struct eng_records *records,
+                         const struct eng_counts *counts);
+
 /* Count records anew. */
 void eng_kept_count(const struct eng_records *records, struct eng_counts *counts);
 

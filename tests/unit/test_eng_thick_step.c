@@ -207,6 +207,32 @@ static void step__leaves_thin_what_is_nearer_at_rest(void **state)
     }
 }
 
+/* Two objects touch from the beginning; a third one is far away. If it failed: who has one
+ * thick object would be told that it is too thick, whatever it is that touches. */
+static void step__is_crowded_by_thick_objects_alone(void **state)
+{
+    (void)state;
+    static const struct eng_object_thickness thick = {.has_radius = true, .radius = 1};
+    for (uint32_t i = 0; i < 2 * WAY_METHODS; i++) {
+        struct eng_step_settings settings =
+            way(i / 2, i % 2 == 0 ? PCCD_MODE_ALL : PCCD_MODE_FIRST, 0);
+        struct eng_step_result result;
+        struct eng_scene *scene;
+        assert_int_equal(eng_scene_new(NULL, &scene), PCCD_OK);
+        add_long_triangle(scene, 1, 0);
+        add_long_triangle(scene, 2, 0); /* in the same place */
+        add_long_triangle(scene, 3, 1000);
+        for (uint32_t object = 3; object-- > 0;) { /* the last one is far away */
+            assert_int_equal(eng_scene_set_thickness(scene, object, &thick), PCCD_OK);
+            eng_stage_begin(scene);
+            assert_int_equal(eng_step(scene, &settings, &result), PCCD_OK);
+            assert_true(result.count > 0 && result.initial == result.count);
+            assert_int_equal(result.thick.is_crowded, object < 2);
+        }
+        eng_scene_free(scene);
+    }
+}
+
 /* If it failed: nonsense would be taken for a length. */
 static void step__refuses_what_is_no_length(void **state)
 {
@@ -296,6 +322,7 @@ int main(void)
         cmocka_unit_test(step__tests_thick_bodies_that_poses_move),
         cmocka_unit_test(step__leaves_thin_what_is_nearer_at_rest),
         cmocka_unit_test(rings__are_not_kept_when_they_were_cancelled),
+        cmocka_unit_test(step__is_crowded_by_thick_objects_alone),
         cmocka_unit_test(step__refuses_what_is_no_length),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
