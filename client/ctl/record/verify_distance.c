@@ -465,8 +465,7 @@ static const char *misfit(const struct play_near *near)
     if (now != NULL || then == NULL) {
         return NULL;
     }
-    if (then->incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT ||
-        (then->incomplete == PCCD_INCOMPLETE_DEADLINE && near->asked->deadline_ns == 0)) {
+    if (then->incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT) {
         return "the answer ended for no reason that there is";
     }
     if (near->count > then->total || (near->count > 0 && near->count < then->total &&

@@ -167,10 +167,6 @@ static const char *misended(const struct play_step *step)
     if (incomplete > PCCD_INCOMPLETE_CONTACT_LIMIT) {
         return "the answer is incomplete for no reason that there is";
     }
-    if (incomplete == PCCD_INCOMPLETE_DEADLINE && step->frame->deadline_ns == 0 &&
-        step->answer == NULL) {
-        return "the answer ended at a deadline, and the step had none";
-    }
     if (is_any && (incomplete == PCCD_INCOMPLETE_RESULT_FULL ||
                    incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT)) {
         return "the answer of mode any has no records, and says that there were too many";
