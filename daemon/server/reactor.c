@@ -526,9 +526,9 @@ int srv_reactor_run(const struct srv_options *options, struct srv_lockfile *lock
     reactor->server.path_lost = on_path_lost;
     reactor->server.lockfile = lockfile;
     int status = srv_service_init(&reactor->server.service, options);
-    choose_affinity(reactor);
     reactor->server.service.does_brief = true;
     if (status == 0) {
+        choose_affinity(reactor);
         status = init_buffers(reactor);
     }
     if (status == 0) {
