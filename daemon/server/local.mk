@@ -10,6 +10,7 @@ libserver_la_SOURCES = \
     daemon/server/conn.c daemon/server/conn.h \
     daemon/server/crash.c daemon/server/crash.h \
     daemon/server/landlock.c daemon/server/landlock.h \
+    daemon/server/kept.c daemon/server/kept.h \
     daemon/server/lifeline.c daemon/server/lifeline.h \
     daemon/server/listener.c daemon/server/listener.h \
     daemon/server/lockfile.c daemon/server/lockfile.h \

@@ -22,6 +22,7 @@
 
 #include "activate.h"
 #include "closer.h"
+#include "config.h"
 #include "conn.h"
 #include "crash.h"
 #include "dispatch.h"
@@ -29,6 +30,7 @@
 #include "heartbeat.h"
 #include "holding.h"
 #include "invariant.h"
+#include "kept.h"
 #include "lifeline.h"
 #include "linger.h"
 #include "listener.h"
@@ -457,6 +459,7 @@ static int start_queues(struct srv_reactor *reactor)
 /* With everything allocated: serve. */
 static int serve(struct srv_reactor *reactor)
 {
+    struct srv_config_kept *kept = srv_kept_take();
     int status = init_handles(reactor);
     srv_priority_punctual(); /* the team sleeps for 20 us at a time where it must */
     if (status != 0) {
@@ -503,6 +506,7 @@ static int serve(struct srv_reactor *reactor)
             srv_listener_tell_ready(reactor->server.service.options->ready_fd);
         }
         reactor->server.service.start_ns = common_now_ns();
+        srv_config_restore(&reactor->server.service, kept);
         srv_listener_room(&reactor->listener); /* from here on clients are taken over */
         watch_idle(reactor, true);
         srv_heartbeat_ready(&reactor->heartbeat);

@@ -28,6 +28,7 @@
 #include <unistd.h>
 
 #include "activate.h"
+#include "kept.h"
 #include "lifeline.h"
 #include "listener.h"
 #include "log.h"
@@ -61,6 +62,7 @@ struct supervisor {
     char **argv;
     struct worker worker;
     struct worker spare;
+    int kept_fd;  /* what workers keep for each other (kept.h); -1: nothing */
     int spare_fd; /* a byte to it and it begins; -1: none */
     bool wants_spare;
     bool stopping;
@@ -91,6 +93,7 @@ static void become_worker(const struct supervisor *supervisor, pid_t parent, int
     /* Without its supervisor nobody would start it again: it ends in order. */
     if (prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && getppid() == parent &&
         srv_standby_give(wait_fd) == 0 && srv_lifeline_give(lifeline) == 0 &&
+        srv_kept_give(supervisor->kept_fd) == 0 &&
         srv_activate_give(supervisor->listen_fd) == 0 && srv_notify_give() == 0 &&
         sigprocmask(SIG_SETMASK, &none, NULL) == 0) {
         execv("/proc/self/exe", supervisor->argv);
@@ -406,6 +409,7 @@ int srv_supervise(const struct srv_options *options, char **argv,
                                     .worker = {.lifeline = -1},
                                     .spare = {.lifeline = -1},
                                     .spare_fd = -1,
+                                    .kept_fd = srv_kept_make(),
                                     .ready_fd = options->ready_fd,
                                     .argv = argv,
                                     .crashes_max = options->crashes_max};
@@ -419,6 +423,7 @@ int srv_supervise(const struct srv_options *options, char **argv,
         srv_socketfile_bind(&supervisor.file, options, &supervisor.listen_fd) != 0) {
         srv_log(SRV_LOG_ERROR, 0, "%s: %s", options->socket_path, strerror(errno));
         close_if_open(&supervisor.signal_fd);
+        close_if_open(&supervisor.kept_fd);
         return 1;
     }
     srv_log(SRV_LOG_INFO, 0, "process %ld supervises %s", (long)getpid(),
@@ -429,5 +434,6 @@ int srv_supervise(const struct srv_options *options, char **argv,
     close(supervisor.listen_fd);
     close_if_open(&supervisor.worker.lifeline);
     close_if_open(&supervisor.signal_fd);
+    close_if_open(&supervisor.kept_fd);
     return exit_status;
 }

@@ -7,6 +7,7 @@
  */
 #include <grp.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -456,6 +457,34 @@ static void observe__other_users_are_refused(void **state)
     assert_int_equal(chmod(test_shared.socket, 0600), 0);
 }
 
+/* If it failed, an operator who has let more clients in would find them refused again
+ * after a crash. */
+static void config__outlives_a_crash(void **state)
+{
+    static const char *const options[] = {"--supervise", NULL};
+    struct test_daemon daemon;
+    struct pccd_client *client;
+    pid_t worker;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    assert_int_equal(pccd_config_set(client, "clients-max", "7"), 0);
+    assert_int_equal(pccd_config_set(client, "log-level", "warn"), 0);
+    for (int i = 0; i < 2; i++) {
+        worker = (pid_t)pccd_daemon_pid(client);
+        assert_int_equal(kill(worker, SIGKILL), 0);
+        assert_int_equal(pccd_ping(client, NULL), 0);
+        assert_true((pid_t)pccd_daemon_pid(client) != worker);
+        expect_setting(client, "clients-max", "7", true);
+        expect_setting(client, "log-level", "warn", true);
+        expect_setting(client, "meshes-max", "131072", false);
+    }
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
 #define TEST(name)                                                                       \
@@ -464,6 +493,7 @@ int main(void)
         TEST(list__has_what_a_session_has),
         TEST(histogram__counts_every_step_and_request),
         TEST(config__settings_change_and_hold),
+        cmocka_unit_test(config__outlives_a_crash),
         TEST(watch__tells_every_step_of_another_session),
         TEST(watch__who_does_not_read_hears_what_was_lost),
         TEST(watch__who_reads_late_hears_of_all_that_fits),

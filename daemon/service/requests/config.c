@@ -8,6 +8,7 @@
 #include "config.h"
 
 #include <errno.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,6 +59,8 @@ enum setting {
 #undef ENUM
         SETTING_COUNT
 };
+
+_Static_assert(SETTING_COUNT <= SRV_CONFIG_KEPT_MAX, "all of them can be kept");
 
 static const struct {
     const char *name;
@@ -206,6 +209,12 @@ static void write_value(struct srv_service *service, enum setting setting, uint6
     }
 }
 
+static uint64_t most_of(const struct srv_service *service, enum setting setting)
+{
+    uint64_t most = settings[setting].most;
+    return most != 0 ? most : read_value(service->start_options, setting);
+}
+
 static void print_value(uint64_t value, enum setting setting, char *text, size_t bytes)
 {
     if (setting == SETTING_LOG_LEVEL) {
@@ -249,9 +258,7 @@ int srv_config_set(struct srv_service *service, uint32_t index, const char *text
     PCCD_ASSERT(index < SETTING_COUNT);
     enum setting setting = (enum setting)index;
     uint64_t least = settings[index].least;
-    uint64_t most = settings[index].most != 0
-                        ? settings[index].most
-                        : read_value(service->start_options, setting);
+    uint64_t most = most_of(service, setting);
     uint64_t value = 0;
     if (!parse_value(text, setting, &value)) {
         return proto_error_set(error, PCCD_E_INVAL, "%s: \"%.64s\" is not %s",
@@ -265,5 +272,26 @@ int srv_config_set(struct srv_service *service, uint32_t index, const char *text
                                (unsigned long long)least, (unsigned long long)most);
     }
     write_value(service, setting, value);
+    if (service->kept != NULL) {
+        atomic_store(&service->kept->plus_one[index], value + 1);
+    }
     return 0;
+}
+
+void srv_config_restore(struct srv_service *service, struct srv_config_kept *kept)
+{
+    srv_assert_loop();
+    service->kept = kept;
+    for (uint32_t i = 0; i < SETTING_COUNT && kept != NULL; i++) {
+        enum setting setting = (enum setting)i;
+        uint64_t value = atomic_load(&kept->plus_one[i]) - 1;
+        if (value != UINT64_MAX && value >= settings[i].least &&
+            value <= most_of(service, setting)) {
+            char text[32];
+            write_value(service, setting, value);
+            print_value(value, setting, text, sizeof text);
+            srv_log(SRV_LOG_INFO, 0, "%s: %s, as before the crash", settings[i].name,
+                    text);
+        }
+    }
 }

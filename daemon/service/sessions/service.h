@@ -27,6 +27,7 @@
 struct proto_decoder;
 struct proto_encoder;
 struct proto_error;
+struct srv_config_kept;
 struct srv_watcher;
 struct srv_session;
 struct srv_shared;
@@ -44,6 +45,7 @@ struct srv_service {
     const struct srv_options *options;       /* as they are now */
     const struct srv_options *start_options; /* as they were when it started */
     struct srv_options live;                 /* where `options` points: config.set */
+    struct srv_config_kept *kept; /* that outlives us (config.h); NULL: nothing does */
     struct srv_compute compute;
     struct srv_compute pages; /* makes and frees rings: 2 us a page */
     struct srv_workspace
