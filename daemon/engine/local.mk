@@ -304,5 +304,6 @@ libengine_la_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS) $(XXHASH_CFLAGS)
 # libtool hands -fopenmp on to whatever links this library.
 libengine_la_LDFLAGS = $(OPENMP_CFLAGS)
 libengine_la_LIBADD = $(kernel_libraries) $(GMP_LIBS) $(LIBM)
+libengine_la_DEPENDENCIES = $(kernel_libraries)
 
 EXTRA_DIST += daemon/engine/README.md daemon/engine/elementary/BOUNDS.md

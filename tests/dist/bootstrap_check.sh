@@ -16,7 +16,7 @@ trap 'rm -rf "$work"' EXIT
 log=$work/log
 mkdir "$work/source" "$work/tools"
 cp "$top_srcdir/bootstrap" "$work/source/"
-for tool in sh awk tr dirname cat find mkdir; do
+for tool in sh awk tr dirname cat chmod find mkdir touch; do
     ln -s "$(command -v $tool)" "$work/tools/"
 done
 
@@ -37,14 +37,20 @@ false_program old pkg-config 'case $2 in msgpack*) exit 1 ;; esac'
 false_program apt apt-get "echo \"\$@\" >>$work/calls"
 false_program apt dpkg-query 'exit 1' # a name that is no package's any more
 
+false_program demo autoreconf 'echo "#!/bin/sh" >configure; chmod +x configure'
+false_program demo make "echo make \"\$@\" >>$work/calls
+echo 'echo shown' >build/pccdctl; chmod +x build/pccdctl"
+
 # bootstrap_with FOLDER...: with the programs of these; what was called is in calls.
+what=
 bootstrap_with() {
-    local path=
+    local path= expected=1
+    [ "$what" = '' ] || expected=0
     for folder in "$@"; do path=$path$work/$folder:; done
     : >"$work/calls"
-    (cd "$work/source" && env -i PATH="$path$work/tools" "$work/tools/sh" ./bootstrap) \
+    (cd "$work/source" && env -i PATH="$path$work/tools" "$work/tools/sh" ./bootstrap $what) \
         </dev/null >"$log" 2>&1
-    [ $? -eq 1 ] && { echo "calls:"; cat "$work/calls"; } >>"$log"
+    [ $? -eq $expected ] && { echo "calls:"; cat "$work/calls"; } >>"$log"
 }
 
 bootstrap_with root apt all && [ "$(cat "$work/calls")" = built ]
@@ -70,5 +76,12 @@ tap_result $? bootstrap__names_all_that_is_missing_on_another_system "$log"
 bootstrap_with user all && [ "$(cat "$work/calls")" = built ]
 # If it failed, it would not build there although everything is there.
 tap_result $? bootstrap__builds_on_another_system "$log"
+
+what=demo
+bootstrap_with user demo all && grep -q 'make .*demo-programs$' "$work/calls" &&
+    [ "$(grep -c make "$work/calls")" -eq 1 ] && grep -q 'takes [1-9].* minutes' "$log" &&
+    grep -q '^shown$' "$log"
+# If it failed, the picture would wait for all that is not in it, and nobody would know how long.
+tap_result $? bootstrap__builds_for_the_demo_what_it_needs "$log"
 
 tap_end

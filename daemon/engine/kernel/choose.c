@@ -20,6 +20,14 @@ extern const struct eng_kernels eng_avx512_kernels;
 extern const struct eng_kernels eng_neon_kernels;
 #endif
 
+#ifdef __x86_64__
+/* See absent.c. */
+static const struct eng_kernels *if_built(const struct eng_kernels *kernels)
+{
+    return kernels->name ? kernels : NULL;
+}
+#endif
+
 /* The kernels that this processor can run. */
 static const struct eng_kernels *kernels_here(enum eng_isa isa)
 {
@@ -30,17 +38,17 @@ static const struct eng_kernels *kernels_here(enum eng_isa isa)
     /* The compiler's runtime asks the processor, and whether the system saves the
      * registers. */
     case ENG_ISA_SSE4:
-        return __builtin_cpu_supports("sse4.2") ? &eng_sse4_kernels : NULL;
+        return __builtin_cpu_supports("sse4.2") ? if_built(&eng_sse4_kernels) : NULL;
     case ENG_ISA_AVX2:
         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2")
-                   ? &eng_avx2_kernels
+                   ? if_built(&eng_avx2_kernels)
                    : NULL;
     case ENG_ISA_AVX512:
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                        __builtin_cpu_supports("avx512dq") &&
                        __builtin_cpu_supports("avx512bw") &&
                        __builtin_cpu_supports("bmi2")
-                   ? &eng_avx512_kernels
+                   ? if_built(&eng_avx512_kernels)
                    : NULL;
 #endif
 #ifdef __aarch64__

@@ -107,3 +107,39 @@ libkernel_neon_la_CPPFLAGS = $(kernel_cppflags) \
     -DENG_ISA=neon -DENG_ISA_NUMBER=ENG_ISA_NEON -DENG_VECTOR_BYTES=16
 libkernel_neon_la_CFLAGS = $(kernel_cflags)
 endif
+
+# What the demo takes: of x86-64 the least set and the one that choose.c takes here; in the place
+# of each other one, where it is not there yet, absent.c. make builds what is missing.
+EXTRA_DIST += daemon/engine/kernel/absent.c
+demo_kernels =
+demo-programs:
+	$(AM_V_at)has() { for flag; do grep -qw "$$flag" /proc/cpuinfo || return 1; done; } && \
+	best=scalar && \
+	for set in $(demo_kernels); do \
+	    case $$set in \
+	    sse4) has sse4_2 ;; \
+	    avx2) has avx2 bmi2 ;; \
+	    avx512) has avx512f avx512vl avx512dq avx512bw bmi2 ;; \
+	    esac && best=$$set || :; \
+	done && \
+	all='$(kernel_libraries)' && some= && \
+	for library in $$all; do \
+	    case $$library in *_scalar.la | *_$$best.la) ;; \
+	    *) test '$(demo_kernels)' = '' || test -e $$library || \
+	        library=libkernel_no_$${library#libkernel_} ;; \
+	    esac; \
+	    some="$$some $$library"; \
+	done && \
+	$(MAKE) $(AM_MAKEFLAGS) pccdd$(EXEEXT) pccdctl$(EXEEXT) kernel_libraries="$$some"
+.PHONY: demo-programs
+
+if X86_64
+demo_kernels += sse4 avx2 avx512
+EXTRA_LTLIBRARIES += libkernel_no_sse4.la libkernel_no_avx2.la libkernel_no_avx512.la
+libkernel_no_sse4_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_sse4_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=sse4
+libkernel_no_avx2_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_avx2_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=avx2
+libkernel_no_avx512_la_SOURCES = daemon/engine/kernel/absent.c
+libkernel_no_avx512_la_CPPFLAGS = $(kernel_cppflags) -DENG_ISA=avx512
+endif
