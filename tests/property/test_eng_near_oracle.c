@@ -4,11 +4,12 @@
  *           tests/unit, cmocka.
  * Does:     long sequences of steps and questions: objects come, go, are replaced, stand,
  *           move and jump, have radii in some sequences and leave pairs thin; steps fail,
- *           end early, are given up, or are taken by the other method; some questions
- *           move the scene themselves, some are cut short. Each
- *           answer against a scene made anew that is asked by the other method; of small
- *           scenes also against exact arithmetic on all pairs. Each step against a fresh
- *           scene, as if nothing had been asked, and its answer stays as it was.
+ *           end early, are given up, or are taken by the other method, with a separation
+ *           and an approach where there are radii; some questions move the scene
+ *           themselves, some are cut short. Each answer against a scene made anew that is
+ *           asked by the other method; of small scenes also against exact arithmetic on
+ *           all pairs. Each step against a fresh scene, as if nothing had been asked, and
+ *           its answer stays as it was.
  * Threads:  teams of one to four.
  * Source:   PCCD_SEED repeats a sequence; PCCD_NEAR_SEQUENCES says how many, and
  *           PCCD_PROPERTY_SECONDS for how long.
@@ -41,6 +42,8 @@
 static struct {
     uint64_t sequences;
     uint64_t steps;
+    uint64_t inside;    /* pairs of complete steps that began within their distance */
+    uint64_t shortened; /* steps with fewer records than there are, of which these are */
     uint64_t questions;
     uint64_t moving;  /* of these: moved the scene */
     uint64_t cut;     /* ended before they were complete */
@@ -58,6 +61,7 @@ struct sequence {
     struct stir stir;
     struct eng_step_settings settings; /* of the steps */
     struct eng_near_settings question; /* the last one */
+    bool is_thick;                     /* there may be radii and a separation */
     bool is_spoilt;                    /* where the last step began is not kept */
     /* The answer of the last step, and a copy of it; NULL: there is none. */
     struct eng_step_result last;
@@ -135,10 +139,12 @@ static void check_last(const struct sequence *sequence)
          "a question has changed what is told of the last step's threads");
 }
 
-static void check_step(struct sequence *sequence, const struct eng_step_result *result)
+static void check_step(struct sequence *sequence,
+                       const struct eng_step_settings *settings,
+                       const struct eng_step_result *result)
 {
     struct fresh_answer fresh;
-    fresh_find(&sequence->stir.player, &sequence->settings, &fresh);
+    fresh_find(&sequence->stir.player, settings, &fresh);
     const char *difference = fresh_difference(&fresh, result);
     must(sequence, difference == NULL, difference);
     must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
@@ -149,12 +155,18 @@ static void check_step(struct sequence *sequence, const struct eng_step_result *
 /* Mostly as the last step was taken. */
 static void change_settings(struct sequence *sequence)
 {
+    static const double tolerances[] = {1e-6, 1e-3, 1e-12};
     struct eng_step_settings *settings = &sequence->settings;
     if (draw(sequence, 4) == 0) {
         way_draw(&sequence->prng, THREADS_MAX, settings);
     }
     if (draw(sequence, 4) == 0) {
         settings->mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+    }
+    if (sequence->is_thick && draw(sequence, 4) == 0) {
+        settings->tolerance = tolerances[draw(sequence, 3)];
+        settings->separation = draw(sequence, 2) * PLAY_UNIT * draw(sequence, 64);
+        settings->approach = 0.25 * draw(sequence, 4);
     }
 }
 
@@ -165,7 +177,7 @@ static void take_step(struct sequence *sequence)
     struct eng_step_settings settings = sequence->settings;
     struct eng_step_result result;
     atomic_bool cancel = true;
-    uint32_t how = draw(sequence, 15);
+    uint32_t how = draw(sequence, 20);
     forget_last(sequence);
     if (how == 0) {
         settings.cancel = &cancel;
@@ -173,6 +185,8 @@ static void take_step(struct sequence *sequence)
         settings.deadline_ns = common_now_ns() + draw(sequence, 400) * 1000;
     } else if (how == 2) {
         settings.brief = true;
+    } else if (how == 3) {
+        settings.contact_max = draw(sequence, 20);
     }
     int status = player_step(&sequence->stir.player, &settings, &result);
     if (status == PCCD_E_INVAL && settings.brief) { /* not by this method */
@@ -184,10 +198,16 @@ static void take_step(struct sequence *sequence)
     must(sequence, status == PCCD_OK || (settings.brief && status == PCCD_E_AGAIN),
          "the step failed");
     if (status == PCCD_OK) {
+        bool is_complete = result.incomplete == PCCD_COMPLETE;
+        /* Those that are too many to keep are the last ones, in these modes. */
+        bool is_prefix = how == 3 && (settings.mode == PCCD_MODE_ALL ||
+                                      settings.mode == PCCD_MODE_PAIRS);
         keep_last(sequence, &result);
-        if (result.incomplete == PCCD_COMPLETE) {
-            check_step(sequence, &result);
+        if (is_complete || is_prefix) {
+            check_step(sequence, &settings, &result);
         }
+        sums.inside += is_complete ? result.thick.inside : 0;
+        sums.shortened += is_prefix && !is_complete;
     }
 }
 
@@ -234,10 +254,11 @@ static uint64_t triangles_of(const struct player *player)
 static void draw_question(struct sequence *sequence)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
-                                                PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS};
+                                                PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS,
+                                                PCCD_NEAR_NEAREST};
     const struct player *player = &sequence->stir.player;
     struct eng_near_settings *question = &sequence->question;
-    *question = near_kit_settings(whats[draw(sequence, 4)]);
+    *question = near_kit_settings(whats[draw(sequence, 5)]);
     question->distance = some_distance(sequence);
     if (triangles_of(player) > MANY) {
         question->distance = fmin(question->distance, PLAY_UNIT * PLAY_ONE / 16);
@@ -250,9 +271,18 @@ static void draw_question(struct sequence *sequence)
         question->step.mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
     }
     question->step.separation = some_distance(sequence); /* is that of steps alone */
-    if (question->what == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 &&
-        player->object_count > 0) {
-        question->objects[0] = player->objects[draw(sequence, player->object_count)].id;
+    uint32_t count = player->object_count;
+    if (question->what == PCCD_NEAR_VERTICES && draw(sequence, 4) == 0 && count > 0) {
+        question->objects[0] = player->objects[draw(sequence, count)].id;
+    }
+    if (question->what == PCCD_NEAR_NEAREST) {
+        question->gap = draw(sequence, 3) ? 0 : some_distance(sequence);
+    }
+    if (question->what == PCCD_NEAR_NEAREST && count > 1 && draw(sequence, 3) == 0) {
+        uint32_t first = draw(sequence, count);
+        uint32_t other = (first + 1 + draw(sequence, count - 1)) % count;
+        question->objects[0] = player->objects[first].id;
+        question->objects[1] = player->objects[other].id;
     }
 }
 
@@ -261,12 +291,18 @@ static void check_answer(struct sequence *sequence, const struct eng_near_result
     const struct player *player = &sequence->stir.player;
     const struct eng_near_settings *question = &sequence->question;
     bool is_limited = result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
-    const char *wrong = near_judge(player, question, result, QUERIES_MAX, &judged);
+    bool is_nearest = question->what == PCCD_NEAR_NEAREST;
+    const char *wrong =
+        is_nearest ? NULL : near_judge(player, question, result, QUERIES_MAX, &judged);
     must(sequence, !wrong, wrong);
     if (result->incomplete == PCCD_COMPLETE || is_limited) {
         struct near_answer fresh;
         near_find_fresh(player, question, &fresh);
-        wrong = near_difference(&fresh, result);
+        if (question->gap == 0) {
+            wrong = near_difference(&fresh, result);
+        } else if (!is_limited && fresh.result.count != result->count) {
+            wrong = "two objects have a pair by one method alone";
+        }
         near_free(&fresh);
         must(sequence, !wrong, wrong);
         sums.records += result->count;
@@ -336,15 +372,15 @@ static void live(uint64_t seed)
     sequence.settings = (struct eng_step_settings)ENG_STEP_SETTINGS_DEFAULT;
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
-    bool is_thick = draw(&sequence, 2) > 0;
-    if (is_thick) {
+    sequence.is_thick = draw(&sequence, 2) > 0;
+    if (sequence.is_thick) {
         thicken(&sequence);
     }
     for (; sequence.step < steps; sequence.step++) {
         note_size(&sequence.stir.player);
         forget_last(&sequence); /* it may go with an object */
         stir_change(&sequence.stir);
-        if (is_thick && draw(&sequence, 2) > 0) {
+        if (sequence.is_thick && draw(&sequence, 2) > 0) {
             player_draw_thickness(&sequence.stir.player, &sequence.prng);
         }
         ask_some(&sequence);
@@ -376,9 +412,11 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
 {
     (void)state;
     sequences_live(live, SEQUENCES, "PCCD_NEAR_SEQUENCES");
-    print_message("# %llu sequences, %llu steps, %llu questions: %llu that moved, %llu "
+    print_message("# %llu sequences, %llu steps (%llu inside, %llu shortened), %llu "
+                  "questions: %llu that moved, %llu "
                   "cut, %llu limited; %llu records; up to %llu triangles\n",
                   (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
+                  (unsigned long long)sums.inside, (unsigned long long)sums.shortened,
                   (unsigned long long)sums.questions, (unsigned long long)sums.moving,
                   (unsigned long long)sums.cut, (unsigned long long)sums.limited,
                   (unsigned long long)sums.records, (unsigned long long)sums.large);
@@ -400,7 +438,7 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
         assert_true(sums.moving > 0 && sums.cut > sums.limited && sums.limited > 0);
         assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);
         assert_true(judged.touching > 0 && judged.at_distance > 0 && judged.free > 0);
-        assert_true(judged.thick > 0);
+        assert_true(judged.thick > 0 && sums.inside > 0 && sums.shortened > 0);
         assert_true(judged.crossings > 0 && judged.parts > 0);
     }
 }

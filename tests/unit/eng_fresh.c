@@ -22,6 +22,8 @@ void fresh_find(const struct player *player, const struct eng_step_settings *set
     plain.mode = settings->mode;
     plain.tolerance = settings->tolerance;
     plain.contact_max = settings->contact_max;
+    plain.separation = settings->separation;
+    plain.approach = settings->approach;
     player_copy(player, NULL, &copy);
     assert_int_equal(player_step(&copy, &plain, &answer->result), PCCD_OK);
     size_t bytes = answer->result.count * answer->result.record_bytes;
@@ -62,6 +64,10 @@ const char *fresh_difference(const struct fresh_answer *fresh,
     if (result->toi_first != want->toi_first || result->possible != want->possible ||
         result->initial != want->initial) {
         return "what is counted of the records";
+    }
+    if (result->safe_step != want->safe_step ||
+        result->thick.inside != want->thick.inside) {
+        return "how far it is safe, or what began inside";
     }
     if (memcmp(result->hash, want->hash, sizeof want->hash) != 0) {
         return "the hash";

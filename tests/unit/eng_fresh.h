@@ -18,8 +18,8 @@ struct fresh_answer {
     void *records;
 };
 
-/* Of the settings those that may change an answer: mode, tolerance, contact_max. The
- * player stays as it is. */
+/* Of the settings those that may change an answer: mode, tolerance, contact_max,
+ * separation, approach. The player stays as it is. */
 void fresh_find(const struct player *player, const struct eng_step_settings *settings,
                 struct fresh_answer *answer);
 void fresh_free(struct fresh_answer *answer);
