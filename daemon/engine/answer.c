@@ -238,8 +238,7 @@ static int put_together(struct eng_step_memory *memory, const struct eng_team *t
     result->possible = counts->possible;
     result->initial = counts->initial;
     result->thick.inside = counts->inside;
-    result->thick.is_crowded =
-        eng_kept_is_crowded(&memory->kept, team->scene, &memory->sorted, counts);
+    result->thick.is_crowded = eng_kept_is_crowded(team->scene, &memory->sorted, counts);
     result->toi_first = counts->toi_first;
     if (!memory->merge->no_hash) {
         eng_hash_end(counts->hash, result->count, result->hash);

@@ -19,75 +19,16 @@
 
 void eng_kept_deinit(struct eng_kept *kept)
 {
-    eng_free(kept->table);
     eng_free(kept->stands);
     memset(kept, 0, sizeof *kept);
 }
 
 uint64_t eng_kept_bytes(const struct eng_kept *kept)
 {
-    return kept->table_size * sizeof *kept->table + kept->stands_size;
+    return kept->stands_size;
 }
 
-/* ---- ids --------------------------------------------------------------------------- */
-
-/* Ids are numbers from 1 on, as a rule: this spreads others, too. */
-static uint32_t place_of(const struct eng_kept *kept, uint32_t id)
-{
-    return (id * 0x9e3779b1u) >> 7 & (kept->table_size - 1);
-}
-
-static void put(struct eng_kept *kept, uint32_t id, uint32_t object)
-{
-    uint32_t place = place_of(kept, id);
-    while (kept->table[place].object != ENG_NO_OBJECT) {
-        place = (place + 1) & (kept->table_size - 1);
-    }
-    kept->table[place] = (struct eng_kept_place){id, object};
-}
-
-/* NULL: there is no such object any more. */
-static const struct eng_object *object_of(const struct eng_kept *kept,
-                                          const struct eng_scene *scene, uint32_t id)
-{
-    uint32_t place = place_of(kept, id);
-    while (kept->table[place].object != ENG_NO_OBJECT) {
-        if (kept->table[place].id == id) {
-            return &scene->objects[kept->table[place].object];
-        }
-        place = (place + 1) & (kept->table_size - 1);
-    }
-    return NULL;
-}
-
-static bool make_table(struct eng_kept *kept, const struct eng_scene *scene)
-{
-    uint32_t size = 64;
-    while (size < 2 * scene->object_count) {
-        size *= 2;
-    }
-    if (size > kept->table_size) {
-        struct eng_kept_place *table = eng_alloc(size, sizeof *table);
-        if (!table) {
-            return false;
-        }
-        eng_free(kept->table);
-        kept->table = table;
-        kept->table_size = size;
-    }
-    for (uint32_t i = 0; i < kept->table_size; i++) {
-        kept->table[i].object = ENG_NO_OBJECT;
-    }
-    for (uint32_t i = 0; i < scene->object_capacity; i++) {
-        if (scene->objects[i].mesh) {
-            put(kept, scene->objects[i].id, i);
-        }
-    }
-    kept->objects_changed = false;
-    return true;
-}
-
-static bool reserve(struct eng_kept *kept, const struct eng_scene *scene)
+static bool reserve(struct eng_kept *kept)
 {
     kept->has_all = !kept->objects_changed;
     if (kept->count > kept->stands_size) {
@@ -100,9 +41,7 @@ static bool reserve(struct eng_kept *kept, const struct eng_scene *scene)
         kept->stands = stands;
         kept->stands_size = size;
     }
-    if (kept->objects_changed || !kept->table) {
-        return make_table(kept, scene);
-    }
+    kept->objects_changed = false;
     return true;
 }
 
@@ -133,32 +72,32 @@ struct owners {
     bool may_stand; /* neither is gone, nor moves as a whole */
 };
 
-static void find_owners(const struct eng_kept *kept, const struct eng_scene *scene,
-                        struct owners *owners)
+static void find_owners(const struct eng_scene *scene, struct owners *owners)
 {
     owners->may_stand = true;
     for (uint32_t side = 0; side < 2; side++) {
-        const struct eng_object *object = object_of(kept, scene, owners->id[side]);
+        uint32_t found = eng_ids_find(&scene->ids, owners->id[side]);
+        const struct eng_object *object =
+            found == ENG_NO_OBJECT ? NULL : &scene->objects[found];
         owners->object[side] = object;
         owners->may_stand &= object && object->movement != ENG_MOVES_ALL;
     }
 }
 
-static void look_up(const struct eng_kept *kept, const struct eng_scene *scene,
-                    uint32_t a, uint32_t b, struct owners *owners)
+static void look_up(const struct eng_scene *scene, uint32_t a, uint32_t b,
+                    struct owners *owners)
 {
     if (!owners->object[0] || a != owners->id[0] || b != owners->id[1]) {
         owners->id[0] = a;
         owners->id[1] = b;
-        find_owners(kept, scene, owners);
+        find_owners(scene, owners);
     }
 }
 
-static bool record_stands(const struct eng_kept *kept, const struct eng_scene *scene,
-                          const unsigned char *record, uint32_t bytes,
-                          struct owners *owners)
+static bool record_stands(const struct eng_scene *scene, const unsigned char *record,
+                          uint32_t bytes, struct owners *owners)
 {
-    look_up(kept, scene, eng_name_word(record, bytes, 1), eng_name_word(record, bytes, 3),
+    look_up(scene, eng_name_word(record, bytes, 1), eng_name_word(record, bytes, 3),
             owners);
     if (!owners->may_stand) {
         return false;
@@ -199,7 +138,7 @@ bool eng_kept_begin(struct eng_kept *kept, const struct eng_scene *scene,
         (settings->brief && !eng_kept_is_brief(kept)) || !eng_moves_little(scene)) {
         return false;
     }
-    if (!reserve(kept, scene)) {
+    if (!reserve(kept)) {
         return false;
     }
     if (settings->mode == PCCD_MODE_ANY) {
@@ -213,8 +152,7 @@ bool eng_kept_decides(const struct eng_kept *kept, const struct eng_scene *scene
 {
     struct owners owners = {.may_stand = false};
     return kept->verdict == PCCD_VERDICT_YES &&
-           record_stands(kept, scene, (const void *)&kept->proof, sizeof kept->proof,
-                         &owners);
+           record_stands(scene, (const void *)&kept->proof, sizeof kept->proof, &owners);
 }
 
 /* ---- the part of the last answer --------------------------------------------------- */
@@ -247,7 +185,7 @@ static uint64_t mark(struct eng_kept *kept, const struct eng_scene *scene,
     uint64_t standing = 0;
     for (uint64_t i = 0; i < records->count; i++) {
         const unsigned char *record = records->data + i * records->record_bytes;
-        bool stands = record_stands(kept, scene, record, records->record_bytes, &owners);
+        bool stands = record_stands(scene, record, records->record_bytes, &owners);
         kept->stands[i] = stands;
         if (stands) {
             standing++;
@@ -312,26 +250,20 @@ void eng_kept_count(const struct eng_records *records, struct eng_counts *counts
     counts->hash = eng_hash_records(records->data, records->count, records->record_bytes);
 }
 
-bool eng_kept_is_crowded(struct eng_kept *kept, const struct eng_scene *scene,
-                         const struct eng_records *records,
+bool eng_kept_is_crowded(const struct eng_scene *scene, const struct eng_records *records,
                          const struct eng_counts *counts)
 {
     uint64_t within = counts->initial + counts->inside;
     const uint64_t half = records->count / 2;
-    const bool has_changed = kept->objects_changed;
     struct owners owners = {.may_stand = false};
     if (!scene->thickness.is_on || within <= half) {
         return false;
     }
-    if ((has_changed || !kept->table) && !make_table(kept, scene)) {
-        return true; /* it is not known of whom */
-    }
-    kept->objects_changed = has_changed;
     for (uint64_t i = 0; i < records->count && within > half; i++) {
         const struct pccd_contact *contact =
             (const void *)(records->data + i * sizeof *contact);
         if ((contact->flags & (PCCD_INITIAL | PCCD_INSIDE)) != 0) {
-            look_up(kept, scene, contact->object_a, contact->object_b, &owners);
+            look_up(scene, contact->object_a, contact->object_b, &owners);
             within -= !eng_thickness_is_within(scene, owners.object[0]) &&
                       !eng_thickness_is_within(scene, owners.object[1]);
         }

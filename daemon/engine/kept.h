@@ -22,12 +22,6 @@
 #include "step_settings.h"
 #include "world.h"
 
-/* Which object has an id: a table that is made anew when objects came or went. */
-struct eng_kept_place {
-    uint32_t id;
-    uint32_t object; /* ENG_NO_OBJECT: a free place */
-};
-
 struct eng_kept {
     /* The last complete answer, whose records are the step memory's. */
     bool is_valid;
@@ -44,10 +38,8 @@ struct eng_kept {
     enum pccd_verdict verdict;
     struct pccd_pair proof; /* mode any, verdict yes: a pair that meets */
 
-    bool objects_changed;         /* since the table was made */
-    bool has_all;                 /* the objects of the last answer are all there */
-    struct eng_kept_place *table; /* [table_size], a power of two */
-    uint32_t table_size;
+    bool objects_changed;  /* since it was last asked whether that answer serves */
+    bool has_all;          /* the objects of the last answer are all there */
     unsigned char *stands; /* [stands_size] of the records: 1, it stays */
     uint64_t stands_size;
 };
@@ -80,8 +72,7 @@ double eng_kept_select(struct eng_kept *kept, const struct eng_scene *scene,
 
 /* Of an answer's records and their counts: do more than half begin within the distance of
  * their objects, of which one is thick? */
-bool eng_kept_is_crowded(struct eng_kept *kept, const struct eng_scene *scene,
-                         const struct eng_records *records,
+bool eng_kept_is_crowded(const struct eng_scene *scene, const struct eng_records *records,
                          const struct eng_counts *counts);
 
 /* Count records anew. */

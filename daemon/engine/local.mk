@@ -156,6 +156,8 @@ libengine_la_SOURCES = \
     daemon/engine/scene/feature.h \
     daemon/engine/scene/frames.c \
     daemon/engine/scene/frames.h \
+    daemon/engine/scene/ids.c \
+    daemon/engine/scene/ids.h \
     daemon/engine/scene/ingest.c \
     daemon/engine/scene/ingest.h \
     daemon/engine/scene/masks.c \

@@ -72,6 +72,7 @@ ENG_TESTS = \
     tests/unit/test_eng_replace \
     tests/unit/test_eng_deque \
     tests/unit/test_eng_divisor \
+    tests/unit/test_eng_ids \
     tests/unit/test_eng_team \
     tests/unit/test_eng_record \
     tests/unit/test_eng_trace \
@@ -222,6 +223,10 @@ tests_unit_test_eng_free_LDADD = $(ENG_TEST_LDADD)
 tests_unit_test_eng_divisor_SOURCES = tests/unit/test_eng_divisor.c
 tests_unit_test_eng_divisor_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
 tests_unit_test_eng_divisor_LDADD = $(ENG_TEST_LDADD)
+
+tests_unit_test_eng_ids_SOURCES = tests/unit/test_eng_ids.c
+tests_unit_test_eng_ids_CPPFLAGS = $(ENG_TEST_CPPFLAGS)
+tests_unit_test_eng_ids_LDADD = $(ENG_TEST_LDADD)
 
 tests_unit_test_eng_thick_step_SOURCES = tests/unit/test_eng_thick_step.c
 tests_unit_test_eng_thick_step_CPPFLAGS = $(ENG_TEST_CPPFLAGS)

@@ -207,8 +207,8 @@ static void step__leaves_thin_what_is_nearer_at_rest(void **state)
     }
 }
 
-/* Two objects touch from the beginning; a third one is far away. If it failed: who has one
- * thick object would be told that it is too thick, whatever it is that touches. */
+/* Two objects touch from the beginning; a third one is far away. If it failed: who has
+ * one thick object would be told that it is too thick, whatever it is that touches. */
 static void step__is_crowded_by_thick_objects_alone(void **state)
 {
     (void)state;

@@ -40,9 +40,9 @@ struct eng_thick_counters {
     uint64_t survivors;  /* of these, asked one by one; the rest was rejected in lanes */
     uint64_t exact;      /* of these, that took integers */
     uint64_t inside;     /* records with PCCD_INSIDE that are not PCCD_INITIAL */
-    /* More than half of the records begin within the distance, of a thick object or by the
-     * separation: mostly a radius is above the length of an edge. Not in mode pairs or
-     * any. */
+    /* More than half of the records begin within the distance, of a thick object or by
+     * the separation: mostly a radius is above the length of an edge. Not in mode pairs
+     * or any. */
     bool is_crowded;
 };
 

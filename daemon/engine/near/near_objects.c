@@ -44,16 +44,10 @@ static int choose(struct eng_near_objects *objects)
 {
     const struct eng_scene *scene = objects->scene;
     for (int side = 0; side < 2; side++) {
-        objects->chosen[side] = ENG_NO_OBJECT;
-        for (uint32_t i = 0; objects->ask.objects[side] != 0; i++) {
-            if (i == scene->object_capacity) {
-                return PCCD_E_HANDLE;
-            }
-            if (scene->objects[i].mesh &&
-                scene->objects[i].id == objects->ask.objects[side]) {
-                objects->chosen[side] = i;
-                break;
-            }
+        uint32_t id = objects->ask.objects[side];
+        objects->chosen[side] = id != 0 ? eng_ids_find(&scene->ids, id) : ENG_NO_OBJECT;
+        if (id != 0 && objects->chosen[side] == ENG_NO_OBJECT) {
+            return PCCD_E_HANDLE;
         }
     }
     if (objects->chosen[0] == ENG_NO_OBJECT) { /* the one that is chosen comes first */

@@ -26,8 +26,8 @@ struct eng_found {
     uint64_t limit; /* of the answer: of more, the first in order are kept */
     bool folds; /* set after begin: records of one name become one whose `reserved`, the
                  * count of a near, is the sum of theirs; else false */
-    /* Set after begin: of contacts, those of mode first are the answer: the first of these,
-     * not of all that were found, are kept; else false. */
+    /* Set after begin: of contacts, those of mode first are the answer: the first of
+     * these, not of all that were found, are kept; else false. */
     bool is_of_earliest;
     uint64_t most; /* then: more records than that are cut, if it is more than usual */
     bool is_cut;   /* there were more; none after `cut_at` is kept */

@@ -118,6 +118,7 @@ void eng_scene_free(struct eng_scene *scene)
     }
     eng_masks_deinit(&scene->masks);
     eng_ranges_deinit(&scene->vertex_ranges);
+    eng_ids_deinit(&scene->ids);
     eng_free(scene->objects);
     eng_free(scene->replaced);
     eng_free(scene->x[0]);
@@ -129,17 +130,21 @@ void eng_scene_free(struct eng_scene *scene)
     eng_free(scene);
 }
 
-/* A free object index, growing the table if need be. PCCD_E_INVAL: `id` is in use. */
+/* The lowest free object index, growing the tables if need be. PCCD_E_INVAL: `id` is in
+ * use. */
 static int find_place(struct eng_scene *scene, uint32_t id, uint32_t *object_idx)
 {
-    uint32_t place = scene->object_capacity;
-    for (uint32_t i = scene->object_capacity; i-- > 0;) {
-        if (!scene->objects[i].mesh) {
-            place = i;
-        } else if (scene->objects[i].id == id) {
-            return PCCD_E_INVAL;
-        }
+    if (eng_ids_find(&scene->ids, id) != ENG_NO_OBJECT) {
+        return PCCD_E_INVAL;
     }
+    if (eng_ids_reserve(&scene->ids, scene->object_count + 1) != PCCD_OK) {
+        return PCCD_E_NOMEM;
+    }
+    uint32_t place = scene->object_free;
+    while (place < scene->object_capacity && scene->objects[place].mesh) {
+        place++;
+    }
+    scene->object_free = place;
     if (place == scene->object_capacity) {
         uint32_t capacity =
             eng_array_grown(scene->object_capacity, scene->object_capacity + 8);
@@ -226,6 +231,7 @@ int eng_scene_add(struct eng_scene *scene, struct eng_mesh *mesh, uint32_t objec
     if (status != PCCD_OK) {
         return status;
     }
+    eng_ids_add(&scene->ids, object_id, idx);
     scene->object_count++;
     *object_idx = idx;
     return PCCD_OK;
@@ -324,7 +330,10 @@ int eng_scene_remove(struct eng_scene *scene, uint32_t object_idx)
     scene->leaf_count -= object->mesh->leaf_count;
     eng_mesh_release(object->mesh);
     object->mesh = NULL;
+    eng_ids_remove(&scene->ids, object->id);
     scene->object_count--;
+    scene->object_free =
+        object_idx < scene->object_free ? object_idx : scene->object_free;
     tell_changed(scene);
     look_if_emptied(scene);
     return PCCD_OK;
@@ -430,8 +439,8 @@ uint64_t eng_scene_bytes(const struct eng_scene *scene)
     for (int i = 0; i < ENG_SLOTS; i++) {
         bytes += scene->owners[i]->bytes(scene);
     }
-    return bytes + eng_masks_bytes(&scene->masks) + sizeof *scene +
-           (uint64_t)scene->object_capacity * sizeof *scene->objects +
+    return bytes + eng_masks_bytes(&scene->masks) + eng_ids_bytes(&scene->ids) +
+           sizeof *scene + (uint64_t)scene->object_capacity * sizeof *scene->objects +
            (uint64_t)scene->object_capacity * sizeof *scene->framing.items +
            (uint64_t)scene->replaced_capacity * sizeof *scene->replaced +
            (uint64_t)scene->vertex_capacity *

@@ -17,13 +17,12 @@
 #define ENG_WORLD_H
 
 #include "box_frame.h"
+#include "ids.h"
 #include "ingest.h"
 #include "masks.h"
 #include "range.h"
 #include "scene.h"
 #include "topology.h"
-
-#define ENG_NO_OBJECT UINT32_MAX
 
 /* How much of an object moves in a step (moving.h). */
 enum eng_movement { ENG_STANDS, ENG_MOVES_SOME, ENG_MOVES_ALL };
@@ -161,6 +160,8 @@ struct eng_scene {
     struct eng_object *objects;
     uint32_t object_capacity; /* indices 0 .. capacity-1; free ones have mesh = NULL */
     uint32_t object_count;
+    uint32_t object_free; /* the lowest index that may be free */
+    struct eng_ids ids;   /* of objects */
     uint64_t leaf_count;           /* of all objects */
     uint64_t leaf_most;            /* that it was since the slots were told `emptied` */
     struct eng_replaced *replaced; /* not settled yet */
