@@ -530,7 +530,7 @@ static void resume__tells_of_steps_that_were_watched(void **state)
 }
 
 /* If it failed, a client could not make anew, under its old handles, what a daemon that
- * died had; or could have tables of any size made for a single object. */
+ * died had; or could have tables of any size made for nothing. */
 static void resume__handles_can_be_wanted(void **state)
 {
     struct fixture *f = &fixture;
@@ -541,6 +541,8 @@ static void resume__handles_can_be_wanted(void **state)
     struct proto_MESH_CREATE_result mesh_made;
     struct proto_SCENE_ADD_request add;
     struct proto_SCENE_ADD_result added;
+    struct proto_STATS_request ask = {0};
+    struct proto_STATS_result before, after;
     (void)state;
     open_scene(f);
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_SCENE_CREATE, &scene, &made), 0);
@@ -562,9 +564,13 @@ static void resume__handles_can_be_wanted(void **state)
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
                      0);
     assert_int_equal(mesh_made.mesh, mesh.want);
-    mesh.want = 9u << 20 | 3000;
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &before), 0);
+    mesh.want = 9u << 20 | 300000; /* far above the others */
     assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_MESH_CREATE, &mesh, &mesh_made),
-                     PCCD_E_LIMIT);
+                     0);
+    assert_int_equal(mesh_made.mesh, mesh.want);
+    assert_int_equal(test_raw_call(&f->raw, PROTO_METHOD_STATS, &ask, &after), 0);
+    assert_true(after.engine_bytes_now - before.engine_bytes_now >= 298500 * 24);
     test_raw_close(&f->raw);
 }
 
