@@ -23,7 +23,7 @@ Threads:  a client and everything made from it (frames, batches) belong to one t
 
 Arrays. `answer.contacts` is a view of memory that the daemon writes: read-only, and right
 until answer.release(), which `with` calls; copy what is to stay. Later it may show
-another answer's records. An array of a frame may be written until its commit. Neither is
+another answer's records, or zeros. An array of a frame may be written until its commit. Neither is
 ever memory that is not there, whatever is closed, lost or grown meanwhile, and whenever
 it is looked at first.
 
