@@ -19,6 +19,7 @@ import textwrap
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -186,6 +187,10 @@ class Threads(Case):
         held = client.step_x1(scene, tent, dropped())
         frame, batch = client.frame(scene, 72), client.batch([pccd.Part(scene, tent, 6)])
         shared, got = client.scene_create(name="threads"), []
+        # Between two parts of a wait the client is nobody's.
+        whole = unittest.mock.patch("pccd.scenes.SLICE_MS", 10000)
+        whole.start()
+        self.addCleanup(whole.stop)
         thread = threading.Thread(
             target=lambda: got.append(client.scene_wait(shared, 1.5)))
         thread.start()
