@@ -68,6 +68,7 @@ static const struct zoo_animal animals[] = {
 #define ANIMALS (sizeof animals / sizeof animals[0])
 
 static struct zoo_keeper keeper;
+static struct zoo_held at_rest; /* before the first animal came */
 static bool is_long;
 static uint32_t requests = 200;
 static unsigned each = 3;
@@ -152,6 +153,7 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     bool worked;
     bool opened;
 
+    assert_true(zoo_keeper_await(&keeper, &at_rest)); /* where the one before failed */
     zoo_keeper_look(&keeper, &before);
     assert_true(zoo_keeper_work(&keeper, requests, &rounds.alone));
     opened = zoo_open(&den, animal, keeper.daemon.socket, each, is_long, pause_ms);
@@ -179,7 +181,11 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
 static int start(void **state)
 {
     (void)state;
-    return zoo_keeper_start(&keeper, requests) ? 0 : -1;
+    if (!zoo_keeper_start(&keeper, requests)) {
+        return -1;
+    }
+    zoo_keeper_look(&keeper, &at_rest);
+    return 0;
 }
 
 static int teardown(void **state)
