@@ -23,9 +23,9 @@ Threads:  a client and everything made from it (frames, batches) belong to one t
 
 Arrays. `answer.contacts` is a view of memory that the daemon writes: read-only, and right
 until answer.release(), which `with` calls; copy what is to stay. Later it may show
-another answer's records, or zeros. An array of a frame may be written until its commit. Neither is
-ever memory that is not there, whatever is closed, lost or grown meanwhile, and whenever
-it is looked at first.
+another answer's records, or zeros. An array of a frame may be written until its commit.
+Neither is ever memory that is not there, whatever is closed, lost or grown meanwhile, and
+whenever it is looked at first.
 
 Names. What wants an enumerator takes its name as well: StepSettings(mode="first"),
 client.near(scene, "nearest").
