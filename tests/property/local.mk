@@ -18,6 +18,8 @@ PROPERTY_CPPFLAGS = $(AM_CPPFLAGS) $(ENGINE_CPPFLAGS) -I$(top_srcdir)/client/ora
 PROPERTY_LDADD = libengkit.la libengine.la liboracle.la libtestscenes.la $(CMOCKA_LIBS) \
     $(GMP_LIBS) $(LIBM)
 property_sequences = tests/property/sequences.c tests/property/sequences.h
+property_thick_judge = tests/property/thick_judge.c tests/property/thick_judge.h
+property_near_judge = tests/property/near_judge.c tests/property/near_judge.h
 property_judge = \
     tests/property/judge.c \
     tests/property/judge.h
@@ -29,7 +31,7 @@ tests_property_test_eng_against_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_against_oracle_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_near_objects_SOURCES = \
-    tests/property/test_eng_near_objects.c $(property_sequences)
+    tests/property/test_eng_near_objects.c $(property_sequences) $(property_near_judge)
 tests_property_test_eng_near_objects_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_objects_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_objects_LDADD = $(PROPERTY_LDADD)
@@ -52,16 +54,13 @@ tests_property_test_eng_rigid_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_rigid_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_near_oracle_SOURCES = tests/property/test_eng_near_oracle.c \
-    $(property_sequences) \
-    tests/property/near_judge.c \
-    tests/property/near_judge.h
+    $(property_sequences) $(property_near_judge) $(property_thick_judge)
 tests_property_test_eng_near_oracle_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_near_oracle_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_near_oracle_LDADD = $(PROPERTY_LDADD)
 
 tests_property_test_eng_thick_plays_SOURCES = tests/property/test_eng_thick_plays.c \
-    tests/property/thick_judge.c \
-    tests/property/thick_judge.h
+    $(property_thick_judge)
 tests_property_test_eng_thick_plays_CPPFLAGS = $(PROPERTY_CPPFLAGS)
 tests_property_test_eng_thick_plays_CFLAGS = $(AM_CFLAGS) $(OPENMP_CFLAGS)
 tests_property_test_eng_thick_plays_LDADD = $(PROPERTY_LDADD)

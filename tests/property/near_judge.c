@@ -16,11 +16,11 @@
 #include <cmocka.h>
 
 #include "oracle_features.h"
-#include "oracle_near.h"
+#include "oracle_objects.h"
 
 /* The player's scene at one end of its last step, objects by increasing id. */
 struct moment {
-    struct oracle_object objects[PLAYER_OBJECTS_MAX];
+    struct near_objects objects;
     struct oracle_moment oracle;
 };
 
@@ -29,11 +29,14 @@ struct truth {
     struct oracle_nears pairs;
     struct oracle_nears features;
     struct oracle_nears crossings;
+    struct oracle_nears objects; /* by which two of them */
+    uint64_t through;            /* edges that pass through faces of other objects */
 };
 
-static bool may_meet(const void *context, uint32_t a, uint32_t b)
+bool near_may_meet(const void *context, uint32_t a, uint32_t b)
 {
-    return filters_may_meet(context, a, b);
+    const struct player *player = context;
+    return filters_may_meet(&player->filters, a, b);
 }
 
 static int compare_objects(const void *a, const void *b)
@@ -43,19 +46,16 @@ static int compare_objects(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-static void moment_init(struct moment *moment, const struct player *player,
-                        const struct eng_near_settings *settings)
+void near_objects_list(const struct player *player, struct near_objects *objects)
 {
-    uint32_t end = settings->end;
     for (uint32_t i = 0; i < player->object_count; i++) {
         const struct player_object *object = &player->objects[i];
-        const double(*x)[3] = (const double(*)[3])(end == 0 ? object->x0 : object->x1);
-        moment->objects[i] =
+        objects->items[i] =
             (struct oracle_object){.object_id = object->id,
                                    .vertex_count = object->vertex_count,
                                    .triangle_count = object->triangle_count,
-                                   .x0 = x,
-                                   .x1 = x,
+                                   .x0 = (const double(*)[3])object->x0,
+                                   .x1 = (const double(*)[3])object->x1,
                                    .triangles = (const uint32_t(*)[3])object->triangles,
                                    .radii = object->radii,
                                    .registered = (const double(*)[3])object->registered,
@@ -63,13 +63,23 @@ static void moment_init(struct moment *moment, const struct player *player,
                                    .rest_rings = object->thickness.rest_rings};
     }
     if (player->object_count > 0) {
-        qsort(moment->objects, player->object_count, sizeof moment->objects[0],
+        qsort(objects->items, player->object_count, sizeof objects->items[0],
               compare_objects);
     }
-    moment->oracle = (struct oracle_moment){.objects = moment->objects,
+}
+
+static void moment_init(struct moment *moment, const struct player *player,
+                        const struct eng_near_settings *settings)
+{
+    near_objects_list(player, &moment->objects);
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        struct oracle_object *object = &moment->objects.items[i];
+        object->x0 = object->x1 = settings->end == 0 ? object->x0 : object->x1;
+    }
+    moment->oracle = (struct oracle_moment){.objects = moment->objects.items,
                                             .object_count = player->object_count,
-                                            .may_meet = may_meet,
-                                            .context = &player->filters};
+                                            .may_meet = near_may_meet,
+                                            .context = player};
     oracle_moment_thicken(&moment->oracle, settings->what);
 }
 
@@ -80,6 +90,14 @@ static bool find_truth(const struct moment *moment,
 {
     bool crosses = settings->what == PCCD_NEAR_CROSSINGS;
     memset(truth, 0, sizeof *truth);
+    if (settings->what == PCCD_NEAR_NEAREST) {
+        return oracle_objects_nearest(&moment->oracle, settings->objects,
+                                      settings->distance, queries_max, &truth->objects);
+    }
+    if (settings->what == PCCD_NEAR_DEPTH) {
+        return oracle_objects_depth(&moment->oracle, settings->objects, queries_max,
+                                    &truth->objects, &truth->through);
+    }
     if (crosses &&
         !oracle_near_crossings(&moment->oracle, queries_max, &truth->crossings)) {
         return false;
@@ -99,6 +117,7 @@ static void truth_deinit(struct truth *truth)
     oracle_nears_deinit(&truth->pairs);
     oracle_nears_deinit(&truth->features);
     oracle_nears_deinit(&truth->crossings);
+    oracle_nears_deinit(&truth->objects);
 }
 
 /* ---- records ----------------------------------------------------------------------- */
@@ -212,6 +231,94 @@ static const char *check_records(const struct oracle_nears *nears, bool is_limit
     return wrong ? wrong : check_numbers(result);
 }
 
+/* ---- two objects ------------------------------------------------------------------- */
+
+static bool are_same_two(const struct pccd_near *a, const struct pccd_near *b)
+{
+    return (a->object_a == b->object_a && a->object_b == b->object_b) ||
+           (a->object_a == b->object_b && a->object_b == b->object_a);
+}
+
+/* What two features are apart beside their radii, nearly. */
+static long double surfaces_of(const struct oracle_near *near, double distance)
+{
+    return (long double)distance - near->radius[0] - near->radius[1];
+}
+
+static const char *check_gap(const struct oracle_moment *moment,
+                             const struct eng_near_settings *settings,
+                             const struct oracle_nears *nearest,
+                             const struct pccd_near *is, struct near_sums *sums)
+{
+    struct oracle_near must_be;
+    size_t at = 0;
+    while (at < nearest->count && !are_same_two(is, &nearest->items[at].record)) {
+        at++;
+    }
+    if (at == nearest->count) {
+        return "two objects have a pair with a gap alone";
+    }
+    if (!oracle_objects_measure(moment, is, &must_be)) {
+        return "no such pair";
+    }
+    must_be.record.flags |= (uint32_t)PCCD_NEAR_GAP;
+    if (!are_same(is, &must_be.record, true)) {
+        tell("is", is);
+        tell("must be", &must_be.record);
+        return "a number of a pair with a gap";
+    }
+    const struct oracle_near *best = &nearest->items[at];
+    long double apart = surfaces_of(&must_be, is->d_lo);
+    sums->gaps++;
+    sums->others += is->d_lo != best->record.d_lo;
+    return apart > surfaces_of(best, best->record.d_hi) + settings->gap ||
+                   apart > settings->distance
+               ? "a pair with a gap is too far away"
+               : NULL;
+}
+
+const char *near_judge_gaps(const struct oracle_moment *moment,
+                            const struct eng_near_settings *settings,
+                            const struct oracle_nears *nearest,
+                            const struct eng_near_result *result, struct near_sums *sums)
+{
+    const struct pccd_near *records = result->records;
+    if (result->incomplete == PCCD_COMPLETE && result->count != nearest->count) {
+        return "two objects have a pair without a gap alone, or twice";
+    }
+    for (uint64_t i = 0; i < result->count; i++) {
+        for (uint64_t k = 0; k < i; k++) {
+            if (are_same_two(&records[k], &records[i])) {
+                return "two objects have two pairs with a gap";
+            }
+        }
+        const char *wrong = check_gap(moment, settings, nearest, &records[i], sums);
+        if (wrong) {
+            return wrong;
+        }
+    }
+    return NULL;
+}
+
+static const char *check_objects(const struct moment *moment, const struct truth *truth,
+                                 const struct eng_near_settings *settings,
+                                 const struct eng_near_result *result,
+                                 struct near_sums *sums)
+{
+    bool is_limited = truth->objects.count > settings->step.contact_max;
+    bool is_depth = settings->what == PCCD_NEAR_DEPTH;
+    bool is_whole = result->incomplete == PCCD_COMPLETE;
+    sums->nearest += is_depth ? 0 : truth->objects.count;
+    sums->inside += is_depth ? truth->objects.count : 0;
+    sums->through += truth->through;
+    if (is_depth && is_whole && result->crossings != truth->through) {
+        return "how many edges pass through";
+    }
+    return settings->gap > 0
+               ? near_judge_gaps(&moment->oracle, settings, &truth->objects, result, sums)
+               : check_records(&truth->objects, is_limited, result);
+}
+
 /* ---- bounds ------------------------------------------------------------------------ */
 
 static const char *compare_bounds(const struct eng_vertex_bound *want, uint64_t count,
@@ -238,7 +345,7 @@ static const char *check_extremes(const struct moment *moment, const struct trut
     double least = 2e18;
     double greatest = 0;
     for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
-        uint32_t count = moment->objects[i].vertex_count;
+        uint32_t count = moment->objects.items[i].vertex_count;
         double *bounds = oracle_grow(NULL, (count + 1) * sizeof *bounds);
         oracle_near_bounds(&moment->oracle, &truth->pairs, i, INFINITY, bounds);
         for (uint32_t v = 0; v < count; v++) {
@@ -260,8 +367,8 @@ static const char *check_bounds(const struct moment *moment, const struct truth 
     struct eng_vertex_bound *want = NULL;
     uint64_t all = 0;
     for (uint32_t i = 0; i < moment->oracle.object_count; i++) {
-        uint32_t id = moment->objects[i].object_id;
-        uint32_t count = moment->objects[i].vertex_count;
+        uint32_t id = moment->objects.items[i].object_id;
+        uint32_t count = moment->objects.items[i].vertex_count;
         if (settings->objects[0] != 0 && settings->objects[0] != id) {
             continue;
         }
@@ -305,7 +412,8 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
                    const struct eng_near_result *result, struct near_sums *sums)
 {
     sums->judged++;
-    sums->queries += truth->pairs.queries + truth->crossings.queries;
+    sums->queries +=
+        truth->pairs.queries + truth->crossings.queries + truth->objects.queries;
     sums->pairs += truth->pairs.count;
     sums->features += truth->features.count;
     sums->crossings += truth->crossings.count;
@@ -361,6 +469,13 @@ const char *near_judge(const struct player *player,
     if (!find_truth(&moment, settings, queries_max, &truth)) {
         truth_deinit(&truth);
         return NULL;
+    }
+    if (settings->what == PCCD_NEAR_NEAREST || settings->what == PCCD_NEAR_DEPTH) {
+        wrong = check_objects(&moment, &truth, settings, result, sums);
+        wrong = wrong ? wrong : check_verdict(&truth, settings, result);
+        sum_up(&truth, settings, result, sums);
+        truth_deinit(&truth);
+        return wrong;
     }
     const struct oracle_nears *nears =
         settings->what == PCCD_NEAR_FEATURES    ? &truth.features

@@ -11,6 +11,7 @@
 
 #include "eng_near.h"
 #include "eng_player.h"
+#include "oracle_near.h"
 
 /* Sums over everything judged, for the report. */
 struct near_sums {
@@ -24,9 +25,23 @@ struct near_sums {
     uint64_t features;
     uint64_t bounds; /* below the distance */
     uint64_t crossings;
-    uint64_t free;  /* states without an intersection */
-    uint64_t parts; /* records of incomplete answers */
+    uint64_t free;    /* states without an intersection */
+    uint64_t parts;   /* records of incomplete answers */
+    uint64_t nearest; /* of two objects */
+    uint64_t gaps;    /* records of answers with a gap .. */
+    uint64_t others;  /* .. that are not the nearest */
+    uint64_t inside;  /* vertices in other objects */
+    uint64_t through; /* edges through their faces */
 };
+
+/* The objects of a player as the oracle takes them, by increasing id, with both ends of
+ * the last motion. Valid until the player changes. */
+struct near_objects {
+    struct oracle_object items[PLAYER_OBJECTS_MAX];
+};
+void near_objects_list(const struct player *player, struct near_objects *objects);
+/* May they meet, by their ids? `context`: the player. */
+bool near_may_meet(const void *context, uint32_t a, uint32_t b);
 
 /* NULL: the answer is right, or it would take more than `queries_max` exact decisions to
  * know; else what is wrong. */
@@ -34,5 +49,12 @@ const char *near_judge(const struct player *player,
                        const struct eng_near_settings *settings,
                        const struct eng_near_result *result, uint64_t queries_max,
                        struct near_sums *sums);
+
+/* The same of an answer with a gap: some pair of each two objects that have a nearest
+ * one, not much farther. */
+const char *near_judge_gaps(const struct oracle_moment *moment,
+                            const struct eng_near_settings *settings,
+                            const struct oracle_nears *nearest,
+                            const struct eng_near_result *result, struct near_sums *sums);
 
 #endif

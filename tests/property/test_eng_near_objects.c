@@ -25,6 +25,7 @@
 #include <cmocka.h>
 
 #include "eng_way.h"
+#include "near_judge.h"
 #include "near_kit.h"
 #include "oracle_objects.h"
 #include "sequences.h"
@@ -46,12 +47,12 @@ static struct {
     uint64_t crossings;
     uint64_t thick; /* records that are farther than asked, but not than with radii */
     uint64_t questions;
-    uint64_t gaps;   /* records of answers with a gap .. */
-    uint64_t others; /* .. that are not the nearest */
     uint64_t named;  /* two objects that were named and may not meet */
     uint64_t pairs;  /* records of what is not by objects */
     uint64_t bounds; /* less than the distance */
 } sums;
+
+static struct near_sums judged; /* those with a gap */
 
 struct shape {
     struct eng_mesh *mesh;
@@ -64,7 +65,7 @@ struct shape {
     struct eng_object_thickness thickness;
 };
 
-struct play {
+struct scene {
     uint64_t seed;
     struct prng prng;
     struct near_kit kit;
@@ -76,129 +77,132 @@ struct play {
     double scale;
 };
 
-static uint32_t draw(struct play *play, uint32_t bound)
+static uint32_t draw(struct scene *scene, uint32_t bound)
 {
-    return (uint32_t)prng_below(&play->prng, bound);
+    return (uint32_t)prng_below(&scene->prng, bound);
 }
 
-static void must(const struct play *play, bool holds, const char *what)
+static void must(const struct scene *scene, bool holds, const char *what)
 {
     if (!holds) {
-        fail_msg("PCCD_SEED=%llu: %s", (unsigned long long)play->seed, what);
+        fail_msg("PCCD_SEED=%llu: %s", (unsigned long long)scene->seed, what);
     }
 }
 
-static double coordinate(struct play *play, double middle)
+static double coordinate(struct scene *scene, double middle)
 {
-    double x = play->grid > 0 ? (double)draw(play, 5) * play->grid
-                              : prng_between(&play->prng, 0, 1);
-    return play->place + play->scale * (middle + x);
+    double x = scene->grid > 0 ? (double)draw(scene, 5) * scene->grid
+                               : prng_between(&scene->prng, 0, 1);
+    return scene->place + scene->scale * (middle + x);
 }
 
 /* At one end; sometimes all objects are in one place, sometimes beside each other. */
-static void place(struct play *play, uint32_t end, double spread)
+static void place(struct scene *scene, uint32_t end, double spread)
 {
-    for (uint32_t i = 0; i < play->kit.count; i++) {
+    for (uint32_t i = 0; i < scene->kit.count; i++) {
         double middle[3];
         for (int k = 0; k < 3; k++) {
-            middle[k] = spread * (double)draw(play, 4);
+            middle[k] = spread * (double)draw(scene, 4);
         }
-        for (uint32_t v = 0; v < play->shapes[i].points; v++) {
+        for (uint32_t v = 0; v < scene->shapes[i].points; v++) {
             for (int k = 0; k < 3; k++) {
-                play->shapes[i].x[end][v][k] = coordinate(play, middle[k]);
+                scene->shapes[i].x[end][v][k] = coordinate(scene, middle[k]);
             }
         }
     }
 }
 
 /* As far as objects on the grid often are from each other. */
-static double some_radius(struct play *play)
+static double some_radius(struct scene *scene)
 {
-    return play->scale * 0.125 * draw(play, 5);
+    return scene->scale * 0.125 * draw(scene, 5);
 }
 
 /* The last object has one radius for all, whatever its mesh has, or leaves pairs thin. */
-static void set_thickness(struct play *play, struct shape *shape)
+static void set_thickness(struct scene *scene, struct shape *shape)
 {
     struct eng_object_thickness *thickness = &shape->thickness;
-    thickness->has_radius = draw(play, 2) > 0;
+    thickness->has_radius = draw(scene, 2) > 0;
     if (thickness->has_radius) {
-        thickness->radius = some_radius(play);
+        thickness->radius = some_radius(scene);
         for (uint32_t v = 0; v < shape->points; v++) {
             shape->radii[v] = thickness->radius;
         }
     }
-    thickness->rest_rings = draw(play, 3) == 0 ? 1 : 0;
-    thickness->rest_distance = draw(play, 3) == 0 ? 0.25 : 0;
-    assert_int_equal(eng_scene_set_thickness(
-                         play->kit.scene, play->kit.idx[play->kit.count - 1], thickness),
+    thickness->rest_rings = draw(scene, 3) == 0 ? 1 : 0;
+    thickness->rest_distance = draw(scene, 3) == 0 ? 0.25 : 0;
+    assert_int_equal(eng_scene_set_thickness(scene->kit.scene,
+                                             scene->kit.idx[scene->kit.count - 1],
+                                             thickness),
                      PCCD_OK);
 }
 
 /* Some two objects may not meet, for their masks or by name. */
-static void separate(struct play *play)
+static void separate(struct scene *scene)
 {
     const struct eng_object_filter alone = {1, 2, true};
-    uint32_t only = draw(play, 3 * play->kit.count); /* meets itself alone, or not even */
-    for (uint32_t a = 0; a < play->kit.count; a++) {
+    uint32_t only =
+        draw(scene, 3 * scene->kit.count); /* meets itself alone, or not even */
+    for (uint32_t a = 0; a < scene->kit.count; a++) {
         for (uint32_t b = 0; b < a; b++) {
-            bool is_ignored = draw(play, 5) == 0;
-            assert_int_equal(eng_scene_ignore(play->kit.scene, play->kit.idx[a],
-                                              play->kit.idx[b], is_ignored),
+            bool is_ignored = draw(scene, 5) == 0;
+            assert_int_equal(eng_scene_ignore(scene->kit.scene, scene->kit.idx[a],
+                                              scene->kit.idx[b], is_ignored),
                              PCCD_OK);
-            play->is_apart[a][b] = play->is_apart[b][a] =
+            scene->is_apart[a][b] = scene->is_apart[b][a] =
                 is_ignored || a == only || b == only;
         }
     }
-    if (only < play->kit.count) {
+    if (only < scene->kit.count) {
         assert_int_equal(
-            eng_scene_set_filter(play->kit.scene, play->kit.idx[only], &alone), PCCD_OK);
+            eng_scene_set_filter(scene->kit.scene, scene->kit.idx[only], &alone),
+            PCCD_OK);
     }
 }
 
 /* Triangles between points at random, or a closed surface: an octahedron with its points
  * anywhere, twice as many faces if it is doubled. */
-static void make(struct play *play, struct shape *shape, bool is_closed)
+static void make(struct scene *scene, struct shape *shape, bool is_closed)
 {
     static const uint32_t closed[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                           {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-    uint32_t copies = 1 + draw(play, 2);
+    uint32_t copies = 1 + draw(scene, 2);
     double(*x)[3] = shape->registered;
     memset(shape, 0, sizeof *shape);
-    shape->points = is_closed ? 6 * copies : 3 + draw(play, POINTS_MAX - 3);
-    shape->face_count = is_closed ? 8 * copies : 1 + draw(play, 12);
+    shape->points = is_closed ? 6 * copies : 3 + draw(scene, POINTS_MAX - 3);
+    shape->face_count = is_closed ? 8 * copies : 1 + draw(scene, 12);
     for (uint32_t i = 0; i < shape->face_count; i++) {
-        bool turns = i >= 8 && shape->points == 12 && play->seed % 3 == 0;
+        bool turns = i >= 8 && shape->points == 12 && scene->seed % 3 == 0;
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t corner = turns ? (3 - k) % 3 : k;
             shape->faces[i][k] = is_closed ? closed[i % 8][corner] + 6 * (i / 8)
-                                           : draw(play, shape->points);
+                                           : draw(scene, shape->points);
         }
     }
     for (uint32_t v = 0; v < shape->points; v++) {
         for (int k = 0; k < 3; k++) {
-            x[v][k] = prng_between(&play->prng, 0, 1);
+            x[v][k] = prng_between(&scene->prng, 0, 1);
         }
     }
-    bool has_radii = draw(play, 2) > 0;
+    bool has_radii = draw(scene, 2) > 0;
     for (uint32_t v = 0; has_radii && v < shape->points; v++) {
-        shape->radii[v] = some_radius(play);
+        shape->radii[v] = some_radius(scene);
     }
     shape->mesh = kit_mesh_thick((const double(*)[3])x, shape->points,
                                  (const uint32_t(*)[3])shape->faces, shape->face_count,
                                  has_radii ? shape->radii : NULL);
-    near_kit_add(&play->kit, shape->mesh);
-    if (draw(play, 3) == 0) {
-        set_thickness(play, shape);
+    near_kit_add(&scene->kit, shape->mesh);
+    if (draw(scene, 3) == 0) {
+        set_thickness(scene, shape);
     }
 }
 
-static void move(struct play *play)
+static void move(struct scene *scene)
 {
-    eng_stage_begin(play->kit.scene);
-    for (uint32_t i = 0; i < play->kit.count; i++) {
-        const struct shape *shape = &play->shapes[i];
-        assert_int_equal(eng_stage_x0x1(play->kit.scene, play->kit.idx[i],
+    eng_stage_begin(scene->kit.scene);
+    for (uint32_t i = 0; i < scene->kit.count; i++) {
+        const struct shape *shape = &scene->shapes[i];
+        assert_int_equal(eng_stage_x0x1(scene->kit.scene, scene->kit.idx[i],
                                         PCCD_FORMAT_F64, 0, shape->points, shape->x[0],
                                         shape->x[1]),
                          PCCD_OK);
@@ -215,17 +219,17 @@ struct truth {
 
 static bool may_meet(const void *context, uint32_t id_a, uint32_t id_b)
 {
-    const struct play *play = context;
-    return !play->is_apart[id_a - 1][id_b - 1];
+    const struct scene *scene = context;
+    return !scene->is_apart[id_a - 1][id_b - 1];
 }
 
 /* The scene as the oracle takes it. Ids of objects are their places + 1 (near_kit.h). */
-static void begin_truth(const struct play *play, enum pccd_near_what what,
+static void begin_truth(const struct scene *scene, enum pccd_near_what what,
                         struct truth *truth)
 {
-    for (uint32_t i = 0; i < play->kit.count; i++) {
-        const struct shape *shape = &play->shapes[i];
-        const double(*x)[3] = (const double(*)[3])shape->x[play->end];
+    for (uint32_t i = 0; i < scene->kit.count; i++) {
+        const struct shape *shape = &scene->shapes[i];
+        const double(*x)[3] = (const double(*)[3])shape->x[scene->end];
         truth->objects[i] =
             (struct oracle_object){.object_id = i + 1,
                                    .vertex_count = shape->points,
@@ -239,83 +243,45 @@ static void begin_truth(const struct play *play, enum pccd_near_what what,
                                    .rest_rings = shape->thickness.rest_rings};
     }
     truth->moment = (struct oracle_moment){.objects = truth->objects,
-                                           .object_count = play->kit.count,
+                                           .object_count = scene->kit.count,
                                            .may_meet = may_meet,
-                                           .context = play};
+                                           .context = scene};
     oracle_moment_thicken(&truth->moment, what);
 }
 
 /* All of it, and nothing else. */
-static void compare(const struct play *play, double distance,
+static void compare(const struct scene *scene, double distance,
                     const struct eng_near_result *result, struct truth *truth)
 {
     for (uint64_t i = 0; i < result->count && i < truth->nears.count; i++) {
         const struct pccd_near *is = near_kit_record(result, i);
         const struct pccd_near *must_be = &truth->nears.items[i].record;
-        must(play,
+        must(scene,
              is->kind == must_be->kind && is->object_a == must_be->object_a &&
                  is->feature_a == must_be->feature_a &&
                  is->object_b == must_be->object_b && is->feature_b == must_be->feature_b,
              "another pair is nearer, or a vertex is not inside");
-        must(play, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
+        must(scene, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
         sums.touching += is->d_hi == 0;
         sums.thick += is->d_lo > distance;
     }
-    must(play, result->count == truth->nears.count, "there are too many or too few");
+    must(scene, result->count == truth->nears.count, "there are too many or too few");
     sums.ties += truth->nears.ties;
     oracle_nears_deinit(&truth->nears);
 }
 
 /* ---- questions ------------------------------------------------------------------ */
 
-static struct eng_near_result ask(struct play *play, struct eng_near_settings settings)
+static struct eng_near_result ask(struct scene *scene, struct eng_near_settings settings)
 {
     struct eng_near_result result;
-    way_draw(&play->prng, THREADS_MAX, &settings.step);
+    way_draw(&scene->prng, THREADS_MAX, &settings.step);
     settings.step.team_always = true;
-    settings.end = play->end;
-    assert_int_equal(eng_near(play->kit.scene, &settings, &result), PCCD_OK);
-    must(play, result.incomplete == PCCD_COMPLETE, "it is not complete");
+    settings.end = scene->end;
+    assert_int_equal(eng_near(scene->kit.scene, &settings, &result), PCCD_OK);
+    must(scene, result.incomplete == PCCD_COMPLETE, "it is not complete");
     sums.questions++;
     return result;
-}
-
-/* What two features are apart beside their radii, nearly. */
-static long double surfaces_of(const struct oracle_near *near, double distance)
-{
-    return (long double)distance - near->radius[0] - near->radius[1];
-}
-
-/* Some pair of each two objects that have a nearest one, not much farther. */
-static void compare_with_gap(const struct play *play,
-                             const struct eng_near_settings *settings,
-                             const struct eng_near_result *result, struct truth *truth)
-{
-    must(play, result->count == truth->nears.count,
-         "two objects have a pair without a gap alone, or with one");
-    for (uint64_t i = 0; i < result->count; i++) {
-        const struct pccd_near *is = near_kit_record(result, i);
-        const struct oracle_near *nearest = truth->nears.items;
-        struct oracle_near must_be;
-        while (is->object_a + is->object_b !=
-                   nearest->record.object_a + nearest->record.object_b ||
-               (is->object_a != nearest->record.object_a &&
-                is->object_a != nearest->record.object_b)) {
-            must(play, ++nearest < truth->nears.items + truth->nears.count,
-                 "two objects have a pair with a gap alone");
-        }
-        must(play, oracle_objects_measure(&truth->moment, is, &must_be), "no such pair");
-        must_be.record.flags |= (uint32_t)PCCD_NEAR_GAP;
-        must(play, memcmp(is, &must_be.record, sizeof *is) == 0, "a number is wrong");
-        long double apart = surfaces_of(&must_be, is->d_lo);
-        must(play,
-             apart <= surfaces_of(nearest, nearest->record.d_hi) + settings->gap &&
-                 apart <= settings->distance,
-             "it is too far away");
-        sums.gaps++;
-        sums.others += is->d_lo != nearest->record.d_lo;
-    }
-    oracle_nears_deinit(&truth->nears);
 }
 
 /* Which objects have a pair in an answer. */
@@ -332,94 +298,97 @@ static void list_twos(const struct eng_near_result *result,
 }
 
 /* One rule says what is within the distance. */
-static void check_rule(struct play *play, const struct eng_near_settings *nearest,
+static void check_rule(struct scene *scene, const struct eng_near_settings *nearest,
                        bool is_near[OBJECTS_MAX][OBJECTS_MAX])
 {
     struct eng_near_settings settings = *nearest;
     bool twos[OBJECTS_MAX][OBJECTS_MAX];
     settings.what = PCCD_NEAR_PAIRS;
     settings.objects[0] = settings.objects[1] = 0;
-    struct eng_near_result result = ask(play, settings);
+    struct eng_near_result result = ask(scene, settings);
     list_twos(&result, twos);
-    for (uint32_t a = 0; a < play->kit.count; a++) {
-        for (uint32_t b = 0; b < play->kit.count; b++) {
+    for (uint32_t a = 0; a < scene->kit.count; a++) {
+        for (uint32_t b = 0; b < scene->kit.count; b++) {
             bool is_asked = true;
             for (int side = 0; side < 2; side++) {
                 uint32_t only = nearest->objects[side];
                 is_asked = is_asked && (only == 0 || only == a + 1 || only == b + 1);
             }
-            must(play, is_near[a][b] == (is_asked && twos[a][b]),
+            must(scene, is_near[a][b] == (is_asked && twos[a][b]),
                  "nearest and pairs differ in who is near");
         }
     }
 }
 
-static void check_nearest(struct play *play)
+static void check_nearest(struct scene *scene)
 {
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct truth truth;
     bool twos[OBJECTS_MAX][OBJECTS_MAX];
-    if (draw(play, 3) > 0) {
-        settings.distance = play->scale * (double)draw(play, 9) * 0.125;
+    if (draw(scene, 3) > 0) {
+        settings.distance = scene->scale * (double)draw(scene, 9) * 0.125;
     }
-    if (draw(play, 2) == 0) {
-        settings.gap = play->scale * (double)draw(play, 9) * 0.125;
+    if (draw(scene, 2) == 0) {
+        settings.gap = scene->scale * (double)draw(scene, 9) * 0.125;
     }
-    for (int side = 0; side < 2 && draw(play, 2) == 0; side++) {
-        settings.objects[side] = 1 + draw(play, play->kit.count);
+    for (int side = 0; side < 2 && draw(scene, 2) == 0; side++) {
+        settings.objects[side] = 1 + draw(scene, scene->kit.count);
     }
     if (settings.objects[0] == settings.objects[1]) {
         settings.objects[0] = 0;
     }
     sums.named += settings.objects[0] != 0 && settings.objects[1] != 0 &&
-                  play->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
-    struct eng_near_result result = ask(play, settings);
-    begin_truth(play, PCCD_NEAR_NEAREST, &truth);
+                  scene->is_apart[settings.objects[0] - 1][settings.objects[1] - 1];
+    struct eng_near_result result = ask(scene, settings);
+    begin_truth(scene, PCCD_NEAR_NEAREST, &truth);
     assert_true(oracle_objects_nearest(&truth.moment, settings.objects, settings.distance,
                                        UINT64_MAX, &truth.nears));
     if (settings.gap > 0) {
-        compare_with_gap(play, &settings, &result, &truth);
+        const char *wrong =
+            near_judge_gaps(&truth.moment, &settings, &truth.nears, &result, &judged);
+        must(scene, !wrong, wrong);
+        oracle_nears_deinit(&truth.nears);
     } else {
-        compare(play, settings.distance, &result, &truth);
+        compare(scene, settings.distance, &result, &truth);
     }
     sums.nearest += result.count;
     list_twos(&result, twos);
     if (isfinite(settings.distance)) {
-        check_rule(play, &settings, twos);
+        check_rule(scene, &settings, twos);
     }
 }
 
-static void check_bounds(struct play *play, const struct eng_near_settings *settings,
+static void check_bounds(struct scene *scene, const struct eng_near_settings *settings,
                          const struct eng_near_result *result, struct truth *truth)
 {
     const double *given = result->records;
-    for (uint32_t i = 0; i < play->kit.count; i++) {
+    for (uint32_t i = 0; i < scene->kit.count; i++) {
         double bounds[POINTS_MAX];
         oracle_near_bounds(&truth->moment, &truth->nears, i, settings->distance, bounds);
-        for (uint32_t v = 0; v < play->shapes[i].points; v++) {
-            must(play, *given++ == bounds[v], "a bound is wrong");
+        for (uint32_t v = 0; v < scene->shapes[i].points; v++) {
+            must(scene, *given++ == bounds[v], "a bound is wrong");
             sums.bounds += bounds[v] < settings->distance;
         }
     }
     oracle_nears_deinit(&truth->nears);
 }
 
-static void check_pairs(struct play *play)
+static void check_pairs(struct scene *scene)
 {
     static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
                                                 PCCD_NEAR_VERTICES};
-    struct eng_near_settings settings = near_kit_settings(whats[draw(play, 3)]);
+    struct eng_near_settings settings = near_kit_settings(whats[draw(scene, 3)]);
     struct oracle_nears features;
     struct truth truth;
-    settings.distance = play->scale * (double)draw(play, 6) * 0.125;
-    struct eng_near_result result = ask(play, settings);
-    begin_truth(play, settings.what, &truth);
+    settings.distance = scene->scale * (double)draw(scene, 6) * 0.125;
+    struct eng_near_result result = ask(scene, settings);
+    begin_truth(scene, settings.what, &truth);
     if (!oracle_near_pairs(&truth.moment, settings.distance, QUERIES_MAX, &truth.nears)) {
         return;
     }
     sums.pairs += truth.nears.count;
     if (settings.what == PCCD_NEAR_VERTICES) {
-        check_bounds(play, &settings, &result, &truth);
+        check_bounds(scene, &settings, &result, &truth);
         return;
     }
     if (settings.what == PCCD_NEAR_FEATURES) {
@@ -427,26 +396,26 @@ static void check_pairs(struct play *play)
         oracle_nears_deinit(&truth.nears);
         truth.nears = features;
     }
-    compare(play, settings.distance, &result, &truth);
+    compare(scene, settings.distance, &result, &truth);
 }
 
-static void check_depth(struct play *play)
+static void check_depth(struct scene *scene)
 {
     static const uint32_t all[2] = {0, 0};
-    struct eng_near_result result = ask(play, near_kit_settings(PCCD_NEAR_DEPTH));
+    struct eng_near_result result = ask(scene, near_kit_settings(PCCD_NEAR_DEPTH));
     struct truth truth;
     uint64_t crossings;
-    begin_truth(play, PCCD_NEAR_DEPTH, &truth);
+    begin_truth(scene, PCCD_NEAR_DEPTH, &truth);
     assert_true(
         oracle_objects_depth(&truth.moment, all, UINT64_MAX, &truth.nears, &crossings));
-    compare(play, INFINITY, &result, &truth);
-    must(play, result.crossings == crossings, "other edges pass through");
+    compare(scene, INFINITY, &result, &truth);
+    must(scene, result.crossings == crossings, "other edges pass through");
     sums.crossings += crossings;
     sums.inside += result.count;
-    for (uint32_t i = 0; i < play->kit.count * play->kit.count; i++) {
-        uint32_t a = i / play->kit.count;
-        uint32_t b = i % play->kit.count;
-        sums.outside += a != b && !play->is_apart[a][b] ? play->shapes[a].points : 0;
+    for (uint32_t i = 0; i < scene->kit.count * scene->kit.count; i++) {
+        uint32_t a = i / scene->kit.count;
+        uint32_t b = i % scene->kit.count;
+        sums.outside += a != b && !scene->is_apart[a][b] ? scene->shapes[a].points : 0;
     }
     sums.outside -= result.count;
 }
@@ -456,38 +425,38 @@ static void live(uint64_t seed)
     static const double places[][2] = {{0, 1},        {0, 1},         {1e6, 1},
                                        {-3, 0x1p-40}, {1e12, 0x1p12}, {0, 1e-200},
                                        {1e17, 0x1p20}};
-    struct play play = {.seed = seed, .prng = {seed}};
-    uint32_t at = draw(&play, sizeof places / sizeof places[0]);
-    bool is_closed = draw(&play, 2) == 0;
-    play.place = places[at][0];
-    play.scale = places[at][1];
-    play.grid = draw(&play, 2) == 0 ? 0.25 : 0;
-    near_kit_begin(&play.kit);
-    uint32_t count = 2 + draw(&play, OBJECTS_MAX - 1);
+    struct scene scene = {.seed = seed, .prng = {seed}};
+    uint32_t at = draw(&scene, sizeof places / sizeof places[0]);
+    bool is_closed = draw(&scene, 2) == 0;
+    scene.place = places[at][0];
+    scene.scale = places[at][1];
+    scene.grid = draw(&scene, 2) == 0 ? 0.25 : 0;
+    near_kit_begin(&scene.kit);
+    uint32_t count = 2 + draw(&scene, OBJECTS_MAX - 1);
     for (uint32_t i = 0; i < count; i++) {
-        make(&play, &play.shapes[i], is_closed);
+        make(&scene, &scene.shapes[i], is_closed);
     }
-    if (draw(&play, 2) == 0) {
-        separate(&play);
+    if (draw(&scene, 2) == 0) {
+        separate(&scene);
     }
     for (uint32_t i = 0; i < ASKED; i++) {
-        if (i == 0 || draw(&play, 2) == 0) {
-            double spread = draw(&play, 3) == 0 ? 0.5 : draw(&play, 4) == 0 ? 1e6 : 0;
-            place(&play, 0, spread);
-            place(&play, 1, spread);
-            move(&play);
+        if (i == 0 || draw(&scene, 2) == 0) {
+            double spread = draw(&scene, 3) == 0 ? 0.5 : draw(&scene, 4) == 0 ? 1e6 : 0;
+            place(&scene, 0, spread);
+            place(&scene, 1, spread);
+            move(&scene);
         }
-        play.end = draw(&play, 2);
-        uint32_t question = draw(&play, 4);
+        scene.end = draw(&scene, 2);
+        uint32_t question = draw(&scene, 4);
         if (question == 0 && is_closed) {
-            check_depth(&play);
+            check_depth(&scene);
         } else if (question == 1) {
-            check_pairs(&play);
+            check_pairs(&scene);
         } else {
-            check_nearest(&play);
+            check_nearest(&scene);
         }
     }
-    near_kit_end(&play.kit);
+    near_kit_end(&scene.kit);
     sums.scenes++;
 }
 
@@ -503,15 +472,15 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
                   "their radii\n",
                   (unsigned long long)sums.scenes, (unsigned long long)sums.questions,
                   (unsigned long long)sums.nearest, (unsigned long long)sums.ties,
-                  (unsigned long long)sums.touching, (unsigned long long)sums.gaps,
-                  (unsigned long long)sums.others, (unsigned long long)sums.named,
+                  (unsigned long long)sums.touching, (unsigned long long)judged.gaps,
+                  (unsigned long long)judged.others, (unsigned long long)sums.named,
                   (unsigned long long)sums.inside, (unsigned long long)sums.outside,
                   (unsigned long long)sums.crossings, (unsigned long long)sums.pairs,
                   (unsigned long long)sums.bounds, (unsigned long long)sums.thick);
     if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
         assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
                     sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
-                    sums.thick > 0 && sums.gaps > 0 && sums.others > 0 &&
+                    sums.thick > 0 && judged.gaps > 0 && judged.others > 0 &&
                     sums.named > 0 && sums.pairs > 0 && sums.bounds > 0);
     }
 }

@@ -1,4 +1,4 @@
-/* test_eng_near_oracle.c - what is near, asked at any moment of a scene's life.
+/* test_eng_near_oracle.c - steps and what is near, at any moment of a scene's life.
  *
  * Room:     tests/property. May include: daemon/engine, oracle, tests/support,
  *           tests/unit, cmocka.
@@ -6,10 +6,10 @@
  *           move and jump, have radii in some sequences and leave pairs thin; steps fail,
  *           end early, are given up, or are taken by the other method, with a separation
  *           and an approach where there are radii; some questions move the scene
- *           themselves, some are cut short. Each answer against a scene made anew that is
- *           asked by the other method; of small scenes also against exact arithmetic on
- *           all pairs. Each step against a fresh scene, as if nothing had been asked, and
- *           its answer stays as it was.
+ *           themselves, some are cut short; some steps are taken beside others, as those
+ *           of a batch. Each answer against a scene made anew, which is asked by the
+ *           other method, and of small scenes against exact arithmetic on all pairs. No
+ *           step is answered otherwise because of a question, or changes thereafter.
  * Threads:  teams of one to four.
  * Source:   PCCD_SEED repeats a sequence; PCCD_NEAR_SEQUENCES says how many, and
  *           PCCD_PROPERTY_SECONDS for how long.
@@ -26,6 +26,7 @@
 #include <cmocka.h>
 
 #include "clock.h"
+#include "each.h"
 #include "eng_fresh.h"
 #include "eng_near.h"
 #include "eng_stir.h"
@@ -34,20 +35,30 @@
 #include "near_kit.h"
 #include "play_actor.h"
 #include "sequences.h"
+#include "thick_judge.h"
 
 #define SEQUENCES   60
 #define THREADS_MAX 4u
 #define QUERIES_MAX 3000u /* exact decisions for one answer */
+#define PAIRS_MAX   400u  /* of a step that are decided exactly: they take longer */
+#define SMALL       200u  /* triangles of a scene whose pairs are looked at one by one */
+#define BATCH       3u    /* scenes */
 
 static struct {
     uint64_t sequences;
     uint64_t steps;
     uint64_t inside;    /* pairs of complete steps that began within their distance */
     uint64_t shortened; /* steps with fewer records than there are, of which these are */
+    uint64_t interrupted; /* ended before they were complete */
+    uint64_t together;    /* taken beside others */
+    uint64_t decided;     /* steps of which every pair was decided exactly .. */
+    uint64_t pairs;       /* .. so many */
+    uint64_t contacts[PCCD_KIND_COUNT]; /* .. with these contacts */
     uint64_t questions;
     uint64_t moving;  /* of these: moved the scene */
     uint64_t cut;     /* ended before they were complete */
     uint64_t limited; /* of these: had more records than were kept */
+    uint64_t named;   /* of two objects that may not meet */
     uint64_t records; /* of complete answers */
     uint64_t large;   /* triangles of the largest scene */
 } sums;
@@ -139,6 +150,44 @@ static void check_last(const struct sequence *sequence)
          "a question has changed what is told of the last step's threads");
 }
 
+static uint64_t triangles_of(const struct player *player)
+{
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        count += player->objects[i].triangle_count;
+    }
+    return count;
+}
+
+/* Decide every pair of a small scene, unless that takes too long. */
+static void judge_step(struct sequence *sequence,
+                       const struct eng_step_settings *settings,
+                       const struct eng_step_result *result)
+{
+    const struct player *player = &sequence->stir.player;
+    struct near_objects objects;
+    struct thick_truths truths;
+    if (triangles_of(player) > SMALL) {
+        return;
+    }
+    near_objects_list(player, &objects);
+    const struct thick_step seen = {.objects = objects.items,
+                                    .object_count = player->object_count,
+                                    .may_meet = near_may_meet,
+                                    .context = player,
+                                    .separation = settings->separation,
+                                    .approach = settings->approach,
+                                    .tolerance = settings->tolerance};
+    if (!thick_judge_decide(&seen, 0, PAIRS_MAX, &truths)) {
+        return;
+    }
+    const char *wrong = thick_judge(&seen, &truths, result, sums.contacts);
+    sums.decided++;
+    sums.pairs += truths.count;
+    thick_judge_forget(&truths);
+    must(sequence, wrong == NULL, wrong);
+}
+
 static void check_step(struct sequence *sequence,
                        const struct eng_step_settings *settings,
                        const struct eng_step_result *result)
@@ -150,6 +199,62 @@ static void check_step(struct sequence *sequence,
     must(sequence, way_tree_is_sound(sequence->stir.player.scene, result),
          "the tree is not sound");
     fresh_free(&fresh);
+    if (result->incomplete == PCCD_COMPLETE) {
+        judge_step(sequence, settings, result);
+    }
+}
+
+/* Scenes that take the same step beside each other, as those of a batch do; the first one
+ * is that of the sequence. */
+struct together {
+    struct player *players[BATCH];
+    struct eng_step_settings settings[BATCH];
+    struct eng_step_result results[BATCH];
+    int statuses[BATCH];
+};
+
+static void step_one(void *context, uint32_t item, uint32_t thread)
+{
+    struct together *together = context;
+    (void)thread;
+    together->statuses[item] = player_step(
+        together->players[item], &together->settings[item], &together->results[item]);
+}
+
+/* Returns what the sequence's own scene has. */
+static int step_together(struct sequence *sequence,
+                         const struct eng_step_settings *settings,
+                         struct eng_step_result *result)
+{
+    struct together together;
+    struct player others[BATCH - 1];
+    const struct eng_each each = {.count = BATCH,
+                                  .threads = 1 + draw(sequence, BATCH),
+                                  .item = step_one,
+                                  .context = &together};
+    for (uint32_t i = 0; i < BATCH; i++) {
+        if (i > 0) {
+            player_copy(&sequence->stir.player, NULL, &others[i - 1]);
+        }
+        together.players[i] = i > 0 ? &others[i - 1] : &sequence->stir.player;
+        together.settings[i] = *settings;
+        together.settings[i].threads = 1;
+        together.settings[i].method = way_methods[draw(sequence, WAY_METHODS)];
+    }
+    eng_each(&each);
+    for (uint32_t i = 0; i < BATCH; i++) {
+        must(sequence, together.statuses[i] == PCCD_OK, "a step beside others failed");
+        must(sequence,
+             memcmp(together.results[i].hash, together.results[0].hash,
+                    sizeof together.results[0].hash) == 0,
+             "the same steps beside each other have other hashes");
+    }
+    for (uint32_t i = 0; i < BATCH - 1; i++) {
+        player_deinit(&others[i]);
+    }
+    sums.together++;
+    *result = together.results[0];
+    return together.statuses[0];
 }
 
 /* Mostly as the last step was taken. */
@@ -188,7 +293,8 @@ static void take_step(struct sequence *sequence)
     } else if (how == 3) {
         settings.contact_max = draw(sequence, 20);
     }
-    int status = player_step(&sequence->stir.player, &settings, &result);
+    int status = how == 4 ? step_together(sequence, &settings, &result)
+                          : player_step(&sequence->stir.player, &settings, &result);
     if (status == PCCD_E_INVAL && settings.brief) { /* not by this method */
         player_stage_copies(&sequence->stir.player);
         status = player_step(&sequence->stir.player, &sequence->settings, &result);
@@ -206,6 +312,7 @@ static void take_step(struct sequence *sequence)
         if (is_complete || is_prefix) {
             check_step(sequence, &settings, &result);
         }
+        sums.interrupted += !is_complete;
         sums.inside += is_complete ? result.thick.inside : 0;
         sums.shortened += is_prefix && !is_complete;
     }
@@ -242,23 +349,15 @@ static double some_distance(struct sequence *sequence)
     }
 }
 
-static uint64_t triangles_of(const struct player *player)
-{
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < player->object_count; i++) {
-        count += player->objects[i].triangle_count;
-    }
-    return count;
-}
-
 static void draw_question(struct sequence *sequence)
 {
-    static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS, PCCD_NEAR_FEATURES,
+    static const enum pccd_near_what whats[] = {PCCD_NEAR_PAIRS,    PCCD_NEAR_FEATURES,
                                                 PCCD_NEAR_VERTICES, PCCD_NEAR_CROSSINGS,
-                                                PCCD_NEAR_NEAREST};
+                                                PCCD_NEAR_NEAREST,  PCCD_NEAR_DEPTH};
     const struct player *player = &sequence->stir.player;
     struct eng_near_settings *question = &sequence->question;
-    *question = near_kit_settings(whats[draw(sequence, 5)]);
+    *question =
+        near_kit_settings(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);
     question->distance = some_distance(sequence);
     if (triangles_of(player) > MANY) {
         question->distance = fmin(question->distance, PLAY_UNIT * PLAY_ONE / 16);
@@ -277,12 +376,18 @@ static void draw_question(struct sequence *sequence)
     }
     if (question->what == PCCD_NEAR_NEAREST) {
         question->gap = draw(sequence, 3) ? 0 : some_distance(sequence);
+        question->distance = draw(sequence, 4) ? question->distance : INFINITY;
     }
-    if (question->what == PCCD_NEAR_NEAREST && count > 1 && draw(sequence, 3) == 0) {
+    bool is_of_two =
+        question->what == PCCD_NEAR_NEAREST || question->what == PCCD_NEAR_DEPTH;
+    if (is_of_two && count > 1 && draw(sequence, 3) == 0) { /* or one with all others */
         uint32_t first = draw(sequence, count);
         uint32_t other = (first + 1 + draw(sequence, count - 1)) % count;
         question->objects[0] = player->objects[first].id;
-        question->objects[1] = player->objects[other].id;
+        question->objects[1] = draw(sequence, 3) ? player->objects[other].id : 0;
+        sums.named += question->objects[0] != 0 && question->objects[1] != 0 &&
+                      !filters_may_meet(&player->filters, question->objects[0],
+                                        question->objects[1]);
     }
 }
 
@@ -291,9 +396,7 @@ static void check_answer(struct sequence *sequence, const struct eng_near_result
     const struct player *player = &sequence->stir.player;
     const struct eng_near_settings *question = &sequence->question;
     bool is_limited = result->incomplete == PCCD_INCOMPLETE_CONTACT_LIMIT;
-    bool is_nearest = question->what == PCCD_NEAR_NEAREST;
-    const char *wrong =
-        is_nearest ? NULL : near_judge(player, question, result, QUERIES_MAX, &judged);
+    const char *wrong = near_judge(player, question, result, QUERIES_MAX, &judged);
     must(sequence, !wrong, wrong);
     if (result->incomplete == PCCD_COMPLETE || is_limited) {
         struct near_answer fresh;
@@ -347,11 +450,12 @@ static void ask_some(struct sequence *sequence)
 
 /* ---- sequences --------------------------------------------------------------------- */
 
-/* All objects come anew, some of meshes that have radii, as others that come later. */
-static void thicken(struct sequence *sequence)
+/* All objects come anew, closed or some of meshes that have radii, as others that come
+ * later. */
+static void begin_anew(struct sequence *sequence)
 {
     struct player *player = &sequence->stir.player;
-    player->radii_from = &sequence->prng;
+    player->radii_from = sequence->is_thick ? &sequence->prng : NULL;
     for (uint32_t i = 0; i < player->object_count; i++) {
         stir_replace(&sequence->stir, i);
     }
@@ -373,8 +477,9 @@ static void live(uint64_t seed)
     way_draw(&sequence.prng, THREADS_MAX, &sequence.settings);
     stir_init(&sequence.stir, &made, size, prng_next(&sequence.prng));
     sequence.is_thick = draw(&sequence, 2) > 0;
-    if (sequence.is_thick) {
-        thicken(&sequence);
+    sequence.stir.is_closed = draw(&sequence, 4) == 0;
+    if (sequence.is_thick || sequence.stir.is_closed) {
+        begin_anew(&sequence);
     }
     for (; sequence.step < steps; sequence.step++) {
         note_size(&sequence.stir.player);
@@ -412,19 +517,28 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
 {
     (void)state;
     sequences_live(live, SEQUENCES, "PCCD_NEAR_SEQUENCES");
-    print_message("# %llu sequences, %llu steps (%llu inside, %llu shortened), %llu "
-                  "questions: %llu that moved, %llu "
-                  "cut, %llu limited; %llu records; up to %llu triangles\n",
-                  (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
-                  (unsigned long long)sums.inside, (unsigned long long)sums.shortened,
+    print_message(
+        "# %llu sequences, %llu steps (%llu interrupted, %llu shortened, %llu "
+        "beside others, %llu pairs inside); decided %llu of them, %llu pairs: %llu "
+        "VF, %llu EE\n",
+        (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
+        (unsigned long long)sums.interrupted, (unsigned long long)sums.shortened,
+        (unsigned long long)sums.together, (unsigned long long)sums.inside,
+        (unsigned long long)sums.decided, (unsigned long long)sums.pairs,
+        (unsigned long long)sums.contacts[PCCD_VF],
+        (unsigned long long)sums.contacts[PCCD_EE]);
+    print_message("# %llu questions: %llu that moved, %llu cut, %llu limited, %llu named "
+                  "in vain; %llu records; up to %llu triangles\n",
                   (unsigned long long)sums.questions, (unsigned long long)sums.moving,
                   (unsigned long long)sums.cut, (unsigned long long)sums.limited,
-                  (unsigned long long)sums.records, (unsigned long long)sums.large);
+                  (unsigned long long)sums.named, (unsigned long long)sums.records,
+                  (unsigned long long)sums.large);
     print_message(
         "# judged by %llu exact decisions: %llu answers, %llu pairs (vf %llu "
         "ee %llu ve %llu vv %llu; %llu touch, %llu exactly that far, %llu by their "
         "radii), %llu "
-        "features, %llu bounds, %llu crossings, %llu free, %llu of parts\n",
+        "features, %llu bounds, %llu crossings, %llu free, %llu of parts, %llu nearest, "
+        "%llu with a gap, %llu farther, %llu inside, %llu through\n",
         (unsigned long long)judged.queries, (unsigned long long)judged.judged,
         (unsigned long long)judged.pairs, (unsigned long long)judged.types[PCCD_VF],
         (unsigned long long)judged.types[PCCD_EE],
@@ -433,13 +547,18 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
         (unsigned long long)judged.at_distance, (unsigned long long)judged.thick,
         (unsigned long long)judged.features, (unsigned long long)judged.bounds,
         (unsigned long long)judged.crossings, (unsigned long long)judged.free,
-        (unsigned long long)judged.parts);
+        (unsigned long long)judged.parts, (unsigned long long)judged.nearest,
+        (unsigned long long)judged.gaps, (unsigned long long)judged.others,
+        (unsigned long long)judged.inside, (unsigned long long)judged.through);
     if (!getenv("PCCD_SEED") && sums.sequences >= SEQUENCES) {
         assert_true(sums.moving > 0 && sums.cut > sums.limited && sums.limited > 0);
         assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);
         assert_true(judged.touching > 0 && judged.at_distance > 0 && judged.free > 0);
         assert_true(judged.thick > 0 && sums.inside > 0 && sums.shortened > 0);
-        assert_true(judged.crossings > 0 && judged.parts > 0);
+        assert_true(judged.crossings > 0 && judged.parts > 0 && judged.nearest > 0);
+        assert_true(judged.others > 0 && judged.inside > 0 && judged.through > 0);
+        assert_true(sums.decided > 0 && sums.contacts[PCCD_EE] > 0 && sums.named > 0);
+        assert_true(sums.together > 0 && sums.interrupted > sums.shortened);
     }
 }
 

@@ -22,114 +22,83 @@
 #include <cmocka.h>
 
 #include "near.h"
+#include "prng.h"
 #include "thick_judge.h"
 
 #define TOLERANCE 1e-6
+#define OBJECTS   2u
+#define TRIANGLES 4u
+#define VERTICES  (TRIANGLES + 2)
+#define NAMED_MAX 8u
+#define WAYS_MAX  32u
 
 /* ---- the step ---------------------------------------------------------------------- */
 
-static bool names(const struct pccd_pair *a, const void *record)
-{
-    return memcmp(a, record, sizeof *a) == 0;
-}
+/* What an object is made of, as it is named. */
+struct shape {
+    uint32_t triangle_count;
+    uint32_t edge_count;
+    uint32_t point_count;
+    uint32_t triangles[TRIANGLES][3];
+    uint32_t edges[NAMED_MAX][2];
+    uint32_t points[NAMED_MAX];
+};
 
-/* The name of a contact has its flags in between. */
-static bool names_contact(const struct pccd_pair *a, const struct pccd_contact *contact)
-{
-    return a->kind == contact->kind && a->object_a == contact->object_a &&
-           a->feature_a == contact->feature_a && a->object_b == contact->object_b &&
-           a->feature_b == contact->feature_b;
-}
+struct body {
+    struct eng_mesh *mesh;
+    struct shape shape;
+    double x[2][VERTICES][3]; /* at both ends of the step */
+    double radii[VERTICES];   /* of the mesh; not 0: it has some */
+    double thick[VERTICES];   /* these, or the object's own */
+    double rest[VERTICES][3]; /* as registered */
+    struct eng_object_thickness thickness;
+};
 
-static void check_pairs(const struct thick_play *play,
-                        const struct eng_step_result *result)
+struct thick_play {
+    struct prng prng;
+    struct body bodies[OBJECTS];
+    double separation;
+    double approach;
+    double base; /* where object 1 is along x, .. */
+    double far;  /* .. and object 2, beside it */
+    double unit;
+    uint64_t contacts[PCCD_KIND_COUNT]; /* of all steps so far */
+    struct thick_truths truths;
+    struct eng_scene *scenes[WAYS_MAX];
+};
+
+/* The scene as the oracle takes it. */
+static struct thick_step view(struct thick_play *play,
+                              struct oracle_object objects[OBJECTS])
 {
-    const struct pccd_pair *pairs = result->records;
-    uint64_t seen = 0;
-    for (uint32_t i = 0; i < play->truth_count; i++) {
-        if (play->truths[i].is_candidate) {
-            assert_true(seen < result->count &&
-                        names(&play->truths[i].name, &pairs[seen]));
-            seen++;
+    for (uint32_t i = 0; i < OBJECTS; i++) {
+        struct body *body = &play->bodies[i];
+        const struct shape *shape = &body->shape;
+        for (uint32_t v = 0; v < VERTICES; v++) {
+            body->thick[v] =
+                body->thickness.has_radius ? body->thickness.radius : body->radii[v];
         }
+        objects[i] =
+            (struct oracle_object){.object_id = i + 1,
+                                   .vertex_count = VERTICES,
+                                   .triangle_count = shape->triangle_count,
+                                   .x0 = (const double(*)[3])body->x[0],
+                                   .x1 = (const double(*)[3])body->x[1],
+                                   .triangles = (const uint32_t(*)[3])shape->triangles,
+                                   .edge_count = shape->edge_count,
+                                   .point_count = shape->point_count,
+                                   .edges = (const uint32_t(*)[2])shape->edges,
+                                   .points = shape->points,
+                                   .radii = body->thick,
+                                   .registered = (const double(*)[3])body->rest,
+                                   .rest_distance = body->thickness.rest_distance,
+                                   .rest_rings = body->thickness.rest_rings};
     }
-    assert_int_equal(seen, result->count);
-    assert_true(result->safe_step == (seen > 0 ? 0 : 1));
-}
-
-static void check_contact(const struct thick_play *play, const struct thick_truth *truth,
-                          const struct pccd_contact *contact)
-{
-    bool is_initial = oracle_first_compare(truth->first, 0) == 0;
-    bool is_inside = truth->is_inside && truth->is_thick && play->approach > 0;
-    uint32_t flags =
-        PCCD_PROVED | (is_initial ? PCCD_INITIAL : 0u) | (is_inside ? PCCD_INSIDE : 0u);
-    assert_true(names_contact(&truth->name, contact));
-    assert_int_equal(contact->flags, flags);
-    assert_true(oracle_first_compare(truth->first, contact->toi) >= 0 &&
-                oracle_first_compare(truth->first, contact->toi_hi) <= 0 &&
-                contact->toi_hi - contact->toi <= TOLERANCE);
-}
-
-/* `all`: else those that may be the earliest. */
-static void check_contacts(struct thick_play *play, const struct eng_step_result *result,
-                           bool all)
-{
-    const struct pccd_contact *contacts = result->records;
-    uint64_t at = 0;
-    uint64_t initial = 0;
-    uint64_t inside = 0;
-    double toi = 2;
-    for (uint32_t i = 0; i < play->truth_count; i++) {
-        const struct thick_truth *truth = &play->truths[i];
-        bool is_there = at < result->count && names_contact(&truth->name, &contacts[at]);
-        if (truth->first && is_there) {
-            check_contact(play, truth, &contacts[at]);
-            play->contacts[truth->name.kind]++;
-            initial += (contacts[at].flags & PCCD_INITIAL) != 0;
-            inside += (contacts[at].flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
-            toi = fmin(toi, contacts[at].toi);
-            at++;
-        } else if (truth->first) {
-            assert_false(all);
-            assert_true(oracle_first_compare(truth->first, result->toi_first) > 0);
-        } else {
-            assert_false(is_there);
-        }
-        assert_true(!truth->first ||
-                    oracle_first_compare(truth->first, result->safe_step) > 0 ||
-                    result->safe_step == 0);
-    }
-    assert_int_equal(at, result->count);
-    assert_true(result->toi_first == toi && result->initial == initial &&
-                result->thick.inside == inside);
-    assert_true(result->safe_step == (at == 0 ? 1 : toi == 0 ? 0 : nextafter(toi, 0)));
-}
-
-static void check_verdict(const struct thick_play *play,
-                          const struct eng_step_result *result)
-{
-    bool any = false;
-    for (uint32_t i = 0; i < play->truth_count; i++) {
-        any |= play->truths[i].first != NULL;
-    }
-    assert_int_equal(result->verdict, any ? PCCD_VERDICT_YES : PCCD_VERDICT_NO);
-    assert_true(result->safe_step == (any ? 0 : 1));
-}
-
-static void check(struct thick_play *play, const struct eng_step_result *result)
-{
-    assert_int_equal(result->incomplete, PCCD_COMPLETE);
-    switch (result->mode) {
-    case PCCD_MODE_PAIRS:
-        check_pairs(play, result);
-        break;
-    case PCCD_MODE_ANY:
-        check_verdict(play, result);
-        break;
-    default:
-        check_contacts(play, result, result->mode == PCCD_MODE_ALL);
-    }
+    return (struct thick_step){.objects = objects,
+                               .object_count = OBJECTS,
+                               .separation = play->separation,
+                               .approach = play->approach,
+                               .tolerance = TOLERANCE};
 }
 
 static struct eng_step_settings way(const struct thick_play *play, uint32_t i,
@@ -149,14 +118,21 @@ static void step(struct thick_play *play, enum pccd_mode mode)
 {
     struct eng_step_result first;
     void *records = NULL;
-    thick_judge_decide(play);
+    struct oracle_object objects[OBJECTS];
+    const struct thick_step seen = view(play, objects);
+    thick_judge_forget(&play->truths);
+    assert_true(thick_judge_decide(&seen, 4 * play->unit, SIZE_MAX, &play->truths));
     for (uint32_t i = 0; i < way_count(); i++) {
         struct eng_step_settings settings = way(play, i, mode);
         struct eng_step_result result;
         assert_int_equal(eng_step(play->scenes[i], &settings, &result), PCCD_OK);
         assert_true(way_tree_is_sound(play->scenes[i], &result));
         if (i == 0) {
-            check(play, &result);
+            const char *wrong =
+                thick_judge(&seen, &play->truths, &result, play->contacts);
+            if (wrong) {
+                fail_msg("%s", wrong);
+            }
             first = result;
             records = malloc(result.count * result.record_bytes + 1);
             assert_non_null(records);
@@ -198,16 +174,17 @@ static double draw_length(struct thick_play *play)
 
 /* ---- what is near ------------------------------------------------------------------ */
 
-static void check_near(const struct thick_play *play,
-                       const struct eng_near_result *result, double distance,
-                       uint32_t end)
+static void check_near(struct thick_play *play, const struct eng_near_result *result,
+                       double distance, uint32_t end)
 {
     const struct pccd_near *records = result->records;
+    struct oracle_object objects[OBJECTS];
+    const struct thick_step seen = view(play, objects);
     uint64_t at = 0;
     assert_int_equal(result->incomplete, PCCD_COMPLETE);
-    for (uint32_t i = 0; i < play->truth_count; i++) {
-        const struct pccd_pair *name = &play->truths[i].name;
-        if (thick_judge_is_near(play, &play->truths[i], distance, end)) {
+    for (size_t i = 0; i < play->truths.count; i++) {
+        const struct pccd_pair *name = &play->truths.items[i].name;
+        if (thick_judge_is_near(&seen, &play->truths.items[i], distance, end)) {
             const struct pccd_near *record = &records[at++];
             assert_true(at <= result->count && name->kind == record->kind &&
                         name->object_a == record->object_a &&
@@ -250,8 +227,8 @@ static void draw_thickness(struct thick_play *play)
     if (prng_below(&play->prng, 3) == 0) {
         return;
     }
-    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
-        struct thick_body *body = &play->bodies[object];
+    for (uint32_t object = 0; object < OBJECTS; object++) {
+        struct body *body = &play->bodies[object];
         body->thickness = (struct eng_object_thickness){
             .has_radius = prng_below(&play->prng, 3) > 0, .radius = draw_length(play)};
         if (prng_below(&play->prng, 3) == 0) {
@@ -269,7 +246,7 @@ static void draw_thickness(struct thick_play *play)
 
 /* A strip; a triangle with a tail and what lies around; rods, of which one is named twice
  * and one has no length; a cloud, in which one vertex is not named. */
-static const struct thick_shape shapes[] = {
+static const struct shape shapes[] = {
     {.triangle_count = 4, .triangles = {{0, 1, 2}, {1, 2, 3}, {2, 3, 4}, {3, 4, 5}}},
     {1, 4, 3, {{0, 1, 2}}, {{3, 2}, {0, 1}, {4, 3}, {5, 5}}, {1, 4, 5}},
     {0, 5, 2, {{0}}, {{5, 5}, {1, 0}, {1, 2}, {0, 1}, {3, 3}}, {4, 2}},
@@ -279,17 +256,16 @@ static const struct thick_shape shapes[] = {
 #define SHAPES (sizeof shapes / sizeof shapes[0])
 
 /* A body's shape at its first positions, with radii of vertices if any is not 0. */
-static struct eng_mesh *make_mesh(const struct thick_body *body)
+static struct eng_mesh *make_mesh(const struct body *body)
 {
-    const struct thick_shape *shape = &body->shape;
-    const struct eng_mesh_counts counts = {THICK_VERTICES, shape->triangle_count,
+    const struct shape *shape = &body->shape;
+    const struct eng_mesh_counts counts = {VERTICES, shape->triangle_count,
                                            shape->edge_count, shape->point_count};
     struct eng_mesh *mesh;
     uint32_t bad;
     assert_int_equal(eng_mesh_make(&counts, &mesh), PCCD_OK);
     assert_int_equal(
-        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, THICK_VERTICES, body->x[1]),
-        PCCD_OK);
+        eng_mesh_write_vertices(mesh, PCCD_FORMAT_F64, 0, VERTICES, body->x[1]), PCCD_OK);
     if (counts.triangles > 0) {
         assert_int_equal(
             eng_mesh_write_triangles(mesh, 0, counts.triangles, shape->triangles, &bad),
@@ -303,7 +279,7 @@ static struct eng_mesh *make_mesh(const struct thick_body *body)
         assert_int_equal(
             eng_mesh_write_points(mesh, 0, counts.points, shape->points, &bad), PCCD_OK);
     }
-    for (uint32_t v = 0; v < THICK_VERTICES; v++) {
+    for (uint32_t v = 0; v < VERTICES; v++) {
         if (body->radii[v] > 0) {
             assert_int_equal(eng_mesh_write_radii(mesh, v, 1, &body->radii[v]), PCCD_OK);
         }
@@ -317,20 +293,19 @@ static void begin(struct thick_play *play, uint64_t seed, uint32_t kinds, double
                   double far, double unit)
 {
     *play = (struct thick_play){.prng = {seed}, .base = base, .far = far, .unit = unit};
-    assert_true(way_count() <= THICK_WAYS_MAX);
+    assert_true(way_count() <= WAYS_MAX);
     for (uint32_t i = 0; i < way_count(); i++) {
         assert_int_equal(eng_scene_new(NULL, &play->scenes[i]), PCCD_OK);
     }
-    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
-        struct thick_body *body = &play->bodies[object];
+    for (uint32_t object = 0; object < OBJECTS; object++) {
+        struct body *body = &play->bodies[object];
         bool has_radii = prng_below(&play->prng, 2) > 0;
-        for (uint32_t v = 0; v < THICK_VERTICES; v++) {
+        for (uint32_t v = 0; v < VERTICES; v++) {
             draw_point(play, object, body->x[1][v]);
             body->radii[v] = has_radii ? draw_length(play) : 0;
         }
         memcpy(body->rest, body->x[1], sizeof body->rest);
         body->shape = shapes[prng_below(&play->prng, kinds)];
-        thick_judge_shape(body);
         body->mesh = make_mesh(body);
         for (uint32_t i = 0; i < way_count(); i++) {
             uint32_t idx;
@@ -343,11 +318,11 @@ static void begin(struct thick_play *play, uint64_t seed, uint32_t kinds, double
 
 static void end(struct thick_play *play)
 {
-    thick_judge_forget(play);
+    thick_judge_forget(&play->truths);
     for (uint32_t i = 0; i < way_count(); i++) {
         eng_scene_free(play->scenes[i]);
     }
-    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
+    for (uint32_t object = 0; object < OBJECTS; object++) {
         eng_mesh_release(play->bodies[object].mesh);
     }
 }
@@ -359,11 +334,11 @@ static void move(struct thick_play *play)
     for (uint32_t i = 0; i < way_count(); i++) {
         eng_stage_begin(play->scenes[i]);
     }
-    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
-        struct thick_body *body = &play->bodies[object];
+    for (uint32_t object = 0; object < OBJECTS; object++) {
+        struct body *body = &play->bodies[object];
         memcpy(body->x[0], body->x[1], sizeof body->x[0]);
-        for (uint32_t v = 0; v < THICK_VERTICES; v++) {
-            if (part == 0 || (part == 1 && prng_below(&play->prng, THICK_VERTICES) > 0)) {
+        for (uint32_t v = 0; v < VERTICES; v++) {
+            if (part == 0 || (part == 1 && prng_below(&play->prng, VERTICES) > 0)) {
                 continue;
             }
             draw_point(play, object, body->x[1][v]);

@@ -1,6 +1,6 @@
-/* tests/property/thick_judge.c - all pairs of two small thick objects.
+/* tests/property/thick_judge.c - all pairs of a small scene.
  *
- * Room:     tests/property; engine (scene.h), client/oracle.
+ * Room:     tests/property; engine (step.h), client/oracle.
  * Does:     see thick_judge.h.
  * Threads:  one.
  */
@@ -8,149 +8,53 @@
 
 #include <gmp.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "oracle_within.h"
 
-struct feature {
-    uint32_t object;
-    uint32_t index;
-    uint32_t count; /* of vertices */
-    uint32_t v[3];
-};
-
-static struct feature feature_of(const struct thick_play *play, uint32_t points,
-                                 uint32_t object, uint32_t index)
-{
-    struct feature feature = {object, index, points, {index, 0, 0}};
-    const struct thick_body *body = &play->bodies[object];
-    if (points == 2) {
-        memcpy(feature.v, body->edges[index], 2 * sizeof feature.v[0]);
-    } else if (points == 3) {
-        memcpy(feature.v, body->shape.triangles[index], sizeof feature.v);
-    }
-    return feature;
-}
-
-/* ---- shapes ------------------------------------------------------------------------ */
-
-/* Its place among the edges, by (higher, lower) vertex. A named one is free as long as no
- * triangle has it. */
-static void add_edge(struct thick_body *body, uint32_t a, uint32_t b, bool is_named)
-{
-    uint32_t low = a < b ? a : b;
-    uint32_t high = a < b ? b : a;
-    uint32_t at = 0;
-    while (at < body->edge_count &&
-           (body->edges[at][1] < high ||
-            (body->edges[at][1] == high && body->edges[at][0] < low))) {
-        at++;
-    }
-    if (a == b || (at < body->edge_count && body->edges[at][0] == low &&
-                   body->edges[at][1] == high)) {
-        return; /* triangles come first: one that is there stays what it is */
-    }
-    memmove(body->edges[at + 1], body->edges[at],
-            (body->edge_count - at) * sizeof body->edges[0]);
-    memmove(&body->is_free_edge[at + 1], &body->is_free_edge[at],
-            (body->edge_count - at) * sizeof body->is_free_edge[0]);
-    body->edges[at][0] = low;
-    body->edges[at][1] = high;
-    body->is_free_edge[at] = is_named;
-    assert_true(++body->edge_count <= THICK_EDGES_MAX);
-    body->is_vertex[a] = true;
-    body->is_vertex[b] = true;
-}
-
-void thick_judge_shape(struct thick_body *body)
-{
-    const struct thick_shape *shape = &body->shape;
-    body->edge_count = 0;
-    memset(body->is_vertex, 0, sizeof body->is_vertex);
-    memset(body->is_free_point, 0, sizeof body->is_free_point);
-    for (uint32_t i = 0; i < 3 * shape->triangle_count; i++) {
-        const uint32_t *v = shape->triangles[i / 3];
-        add_edge(body, v[i % 3], v[(i % 3 + 1) % 3], false);
-        body->is_vertex[v[i % 3]] = true;
-    }
-    for (uint32_t i = 0; i < shape->edge_count; i++) {
-        add_edge(body, shape->edges[i][0], shape->edges[i][1], true);
-    }
-    for (uint32_t i = 0; i < shape->edge_count + shape->point_count; i++) {
-        bool is_point = i >= shape->edge_count;
-        uint32_t v = is_point ? shape->points[i - shape->edge_count] : shape->edges[i][0];
-        if ((is_point || v == shape->edges[i][1]) && !body->is_vertex[v]) {
-            body->is_free_point[v] = true;
-        }
-    }
-    for (uint32_t v = 0; v < THICK_VERTICES; v++) {
-        body->is_vertex[v] |= body->is_free_point[v];
-    }
-}
-
-/* Is it a feature that pairs of a kind are made of? */
-static bool is_of_kind(const struct thick_play *play, uint32_t kind,
-                       const struct feature *feature)
-{
-    const struct thick_body *body = &play->bodies[feature->object];
-    bool is_of_free = kind == PCCD_VE || kind == PCCD_VV;
-    if (feature->count == 1) {
-        return is_of_free ? body->is_free_point[feature->index]
-                          : body->is_vertex[feature->index];
-    }
-    return feature->count == 3 || !is_of_free || body->is_free_edge[feature->index];
-}
-
 /* ---- pairs ------------------------------------------------------------------------- */
 
-static double radius_of(const struct thick_play *play, const struct feature *feature)
+/* Vertex i, 0 .. 3, of a pair; the last one stands for all behind it. */
+static uint32_t vertex_of(const struct oracle_feature *a, const struct oracle_feature *b,
+                          uint32_t i)
 {
-    const struct thick_body *body = &play->bodies[feature->object];
-    double most = 0;
-    for (uint32_t i = 0; i < feature->count; i++) {
-        most = fmax(most, body->radii[feature->v[i]]);
-    }
-    return body->thickness.has_radius ? body->thickness.radius : most;
+    uint32_t last = b->points - 1;
+    return i < a->points ? a->v[i] : b->v[i - a->points < last ? i - a->points : last];
 }
 
-/* Vertex i, 0 .. 3, of a pair; the last one stands for all behind it. */
-static uint32_t vertex_of(const struct feature *a, const struct feature *b, uint32_t i)
+/* Its points at both ends. */
+static void load(const struct thick_step *step, const struct thick_truth *truth,
+                 double p[8][3])
 {
-    uint32_t last = b->count - 1;
-    return i < a->count ? a->v[i] : b->v[i - a->count < last ? i - a->count : last];
+    for (uint32_t i = 0; i < 8; i++) {
+        uint32_t of = i % 4 < truth->a.points ? truth->a.object : truth->b.object;
+        const double(*x)[3] = i < 4 ? step->objects[of].x0 : step->objects[of].x1;
+        memcpy(p[i], x[vertex_of(&truth->a, &truth->b, i % 4)], sizeof p[i]);
+    }
 }
 
 /* Is the pair left thin? */
-static bool rests(const struct thick_play *play, const struct feature *a,
-                  const struct feature *b)
+static bool rests(const struct thick_step *step, const struct oracle_feature *a,
+                  const struct oracle_feature *b)
 {
-    const struct thick_body *body = &play->bodies[a->object];
+    const struct oracle_object *object = &step->objects[a->object];
+    uint32_t edge_count;
     double x[4][3];
+    if (a->object != b->object ||
+        (object->rest_rings == 0 && object->rest_distance == 0)) {
+        return false;
+    }
     for (uint32_t i = 0; i < 4; i++) {
-        memcpy(x[i], body->rest[vertex_of(a, b, i)], sizeof x[i]);
+        memcpy(x[i], object->registered[vertex_of(a, b, i)], sizeof x[i]);
     }
-    return a->object == b->object &&
-           (oracle_are_joined(body->edges, body->edge_count, THICK_VERTICES, a->v,
-                              a->count, b->v, b->count, body->thickness.rest_rings) ||
-            oracle_is_nearer(a->count, (const double(*)[3])x,
-                             body->thickness.rest_distance));
-}
-
-static bool have_common(const struct feature *a, const struct feature *b)
-{
-    for (uint32_t i = 0; i < a->count; i++) {
-        for (uint32_t k = 0; k < b->count; k++) {
-            if (a->object == b->object && a->v[i] == b->v[k]) {
-                return true;
-            }
-        }
-    }
-    return false;
+    uint32_t(*edges)[2] = oracle_edges(object, &edge_count);
+    bool are_joined =
+        oracle_are_joined((const uint32_t(*)[2])edges, edge_count, object->vertex_count,
+                          a->v, a->points, b->v, b->points, object->rest_rings);
+    free(edges);
+    return are_joined ||
+           oracle_is_nearer(a->points, (const double(*)[3])x, object->rest_distance);
 }
 
 /* The sign of high - low less the radii, exactly. */
@@ -175,7 +79,7 @@ static bool is_candidate(const double p[8][3], uint32_t points_a, const double r
     for (int k = 0; k < 3; k++) {
         for (int turn = 0; turn < 2; turn++) {
             bool apart = true;
-            for (uint32_t i = 0; i < points_a; i++) {
+            for (uint32_t i = 0; apart && i < points_a; i++) {
                 for (uint32_t j = points_a; j < 4; j++) {
                     for (uint32_t end = 0; end < 8; end += 4) {
                         double a = p[end + i][k];
@@ -192,110 +96,275 @@ static bool is_candidate(const double p[8][3], uint32_t points_a, const double r
     return true;
 }
 
-static void decide(struct thick_play *play, uint32_t kind, const struct feature *a,
-                   const struct feature *b)
+/* Do the boxes of their motions keep them apart by more than `reach`, whatever rounding
+ * hides? */
+static bool are_far(const struct oracle_feature *a, const struct oracle_feature *b,
+                    double reach)
 {
-    double p[8][3];
-    for (uint32_t i = 0; i < 8; i++) {
-        const struct feature *of = i % 4 < a->count ? a : b;
-        memcpy(p[i], play->bodies[of->object].x[i / 4][vertex_of(a, b, i % 4)],
-               sizeof p[i]);
-    }
-    struct oracle_thick thick = {
-        .points_a = (int)a->count,
-        .points_b = (int)b->count,
-        .p = (const double(*)[3])p,
-        .radius = {radius_of(play, a), radius_of(play, b), play->separation},
-        .approach = play->approach};
-    if (rests(play, a, b)) {
-        memset(thick.radius, 0, sizeof thick.radius);
-    }
-    struct thick_truth *truth = &play->truths[play->truth_count];
-    truth->name = (struct pccd_pair){(enum pccd_kind)kind, a->object + 1, a->index,
-                                     b->object + 1, b->index};
-    truth->is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0;
-    bool is_tested = truth->is_thick || kind == PCCD_VF || kind == PCCD_EE;
-    truth->is_candidate =
-        is_tested && is_candidate((const double(*)[3])p, a->count, thick.radius);
-    truth->is_inside = is_tested && oracle_thick_is_inside(&thick);
-    truth->first = is_tested ? oracle_thick_first_new(&thick) : NULL;
-    assert_true(truth->is_candidate || (!truth->first && !truth->is_inside));
-    assert_true(++play->truth_count < THICK_PAIRS_MAX);
-}
-
-void thick_judge_forget(struct thick_play *play)
-{
-    for (uint32_t i = 0; i < play->truth_count; i++) {
-        oracle_first_free(play->truths[i].first);
-    }
-    play->truth_count = 0;
-}
-
-#define THICK_KINDS 4u
-
-/* Points of the features of a kind. */
-static const uint32_t sides[THICK_KINDS][2] = {
-    [PCCD_VF] = {1, 3}, [PCCD_EE] = {2, 2}, [PCCD_VE] = {1, 2}, [PCCD_VV] = {1, 1}};
-
-/* All features of so many points, by (object, index). */
-static uint32_t list_features(const struct thick_play *play, uint32_t points,
-                              struct feature *features)
-{
-    uint32_t count = 0;
-    for (uint32_t object = 0; object < THICK_OBJECTS; object++) {
-        const struct thick_body *body = &play->bodies[object];
-        uint32_t all = points == 1   ? THICK_VERTICES
-                       : points == 2 ? body->edge_count
-                                     : body->shape.triangle_count;
-        for (uint32_t i = 0; i < all; i++) {
-            features[count++] = feature_of(play, points, object, i);
+    for (int k = 0; k < 3; k++) {
+        double gap = fmax(a->lo[k] - b->hi[k], b->lo[k] - a->hi[k]);
+        if (gap > reach * (1 + 0x1p-40)) {
+            return true;
         }
     }
-    return count;
+    return false;
 }
 
-void thick_judge_decide(struct thick_play *play)
+static double radius_of(const struct thick_step *step,
+                        const struct oracle_feature *feature)
 {
-    struct feature features[4][THICK_OBJECTS * THICK_EDGES_MAX];
-    uint32_t counts[4];
-    thick_judge_forget(play);
-    for (uint32_t points = 1; points <= 3; points++) {
-        counts[points] = list_features(play, points, features[points]);
+    return oracle_radius(&step->objects[feature->object], feature->v, feature->points);
+}
+
+static void decide(const struct thick_step *step, struct thick_truth *truth)
+{
+    double p[8][3];
+    load(step, truth, p);
+    struct oracle_thick thick = {.points_a = (int)truth->a.points,
+                                 .points_b = (int)truth->b.points,
+                                 .p = (const double(*)[3])p,
+                                 .radius = {radius_of(step, &truth->a),
+                                            radius_of(step, &truth->b), step->separation},
+                                 .approach = step->approach};
+    if (rests(step, &truth->a, &truth->b)) {
+        memset(thick.radius, 0, sizeof thick.radius);
     }
-    for (uint32_t kind = 0; kind < THICK_KINDS; kind++) {
-        const uint32_t *points = sides[kind];
-        for (uint32_t i = 0; i < counts[points[0]]; i++) {
-            const struct feature *a = &features[points[0]][i];
-            for (uint32_t j = points[0] == points[1] ? i + 1 : 0; j < counts[points[1]];
-                 j++) {
-                const struct feature *b = &features[points[1]][j];
-                if (!have_common(a, b) && is_of_kind(play, kind, a) &&
-                    is_of_kind(play, kind, b)) {
-                    decide(play, kind, a, b);
-                }
+    truth->is_thick = thick.radius[0] + thick.radius[1] + thick.radius[2] > 0;
+    bool is_tested =
+        truth->is_thick || truth->name.kind == PCCD_VF || truth->name.kind == PCCD_EE;
+    truth->is_candidate =
+        is_tested && is_candidate((const double(*)[3])p, truth->a.points, thick.radius);
+    if (truth->is_candidate) {
+        truth->is_inside = oracle_thick_is_inside(&thick);
+        truth->first = oracle_thick_first_new(&thick);
+    }
+}
+
+void thick_judge_forget(struct thick_truths *truths)
+{
+    for (size_t i = 0; i < truths->count; i++) {
+        oracle_first_free(truths->items[i].first);
+    }
+    free(truths->items);
+    memset(truths, 0, sizeof *truths);
+}
+
+/* Note the pair unless it is far. */
+static void look(const struct thick_step *step, uint32_t kind,
+                 const struct oracle_feature *a, const struct oracle_feature *b,
+                 double reach, struct thick_truths *truths)
+{
+    const struct oracle_object *of_a = &step->objects[a->object];
+    const struct oracle_object *of_b = &step->objects[b->object];
+    double keeps =
+        radius_of(step, a) + radius_of(step, b) + fmax(step->separation, reach);
+    if (oracle_features_share_vertex(a, b) || are_far(a, b, keeps) ||
+        (step->may_meet &&
+         !step->may_meet(step->context, of_a->object_id, of_b->object_id))) {
+        return;
+    }
+    if (truths->count == truths->capacity) {
+        truths->capacity = 2 * truths->capacity + 64;
+        truths->items =
+            oracle_grow(truths->items, truths->capacity * sizeof *truths->items);
+    }
+    truths->items[truths->count++] =
+        (struct thick_truth){.name = {(enum pccd_kind)kind, of_a->object_id, a->index,
+                                      of_b->object_id, b->index},
+                             .a = *a,
+                             .b = *b};
+}
+
+bool thick_judge_decide(const struct thick_step *step, double reach, size_t pairs_max,
+                        struct thick_truths *truths)
+{
+    static const uint32_t sides[PCCD_KIND_COUNT][2] = {/* of the lists below */
+                                                       [PCCD_VF] = {0, 2},
+                                                       [PCCD_EE] = {1, 1},
+                                                       [PCCD_VE] = {3, 4},
+                                                       [PCCD_VV] = {3, 3}};
+    struct oracle_features lists[5]; /* vertices, edges, faces; free vertices, edges */
+    memset(truths, 0, sizeof *truths);
+    for (uint32_t i = 0; i < 5; i++) {
+        oracle_features_list(step->objects, step->object_count, i % 3 + 1, &lists[i]);
+    }
+    oracle_features_keep_free(&lists[3]);
+    oracle_features_keep_free(&lists[4]);
+    for (uint32_t kind = 0; kind < PCCD_KIND_COUNT; kind++) {
+        const struct oracle_features *a = &lists[sides[kind][0]];
+        const struct oracle_features *b = &lists[sides[kind][1]];
+        for (size_t i = 0; i < a->count; i++) {
+            for (size_t j = a == b ? i + 1 : 0; j < b->count; j++) {
+                look(step, kind, &a->items[i], &b->items[j], reach, truths);
             }
         }
     }
+    for (uint32_t i = 0; i < 5; i++) {
+        oracle_features_deinit(&lists[i]);
+    }
+    if (truths->count > pairs_max) {
+        thick_judge_forget(truths);
+        return false;
+    }
+    for (size_t i = 0; i < truths->count; i++) {
+        decide(step, &truths->items[i]);
+    }
+    return true;
 }
 
-bool thick_judge_is_near(const struct thick_play *play, const struct thick_truth *truth,
+bool thick_judge_is_near(const struct thick_step *step, const struct thick_truth *truth,
                          double distance, uint32_t end)
 {
-    const uint32_t *points = sides[truth->name.kind];
-    struct feature a =
-        feature_of(play, points[0], truth->name.object_a - 1, truth->name.feature_a);
-    struct feature b =
-        feature_of(play, points[1], truth->name.object_b - 1, truth->name.feature_b);
     double p[8][3];
-    for (uint32_t i = 0; i < 8; i++) {
-        const struct feature *of = i % 4 < a.count ? &a : &b;
-        memcpy(p[i], play->bodies[of->object].x[end][vertex_of(&a, &b, i % 4)],
-               sizeof p[i]);
-    }
+    load(step, truth, p);
+    memcpy(p[4 * (1 - end)], p[4 * end], 4 * sizeof p[0]);
     struct oracle_thick thick = {
-        .points_a = (int)a.count,
-        .points_b = (int)b.count,
+        .points_a = (int)truth->a.points,
+        .points_b = (int)truth->b.points,
         .p = (const double(*)[3])p,
-        .radius = {radius_of(play, &a), radius_of(play, &b), distance}};
-    return !rests(play, &a, &b) && oracle_thick_is_inside(&thick);
+        .radius = {radius_of(step, &truth->a), radius_of(step, &truth->b), distance}};
+    return !rests(step, &truth->a, &truth->b) && oracle_thick_is_inside(&thick);
+}
+
+/* ---- answers ----------------------------------------------------------------------- */
+
+static const char *check_pairs(const struct thick_truths *truths,
+                               const struct eng_step_result *result)
+{
+    const struct pccd_pair *pairs = result->records;
+    uint64_t seen = 0;
+    for (size_t i = 0; i < truths->count; i++) {
+        const struct thick_truth *truth = &truths->items[i];
+        if (truth->is_candidate) {
+            if (seen == result->count ||
+                memcmp(&truth->name, &pairs[seen], sizeof truth->name) != 0) {
+                return "a pair that no axis separates";
+            }
+            seen++;
+        }
+    }
+    if (seen != result->count) {
+        return "a pair that an axis separates";
+    }
+    return result->safe_step != (seen > 0 ? 0 : 1) ? "how far it is safe" : NULL;
+}
+
+/* The name of a contact has its flags in between. */
+static bool names_contact(const struct pccd_pair *a, const struct pccd_contact *contact)
+{
+    return a->kind == contact->kind && a->object_a == contact->object_a &&
+           a->feature_a == contact->feature_a && a->object_b == contact->object_b &&
+           a->feature_b == contact->feature_b;
+}
+
+/* Of a pair that has one; one of thin features need not be proved. */
+static const char *check_contact(const struct thick_step *step,
+                                 const struct thick_truth *truth,
+                                 const struct pccd_contact *contact)
+{
+    bool is_initial = oracle_first_compare(truth->first, 0) == 0;
+    bool is_inside = truth->is_inside && truth->is_thick && step->approach > 0;
+    bool is_proved = truth->is_thick || (contact->flags & PCCD_PROVED) != 0;
+    uint32_t flags = (is_proved ? PCCD_PROVED : 0u) | (is_initial ? PCCD_INITIAL : 0u) |
+                     (is_inside ? PCCD_INSIDE : 0u);
+    if (contact->flags != flags) {
+        return "the flags of a contact";
+    }
+    if (oracle_first_compare(truth->first, contact->toi) < 0) {
+        return "a contact is told too late";
+    }
+    return is_proved && (oracle_first_compare(truth->first, contact->toi_hi) > 0 ||
+                         contact->toi_hi - contact->toi > step->tolerance)
+               ? "a contact is not as late as told"
+               : NULL;
+}
+
+/* What is summed up of the records. */
+static const char *check_sums(const struct eng_step_result *result)
+{
+    const struct pccd_contact *contacts = result->records;
+    uint64_t initial = 0;
+    uint64_t inside = 0;
+    uint64_t possible = 0;
+    double toi = 2;
+    for (uint64_t i = 0; i < result->count; i++) {
+        uint32_t flags = contacts[i].flags;
+        possible += (flags & PCCD_PROVED) == 0;
+        initial += (flags & PCCD_INITIAL) != 0;
+        inside += (flags & (PCCD_INITIAL | PCCD_INSIDE)) == PCCD_INSIDE;
+        toi = fmin(toi, contacts[i].toi);
+    }
+    if (result->toi_first != toi || result->initial != initial ||
+        result->possible != possible || result->thick.inside != inside) {
+        return "what is counted of the records";
+    }
+    double safe = result->count == 0 ? 1 : toi == 0 ? 0 : nextafter(toi, 0);
+    return result->safe_step != safe ? "how far it is safe" : NULL;
+}
+
+/* `all`: else those that may be the earliest. */
+static const char *check_contacts(const struct thick_step *step,
+                                  const struct thick_truths *truths,
+                                  const struct eng_step_result *result, bool all,
+                                  uint64_t counts[PCCD_KIND_COUNT])
+{
+    const struct pccd_contact *contacts = result->records;
+    uint64_t at = 0;
+    for (size_t i = 0; i < truths->count; i++) {
+        const struct thick_truth *truth = &truths->items[i];
+        bool is_there = at < result->count && names_contact(&truth->name, &contacts[at]);
+        const char *wrong = NULL;
+        if (truth->first && is_there) {
+            wrong = check_contact(step, truth, &contacts[at]);
+            counts[truth->name.kind]++;
+        } else if (truth->first) {
+            wrong = all || oracle_first_compare(truth->first, result->toi_first) <= 0
+                        ? "a contact is missing"
+                        : NULL;
+        } else if (is_there) {
+            wrong =
+                truth->is_thick || contacts[at].flags != 0 ? "an invented contact" : NULL;
+        }
+        if (!wrong && truth->first && result->safe_step > 0 &&
+            oracle_first_compare(truth->first, result->safe_step) <= 0) {
+            wrong = "it is not safe so far";
+        }
+        if (wrong) {
+            return wrong;
+        }
+        at += is_there;
+    }
+    return at != result->count ? "a contact too many, or in no order"
+                               : check_sums(result);
+}
+
+static const char *check_verdict(const struct thick_truths *truths,
+                                 const struct eng_step_result *result)
+{
+    bool any = false;
+    for (size_t i = 0; i < truths->count; i++) {
+        any |= truths->items[i].first != NULL;
+    }
+    if (result->verdict != (any ? PCCD_VERDICT_YES : PCCD_VERDICT_NO)) {
+        return "the verdict";
+    }
+    return result->safe_step != (any ? 0 : 1) ? "how far it is safe" : NULL;
+}
+
+const char *thick_judge(const struct thick_step *step, const struct thick_truths *truths,
+                        const struct eng_step_result *result,
+                        uint64_t contacts[PCCD_KIND_COUNT])
+{
+    if (result->incomplete != PCCD_COMPLETE) {
+        return "it is not complete";
+    }
+    switch (result->mode) {
+    case PCCD_MODE_PAIRS:
+        return check_pairs(truths, result);
+    case PCCD_MODE_ANY:
+        return check_verdict(truths, result);
+    default:
+        return check_contacts(step, truths, result, result->mode == PCCD_MODE_ALL,
+                              contacts);
+    }
 }

@@ -1,81 +1,60 @@
-/* tests/property/thick_judge.h - judges thick features of two small objects by all pairs.
+/* tests/property/thick_judge.h - judges a step of a small scene by all pairs.
  *
- * Room:     tests/property; engine (scene.h), client/oracle.
- * Does:     hold the scene of a play as all pairs see it: two objects of triangles, edges
- *           and points, their radii and what they leave thin; decide each pair by the
- *           oracle.
+ * Room:     tests/property; engine (step.h), client/oracle.
+ * Does:     decide by the oracle of each pair of features, thick or not, whether and when
+ *           they meet in a step, and whether they are near at an end of it; say what is
+ *           wrong with a complete answer, in any mode.
  * Threads:  one.
  */
 #ifndef TESTS_THICK_JUDGE_H
 #define TESTS_THICK_JUDGE_H
 
-#include "eng_way.h"
+#include "oracle_features.h"
 #include "oracle_thick.h"
+#include "step.h"
 
-#define THICK_OBJECTS   2u
-#define THICK_TRIANGLES 4u
-#define THICK_VERTICES  (THICK_TRIANGLES + 2)
-#define THICK_NAMED_MAX 8u
-#define THICK_EDGES_MAX (3 * THICK_TRIANGLES + THICK_NAMED_MAX)
-#define THICK_PAIRS_MAX 1024u
-#define THICK_WAYS_MAX  32u
-
-/* What an object is made of, as it is named. */
-struct thick_shape {
-    uint32_t triangle_count;
-    uint32_t edge_count;
-    uint32_t point_count;
-    uint32_t triangles[THICK_TRIANGLES][3];
-    uint32_t edges[THICK_NAMED_MAX][2];
-    uint32_t points[THICK_NAMED_MAX];
-};
-
-struct thick_body {
-    struct eng_mesh *mesh;
-    struct thick_shape shape;
-    uint32_t edge_count; /* unique, in their order */
-    uint32_t edges[THICK_EDGES_MAX][2];
-    bool is_free_edge[THICK_EDGES_MAX];
-    bool is_vertex[THICK_VERTICES]; /* of anything */
-    bool is_free_point[THICK_VERTICES];
-    double x[2][THICK_VERTICES][3]; /* at both ends of the step */
-    double radii[THICK_VERTICES];   /* of the mesh; not 0: it has some */
-    double rest[THICK_VERTICES][3]; /* as registered */
-    struct eng_object_thickness thickness;
+/* The scene, and how far its features keep apart. */
+struct thick_step {
+    const struct oracle_object *objects; /* by increasing id */
+    uint32_t object_count;
+    bool (*may_meet)(const void *context, uint32_t id_a, uint32_t id_b); /* NULL: all */
+    const void *context;
+    double separation;
+    double approach;
+    double tolerance;
 };
 
 struct thick_truth {
     struct pccd_pair name;
+    struct oracle_feature a; /* as they are in the objects of the step */
+    struct oracle_feature b;
     bool is_candidate; /* in mode pairs; never of free points that keep no distance */
     bool is_thick;
     bool is_inside;
     struct oracle_first *first; /* NULL: no contact */
 };
 
-struct thick_play {
-    struct prng prng;
-    struct thick_body bodies[THICK_OBJECTS];
-    double separation;
-    double approach;
-    double base; /* where object 1 is along x, .. */
-    double far;  /* .. and object 2, beside it */
-    double unit;
-    uint64_t contacts[PCCD_KIND_COUNT]; /* of all steps so far */
-    struct thick_truth truths[THICK_PAIRS_MAX];
-    uint32_t truth_count;
-    struct eng_scene *scenes[THICK_WAYS_MAX];
+struct thick_truths {
+    struct thick_truth *items; /* in canonical order */
+    size_t count;
+    size_t capacity;
 };
 
-/* Find out what features a body of that shape has. */
-void thick_judge_shape(struct thick_body *body);
+/* All pairs that are not farther apart than `reach` and what they keep, and others.
+ * false, and there is nothing: there are more than `pairs_max` of them. */
+bool thick_judge_decide(const struct thick_step *step, double reach, size_t pairs_max,
+                        struct thick_truths *truths);
+void thick_judge_forget(struct thick_truths *truths);
 
-/* All pairs in canonical order, to play->truths; those of before are forgotten. */
-void thick_judge_decide(struct thick_play *play);
-void thick_judge_forget(struct thick_play *play);
+/* NULL: the answer is right; else what is wrong. Its contacts are added to contacts[..],
+ * by kind. */
+const char *thick_judge(const struct thick_step *step, const struct thick_truths *truths,
+                        const struct eng_step_result *result,
+                        uint64_t contacts[PCCD_KIND_COUNT]);
 
-/* Is a pair within the distance and its radii at an end of the step, and not left thin
- * for its rest? */
-bool thick_judge_is_near(const struct thick_play *play, const struct thick_truth *truth,
+/* Is a pair within the distance and its radii, as they are now, at an end of the step,
+ * and not left thin for its rest? */
+bool thick_judge_is_near(const struct thick_step *step, const struct thick_truth *truth,
                          double distance, uint32_t end);
 
 #endif

@@ -20,6 +20,7 @@
 #define CELL     (PLAY_ONE / 8) /* of a sheet */
 #define FEW      60u            /* triangles that may all touch others at rest */
 #define ACTS_MAX 16u            /* of one step */
+#define CLOSED   5u             /* the kind of objects that are closed */
 #define NO_IDX   1000000u       /* there is no such object */
 
 static uint32_t draw(struct stir *stir, uint32_t bound)
@@ -104,6 +105,33 @@ static void make_folded(struct stir *stir, struct actor *actor, uint32_t id,
     }
 }
 
+/* Octahedra with corners anywhere about a place of each, some of them inside out. */
+static void make_closed(struct stir *stir, struct actor *actor, uint32_t id,
+                        uint32_t count)
+{
+    static const uint32_t faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                         {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    uint32_t copies = 1 + count / 16;
+    actor_init(actor, id, 6 * copies, 8 * copies);
+    for (uint32_t copy = 0; copy < copies; copy++) {
+        double centre[3];
+        uint32_t turn = draw(stir, 4) == 0;
+        play_somewhere(&stir->prng, PLAY_ONE / 8 * play_root(copies, 3), centre);
+        for (uint32_t i = 0; i < 6; i++) {
+            double *x = actor->x[6 * copy + i];
+            memcpy(x, centre, sizeof centre);
+            x[i / 2] += (i % 2 ? -1 : 1) * (PLAY_ONE / 4) * PLAY_UNIT;
+            for (int k = 0; k < 3; k++) {
+                x[k] += play_some(&stir->prng, draw(stir, 2) * CELL / 2);
+            }
+        }
+        for (uint32_t i = 0; i < 24; i++) {
+            uint32_t k = turn ? 2 - i % 3 : i % 3;
+            actor->triangles[8 * copy + i / 3][k] = 6 * copy + faces[i / 3][i % 3];
+        }
+    }
+}
+
 static void make_some(struct stir *stir, struct actor *actor, uint32_t id)
 {
     uint32_t most = draw(stir, 5) == 0 ? 2 : stir->triangle_count;
@@ -111,7 +139,7 @@ static void make_some(struct stir *stir, struct actor *actor, uint32_t id)
     const double *far = stir->far[draw(stir, 2)];
     double centre[3];
     play_somewhere(&stir->prng, PLAY_ONE / 4, centre);
-    switch (draw(stir, 5)) {
+    switch (stir->is_closed ? CLOSED : draw(stir, 5)) {
     case 0:
         actor_soup(actor, id, 1 + count / 4, &stir->prng);
         break;
@@ -120,6 +148,9 @@ static void make_some(struct stir *stir, struct actor *actor, uint32_t id)
         break;
     case 2:
         make_flat(stir, actor, id, count);
+        break;
+    case CLOSED:
+        make_closed(stir, actor, id, count);
         break;
     default:
         actor_sheet(actor, id, count, CELL, centre, &stir->prng);

@@ -24,6 +24,7 @@ struct stir {
     double far[2][3];        /* where objects are: around the one or the other */
     uint32_t triangle_count; /* of an object, at most about */
     uint32_t failures;       /* attempts that had to fail, and did */
+    bool is_closed;          /* objects that come are closed surfaces */
 };
 
 /* How the trees of a scene are kept. */
