@@ -19,8 +19,9 @@
 #include "grid.h"
 #include "pccd.h"
 
-#define SIDE    40u /* of the grid: enough triangles for several threads */
-#define THREADS 3u
+#define SIDE       40u  /* of the grid: enough triangles for several threads */
+#define SIDE_LARGE 128u /* so much work that threads share it, however fast they are */
+#define THREADS    3u
 
 static int start(void **state)
 {
@@ -37,7 +38,7 @@ static void turn(struct pccd_client *client, const struct pccd_scene_settings *s
     struct test_grid grid;
     uint64_t step = 0;
 
-    assert_int_equal(test_grid_make_with(client, SIDE, scene, &grid), 0);
+    assert_int_equal(test_grid_make_with(client, SIDE_LARGE, scene, &grid), 0);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(test_grid_submit(&grid, settings, &step), 0);
         assert_int_equal(pccd_wait(client, step, -1, answer), 0);
