@@ -1,8 +1,8 @@
 #!/bin/bash
 # tests/dist/cross_check.sh - what a build for another processor makes by its own programs.
 #
-# Room:  client/ctl/local.mk, configure.ac, from outside.
-# Does:  have make run pccdctl by an emulator that fails.
+# Room:  client/ctl/local.mk, Makefile.am, configure.ac, from outside.
+# Does:  have make run pccdctl by an emulator that fails; ask what check-emulated would make.
 
 set -u
 . "${top_srcdir:?}/tests/support/tap.sh"
@@ -23,4 +23,12 @@ else
     tap_result $? "$name" "$log"
     rm -f "$top_builddir/$script.tmp"
 fi
+
+# If it failed, the name of a test would begin a line of the shell, and be no test of make's.
+name="check_emulated__runs_the_tests_of_the_engine"
+MAKEFLAGS='' make -C "$top_builddir" -n check-emulated EMULATOR=false TESTS="tests/unit/test_codec \
+    tests/unit/test_eng_range tests/unit/test_eng_radix tests/unit/test_eng_neon.sh" >"$log" 2>&1 &&
+    grep -q "='tests/unit/test_eng_range.log tests/unit/test_eng_radix.log';" "$log" &&
+    ! grep -q '^tests/unit/' "$log"
+tap_result $? "$name" "$log"
 tap_end
