@@ -162,6 +162,14 @@ static bool is_inside(uint64_t offset, uint64_t bytes, uint64_t all)
     return offset % 8 == 0 && offset <= all && bytes <= all - offset;
 }
 
+/* Of one end of a segment. */
+static uint64_t positions_bytes(const struct record_segment *segment)
+{
+    return segment->kind == RECORD_RIGID
+               ? RIGID_BYTES
+               : segment->count * common_vertex_bytes(segment->format);
+}
+
 /* The payload of a slot, `all` bytes, with a table of `count` segments. `step` is of whom
  * it moves. */
 static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
@@ -172,12 +180,9 @@ static int judge_segments(const uint8_t *slot, uint64_t all, uint32_t count,
     }
     for (uint32_t i = 0; i < count; i++) {
         struct record_segment segment;
-        uint64_t each;
 
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        each = segment.kind == RECORD_RIGID
-                   ? RIGID_BYTES
-                   : segment.count * common_vertex_bytes(segment.format);
+        uint64_t each = positions_bytes(&segment);
         if (segment.kind > RECORD_RIGID || segment.format >= PCCD_FORMAT_COUNT ||
             !is_inside(segment.offset1, each, all) ||
             (segment.kind != RECORD_X1 && !is_inside(segment.offset0, each, all))) {
@@ -446,12 +451,9 @@ static uint64_t moved_bytes(const uint8_t *slot, uint64_t count)
 
     for (uint64_t i = 0; i < count; i++) {
         struct record_segment segment;
-        uint64_t each;
 
         memcpy(&segment, slot + i * sizeof segment, sizeof segment);
-        each = segment.kind == RECORD_RIGID
-                   ? RIGID_BYTES
-                   : segment.count * common_vertex_bytes(segment.format);
+        uint64_t each = positions_bytes(&segment);
         bytes += padded(each) * (segment.kind == RECORD_X1 ? 1 : 2);
     }
     return bytes;
