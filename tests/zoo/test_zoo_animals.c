@@ -28,7 +28,6 @@
  * figure for a machine that is left alone is printed with --long. */
 #define GENEROUS_TIMES 20.0
 #define GENEROUS_MS    100.0
-#define ROUNDS_MAX     3 /* of others a burst ends; what is the daemon's fault stays */
 
 /* With --long: p99 beside, against alone or, where that is more, against processes that
  * burn as much of the processors as the animals themselves, which no daemon can prevent:
@@ -154,22 +153,6 @@ static bool work_beside_burners(const struct zoo_den *closed, unsigned acts,
     return zoo_close(&den) > 0 && worked;
 }
 
-static bool is_generous(const struct rounds *rounds)
-{
-    return rounds->beside.p99_ms <= GENEROUS_TIMES * rounds->alone.p99_ms + GENEROUS_MS;
-}
-
-/* Beside the animals, again where that took long. */
-static bool work_beside(struct rounds *rounds)
-{
-    bool worked = zoo_keeper_work(&keeper, requests, &rounds->beside);
-
-    for (int i = 1; worked && !is_generous(rounds) && i < ROUNDS_MAX; i++) {
-        worked = zoo_keeper_work(&keeper, requests, &rounds->beside);
-    }
-    return worked;
-}
-
 /* If it failed, this client would harm the daemon or those who share it: it would get
  * something else than its due, change or delay the answers of others, or take memory that
  * nobody is charged for. */
@@ -188,7 +171,7 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     zoo_keeper_look(&keeper, &before);
     assert_true(zoo_keeper_work(&keeper, requests, &rounds.alone));
     opened = zoo_open(&den, animal, keeper.daemon.socket, each, is_long, pause_ms);
-    worked = opened && work_beside(&rounds);
+    worked = opened && zoo_keeper_work(&keeper, requests, &rounds.beside);
     look_while_they_act(&before, &during);
     acts = zoo_close(&den);
     zoo_say(&den, animal);
@@ -197,7 +180,8 @@ static void zoo__animal_gets_its_due_and_harms_nobody(void **state)
     assert_true(acts >= each);
     assert_true(!is_long || work_beside_burners(&den, acts, &rounds.burned));
     report(animal, acts, &rounds, heap_of_each(&before, &during));
-    assert_true(is_generous(&rounds));
+    assert_true(rounds.beside.p99_ms <=
+                GENEROUS_TIMES * rounds.alone.p99_ms + GENEROUS_MS);
     double more_ms = animal->takes_long ? LONG_MS : 0;
     assert_true(!is_long ||
                 rounds.beside.p99_ms <= FAULT_TIMES * rounds.alone.p99_ms + more_ms ||
