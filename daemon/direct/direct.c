@@ -5,8 +5,7 @@
  *           with the last; what a message asks for is computed at once, by the thread
  *           that brings it.
  * Does not: start threads (the engine's OpenMP team is the calling thread's), wait for
- *           anything but its turn, handle signals, or bind the thread that calls to a
- *           processor: the process is not ours.
+ *           anything but its turn, handle signals, or bind the caller to a processor.
  * Threads:  [any]; the turn makes whoever has it [loop] and [compute].
  */
 #include <errno.h>
@@ -170,9 +169,10 @@ int srv_host_start_runner(struct srv_service *service)
     return PCCD_E_STATE; /* who asks for something computes it */
 }
 
-void srv_host_limit_changed(struct srv_service *service)
+bool srv_host_is_full(const struct srv_service *service)
 {
-    (void)service; /* whoever comes is taken or refused at once */
+    (void)service;
+    return false; /* whoever asks is the only client */
 }
 
 /* ---- the service ------------------------------------------------------------------- */

@@ -119,7 +119,7 @@ static const struct argp_option option_table[] = {
      "three quarters of the machine's)",
      4},
     {"connections-max", OPT_CONNECTIONS, "N", 0,
-     "connections; more wait to be accepted (default 1024)", 4},
+     "connections; more are refused (default 1024)", 4},
     {NULL, 0, NULL, 0, NULL, 0},
 };
 

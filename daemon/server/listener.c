@@ -3,9 +3,8 @@
  * Room:     server. See listener.h.
  * Does:     accept a bounded number of connections per event; put another socket in the
  *           place of one whose file is gone.
- * Does not: watch the socket while a connection could not be served: at the limit until
- *           one goes, after a refusal of the system for RETRY_MS. The backlog waits
- *           meanwhile.
+ * Does not: watch the socket for RETRY_MS after a refusal of the system. The backlog
+ *           waits meanwhile.
  * Threads:  [loop]
  */
 #include "listener.h"
@@ -20,6 +19,7 @@
 #include "closer.h"
 #include "conn.h"
 #include "dispatch.h"
+#include "host.h"
 #include "invariant.h"
 #include "lifeline.h"
 #include "lockfile.h"
@@ -63,16 +63,16 @@ static uint32_t refused_max(const struct srv_options *options)
 }
 
 /* Those of clients that are refused have places of their own. */
-static bool is_full(const struct srv_server *server)
+bool srv_host_is_full(const struct srv_service *service)
 {
+    const struct srv_server *server = (const struct srv_server *)(const void *)service;
     return server->conn_count - server->refused.count >=
-           server->service.options->connections_max;
+           service->options->connections_max;
 }
 
 void srv_listener_room(struct srv_listener *listener)
 {
-    struct srv_server *server = listener->server;
-    if (!is_full(server) && !uv_is_active((uv_handle_t *)&listener->retry)) {
+    if (!uv_is_active((uv_handle_t *)&listener->retry)) {
         watch(listener, true);
     }
 }
@@ -152,10 +152,6 @@ static void turn_away(struct srv_listener *listener)
 static bool accept_one(struct srv_listener *listener)
 {
     struct srv_server *server = listener->server;
-    if (is_full(server)) {
-        watch(listener, false); /* srv_listener_room goes on */
-        return false;
-    }
     keep_reserve(listener);
     int fd = accept4(listener->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) {
@@ -190,7 +186,8 @@ static bool accept_one(struct srv_listener *listener)
     const struct srv_peer client = {
         .uid = peer.uid,
         .pid = peer.pid,
-        .is_stranger = !srv_allow_peer(&server->service.options->allow, fd, &peer)};
+        .is_stranger = !srv_allow_peer(&server->service.options->allow, fd, &peer),
+        .came_when_full = srv_host_is_full(&server->service)};
     if (srv_conn_new(server, fd, &client) != 0) {
         server->service.metrics.counters.sessions_refused++;
         srv_log(SRV_LOG_WARN, 0, "a connection of user %u was turned away",

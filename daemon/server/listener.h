@@ -54,7 +54,7 @@ int srv_listener_follow(struct srv_listener *listener);
 /* Stop listening and remove the socket, if it is our own. */
 void srv_listener_close(struct srv_listener *listener);
 
-/* Accept while there is room: at the start, and when a connection has gone. */
+/* Accept from here on; unless the system has just refused to. */
 void srv_listener_room(struct srv_listener *listener);
 
 #endif

@@ -276,11 +276,6 @@ void srv_host_client_left(struct srv_service *service)
     srv_heartbeat_change(&reactor->heartbeat);
 }
 
-void srv_host_limit_changed(struct srv_service *service)
-{
-    srv_listener_room(&(reactor_of(srv_server_of(service)))->listener);
-}
-
 /* What clients had lies scattered over the heap: freed, but not given back by itself. It
  * takes about a millisecond. */
 #define CLOSED_PER_TRIM 256u
@@ -290,7 +285,6 @@ static void on_conn_closed(struct srv_server *server)
     struct srv_reactor *reactor = reactor_of(server);
     PCCD_ASSERT(reactor->server.conn_count > 0);
     reactor->server.conn_count--;
-    srv_listener_room(&reactor->listener);
     if (reactor->server.conn_count == 0 ||
         ++reactor->closed_since_trim == CLOSED_PER_TRIM) {
         reactor->closed_since_trim = 0;

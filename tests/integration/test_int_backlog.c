@@ -24,19 +24,21 @@
 #include "skip.h"
 
 #define LINGER_S        20
-#define CONNECTIONS     5u
+#define CONNECTIONS     6u
+#define SILENT          32u /* beyond what is accepted in two turns */
 #define DESCRIPTORS_MAX 4096u
 
 static struct test_daemon daemon_;
 static struct test_raw honest;
 static struct test_raw hostile[CONNECTIONS];
+static struct test_raw silent[SILENT];
 
 static const char ping[] = "\x94\x00\x01\xa4ping\x80";
 
-/* A daemon that may have more descriptors than it watches: 2 a connection and 512. */
+/* A daemon that may have more descriptors than it watches: 752. */
 static bool start_daemon(void)
 {
-    static const char *const options[] = {"--threads", "1", "--connections-max", "5",
+    static const char *const options[] = {"--threads", "1", "--connections-max", "40",
                                           NULL};
     struct rlimit before;
     struct rlimit wide;
@@ -84,6 +86,9 @@ static void backlog__that_does_not_close_holds_up_nobody(void **state)
         assert_true(
             test_raw_send(&hostile[i], ping, sizeof ping - 1, PROTO_FDS_RECEIVED_MAX));
     }
+    for (uint32_t i = 0; i < SILENT; i++) {
+        assert_true(test_raw_open(&silent[i], daemon_.socket));
+    }
     peers[1] = leave_lingering(&hostile[CONNECTIONS - 1]);
     assert_int_equal(kill(daemon_.pid, SIGCONT), 0);
     begin_ms = test_now_ms();
@@ -99,6 +104,9 @@ static void backlog__that_does_not_close_holds_up_nobody(void **state)
     (void)close(peers[1]);
     for (uint32_t i = 0; i < CONNECTIONS; i++) {
         test_raw_close(&hostile[i]);
+    }
+    for (uint32_t i = 0; i < SILENT; i++) {
+        test_raw_close(&silent[i]);
     }
     test_raw_close(&honest);
     assert_true(test_daemon_finish(&daemon_));

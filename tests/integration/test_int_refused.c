@@ -189,12 +189,91 @@ static void refused__who_observes_takes_no_place(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
+/* If it failed, nobody could see or change anything while all connections are taken: the
+ * remedy that pccdctl doctor recommends waited behind them. */
+static void refused__owner_is_heard_when_all_connections_are_taken(void **state)
+{
+    const char *const options[] = {"--connections-max", "3", NULL};
+    struct pccd_client *clients[3];
+    struct pccd_client *owner = NULL;
+    struct pccd_client *other = NULL;
+    struct pccd_options wanted;
+    struct test_daemon daemon;
+
+    (void)state;
+    assert_true(test_daemon_start(&daemon, options));
+    for (int i = 0; i < 3; i++) {
+        clients[i] = test_connect(daemon.url);
+        assert_non_null(clients[i]);
+    }
+    pccd_options_init(&wanted);
+    wanted.url = daemon.url;
+    assert_int_equal(pccd_connect(&wanted, &other), PCCD_E_QUOTA);
+    assert_non_null(strstr(pccd_error_text(NULL), "--connections-max"));
+    assert_int_equal(observe(daemon.url, &owner), 0);
+    assert_int_equal(test_stat(owner, "sessions_now"), 4);
+    assert_int_equal(pccd_config_set(owner, "connections-max", "2"), 0);
+    assert_int_equal(pccd_connect(&wanted, &other), PCCD_E_QUOTA);
+    pccd_close(clients[2]);
+    pccd_close(owner);
+    assert_int_equal(observe(daemon.url, &owner), 0); /* also below what there are */
+    assert_int_equal(pccd_config_set(owner, "connections-max", "3"), 0);
+    pccd_close(owner);
+    for (int i = 0; i < 1000 && pccd_connect(&wanted, &clients[2]) != 0; i++) {
+        test_sleep_ms(10);
+    }
+    assert_int_equal(pccd_ping(clients[2], NULL), 0);
+    for (int i = 0; i < 3; i++) {
+        pccd_close(clients[i]);
+    }
+    assert_true(test_daemon_finish(&daemon));
+}
+
+/* As somebody else: what an observer hears when all connections are taken. */
+static void observe_as_another(const struct test_daemon *daemon)
+{
+    struct pccd_client *client = NULL;
+    bool is_other = setgroups(0, NULL) == 0 && setgid(7) == 0 && setuid(65534) == 0;
+    test_end_with_parent();
+    int status = is_other ? observe(daemon->url, &client) : 0;
+    _exit(status == PCCD_E_QUOTA ? 7 : 1);
+}
+
+/* If it failed, others could take what is kept back for the daemon's owner. */
+static void refused__others_have_no_connection_kept_back(void **state)
+{
+    const char *const options[] = {"--connections-max", "1", "--allow-uid", "65534",
+                                   NULL};
+    struct pccd_client *client;
+    struct test_daemon daemon;
+    int status = 0;
+
+    (void)state;
+    if (geteuid() != 0) {
+        test_skip(TEST_ONLY_ROOT);
+    }
+    assert_true(test_daemon_start(&daemon, options));
+    assert_int_equal(chmod(daemon.directory, 0755), 0);
+    client = test_connect(daemon.url);
+    assert_non_null(client);
+    pid_t child = fork();
+    if (child == 0) {
+        observe_as_another(&daemon);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 7);
+    pccd_close(client);
+    assert_true(test_daemon_finish(&daemon));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(refused__every_client_beyond_the_quota_hears_so),
         cmocka_unit_test(refused__who_observes_takes_no_place),
         cmocka_unit_test(refused__give_way_when_descriptors_are_short),
+        cmocka_unit_test(refused__owner_is_heard_when_all_connections_are_taken),
+        cmocka_unit_test(refused__others_have_no_connection_kept_back),
     };
 
     return cmocka_run_group_tests_name("refused", tests, NULL, NULL);

@@ -510,7 +510,7 @@ static void session__null_arguments_are_refused(void **state)
     pccd_close(client);
 }
 
-/* If it failed, clients that wait for a place would go on to wait when there is one. */
+/* If it failed, clients would be refused although there is a place now. */
 static void session__limit_that_is_raised_lets_in_who_waits(void **state)
 {
     static const char *const options[] = {"--connections-max", "8", NULL};
@@ -523,7 +523,7 @@ static void session__limit_that_is_raised_lets_in_who_waits(void **state)
     client = test_connect(daemon.url);
     assert_non_null(client);
     assert_int_equal(pccd_config_set(client, "connections-max", "1"), 0);
-    assert_true(test_raw_open(&raw, daemon.socket)); /* waits to be accepted */
+    assert_true(test_raw_open(&raw, daemon.socket)); /* has not said hello */
     assert_int_equal(pccd_ping(client, NULL), 0);    /* the daemon has looked at it */
     assert_int_equal(pccd_config_set(client, "connections-max", "2"), 0);
     assert_int_equal(test_raw_hello(&raw), 0);

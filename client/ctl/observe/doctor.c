@@ -49,7 +49,7 @@ static void look_at_failure(struct doctor *doctor, int status)
         advice = "install the daemon and the library of one release, and start it anew";
         break;
     case PCCD_E_QUOTA:
-        advice = "pccdctl config set clients-max N lets this user have more clients";
+        advice = "pccdctl config set clients-max N, or connections-max N, lets more in";
         break;
     case PCCD_E_TIMEOUT:
         advice = "it hangs: gdb -p or kill -ABRT tell where";

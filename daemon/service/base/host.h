@@ -69,8 +69,8 @@ void srv_host_client_left(struct srv_service *service);
 /* Start one more runner of the queue of what is computed, with a team as the first has.
  * Returns 0 or a negative status: there are no threads for it. */
 int srv_host_start_runner(struct srv_service *service);
-/* There may be another number of connections than before (options.h). */
-void srv_host_limit_changed(struct srv_service *service);
+/* Whether all connections that may be served (options.h) are. */
+bool srv_host_is_full(const struct srv_service *service);
 
 /* ---- timers ------------------------------------------------------------------------ */
 

@@ -202,7 +202,6 @@ static void write_value(struct srv_service *service, enum setting setting, uint6
         break;
     case SETTING_CONNECTIONS:
         live->connections_max = (uint32_t)value;
-        srv_host_limit_changed(service);
         break;
     case SETTING_COUNT:
         break;

@@ -91,13 +91,21 @@ static int refuse_beyond_quota(struct srv_call *call)
 int srv_dispatch_refuse_quota(struct srv_session *session, struct proto_error *error)
 {
     struct srv_service *service = session->service;
+    const struct srv_quota_user *user = session->owner.user;
     service->metrics.counters.sessions_refused++;
-    proto_error_set(
-        error, PCCD_E_QUOTA, "user %u has %llu %s already, the quota is %llu",
-        (unsigned)session->owner.user->uid,
-        (unsigned long long)session->owner.user->used[SRV_QUOTA_CLIENTS],
-        proto_plural(session->owner.user->used[SRV_QUOTA_CLIENTS], "client", "clients"),
-        (unsigned long long)service->quota.limit[SRV_QUOTA_CLIENTS]);
+    if (session->came_when_full && srv_host_is_full(service)) {
+        proto_error_set(error, PCCD_E_QUOTA,
+                        "the daemon has as many connections as it may (%u: pccdd "
+                        "--connections-max)",
+                        service->options->connections_max);
+    } else {
+        proto_error_set(error, PCCD_E_QUOTA,
+                        "user %u has %llu %s already, the quota is %llu",
+                        (unsigned)user->uid,
+                        (unsigned long long)user->used[SRV_QUOTA_CLIENTS],
+                        proto_plural(user->used[SRV_QUOTA_CLIENTS], "client", "clients"),
+                        (unsigned long long)service->quota.limit[SRV_QUOTA_CLIENTS]);
+    }
     error->fatal = true;
     srv_log(SRV_LOG_WARN, session->id, "refused: %s", error->text);
     return PCCD_E_QUOTA;

@@ -11,6 +11,7 @@
 #include "call.h"
 #include "dispatch.h"
 #include "engine.h"
+#include "host.h"
 #include "linger.h"
 #include "service.h"
 #include "session.h"
@@ -40,16 +41,26 @@ static int choose_version(struct srv_call *call, uint32_t *version)
     return PCCD_E_VERSION;
 }
 
-/* A new session; one that was refused takes the place of one that only waits, or none. */
+/* Whether a session that was refused has a place after all: one that has become free, or
+ * that of one that only waits. */
+static bool finds_place(struct srv_session *session, struct proto_error *error)
+{
+    struct srv_service *service = session->service;
+    if (session->is_stranger ||
+        (session->came_when_full && srv_host_is_full(service))) {
+        return false;
+    }
+    return (session->came_when_full && srv_session_admit(session, error) == 0) ||
+           (srv_linger_evict(service, session->owner.user) &&
+            srv_session_admit(session, error) == 0);
+}
+
 static int open_session(struct srv_call *call, uint32_t version)
 {
     struct srv_session *session = call->session;
     const struct proto_HELLO_request *request = &call->params.HELLO;
     bool is_observer = request->observer && srv_session_observe(session);
-    if (session->state == SRV_SESSION_REFUSED &&
-        (session->is_stranger ||
-         !srv_linger_evict(session->service, session->owner.user) ||
-         srv_session_admit(session, &call->error) != 0)) {
+    if (session->state == SRV_SESSION_REFUSED && !finds_place(session, &call->error)) {
         return srv_dispatch_refuse_quota(session, &call->error);
     }
     if (request->resumable && !is_observer) {

@@ -93,8 +93,9 @@ struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn
     session->pid = peer->pid;
     struct proto_error error = {0};
     session->is_stranger = peer->is_stranger;
+    session->came_when_full = peer->came_when_full;
     session->counted =
-        !peer->is_stranger &&
+        !peer->is_stranger && !peer->came_when_full &&
         srv_quota_charge(session->owner.user, SRV_QUOTA_CLIENTS, 1, &error) == 0;
     if (!session->counted) {
         session->state = SRV_SESSION_REFUSED;
@@ -103,11 +104,20 @@ struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn
     return session;
 }
 
+/* Connections are kept back for these alone: they can let more in. */
+static bool finds_connection(const struct srv_session *session)
+{
+    struct proto_error ignored;
+    return !session->came_when_full ||
+           srv_session_refuse_stranger(session, &ignored) == 0;
+}
+
 bool srv_session_observe(struct srv_session *session)
 {
     struct srv_quota_user *user = session->owner.user;
     PCCD_ASSERT(!session->is_observer && session->state != SRV_SESSION_OPEN);
-    if (session->is_stranger || user->observers >= SRV_OBSERVERS_MAX) {
+    if (session->is_stranger || user->observers >= SRV_OBSERVERS_MAX ||
+        !finds_connection(session)) {
         return false;
     }
     if (session->counted) {
@@ -126,6 +136,7 @@ int srv_session_admit(struct srv_session *session, struct proto_error *error)
     int status = srv_quota_charge(session->owner.user, SRV_QUOTA_CLIENTS, 1, error);
     if (status == 0) {
         session->counted = true;
+        session->came_when_full = false;
         session->state = SRV_SESSION_NEW;
     }
     return status;

@@ -36,7 +36,8 @@ enum srv_session_state {
 struct srv_peer {
     uid_t uid;
     pid_t pid;
-    bool is_stranger; /* may not be a client (allow.h) */
+    bool is_stranger;    /* may not be a client (allow.h) */
+    bool came_when_full; /* all connections were taken (srv_host_is_full) */
 };
 
 struct srv_watcher;
@@ -53,6 +54,7 @@ struct srv_session {
     pid_t pid; /* of the client's process; 0: not known */
     enum srv_session_state state;
     bool is_stranger;               /* REFUSED for who it is, not for want of a place */
+    bool came_when_full;            /* REFUSED for want of a connection */
     bool is_ending;                 /* must not wait for its client (linger.h) */
     uint64_t token[2];              /* secret of a resumable session */
     struct srv_replies *replies;    /* NULL: the session cannot be resumed */
@@ -87,7 +89,8 @@ static inline struct srv_session *srv_session_of(struct srv_owner *owner)
 }
 
 /* A session for a new connection of `peer`. It is REFUSED when the user's quota of
- * clients is full, or when it may not be a client. NULL: no memory. */
+ * clients is full, when all connections are taken, or when it may not be a client. NULL:
+ * no memory. */
 struct srv_session *srv_session_new(struct srv_service *service, struct srv_conn *conn,
                                     const struct srv_peer *peer);
 /* A session that nobody is behind, to hold a scene. NULL: no memory. */
@@ -99,7 +102,8 @@ int srv_session_admit(struct srv_session *session, struct proto_error *error);
 #define SRV_OBSERVERS_MAX 8u /* of a user; further ones are clients like others */
 
 /* Its client says that it will only observe: it takes no place of a client, if it had one
- * or was refused one. False: its user has SRV_OBSERVERS_MAX of these. Before it opens. */
+ * or was refused one. False: its user has SRV_OBSERVERS_MAX of these; or it came when all
+ * connections were taken, and may not change that. Before it opens. */
 bool srv_session_observe(struct srv_session *session);
 
 /* The session is over: stop its requests, drop everything it has. The session frees
