@@ -9,6 +9,7 @@
 #include "eng_kit.h"
 
 #include "effort.h"
+#include "skip.h"
 #include "step.h"
 #include "step_memory.h"
 
@@ -146,6 +147,7 @@ static void effort__near_the_border_the_clock_decides(void **state)
 static void effort__one_slow_step_is_forgotten_where_most_stands(void **state)
 {
     (void)state;
+    test_skip_emulated("an emulator takes many times as long for a step");
     struct kit_random random = {3};
     struct eng_effort effort;
     struct eng_scene *scene = NULL;
