@@ -244,7 +244,7 @@ static void footprint__is_what_the_process_has_grown_by(void **state)
     test_skip("red zones and shadows are the process's, too");
 #endif
     test_skip_emulated("what the emulator takes is the process's, too");
-    for (int way = 0; way < WAY_METHODS; way++) {
+    for (uint32_t way = 0; way < WAY_METHODS; way++) {
         struct cloth cloth;
         cloth_init(&cloth);
         for (uint32_t i = 0; i < 3; i++) {
