@@ -59,6 +59,7 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_template.h \
     client/ctl/mesh/glb.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
+    client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
