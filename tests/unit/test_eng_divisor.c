@@ -62,7 +62,7 @@ static void divisor__is_that_of_remainders(void **state)
     struct eng_divisor *divisor = divisor_scratch();
     mp_limb_t *block = divisor->common.c[0]->_mp_d;
     struct eng_poly p[6];
-    int degrees[5] = {0};
+    int degrees[6] = {0}; /* 3 + 2 at most */
     (void)state;
     for (int i = 0; i < 6; i++) {
         poly_init(&p[i]);
