@@ -8,6 +8,7 @@ Does:     a C program prints sizes, offsets and values of everything in pccd/abi
 import ctypes
 import ctypes.util
 import enum
+import inspect
 import os
 import re
 import subprocess
@@ -76,6 +77,16 @@ class Abi(unittest.TestCase):
                     f"sizeof(((struct {name} *)0)->{field})"))
         self.assertGreater(len(STRUCTS), 20)
         self.assertEqual(compiled(lines), want)
+
+    # If this failed, something that a C program can ask of its connection could not be
+    # asked from Python.
+    def test_options__are_keywords_of_connect(self):
+        keywords = set(inspect.signature(pccd.connect).parameters)
+        own = {"no_autostart": "autostart", "private_daemon": "private",
+               "no_keep": "keep", "timeout_ms": "timeout", "reconnect_ms": "reconnect"}
+        fields = {field for field, _ in abi.pccd_options._fields_}
+        fields -= {"struct_bytes", "unmap", "unmap_context"}
+        self.assertEqual({own.get(field, field) for field in fields}, keywords)
 
     # If this failed, a setting or an error would mean something else to the library.
     def test_enumerators__have_the_compilers_values(self):

@@ -547,6 +547,12 @@ class Others(Case):
         other.ping()
         self.fails(pccd.Status.E_STATE, other.watch_next)
 
+    # If this failed, a script that looks after a full daemon would take one of its places.
+    def test_observer__only_looks(self):
+        observer = self.connect(observes=True)
+        self.assertEqual(observer.stats()["sessions_now"], 3)
+        self.fails(pccd.Status.E_STATE, observer.scene_create)
+
     # If this failed, a daemon that hangs would hang its clients for ever.
     def test_waits__end_at_their_timeout(self):
         with pccd.connect(private=True, timeout=2, result_bytes=1 << 16) as client:

@@ -358,7 +358,8 @@ def connect(url: Optional[str] = None, *, private: bool = False,
             daemon: Optional[str] = None, autostart: bool = True,
             name: Optional[str] = None, timeout: float = 30.0, slot_count: int = 0,
             slot_bytes: int = 0, result_bytes: int = 0, spin_us: Optional[int] = None,
-            reconnect: float = 10.0, keep: bool = True, daemons_max: int = 4) -> Client:
+            reconnect: float = 10.0, keep: bool = True, observes: bool = False,
+            daemons_max: int = 4) -> Client:
     """Connect to the daemon, or compute in this process.
 
     url           "unix:PATH"; "direct:": no daemon, steps are computed in submit
@@ -377,6 +378,9 @@ def connect(url: Optional[str] = None, *, private: bool = False,
     spin_us       spin before blocking, 0 .. 1000; None: 50, or 0 with one processor
     reconnect     seconds to look for a daemon that was lost; 0: its loss is an error
     keep          keep copies of meshes and positions for another daemon
+    observes      it only lists, watches, reads counters and sets settings, all else is
+                  E_STATE: the first eight such clients of a user take no place of its
+                  clients
     daemons_max   a request over which so many daemons have ended fails
     """
     if daemons_max < 1:
@@ -391,7 +395,7 @@ def connect(url: Optional[str] = None, *, private: bool = False,
     put(options, "reconnect_ms", milliseconds("reconnect", reconnect))
     put(options, "daemons_max", daemons_max)
     options.no_autostart, options.private_daemon = not autostart, bool(private)
-    options.no_keep = not keep
+    options.no_keep, options.observes = not keep, bool(observes)
     for what, value in (("slot_count", slot_count), ("slot_bytes", slot_bytes),
                         ("result_bytes", result_bytes), ("spin_us", spin_us)):
         if value is not None and (value or what == "spin_us"):
