@@ -240,6 +240,28 @@ static void meshfile__match_names_the_first_difference(void **state)
                         "a has 4 vertices and b has 5: not two frames of one mesh");
 }
 
+/* If it failed: what belongs to an object of a file would be told of another. */
+static void meshfile__objects_begin_where_the_one_before_ends(void **state)
+{
+    struct ctl_mesh mesh = {0};
+    struct ctl_error error = {.text = ""};
+    const uint32_t corners[3] = {0, 1, 2};
+    (void)state;
+    assert_int_equal(ctl_mesh_add_object(&mesh, "empty", 5, "a", &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_object(&mesh, "body of", 4, "a", &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_triangle(&mesh, corners, "a", &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_object(&mesh, "rod", 3, "a", &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_edge(&mesh, corners, "a", &error), PCCD_OK);
+    assert_int_equal(mesh.object_count, 2);
+    assert_string_equal(mesh.objects[0].name, "body");
+    assert_int_equal(mesh.objects[0].triangle_first, 0);
+    assert_string_equal(mesh.objects[1].name, "rod");
+    assert_int_equal(mesh.objects[1].triangle_first, 1);
+    assert_int_equal(mesh.objects[1].edge_first, 0);
+    ctl_mesh_deinit(&mesh);
+    assert_int_equal(mesh.object_count, 0);
+}
+
 /* If it failed: the real scenes would not be read as their description says. */
 static void meshfile__reads_the_real_frames(void **state)
 {
@@ -280,6 +302,7 @@ int main(void)
         cmocka_unit_test(meshfile__reads_edges_and_points_by_themselves),
         cmocka_unit_test(meshfile__rounds_ascii_floats_once),
         cmocka_unit_test(meshfile__match_names_the_first_difference),
+        cmocka_unit_test(meshfile__objects_begin_where_the_one_before_ends),
         cmocka_unit_test(meshfile__reads_the_real_frames),
     };
     return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);

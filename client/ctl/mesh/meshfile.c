@@ -241,6 +241,12 @@ void ctl_mesh_drop_shape(struct ctl_mesh *mesh)
     mesh->triangle_count = mesh->triangle_capacity = 0;
     mesh->edge_count = mesh->edge_capacity = 0;
     mesh->point_count = mesh->point_capacity = 0;
+    for (uint32_t i = 0; i < mesh->object_count; i++) {
+        free(mesh->objects[i].name);
+    }
+    free(mesh->objects);
+    mesh->objects = NULL;
+    mesh->object_count = mesh->object_capacity = 0;
 }
 
 void ctl_mesh_deinit(struct ctl_mesh *mesh)
@@ -438,4 +444,38 @@ int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
         mesh->points[mesh->point_count++] = vertex;
     }
     return status;
+}
+
+int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes,
+                        const char *path, struct ctl_error *error)
+{
+    const struct ctl_part *part = &mesh->part;
+    struct ctl_mesh_object object = {
+        .name = strndup(name, name_bytes),
+        .triangle_first = part->triangle_total,
+        .edge_first = part->edge_total,
+        .point_first = part->point_total,
+    };
+    struct ctl_mesh_object *last =
+        mesh->object_count > 0 ? &mesh->objects[mesh->object_count - 1] : NULL;
+    if (object.name == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for a name of %zu bytes",
+                             path, name_bytes);
+    }
+    if (last != NULL && last->triangle_first == object.triangle_first &&
+        last->edge_first == object.edge_first &&
+        last->point_first == object.point_first) {
+        free(last->name);
+        *last = object;
+        return PCCD_OK;
+    }
+    uint32_t total = mesh->object_count;
+    int status = grow(&mesh->objects, sizeof *mesh->objects, mesh->object_count,
+                      &mesh->object_capacity, &total, true, "objects", path, error);
+    if (status != PCCD_OK) {
+        free(object.name);
+        return status;
+    }
+    mesh->objects[mesh->object_count++] = object;
+    return PCCD_OK;
 }

@@ -36,6 +36,13 @@ struct ctl_part {
     bool leaves_out; /* the row that is read now */
 };
 
+/* A part of a file that has a name there. It goes to the first ones of the next object, of
+ * the last to the end; counted in the file, also where a part of that is kept. */
+struct ctl_mesh_object {
+    char *name; /* never NULL; bytes as the file has them */
+    uint32_t triangle_first, edge_first, point_first;
+};
+
 /* Fill with {0}. The arrays belong to the mesh, and have what is kept. */
 struct ctl_mesh {
     enum pccd_format
@@ -49,6 +56,8 @@ struct ctl_mesh {
     uint32_t point_count, point_capacity;
     uint32_t (*edges)[2];
     uint32_t *points;
+    uint32_t object_count, object_capacity; /* 0: all is one, without a name */
+    struct ctl_mesh_object *objects;
     struct ctl_part part;
 };
 
@@ -92,6 +101,10 @@ int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char 
                       struct ctl_error *error);
 int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
                        struct ctl_error *error);
+/* What is added next belongs to an object of this name, of name_bytes bytes, which is
+ * copied; one to which nothing was added is forgotten then. */
+int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes,
+                        const char *path, struct ctl_error *error);
 
 /* The formats. `mesh` is empty before and the caller's to deinit after, also on
  * error. */
