@@ -582,18 +582,24 @@ static void ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what 
     pccd_answer_release(client, &answer);
 }
 
-/* If this failed, a wrong number in an answer about what is near would be called
- * right. */
-static void questions__have_no_number_that_is_not_judged(void **state)
+/* Changes every number of the answers to each question. Floor and needle, 1 apart, have
+ * that radius. */
+static void change_questions(void **state, double radius)
 {
     static const char *const names[] = {"n_pairs", "n_features", "n_vertices", "nearest",
                                         "n_cross", "n_depth",    "n_gap"};
+    const struct pccd_object_settings thick = {
+        .struct_bytes = sizeof thick, .what = PCCD_OBJECT_RADIUS, .radius = radius};
     char path[96];
     for (uint32_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct stage stage;
         uint32_t scene, mesh, object;
         enum pccd_near_what what = i == 6 ? PCCD_NEAR_NEAREST : (enum pccd_near_what)i;
         begin(state, &stage, names[i], path, 0);
+        assert_int_equal(pccd_object_set(stage.client, stage.scene, stage.floor, &thick),
+                         0);
+        assert_int_equal(pccd_object_set(stage.client, stage.scene, stage.needle, &thick),
+                         0);
         scene = stage.scene;
         if (what == PCCD_NEAR_CROSSINGS || what == PCCD_NEAR_DEPTH) {
             assert_int_equal(pccd_scene_create(stage.client, NULL, &scene), 0);
@@ -612,6 +618,19 @@ static void questions__have_no_number_that_is_not_judged(void **state)
         change_all(path, "");
     }
     assert_int_equal(missed, 0);
+}
+
+/* If this failed, a wrong number in an answer about what is near would be called
+ * right. */
+static void questions__have_no_number_that_is_not_judged(void **state)
+{
+    change_questions(state, 0);
+}
+
+/* If this failed, the same where objects are thick. */
+static void thick_questions__have_no_number_that_is_not_judged(void **state)
+{
+    change_questions(state, .125);
 }
 
 static int set_up(void **state)
@@ -638,6 +657,7 @@ int main(void)
         cmocka_unit_test(batches__have_no_number_that_is_not_judged),
         cmocka_unit_test(pages__have_no_number_that_is_not_judged),
         cmocka_unit_test(questions__have_no_number_that_is_not_judged),
+        cmocka_unit_test(thick_questions__have_no_number_that_is_not_judged),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
