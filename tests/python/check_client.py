@@ -547,7 +547,8 @@ class Others(Case):
         other.ping()
         self.fails(pccd.Status.E_STATE, other.watch_next)
 
-    # If this failed, a script that looks after a full daemon would take one of its places.
+    # If this failed, a script that looks after a full daemon would
+    # take one of its places.
     def test_observer__only_looks(self):
         observer = self.connect(observes=True)
         self.assertEqual(observer.stats()["sessions_now"], 3)
