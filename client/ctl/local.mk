@@ -57,6 +57,7 @@ libctl_la_SOURCES = \
     client/ctl/inspect/inspect_pack.c client/ctl/inspect/inspect_pack.h \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
+    client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
     client/ctl/mesh/glb.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/motion.h \

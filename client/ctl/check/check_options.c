@@ -8,6 +8,7 @@
 #include "check_options.h"
 
 #include "ctl.h"
+#include "meshfile.h"
 #include "names.h"
 #include "shown.h"
 
@@ -56,7 +57,9 @@ static const struct argp_option option_list[] = {
 static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
-    if (options->ask.path_count < 2) {
+    const struct ask_options *ask = &options->ask;
+    if (ask->path_count == 0 ||
+        (ask->path_count == 1 && ctl_mesh_holds(ask->paths[0]) != CTL_HOLDS_BOTH)) {
         tool_misused(state, "two files at least: the mesh before and after the step");
     }
     if (options->ask.csv != NULL && options->settings.mode == PCCD_MODE_ANY) {

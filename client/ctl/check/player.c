@@ -21,17 +21,13 @@
 
 static int read_frames(struct player *player, struct ctl_error *error)
 {
-    const struct player_settings *settings = player->settings;
+    uint32_t count = player->files.count;
     bool is_double = false;
     struct progress progress;
-    progress_begin(&progress, "files", settings->frame_count);
-    for (uint32_t i = 0; i < settings->frame_count; i++) {
+    progress_begin(&progress, "frames", count);
+    for (uint32_t i = 0; i < count; i++) {
         struct ctl_mesh *frame = &player->frames[i];
-        int status = ctl_mesh_read(settings->frames[i], frame, error);
-        if (status == PCCD_OK && i > 0) {
-            status = ctl_mesh_match(&player->frames[0], settings->frames[0], frame,
-                                    settings->frames[i], error);
-        }
+        int status = ctl_frames_read(&player->files, i, frame, error);
         if (status != PCCD_OK) {
             progress_clear(&progress);
             return status;
@@ -40,7 +36,7 @@ static int read_frames(struct player *player, struct ctl_error *error)
         progress_update(&progress, i + 1);
     }
     progress_clear(&progress);
-    for (uint32_t i = 0; is_double && i < settings->frame_count; i++) {
+    for (uint32_t i = 0; is_double && i < count; i++) {
         int status = ctl_mesh_promote(&player->frames[i], error);
         if (status != PCCD_OK) {
             return status;
@@ -52,14 +48,20 @@ static int read_frames(struct player *player, struct ctl_error *error)
 int player_read(struct player *player, const struct player_settings *settings,
                 struct ctl_error *error)
 {
+    const struct ctl_frames_options how = {.rate = 0};
     player->settings = settings;
-    player->frames = calloc(settings->frame_count, sizeof *player->frames);
+    int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
+                                 &how, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    player->frames = calloc(player->files.count, sizeof *player->frames);
     player->still = calloc(settings->still_count + 1u, sizeof *player->still);
     player->times_ms = malloc(PLAYER_TIMES_MAX * sizeof *player->times_ms);
     if (player->frames == NULL || player->still == NULL || player->times_ms == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
     }
-    int status = read_frames(player, error);
+    status = read_frames(player, error);
     for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
         status = ctl_mesh_read(settings->still[i], &player->still[i], error);
     }
@@ -99,7 +101,10 @@ static int place_all(struct player *player, struct ctl_error *error)
     if (status != PCCD_OK) {
         return fail(player, status, "no scene", error);
     }
-    status = place(player, &player->frames[0], &player->object, error);
+    struct ctl_mesh first = player->files.mesh;
+    first.x = player->frames[0].x;
+    first.format = player->frames[0].format;
+    status = place(player, &first, &player->object, error);
     for (uint32_t i = 0; status == PCCD_OK && i < player->settings->still_count; i++) {
         status = place(player, &player->still[i], &ignored, error);
     }
@@ -166,7 +171,7 @@ static int play_step(struct player *player, struct ctl_error *error)
 {
     const struct player_settings *settings = player->settings;
     const struct ctl_mesh *frame =
-        &player->frames[frame_after(player->steps, settings->frame_count)];
+        &player->frames[frame_after(player->steps, player->files.count)];
     struct pccd_answer answer = PCCD_ANSWER_INIT;
     uint64_t step = 0;
     double begin_s = terminal_now_s();
@@ -191,7 +196,7 @@ static int play_step(struct player *player, struct ctl_error *error)
 int player_play(struct player *player, struct ctl_error *error)
 {
     const struct player_settings *settings = player->settings;
-    uint64_t turn = settings->frame_count > 1 ? settings->frame_count - 1 : 1;
+    uint64_t turn = player->files.count > 1 ? player->files.count - 1 : 1;
     uint64_t wanted = settings->seconds > 0 ? 0 : turn * settings->times;
     struct progress progress;
     int status = place_all(player, error);
@@ -223,7 +228,7 @@ int player_play(struct player *player, struct ctl_error *error)
 void player_deinit(struct player *player)
 {
     const struct player_settings *settings = player->settings;
-    for (uint32_t i = 0; player->frames != NULL && i < settings->frame_count; i++) {
+    for (uint32_t i = 0; player->frames != NULL && i < player->files.count; i++) {
         ctl_mesh_deinit(&player->frames[i]);
     }
     for (uint32_t i = 0; player->still != NULL && i < settings->still_count; i++) {
@@ -232,4 +237,5 @@ void player_deinit(struct player *player)
     free(player->frames);
     free(player->still);
     free(player->times_ms);
+    ctl_frames_close(&player->files);
 }

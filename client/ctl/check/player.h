@@ -1,7 +1,7 @@
 /* client/ctl/check/player.h - moves a mesh in a daemon through the frames of files, for
  * `pccdctl load`.
  *
- * Room:     client/ctl. May include: meshfile.h, pccd.h.
+ * Room:     client/ctl. May include: meshfile.h, meshframes.h, pccd.h.
  * Does:     read the frames, register the first one, and move it from frame to frame at a
  *           given rate, forwards and backwards in turn, so that nothing ever jumps.
  * Does not: print, but for a progress bar.
@@ -15,13 +15,14 @@
 
 #include "error.h"
 #include "meshfile.h"
+#include "meshframes.h"
 #include "pccd.h"
 
 #define PLAYER_TIMES_MAX 1000000u /* round trips that are kept */
 
 struct player_settings {
-    char *const *frames; /* files; the caller's */
-    uint32_t frame_count;
+    char *const *files; /* of the frames; the caller's */
+    uint32_t file_count;
     char *const *still; /* files of meshes that stand still */
     uint32_t still_count;
     double hz;      /* 0: as fast as they are answered */
@@ -36,8 +37,9 @@ struct player_settings {
 struct player {
     const struct player_settings *settings;
     struct pccd_client *client; /* the caller's, between reading and playing */
-    struct ctl_mesh *frames;    /* ours, all of one format */
-    struct ctl_mesh *still;     /* ours */
+    struct ctl_frames files;
+    struct ctl_mesh *frames; /* ours, [files.count], all of one format */
+    struct ctl_mesh *still;  /* ours */
     uint32_t scene, object;
     double *times_ms; /* ours: round trips; [kept] */
     uint32_t kept;
@@ -47,7 +49,7 @@ struct player {
     double seconds;
 };
 
-/* Errors: those of ctl_mesh_read; frames that do not match. */
+/* Errors: those of ctl_frames_open and ctl_frames_read. */
 int player_read(struct player *player, const struct player_settings *settings,
                 struct ctl_error *error);
 /* Until the end of the settings, or an interrupt. */

@@ -15,6 +15,7 @@
 #include "check_options.h"
 #include "check_run.h"
 #include "ctl.h"
+#include "meshframes.h"
 #include "progress.h"
 #include "shown.h"
 #include "trace_file.h"
@@ -108,8 +109,9 @@ struct check {
     const struct trace_options *tracing;
     struct check_run run;
     struct contacts_csv csv;
+    struct ctl_frames files;
     struct ctl_mesh frames[2]; /* before and after the step, by turns */
-    struct report_step *steps; /* [path_count - 1] */
+    struct report_step *steps; /* [files.count - 1] */
     struct progress progress;
     struct trace_file trace;
     FILE *report;
@@ -118,16 +120,10 @@ struct check {
 /* Read frame `index` beside the one before, and let both have one format. */
 static int read_frame(struct check *check, uint32_t index, struct ctl_error *error)
 {
-    char **paths = check->options->ask.paths;
     struct ctl_mesh *frame = &check->frames[index % 2];
     struct ctl_mesh *before = &check->frames[(index + 1) % 2];
-    ctl_mesh_deinit(frame);
-    int status = ctl_mesh_read(paths[index], frame, error);
-    if (index == 0 || status != PCCD_OK) {
-        return status;
-    }
-    status = ctl_mesh_match(before, paths[index - 1], frame, paths[index], error);
-    if (status == PCCD_OK && before->format != frame->format) {
+    int status = ctl_frames_read(&check->files, index, frame, error);
+    if (status == PCCD_OK && index > 0 && before->format != frame->format) {
         status = ctl_mesh_promote(before, error);
         if (status == PCCD_OK) {
             status = ctl_mesh_promote(frame, error);
@@ -139,7 +135,7 @@ static int read_frame(struct check *check, uint32_t index, struct ctl_error *err
 static int walk(struct check *check, struct ctl_error *error)
 {
     const struct check_options *options = check->options;
-    uint32_t step_count = options->ask.path_count - 1;
+    uint32_t step_count = check->files.count - 1;
     bool is_sequence = step_count > 1;
     int status = PCCD_OK;
     progress_begin(&check->progress, "runs",
@@ -148,8 +144,8 @@ static int walk(struct check *check, struct ctl_error *error)
     check->run.progress = &check->progress;
     for (uint32_t i = 1; i <= step_count && status == PCCD_OK; i++) {
         struct report_step *step = &check->steps[i - 1];
-        step->from = options->ask.paths[i - 1];
-        step->to = options->ask.paths[i];
+        step->from = check->files.names[i - 1];
+        step->to = check->files.names[i];
         if (i > 1) {
             status = read_frame(check, i, error);
         }
@@ -185,51 +181,68 @@ static int walk_recorded(struct check *check, struct ctl_error *error)
     return status;
 }
 
+/* Register the mesh as its first frame is. */
+static int begin(struct check *check, struct ctl_error *error)
+{
+    const struct check_options *options = check->options;
+    struct check_run *run = &check->run;
+    struct ctl_mesh first = check->files.mesh;
+    first.x = check->frames[0].x;
+    first.format = check->frames[0].format;
+    run->settings = check_step_settings(options);
+    run->ask = &options->ask;
+    run->mesh.settings = options->scene_settings;
+    run->mesh.object_what = options->ask.object.what;
+    int status = check_run_begin(run, &first, options->ask.csv != NULL, error);
+    if (status == PCCD_OK && options->ask.csv != NULL) {
+        check->csv.triangles = (const uint32_t(*)[3])check->files.mesh.triangles;
+        check->csv.edges = run->edges;
+        check->csv.has_step = check->files.count > 2;
+        check->csv.path = options->ask.csv;
+        status = contacts_csv_open(&check->csv, error);
+    }
+    return status;
+}
+
 /* The two first frames are read before a daemon is asked for, so that a bad file costs
  * nothing else. */
 static int check_all(struct check *check, struct ctl_error *error)
 {
-    const struct check_options *options = check->options;
-    struct check_run *run = &check->run;
-    int status = read_frame(check, 0, error);
+    const struct ask_options *ask = &check->options->ask;
+    const struct ctl_frames_options how = {.rate = 0};
+    int status = ctl_frames_open(&check->files, ask->paths, ask->path_count, &how, error);
+    if (status == PCCD_OK && check->files.count < 2) {
+        return ctl_error_set(error, PCCD_E_INVAL,
+                             "%s is one frame: a step has two, before and after it",
+                             check->files.names[0]);
+    }
+    if (status == PCCD_OK) {
+        check->steps = calloc(check->files.count - 1, sizeof *check->steps);
+        status = check->steps != NULL
+                     ? read_frame(check, 0, error)
+                     : ctl_error_set(error, PCCD_E_NOMEM, "out of memory");
+    }
     if (status == PCCD_OK) {
         status = read_frame(check, 1, error);
     }
     if (status != PCCD_OK) {
         return status;
     }
-    if (ctl_link_open(&options->ask.link, &run->client) != CTL_DONE) {
+    uint32_t default_repeats = check->files.count == 2 ? 1 : 0;
+    check->run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
+    if (ctl_link_open(&ask->link, &check->run.client) != CTL_DONE) {
         return ctl_error_set(error, PCCD_E_NODAEMON, "%s", "");
     }
-    run->settings = check_step_settings(options);
-    run->ask = &options->ask;
-    run->mesh.settings = options->scene_settings;
-    run->mesh.object_what = options->ask.object.what;
-    status = check_run_begin(run, &check->frames[0], options->ask.csv != NULL, error);
-    if (status == PCCD_OK && options->ask.csv != NULL) {
-        /* The first frame's faces go when the third frame comes, so the CSV has its own.
-         */
-        size_t bytes = check->frames[0].triangle_count * sizeof *check->csv.triangles;
-        void *triangles = malloc(bytes);
-        if (triangles == NULL) {
-            return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the faces");
-        }
-        memcpy(triangles, check->frames[0].triangles, bytes);
-        check->csv.triangles = triangles;
-        check->csv.edges = run->edges;
-        check->csv.has_step = options->ask.path_count > 2;
-        check->csv.path = options->ask.csv;
-        status = contacts_csv_open(&check->csv, error);
-    }
-    if (status == PCCD_OK && !options->ask.is_json) {
-        report_print_mesh(check->report, &run->mesh);
+    status = begin(check, error);
+    if (status == PCCD_OK && !ask->is_json) {
+        report_print_mesh(check->report, &check->run.mesh);
     }
     return status != PCCD_OK ? status : walk_recorded(check, error);
 }
 
 static int report_all(struct check *check, struct ctl_error *error)
 {
-    uint32_t step_count = check->options->ask.path_count - 1;
+    uint32_t step_count = check->files.count - 1;
     if (check->options->ask.is_json &&
         !report_json(check->report, &check->run.mesh, check->steps, step_count)) {
         return ctl_error_set(error, PCCD_E_SYSTEM,
@@ -253,15 +266,7 @@ static int run_check(const struct command *command)
     struct check check = {.options = options,
                           .tracing = &command->trace,
                           .report = ask_report_to(&options->ask)};
-    uint32_t default_repeats = options->ask.path_count == 2 ? 1 : 0;
-    int status, closed;
-    check.run.repeats = options->ask.has_repeats ? options->ask.repeats : default_repeats;
-    check.steps = calloc(options->ask.path_count - 1, sizeof *check.steps);
-    if (check.steps == NULL) {
-        status = ctl_error_set(&error, PCCD_E_NOMEM, "out of memory");
-    } else {
-        status = check_all(&check, &error);
-    }
+    int status = check_all(&check, &error), closed;
     if (status == PCCD_OK) {
         status = report_all(&check, &error);
     }
@@ -270,7 +275,7 @@ static int run_check(const struct command *command)
     pccd_close(check.run.client);
     ctl_mesh_deinit(&check.frames[0]);
     ctl_mesh_deinit(&check.frames[1]);
-    free((void *)check.csv.triangles);
+    ctl_frames_close(&check.files);
     free(check.steps);
     return ask_end(status, &error, closed, &close_error);
 }

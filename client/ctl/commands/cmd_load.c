@@ -77,7 +77,7 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         return 0;
     case ARGP_KEY_ARGS:
         options->frames = state->argv + state->next;
-        options->player.frame_count = (uint32_t)(state->argc - state->next);
+        options->player.file_count = (uint32_t)(state->argc - state->next);
         return 0;
     case ARGP_KEY_NO_ARGS:
         tool_misused(state, "a file at least: PLY, OBJ, STL or glTF");
@@ -92,8 +92,8 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         if (options->player.holds && options->player.scene == NULL) {
             tool_misused(state, "--hold: only in a shared scene, which --scene names");
         }
-        if (options->player.frame_count > FRAMES_MAX) {
-            tool_misused(state, "at most %u frames", FRAMES_MAX);
+        if (options->player.file_count > FRAMES_MAX) {
+            tool_misused(state, "at most %u files", FRAMES_MAX);
         }
         return 0;
     default:
@@ -187,7 +187,7 @@ int ctl_cmd_load(int argc, char **argv)
     if (argp_parse(&ctl_argp_load, argc, argv, 0, NULL, &options) != 0) {
         return CTL_USAGE;
     }
-    options.player.frames = options.frames;
+    options.player.files = options.frames;
     options.player.still = options.still;
     int status = player_read(&player, &options.player, &error) == PCCD_OK
                      ? ctl_link_open(&options.link, &player.client)

@@ -8,9 +8,12 @@
  */
 #include "meshfile.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "coordinates.h"
 
@@ -48,11 +51,15 @@ static const struct format {
     ctl_file_judge judge;
     bool is_read_whole; /* parse wants all of the file in memory, and makes all */
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
+    /* Of a kind that may have several frames; NULL: it has one. Without a parse, it has
+     * positions alone, and leaves `mesh` as it is. */
+    int (*open_motion)(const char *path, double rate, struct ctl_mesh *mesh,
+                       struct ctl_motion *motion, struct ctl_error *error);
 } formats[] = {
-    {".ply", has_ply_magic, ctl_ply_judge, false, ctl_ply_parse},
-    {".glb", has_glb_magic, ctl_glb_judge, true, ctl_glb_parse},
-    {".obj", NULL, judge_obj, false, ctl_obj_parse},
-    {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse},
+    {".ply", has_ply_magic, ctl_ply_judge, false, ctl_ply_parse, NULL},
+    {".glb", has_glb_magic, ctl_glb_judge, true, ctl_glb_parse, NULL},
+    {".obj", NULL, judge_obj, false, ctl_obj_parse, NULL},
+    {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse, NULL},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -65,9 +72,8 @@ bool ctl_mesh_is_named(const char *path)
     return is_named;
 }
 
-/* NULL, with an error: none that is known. */
-static const struct format *format_of(const struct ctl_file *file,
-                                      struct ctl_error *error)
+/* By the first bytes of a file, whose path ends as it does; NULL: none that is known. */
+static const struct format *find_format(const struct ctl_file *file)
 {
     for (int i = 0; i < FORMATS; i++) {
         if (formats[i].has_magic != NULL && formats[i].has_magic(file)) {
@@ -79,11 +85,58 @@ static const struct format *format_of(const struct ctl_file *file,
             return &formats[i];
         }
     }
-    ctl_error_set(error, PCCD_E_FORMAT,
-                  "%s: neither PLY (first line \"ply\") nor glTF (first word \"glTF\") "
-                  "nor a name ending in .ply, .obj, .stl or .glb",
-                  file->path);
     return NULL;
+}
+
+/* Its first bytes, if it is no pipe, which has them once. */
+static const struct format *format_of_path(const char *path)
+{
+    char begin[16];
+    struct ctl_file file = {.path = path, .data = begin};
+    struct stat info;
+    int fd = stat(path, &info) == 0 && S_ISREG(info.st_mode)
+                 ? open(path, O_RDONLY | O_CLOEXEC)
+                 : -1;
+    if (fd >= 0) {
+        ssize_t got = read(fd, begin, sizeof begin);
+        file.bytes = got > 0 ? (size_t)got : 0;
+        (void)close(fd);
+    }
+    return find_format(&file);
+}
+
+enum ctl_mesh_holds ctl_mesh_holds(const char *path)
+{
+    const struct format *format = format_of_path(path);
+    return format == NULL || format->open_motion == NULL ? CTL_HOLDS_MESH
+           : format->parse != NULL                       ? CTL_HOLDS_BOTH
+                                                         : CTL_HOLDS_POSITIONS;
+}
+
+int ctl_mesh_open_motion(const char *path, double rate, struct ctl_mesh *mesh,
+                         struct ctl_motion *motion, struct ctl_error *error)
+{
+    return format_of_path(path)->open_motion(path, rate, mesh, motion, error);
+}
+
+/* NULL, with an error: none that is known. */
+static const struct format *format_of(const struct ctl_file *file,
+                                      struct ctl_error *error)
+{
+    const struct format *format = find_format(file);
+    if (format == NULL) {
+        (void)ctl_error_set(error, PCCD_E_FORMAT,
+                            "%s: neither PLY (first line \"ply\") nor glTF (first word "
+                            "\"glTF\") nor a name ending in .ply, .obj, .stl or .glb",
+                            file->path);
+    } else if (format->parse == NULL) {
+        (void)ctl_error_set(error, PCCD_E_FORMAT,
+                            "%s has positions alone: name the mesh file with its faces "
+                            "before it",
+                            file->path);
+        format = NULL;
+    }
+    return format;
 }
 
 /* Of a large file: whether it can be what its first bytes say. Of a pipe nobody knows how

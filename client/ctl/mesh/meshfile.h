@@ -1,6 +1,7 @@
 /* client/ctl/mesh/meshfile.h - reads a mesh from a PLY, OBJ, STL or glTF file.
  *
- * Room:     client/ctl. May include: error.h, text.h, pccd_types.h.
+ * Room:     client/ctl. May include: error.h, motion.h, text.h,
+ *           pccd_types.h.
  * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
  *           binary glTF; polygons become fans of triangles. Edges and points by
  *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
@@ -19,6 +20,7 @@
 #include <stdint.h>
 
 #include "error.h"
+#include "motion.h"
 #include "pccd_types.h"
 #include "text.h"
 
@@ -36,8 +38,8 @@ struct ctl_part {
     bool leaves_out; /* the row that is read now */
 };
 
-/* A part of a file that has a name there. It goes to the first ones of the next object, of
- * the last to the end; counted in the file, also where a part of that is kept. */
+/* A part of a file that has a name there. It goes to the first ones of the next object,
+ * the last one to the end; counted in the file, also where a part of that is kept. */
 struct ctl_mesh_object {
     char *name; /* never NULL; bytes as the file has them */
     uint32_t triangle_first, edge_first, point_first;
@@ -78,6 +80,19 @@ void ctl_mesh_deinit(struct ctl_mesh *mesh);
 void ctl_mesh_drop_shape(struct ctl_mesh *mesh);
 /* Whether a file has the name of a mesh file. */
 bool ctl_mesh_is_named(const char *path);
+
+/* What a file has, by its first bytes or its name; what it is not known, is a mesh. */
+enum ctl_mesh_holds {
+    CTL_HOLDS_MESH,      /* one frame */
+    CTL_HOLDS_BOTH,      /* a mesh that may move: ctl_mesh_open_motion tells */
+    CTL_HOLDS_POSITIONS, /* of frames, and no faces */
+};
+enum ctl_mesh_holds ctl_mesh_holds(const char *path);
+/* Open a file that does not hold a mesh alone: its frames, `rate` of them a second (0: as
+ * it has them), and its shape to `mesh`, which is empty, if it has one. Errors: those of
+ * its reader. */
+int ctl_mesh_open_motion(const char *path, double rate, struct ctl_mesh *mesh,
+                         struct ctl_motion *motion, struct ctl_error *error);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);

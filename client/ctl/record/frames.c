@@ -82,7 +82,7 @@ int frames_record(struct frames_recording *recording, char *const *files, uint32
                   const struct ctl_link *link, struct ctl_error *error)
 {
     const struct player_settings settings = {
-        .frames = files, .frame_count = count, .times = 1};
+        .files = files, .file_count = count, .times = 1};
     struct player player = {.settings = &settings};
     char folder[PATH_BYTES];
     snprintf(recording->name, sizeof recording->name, "%.*s%s%.*s", NAME_PART,
