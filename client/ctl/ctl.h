@@ -43,7 +43,7 @@ struct ctl_error;
 /* Exit statuses of every command. */
 enum ctl_exit {
     CTL_DONE = 0,
-    CTL_NEGATIVE = 1,  /* it was done, and what it looked for was found wrong */
+    CTL_NEGATIVE = 1,  /* it was done, and something meets or is wrong */
     CTL_USAGE = 2,     /* an option or argument is wrong */
     CTL_NO_DAEMON = 3, /* no daemon could be reached or started, or it refused us */
     CTL_FAILED = 4     /* anything else: a file, a refusal, the end of the daemon */

@@ -110,7 +110,7 @@ run_daemon() {
 
 # If one of these failed, a reader would type it and be let down.
 run_all() {
-    local document=$1 command name
+    local document=$1 command name status
     while IFS= read -r command; do
         name=$(printf '%s' "$command" | tr -cs 'a-zA-Z0-9' _)
         name=${document}__${name:0:70}
@@ -123,7 +123,10 @@ run_all() {
             *'&') run_daemon "$command" >"$log" 2>&1 </dev/null ;;
             *) timeout 120 bash -c "$command" >"$log" 2>&1 </dev/null ;;
             esac
-            tap_result $? "$name" "$log"
+            status=$?
+            # In each example of it something meets.
+            [[ $command != *"pccdctl check "* ]] || [ $status -ne 1 ] || status=0
+            tap_result $status "$name" "$log"
             continue
         fi
         case $command in

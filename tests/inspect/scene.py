@@ -52,7 +52,8 @@ def write_frame(path, frame):
 def pccdctl(*arguments, check=True, folder=None):
     done = subprocess.run([os.environ["PCCDCTL"], *arguments], capture_output=True,
                           text=True, cwd=folder, check=False, timeout=120)
-    if check and done.returncode != 0:
+    # A check that finds contacts ends with 1, and what records it, too.
+    if check and done.returncode not in ((0, 1) if "check" in arguments else (0,)):
         raise AssertionError(f"{arguments}: {done.returncode}: {done.stderr}")
     return done
 

@@ -69,7 +69,7 @@ export PYTHONPATH=$dir PYTHONDONTWRITEBYTECODE=1
 # record NAME RADIUS [FRAMES [OPTION...]]: from FRAMES0.obj to FRAMES1.obj, NAME if not given.
 record() {
     ctl record --force --contacts -o "$1.rec" -- "$PCCDCTL" check --private --repeat 0 --thickness "$2" \
-        "${@:4}" "${3:-$1}0.obj" "${3:-$1}1.obj"
+        "${@:4}" "${3:-$1}0.obj" "${3:-$1}1.obj" || [ $? -eq 1 ] # 1: something meets
 }
 
 # Two points come straight towards each other, to the distance 2.

@@ -52,9 +52,11 @@ serves() {
         [ ! -S "$socket" ] && kill -0 $daemon 2>/dev/null || break
         sleep 0.1
     done
-    grep -q "$uv/libuv.so.1" /proc/$daemon/maps 2>>"$log" &&
+    if grep -q "$uv/libuv.so.1" /proc/$daemon/maps 2>>"$log"; then
         PCCD_URL=unix:$socket timeout 60 "$PCCDCTL" check --json \
-            "$work/a.obj" "$work/b.obj" >>"$log" 2>&1 && status=0
+            "$work/a.obj" "$work/b.obj" >>"$log" 2>&1
+        [ $? -eq 1 ] && status=0 # something meets
+    fi
     kill -TERM $daemon 2>>"$log"
     wait $daemon || status=1
     [ ! -e "$socket" ] || status=1

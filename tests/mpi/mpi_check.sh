@@ -158,10 +158,11 @@ same_report() {
     local name=$1 count=$2
     shift 2
     "$PCCDCTL" check --url direct: --json --repeat 1 --contacts "$work/one.csv" "$@" \
-        >"$work/one.json" 2>"$log" &&
-        ranks "$count" "$top_builddir/pccd-mpi" check --json --repeat 1 \
-            --contacts "$work/ranks.csv" "$@" >"$work/ranks.json" 2>>"$log" &&
-        cmp "$work/one.csv" "$work/ranks.csv" >>"$log" 2>&1 &&
+        >"$work/one.json" 2>"$log"
+    local met=$?
+    [ $met -le 1 ] && ranks "$count" "$top_builddir/pccd-mpi" check --json --repeat 1 \
+        --contacts "$work/ranks.csv" "$@" >"$work/ranks.json" 2>>"$log"
+    [ $? -eq $met ] && cmp "$work/one.csv" "$work/ranks.csv" >>"$log" 2>&1 &&
         [ "$(wc -l <"$work/one.csv")" -gt 1 ] &&
         diff <(told "$work/one.json") <(told "$work/ranks.json") >>"$log" 2>&1 &&
         # The keys are the same, also of what may differ.
@@ -332,9 +333,10 @@ heap() { # BY: how far the heap moves
 }
 heap 0 >"$work/heap0.obj"
 heap 0.01 >"$work/heap1.obj"
-ranks 4 "$top_builddir/pccd-mpi" check --repeat 1 --shares "$work"/heap?.obj >"$work/out" 2>"$log" &&
-    "$PCCDCTL" check --url direct: "$work"/heap?.obj >"$work/one" 2>>"$log" &&
-    [ "$(grep '^hash' "$work/out")" = "$(grep '^hash' "$work/one")" ] &&
+ranks 4 "$top_builddir/pccd-mpi" check --repeat 1 --shares "$work"/heap?.obj >"$work/out" 2>"$log"
+met=$?
+"$PCCDCTL" check --url direct: "$work"/heap?.obj >"$work/one" 2>>"$log"
+[ $? -eq $met ] && [ "$(grep '^hash' "$work/out")" = "$(grep '^hash' "$work/one")" ] &&
     sed -n 's/^rank .* own \([0-9]*\), ghosts.* imbalance \([0-9.]*\), .*/\1 \2/p' "$log" |
     awk '{ sum += $1; most = $1 > most ? $1 : most; if ($2 > 1.2) bad = 1 }
         END { exit bad || sum != 3900 || most > 2.1 * sum / 4 }'
@@ -345,9 +347,9 @@ tap_result $? mpi__triangles_lie_evenly_where_work_does_not "$log"
 name=mpi__work_lies_evenly_on_four_ranks
 frames=("$PCCD_DATA/cloth-ball"/frames/*.ply)
 if [ -e "${frames[0]}" ]; then
-    ranks 4 "$top_builddir/pccd-mpi" check --repeat 0 --shares "${frames[@]}" >"$work/out" 2>"$log" &&
-        [ "$(grep -c '^rank .*, cuts 2,' "$log")" -eq 4 ] &&
-        "$PCCDCTL" check --url direct: --repeat 0 "${frames[@]}" >"$work/one" 2>>"$log" &&
+    ranks 4 "$top_builddir/pccd-mpi" check --repeat 0 --shares "${frames[@]}" >"$work/out" 2>"$log"
+    [ $? -eq 1 ] && [ "$(grep -c '^rank .*, cuts 2,' "$log")" -eq 4 ] &&
+        { "$PCCDCTL" check --url direct: --repeat 0 "${frames[@]}" >"$work/one" 2>>"$log" || [ $? -eq 1 ]; } &&
         awk '/^work / { gsub(",", ""); print $2 + 8 * $11 }' "$work/one" "$work/out" |
         paste -sd ' ' | tee -a "$log" | awk '{ exit !($1 > 0 && $2 > 0 && $2 < 1.15 * $1) }' &&
         awk '/^rank / { sub(/.*imbalance /, ""); if ($1 + 0 < 1 || $1 + 0 > 1.05) bad = 1 }

@@ -179,11 +179,11 @@ FILE *ask_report_to(const struct ask_options *options)
     return options->csv != NULL && strcmp(options->csv, "-") == 0 ? stderr : stdout;
 }
 
-int ask_end(int status, const struct ctl_error *error, int closed,
+int ask_end(int status, bool is_right, const struct ctl_error *error, int closed,
             const struct ctl_error *close_error)
 {
     if (status != PCCD_OK || closed != PCCD_OK) {
         ctl_error_tell(status != PCCD_OK ? error : close_error);
     }
-    return (int)ctl_exit_of(status != PCCD_OK ? status : closed, true);
+    return (int)ctl_exit_of(status != PCCD_OK ? status : closed, is_right);
 }

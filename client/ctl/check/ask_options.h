@@ -48,8 +48,8 @@ int ask_set_object(const struct ask_options *options, struct pccd_client *client
 /* The standard output, unless that is the CSV's. */
 FILE *ask_report_to(const struct ask_options *options);
 /* Tell what went wrong first: the work, or else the end of the CSV. Returns the exit
- * status. */
-int ask_end(int status, const struct ctl_error *error, int closed,
+ * status; `is_right` says whether what was found is. */
+int ask_end(int status, bool is_right, const struct ctl_error *error, int closed,
             const struct ctl_error *close_error);
 
 #endif

@@ -14,6 +14,7 @@
 #include <time.h>
 
 #include "clock.h"
+#include "plural.h"
 #include "progress.h"
 #include "statistics.h"
 
@@ -246,6 +247,24 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
                                   .failed = "the step failed",
                                   .context = &motion};
     return check_run_repeat(run, &ask, number, step, error);
+}
+
+int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
+                    struct ctl_error *error)
+{
+    uint32_t incomplete = 0;
+    *is_free = true;
+    for (uint32_t i = 0; i < step_count; i++) {
+        *is_free = *is_free && !report_meets(&steps[i]);
+        incomplete += !steps[i].is_complete;
+    }
+    return incomplete == 0 || !*is_free
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_TIMEOUT,
+                               "nothing was found, but %" PRIu32 " of %" PRIu32
+                               " %s incomplete",
+                               incomplete, step_count,
+                               proto_plural(step_count, "answer is", "answers are"));
 }
 
 void check_run_deinit(struct check_run *run)

@@ -62,6 +62,10 @@ struct check_ask {
  * `step` but the names of files. run->times is there. */
 int check_run_repeat(struct check_run *run, const struct check_ask *ask, uint32_t number,
                      struct report_step *step, struct ctl_error *error);
+/* Whether nothing meets in any step. Errors: E_TIMEOUT where nothing does in what was
+ * looked at, and an answer is incomplete. */
+int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,
+                    struct ctl_error *error);
 /* Make run->times. */
 int check_run_times(struct check_run *run, struct ctl_error *error);
 /* `what`, and the library's own words about a failed call. Returns `status`. */

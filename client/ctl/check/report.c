@@ -182,6 +182,13 @@ static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t w
     }
 }
 
+bool report_meets(const struct report_step *step)
+{
+    const struct pccd_answer *answer = &step->answer;
+    return answer->total > 0 || answer->verdict == PCCD_VERDICT_YES ||
+           answer->verdict == PCCD_VERDICT_POSSIBLE;
+}
+
 /* How the threads shared the work. */
 static void print_sharing(FILE *to, const struct pccd_answer *answer)
 {

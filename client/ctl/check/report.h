@@ -44,7 +44,7 @@ struct report_mesh {
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;
     uint32_t object_what; /* that options have set: bits of pccd_object_what */
-    double build_ms; /* edges and feature ownership, then the hierarchy; paid once */
+    double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
 };
 
 struct report_step {
@@ -66,6 +66,10 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
+
+/* Whether something meets in a step: it has a contact, or in mode pairs a pair, which may
+ * be one. */
+bool report_meets(const struct report_step *step);
 
 /* One JSON object: of one step, the step's values at the top; of several, their sums and
  * an array "steps". False without memory. */

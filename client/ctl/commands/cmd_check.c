@@ -99,8 +99,10 @@ const struct argp ctl_argp_check = {
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
         "than "
-        "two files. Exit status: 0 when done (the report says whether the answer is "
-        "complete), 2 after wrong usage, 3 without a daemon, 4 after any other error.",
+        "two files. Exit status: 0 when nothing meets, 1 when something does, or in mode "
+        "pairs may, 2 after wrong usage, 3 without a daemon, 4 after any other error, "
+        "and when "
+        "nothing was found in an answer that is incomplete.",
     .children = children};
 
 /* Everything that lives while the frames are walked through. */
@@ -266,18 +268,22 @@ static int run_check(const struct command *command)
     struct check check = {.options = options,
                           .tracing = &command->trace,
                           .report = ask_report_to(&options->ask)};
+    bool is_free = false;
     int status = check_all(&check, &error), closed;
     if (status == PCCD_OK) {
         status = report_all(&check, &error);
     }
     closed = contacts_csv_close(&check.csv, status == PCCD_OK, &close_error);
+    if (status == PCCD_OK) {
+        status = check_run_judge(check.steps, check.files.count - 1, &is_free, &error);
+    }
     check_run_deinit(&check.run);
     pccd_close(check.run.client);
     ctl_mesh_deinit(&check.frames[0]);
     ctl_mesh_deinit(&check.frames[1]);
     ctl_frames_close(&check.files);
     free(check.steps);
-    return ask_end(status, &error, closed, &close_error);
+    return ask_end(status, is_free, &error, closed, &close_error);
 }
 
 int ctl_cmd_check(int argc, char **argv)

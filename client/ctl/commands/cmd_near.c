@@ -82,7 +82,7 @@ static int run_near(const struct near_options *options)
     int closed = near_csv_close(&csv, status == PCCD_OK, &close_error);
     pccd_close(near.run.client);
     near_run_deinit(&near);
-    return ask_end(status, &error, closed, &close_error);
+    return ask_end(status, true, &error, closed, &close_error);
 }
 
 int ctl_cmd_near(int argc, char **argv)

@@ -354,6 +354,7 @@ static int run_check(const struct mpi_options *options)
     const struct ask_options *ask = &options->check.ask;
     struct ctl_error error = {.text = ""};
     struct check check = {.options = options, .report = ask_report_to(ask)};
+    bool is_free = true;
     uint32_t default_repeats = ask->path_count == 2 ? 1 : 0;
     check.run.repeats = ask->has_repeats ? ask->repeats : default_repeats;
     check.steps = calloc(ask->path_count - 1, sizeof *check.steps);
@@ -373,14 +374,19 @@ static int run_check(const struct mpi_options *options)
     }
     int closed = contacts_csv_close(&check.csv, status == PCCD_OK, &error);
     status = status == PCCD_OK ? closed : status;
+    if (status == PCCD_OK && together_is_root()) {
+        status = check_run_judge(check.steps, ask->path_count - 1, &is_free, &error);
+    }
     together_complain(&error);
+    status = (int)ctl_exit_of(status, is_free);
+    together_tell(&status, sizeof status);
     check_run_deinit(&check.run);
     pccd_mpi_close(check.world);
     ctl_mesh_deinit(&check.before);
     ctl_mesh_deinit(&check.after);
     free((void *)(uintptr_t)check.csv.triangles);
     free(check.steps);
-    return (int)ctl_exit_of(status, true);
+    return status;
 }
 
 int program_check(int argc, char **argv)

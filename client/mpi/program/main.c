@@ -25,9 +25,11 @@ static const struct ctl_command commands[] = {
 #undef COMMAND
 };
 
-/* Also where argp ends the program after wrong usage. */
+/* Also where argp ends the program after wrong usage. mpirun may end all ranks when one
+ * of them ends with another status than 0, so what was said has to be on its way. */
 static void finish(void)
 {
+    fflush(NULL);
     MPI_Finalize();
 }
 
@@ -58,7 +60,7 @@ int main(int argc, char **argv)
         .usage = "Usage: mpirun -n RANKS pccd-mpi COMMAND [OPTION...]\n"
                  "Continuous collision detection by the ranks of an MPI program.\n\n",
         .ending = "\n\"pccd-mpi COMMAND --help\" explains a command.\n"
-                  "Exit status: 0 when done; 1 when what was looked for is wrong; 2 "
+                  "Exit status: 0 when done; 1 when something meets or is wrong; 2 "
                   "after wrong\n"
                   "usage; 4 after any other error.\n",
         .commands = commands,
