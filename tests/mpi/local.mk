@@ -1,12 +1,13 @@
 # tests/mpi/local.mk - one scene over the ranks of an MPI program. Without --with-mpi the
 # scripts skip their cases by name.
 
-mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/same_as_one.c \
-    tests/mpi/stop.c
+mpi_test_sources = tests/mpi/large.c tests/mpi/misuse.c tests/mpi/rounding.c \
+    tests/mpi/same_as_one.c tests/mpi/stop.c
 EXTRA_DIST += $(mpi_test_sources) tests/mpi/python_ranks.py tests/mpi/ranks.sh
 mpi_test_scripts = tests/mpi/mpi_check.sh tests/mpi/namespaces_check.sh \
     tests/mpi/python_check.sh tests/mpi/recordings_check.sh
-mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/same_as_one tests/mpi/stop
+mpi_test_programs = tests/mpi/large tests/mpi/misuse tests/mpi/rounding tests/mpi/same_as_one \
+    tests/mpi/stop
 mpi_check_programs = $(mpi_test_programs) client/mpi/example/cloth_mpi
 TESTS += $(mpi_test_scripts)
 dist_check_SCRIPTS += $(mpi_test_scripts)
@@ -23,6 +24,9 @@ tests_mpi_large_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 tests_mpi_misuse_SOURCES = tests/mpi/misuse.c
 tests_mpi_misuse_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_misuse_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS)
+tests_mpi_rounding_SOURCES = tests/mpi/rounding.c
+tests_mpi_rounding_CPPFLAGS = $(mpi_test_cppflags)
+tests_mpi_rounding_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) $(LIBM)
 tests_mpi_stop_SOURCES = tests/mpi/stop.c
 tests_mpi_stop_CPPFLAGS = $(mpi_test_cppflags)
 tests_mpi_stop_LDADD = libpccd-mpi.la libpccd.la $(MPI_LIBS) -lpthread

@@ -2,8 +2,9 @@
 # mpi_check.sh - one scene over 1, 2, 3, 4 and 8 ranks: the same bytes as by one process.
 #
 # Room:     client/mpi, from outside.
-# Does:     random plays with meshes in parts; mistakes of single ranks; pccd-mpi check beside
-#           pccdctl check on files made here and on recorded scenes.
+# Does:     random plays with meshes in parts; mistakes of single ranks, and ranks that round in
+#           their own way; pccd-mpi check beside pccdctl check on files made here and on
+#           recorded scenes.
 # Needs:    a build with --with-mpi; else its cases are skipped by name. By itself it takes
 #           less than two minutes; with PCCD_MPI_ALL=1, as make mpi-check sets it, it tries all
 #           that there is.
@@ -40,6 +41,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
     for mistake in $mistakes dies; do
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
     done
+    tap_skip mpi__answers_do_not_show_how_ranks_round "no --with-mpi"
     for name in files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
@@ -107,6 +109,11 @@ for mistake in $mistakes; do
     ranks 3 "$top_builddir/tests/mpi/misuse" "$mistake" >"$log" 2>&1
     tap_result $? "mpi__mistake_${mistake}_is_told_to_all_ranks" "$log"
 done
+
+# If it failed, a simulator that rounds down, or a library in it that flushes subnormal numbers,
+# would get other contacts from its ranks, or would compute otherwise after a call.
+ranks 3 "$top_builddir/tests/mpi/rounding" >"$log" 2>&1
+tap_result $? mpi__answers_do_not_show_how_ranks_round "$log"
 
 # If it failed, a job would go on without one of its ranks, or seem to have ended well.
 RANKS_SECONDS=30 ranks 3 "$top_builddir/tests/mpi/misuse" dies >"$log" 2>&1
