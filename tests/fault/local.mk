@@ -49,7 +49,8 @@ FAULT_TESTS = \
     tests/fault/test_fault_start \
     tests/fault/test_fault_threads
 check_PROGRAMS += $(FAULT_TESTS)
-TESTS += $(FAULT_TESTS)
+TESTS += $(FAULT_TESTS) tests/fault/archives_check.sh
+dist_check_SCRIPTS += tests/fault/archives_check.sh
 
 tests_fault_test_fault_calls_SOURCES = tests/fault/test_fault_calls.c
 tests_fault_test_fault_calls_CPPFLAGS = $(fault_cppflags)
