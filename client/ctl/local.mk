@@ -59,11 +59,14 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_template.h \
     client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
     client/ctl/mesh/glb.c \
+    client/ctl/mesh/meshcut.c client/ctl/mesh/meshcut.h \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
+    client/ctl/mesh/meshmatch.c \
     client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
+    client/ctl/mesh/polygon.c client/ctl/mesh/polygon.h \
     client/ctl/mesh/stl.c \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
     client/ctl/near/near_csv.c client/ctl/near/near_csv.h \

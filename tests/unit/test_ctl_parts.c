@@ -34,9 +34,11 @@
 enum kind { PLY_TEXT, PLY_BINARY, OBJ };
 static const char *const names[] = {"text.ply", "binary.ply", "large.obj"};
 
+/* On a parabola, so that faces of four corners are convex. */
 static float coordinate(uint32_t vertex, uint32_t axis)
 {
-    return (float)((vertex * 3 + axis) % 4096) / 16 - 100;
+    uint32_t along = vertex % 4096;
+    return axis == 0 ? (float)along / 16 - 100 : (float)(along * along * axis);
 }
 
 /* Corner k of a face; end k of an edge is that of face 2 i. */

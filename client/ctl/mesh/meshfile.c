@@ -1,8 +1,8 @@
 /* client/ctl/mesh/meshfile.c - a mesh read from a file.
  *
  * Room:     client/ctl.
- * Does:     tells the format, holds the arrays or a part of them, compares two frames.
- * Does not: parse; see ply.c, obj.c, stl.c and glb.c.
+ * Does:     tells the format, holds the arrays or a part of them.
+ * Does not: parse; see ply.c, obj.c, stl.c and glb.c; compare frames (meshmatch.c).
  * Threads:  [any]; nothing is shared.
  * Source:   meshfile.h.
  */
@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "coordinates.h"
+#include "meshcut.h"
 
 static bool has_ending(const char *path, const char *ending)
 {
@@ -162,7 +163,8 @@ static uint64_t piece_first(const struct ctl_part *part, uint64_t count, uint32_
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count)
 {
     struct ctl_part *part = &mesh->part;
-    if (part->count == 0) {
+    if (part->count == 0 || part->wanted != NULL) {
+        part->leaves_out = part->wanted != NULL;
         return;
     }
     /* What an OBJ file has beyond what was counted is the last one's. */
@@ -256,20 +258,53 @@ static int judge_counts(const char *path, const struct ctl_mesh *mesh,
                          : PCCD_OK;
 }
 
-int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
-                       struct ctl_mesh *mesh, struct ctl_error *error)
+/* Cut the polygons of a part: vertices that others keep are read once more. */
+static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    struct ctl_wanted wanted = {0};
+    struct ctl_mesh others = {.part = {.number = mesh->part.number,
+                                       .count = mesh->part.count,
+                                       .wanted = &wanted}};
+    int status = ctl_mesh_want(mesh, &wanted, file->path, error);
+    if (status == PCCD_OK && wanted.count > 0) {
+        status = parse(file, &others, error);
+    }
+    if (status == PCCD_OK) {
+        status = ctl_mesh_cut(mesh, &wanted, file->path, error);
+    }
+    ctl_wanted_deinit(&wanted);
+    ctl_mesh_deinit(&others);
+    return status;
+}
+
+/* How a mesh is read. */
+struct reading {
+    uint32_t number, count; /* keep this piece; count 0: all */
+    bool is_uncut;
+    const struct ctl_mesh *like; /* NULL: it is a first frame */
+    const char *like_path;
+};
+
+static int read_mesh(const char *path, const struct reading *reading,
+                     struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct ctl_file file;
-    struct ctl_mesh made = {.part = {.number = number, .count = count}};
+    struct ctl_mesh made = {.part = {.number = reading->number, .count = reading->count}};
     int status = ctl_file_open(path, judge, &file, error);
     if (status != PCCD_OK) {
         return status;
     }
     status = parse(&file, &made, error);
-    ctl_file_deinit(&file);
     if (status == PCCD_OK) {
         status = judge_counts(path, &made, error);
     }
+    if (status == PCCD_OK && reading->like != NULL) {
+        status = ctl_mesh_cut_like(reading->like, reading->like_path, &made, path, error);
+    } else if (status == PCCD_OK && !reading->is_uncut && made.polygon_count > 0) {
+        status = reading->count > 0 ? cut_part(&file, &made, error)
+                                    : ctl_mesh_cut(&made, NULL, path, error);
+    }
+    ctl_file_deinit(&file);
     if (status == PCCD_OK) {
         *mesh = made;
     } else {
@@ -278,9 +313,33 @@ int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
     return status;
 }
 
+int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
+                       struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    const struct reading reading = {.number = number, .count = count};
+    return read_mesh(path, &reading, mesh, error);
+}
+
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     return ctl_mesh_read_part(path, 0, 0, mesh, error);
+}
+
+int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
+{
+    const struct reading reading = {.is_uncut = true};
+    return read_mesh(path, &reading, mesh, error);
+}
+
+int ctl_mesh_read_like(const char *path, const struct ctl_mesh *first,
+                       const char *first_path, struct ctl_mesh *mesh,
+                       struct ctl_error *error)
+{
+    const struct reading reading = {.number = first->part.number,
+                                    .count = first->part.count,
+                                    .like = first,
+                                    .like_path = first_path};
+    return read_mesh(path, &reading, mesh, error);
 }
 
 void ctl_mesh_drop_shape(struct ctl_mesh *mesh)
@@ -288,6 +347,12 @@ void ctl_mesh_drop_shape(struct ctl_mesh *mesh)
     free(mesh->triangles);
     free(mesh->edges);
     free(mesh->points);
+    free(mesh->polygons);
+    free(mesh->corners);
+    mesh->polygons = NULL;
+    mesh->corners = NULL;
+    mesh->polygon_count = mesh->polygon_capacity = 0;
+    mesh->corner_count = mesh->corner_capacity = 0;
     mesh->triangles = NULL;
     mesh->edges = NULL;
     mesh->points = NULL;
@@ -330,62 +395,6 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error)
     return PCCD_OK;
 }
 
-/* The same of what is named by itself, `points` vertices each. */
-static int match_named(const uint32_t *a, uint32_t count_a, const char *path_a,
-                       const uint32_t *b, uint32_t count_b, const char *path_b,
-                       uint32_t points, struct ctl_error *error)
-{
-    static const char *const names[3][2] = {{""}, {"point", "points"}, {"edge", "edges"}};
-    if (count_a != count_b) {
-        return ctl_error_set(error, PCCD_E_INVAL,
-                             "%s has %u %s and %s has %u: not two frames of one mesh",
-                             path_a, count_a, names[points][1], path_b, count_b);
-    }
-    for (size_t i = 0; i < (size_t)count_a * points; i++) {
-        if (a[i] != b[i]) {
-            return ctl_error_set(
-                error, PCCD_E_INVAL,
-                "%s %zu has vertex %u in %s and %u in %s: not two frames "
-                "of one mesh",
-                names[points][0], i / points, a[i], path_a, b[i], path_b);
-        }
-    }
-    return PCCD_OK;
-}
-
-int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
-                   const char *path_b, struct ctl_error *error)
-{
-    if (a->vertex_count != b->vertex_count) {
-        return ctl_error_set(
-            error, PCCD_E_INVAL,
-            "%s has %u vertices and %s has %u: not two frames of one mesh", path_a,
-            a->vertex_count, path_b, b->vertex_count);
-    }
-    if (a->triangle_count != b->triangle_count) {
-        return ctl_error_set(
-            error, PCCD_E_INVAL,
-            "%s has %u triangles and %s has %u: not two frames of one mesh", path_a,
-            a->triangle_count, path_b, b->triangle_count);
-    }
-    for (uint32_t i = 0; i < a->triangle_count; i++) {
-        const uint32_t *p = a->triangles[i];
-        const uint32_t *q = b->triangles[i];
-        if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2]) {
-            return ctl_error_set(
-                error, PCCD_E_INVAL,
-                "triangle %u is (%u %u %u) in %s and (%u %u %u) in %s: not "
-                "two frames of one mesh",
-                i, p[0], p[1], p[2], path_a, q[0], q[1], q[2], path_b);
-        }
-    }
-    int status = match_named((const uint32_t *)a->edges, a->edge_count, path_a,
-                             (const uint32_t *)b->edges, b->edge_count, path_b, 2, error);
-    return status == PCCD_OK ? match_named(a->points, a->point_count, path_a, b->points,
-                                           b->point_count, path_b, 1, error)
-                             : status;
-}
-
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
                             uint64_t count, const char *path, struct ctl_error *error)
 {
@@ -403,6 +412,9 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
     if (part->count > 0) {
         first = piece_first(part, count, part->number);
         kept = piece_first(part, count, part->number + 1) - first;
+    }
+    if (part->wanted != NULL) {
+        first = kept = 0;
     }
     mesh->x = malloc((size_t)kept * bytes + 1);
     if (mesh->x == NULL) {
@@ -426,6 +438,9 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
 {
     index -= (size_t)mesh->part.vertex_first * 3; /* beyond all if it is before them */
     if (index >= (size_t)mesh->vertex_count * 3) {
+        if (mesh->part.wanted != NULL) {
+            ctl_wanted_set(mesh->part.wanted, index, value);
+        }
         return;
     }
     if (mesh->format == PCCD_FORMAT_F32) {
@@ -435,11 +450,9 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
     }
 }
 
-/* Count one more item of `bytes`, of *total in the file, and make room for it in *items,
- * of which there are `count`. */
-static int grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
-                uint32_t *total, bool is_kept, const char *names, const char *path,
-                struct ctl_error *error)
+int ctl_mesh_grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
+                  uint32_t *total, bool is_kept, const char *names, const char *path,
+                  struct ctl_error *error)
 {
     void *before;
     if (*total == CTL_MESH_COUNT_MAX) {
@@ -466,7 +479,8 @@ static int grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
                           const char *path, struct ctl_error *error)
 {
-    int status = grow(&mesh->triangles, sizeof *mesh->triangles, mesh->triangle_count,
+    int status =
+        ctl_mesh_grow(&mesh->triangles, sizeof *mesh->triangles, mesh->triangle_count,
                       &mesh->triangle_capacity, &mesh->part.triangle_total,
                       !mesh->part.leaves_out, "triangles", path, error);
     if (status == PCCD_OK && !mesh->part.leaves_out) {
@@ -478,9 +492,9 @@ int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
 int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
                       struct ctl_error *error)
 {
-    int status =
-        grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count, &mesh->edge_capacity,
-             &mesh->part.edge_total, !mesh->part.leaves_out, "edges", path, error);
+    int status = ctl_mesh_grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count,
+                               &mesh->edge_capacity, &mesh->part.edge_total,
+                               !mesh->part.leaves_out, "edges", path, error);
     if (status == PCCD_OK && !mesh->part.leaves_out) {
         memcpy(mesh->edges[mesh->edge_count++], ends, sizeof *mesh->edges);
     }
@@ -490,9 +504,9 @@ int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char 
 int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
                        struct ctl_error *error)
 {
-    int status = grow(&mesh->points, sizeof *mesh->points, mesh->point_count,
-                      &mesh->point_capacity, &mesh->part.point_total,
-                      !mesh->part.leaves_out, "points", path, error);
+    int status = ctl_mesh_grow(&mesh->points, sizeof *mesh->points, mesh->point_count,
+                               &mesh->point_capacity, &mesh->part.point_total,
+                               !mesh->part.leaves_out, "points", path, error);
     if (status == PCCD_OK && !mesh->part.leaves_out) {
         mesh->points[mesh->point_count++] = vertex;
     }
@@ -523,7 +537,8 @@ int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_byt
         return PCCD_OK;
     }
     uint32_t total = mesh->object_count;
-    int status = grow(&mesh->objects, sizeof *mesh->objects, mesh->object_count,
+    int status =
+        ctl_mesh_grow(&mesh->objects, sizeof *mesh->objects, mesh->object_count,
                       &mesh->object_capacity, &total, true, "objects", path, error);
     if (status != PCCD_OK) {
         free(object.name);

@@ -3,7 +3,7 @@
  * Room:     client/ctl. May include: error.h, motion.h, text.h,
  *           pccd_types.h.
  * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
- *           binary glTF; polygons become fans of triangles. Edges and points by
+ *           binary glTF; polygons are cut into triangles (polygon.h). Edges and points by
  *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
  *           of a PLY without faces and edges all vertices are points.
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
@@ -35,7 +35,15 @@ struct ctl_part {
     uint32_t number, count; /* count 0: all is kept */
     uint32_t vertex_first;  /* of those that are kept */
     uint32_t vertex_total, triangle_total, edge_total, point_total; /* of the file */
-    bool leaves_out; /* the row that is read now */
+    bool leaves_out;           /* the row that is read now */
+    struct ctl_wanted *wanted; /* not NULL: of these vertices the positions alone */
+};
+
+/* A face of four corners and more, which became triangles (meshcut.h). */
+struct ctl_polygon {
+    uint32_t triangle_first;
+    uint32_t corner_count : 31, is_recut : 1; /* is_recut: its corners are kept */
+    uint64_t place;
 };
 
 /* A part of a file that has a name there. It goes to the first ones of the next object,
@@ -60,6 +68,11 @@ struct ctl_mesh {
     uint32_t *points;
     uint32_t object_count, object_capacity; /* 0: all is one, without a name */
     struct ctl_mesh_object *objects;
+    uint32_t polygon_count, polygon_capacity;
+    struct ctl_polygon *polygons; /* ascending */
+    uint32_t corner_count, corner_capacity;
+    uint32_t *corners; /* of those that are no fan, one polygon after the other */
+    bool has_lines;    /* place of a polygon: its line; otherwise the face's number */
     struct ctl_part part;
 };
 
@@ -70,9 +83,17 @@ struct ctl_mesh {
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
  * file, the line or byte, and what was wrong there. */
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
-/* The same, and keep piece `number` of `count` of it. Of PLY and OBJ no more than that is
- * ever in memory, beside a window of the file; of the others all, for a while. All of the
- * file is judged. */
+/* The same, but polygons are fans still, until ctl_mesh_cut (meshcut.h). */
+int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
+/* Another frame of `first`, which is of first_path, or the part of one that `first` is
+ * of its file: polygons are cut as there, wherever their corners are now. Errors also:
+ * E_INVAL where it is no frame of the same mesh, as ctl_mesh_match says. */
+int ctl_mesh_read_like(const char *path, const struct ctl_mesh *first,
+                       const char *first_path, struct ctl_mesh *mesh,
+                       struct ctl_error *error);
+/* As ctl_mesh_read, and keep piece `number` of `count` of it. Of PLY and OBJ no more than
+ * that is ever in memory, beside a window of the file; of the others all, for a while. All
+ * of the file is judged. */
 int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
                        struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
@@ -108,6 +129,11 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
 bool ctl_mesh_coordinate_ok(double value);
 /* Store one coordinate; the index is vertex * 3 + axis. */
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
+/* Count one more item of `bytes`, of *total in the file, and make room for it in *items,
+ * a pointer to an array of `count` of them, if it is kept. */
+int ctl_mesh_grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
+                  uint32_t *total, bool is_kept, const char *names, const char *path,
+                  struct ctl_error *error);
 /* What is added next is of this row, of so many. */
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "coordinates.h"
+#include "meshcut.h"
 
 #define NAME_BYTES 64 /* of a frame within its file */
 
@@ -187,14 +188,8 @@ int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *
     if (source->motion.read != NULL) {
         return read_motion(frames, source, index, frame, error);
     }
-    int status = ctl_mesh_read(source->path, frame, error);
-    if (status == PCCD_OK && source->path != frames->shape_path) {
-        status =
-            ctl_mesh_match(&frames->mesh, frames->shape_path, frame, source->path, error);
-    }
-    if (status != PCCD_OK) {
-        ctl_mesh_deinit(frame);
-    }
+    int status =
+        ctl_mesh_read_like(source->path, &frames->mesh, frames->shape_path, frame, error);
     ctl_mesh_drop_shape(frame);
     return status;
 }
@@ -202,10 +197,16 @@ int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *
 /* The shape, and the first frame's positions. */
 static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
 {
-    int status = ctl_mesh_read(frames->shape_path, &frames->mesh, error);
     const struct ctl_frames_source *first = frames->sources;
-    return status == PCCD_OK && first->motion.read != NULL
-               ? read_motion(frames, first, 0, &frames->mesh, error)
+    if (first->motion.read == NULL) {
+        return ctl_mesh_read(frames->shape_path, &frames->mesh, error);
+    }
+    int status = ctl_mesh_read_uncut(frames->shape_path, &frames->mesh, error);
+    if (status == PCCD_OK) {
+        status = read_motion(frames, first, 0, &frames->mesh, error);
+    }
+    return status == PCCD_OK
+               ? ctl_mesh_cut(&frames->mesh, NULL, frames->shape_path, error)
                : status;
 }
 

@@ -1,10 +1,9 @@
 /* client/ctl/mesh/obj.c - Wavefront OBJ files.
  *
  * Room:     client/ctl.
- * Does:     reads v, f, l and p (also negative and slash-separated numbers), turns
- *           polygons into fans and lines into edges, keeps the order of the file;
- *           coordinates are double.
- * Does not: read texture, normal, group or material data, nor free-form surfaces.
+ * Does:     reads v, f, l and p (also negative and slash-separated numbers), turns lines
+ *           into edges, keeps the order of the file; coordinates are double.
+ * Does not: read texture, normal or material data, nor free-form surfaces.
  * Threads:  [any]; nothing is shared.
  * Source:   Wavefront OBJ specification, appendix B1.
  */
@@ -13,20 +12,20 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "meshcut.h"
 #include "meshfile.h"
 #include "plural.h"
 
 /* Statements without vertices, faces, lines or points. Anything else is an error, so that
  * a file of another kind is not read as an empty mesh. */
 static const char *const ignored[] = {
-    "vt",       "vn",       "g",          "s",         "o",   "mg",
-    "usemtl",   "mtllib",   "usemap",     "maplib",    "lod", "bevel",
-    "c_interp", "d_interp", "shadow_obj", "trace_obj", "vp",
+    "vt",  "vn",    "s",        "mg",       "usemtl",     "mtllib",    "usemap", "maplib",
+    "lod", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vp",
 };
 
 /* Statements of the file. */
 struct obj_counts {
-    uint64_t vertices, faces, lines, points;
+    uint64_t vertices, faces, lines, points, objects;
 };
 
 struct obj_reader {
@@ -91,7 +90,7 @@ static struct obj_counts count_statements(struct ctl_file *file)
 {
     struct ctl_text text = ctl_text_begin(file);
     struct ctl_word line, word;
-    struct obj_counts counts = {0, 0, 0, 0};
+    struct obj_counts counts = {0, 0, 0, 0, 0};
     bool is_continued = false;
     while (ctl_text_line(&text, &line)) {
         bool is_start = !is_continued;
@@ -103,6 +102,7 @@ static struct obj_counts count_statements(struct ctl_file *file)
         counts.faces += ctl_word_is(&word, "f");
         counts.lines += ctl_word_is(&word, "l");
         counts.points += ctl_word_is(&word, "p");
+        counts.objects += ctl_word_is(&word, "o");
     }
     return counts;
 }
@@ -197,7 +197,8 @@ static int read_face(struct obj_reader *reader, struct ctl_word *line)
         return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
                     count, proto_plural(count, "vertex", "vertices"));
     }
-    return PCCD_OK;
+    return ctl_mesh_end_polygon(reader->mesh, count, reader->line_begin,
+                                reader->file->path, reader->error);
 }
 
 /* l 1 2 3: the edges 1 2 and 2 3. */
@@ -244,6 +245,18 @@ static int read_points(struct obj_reader *reader, struct ctl_word *line)
     return count > 0 ? PCCD_OK : fail(reader, PCCD_E_FORMAT, "points without a vertex");
 }
 
+/* Objects are named by `o`, and by `g` in a file that has no `o`. */
+static int read_name(struct obj_reader *reader, const struct ctl_word *line)
+{
+    struct ctl_word rest = *line, name = {line->end, line->end}, word;
+    while (ctl_word_next(&rest, &word)) {
+        name.at = name.at == line->end ? word.at : name.at;
+        name.end = word.end;
+    }
+    return ctl_mesh_add_object(reader->mesh, name.at, (size_t)(name.end - name.at),
+                               reader->file->path, reader->error);
+}
+
 static int read_statement(struct obj_reader *reader, struct ctl_word *line)
 {
     struct ctl_word word;
@@ -265,6 +278,10 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
         ctl_mesh_begin_row(reader->mesh, reader->points_seen++, reader->counts.points);
         return read_points(reader, line);
     }
+    if (ctl_word_is(&word, "o") || ctl_word_is(&word, "g")) {
+        bool is_object = word.at[0] == 'o' || reader->counts.objects == 0;
+        return is_object ? read_name(reader, line) : PCCD_OK;
+    }
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++) {
         if (ctl_word_is(&word, ignored[i])) {
             return PCCD_OK;
@@ -284,6 +301,7 @@ int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
     };
     struct ctl_word statement;
     reader.text = ctl_text_begin(file);
+    mesh->has_lines = true;
     int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, reader.counts.vertices,
                                          file->path, error);
     while (status == PCCD_OK && next_statement(&reader, &statement)) {

@@ -2,8 +2,8 @@
  *
  * Room:     client/ctl.
  * Does:     reads vertices, faces and edges, ascii and binary of both byte orders, with
- *           values of any type; skips everything else; turns polygons into fans, and
- *           vertices into points where there is nothing else.
+ *           values of any type; skips everything else; turns vertices into points
+ *           where there is nothing else.
  * Does not: trust a count: each value is checked against the end of the file.
  * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994).
@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "meshcut.h"
 #include "meshfile.h"
 #include "plural.h"
 #include "ply_header.h"
@@ -200,7 +201,7 @@ static int read_index(struct body_reader *reader, const struct ply_property *pro
     return PCCD_OK;
 }
 
-/* A polygon v0 v1 v2 v3 ... becomes (v0 v1 v2) (v0 v2 v3) ... */
+/* A polygon v0 v1 v2 v3 ... becomes (v0 v1 v2) (v0 v2 v3) ... until it is cut. */
 static int read_polygon(struct body_reader *reader, const struct ply_property *property,
                         uint64_t count)
 {
@@ -224,7 +225,8 @@ static int read_polygon(struct body_reader *reader, const struct ply_property *p
         }
         corners[1] = corners[2];
     }
-    return PCCD_OK;
+    return ctl_mesh_end_polygon(reader->mesh, count, reader->row, reader->file->path,
+                                reader->error);
 }
 
 static int read_list(struct body_reader *reader, const struct ply_property *property)

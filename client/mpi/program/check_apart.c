@@ -39,10 +39,9 @@ static int read_frame(struct apart *apart, uint64_t index, struct ctl_mesh *fram
 {
     char **paths = apart->options->ask.paths;
     ctl_mesh_deinit(frame);
-    int status = ctl_mesh_read(paths[index], frame, error);
-    if (status == PCCD_OK && index > 0) {
-        status = ctl_mesh_match(&apart->first, paths[0], frame, paths[index], error);
-    }
+    int status = index == 0 ? ctl_mesh_read(paths[0], frame, error)
+                            : ctl_mesh_read_like(paths[index], &apart->first, paths[0],
+                                                 frame, error);
     if (status == PCCD_OK && frame->format == PCCD_FORMAT_F32) {
         status = ctl_mesh_promote(frame, error);
     }

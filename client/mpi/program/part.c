@@ -14,22 +14,13 @@
 #include "check_run.h"
 #include "together.h"
 
-static bool have_same_counts(const struct ctl_part *a, const struct ctl_part *b)
-{
-    return a->vertex_total == b->vertex_total && a->triangle_total == b->triangle_total &&
-           a->edge_total == b->edge_total && a->point_total == b->point_total;
-}
-
 /* What differs is told of the files, which are read once more. */
 static int explain(const char *path, const char *before_path, struct ctl_error *error)
 {
     struct ctl_mesh one = {0}, other = {0};
     int status = ctl_mesh_read(before_path, &one, error);
     if (status == PCCD_OK) {
-        status = ctl_mesh_read(path, &other, error);
-    }
-    if (status == PCCD_OK) {
-        status = ctl_mesh_match(&one, before_path, &other, path, error);
+        status = ctl_mesh_read_like(path, &one, before_path, &other, error);
     }
     ctl_mesh_deinit(&one);
     ctl_mesh_deinit(&other);
@@ -42,15 +33,12 @@ static int explain(const char *path, const char *before_path, struct ctl_error *
 int part_read(const char *path, const struct ctl_mesh *before, const char *before_path,
               struct ctl_mesh *part, struct ctl_error *error)
 {
-    struct ctl_error difference;
-    int status = ctl_mesh_read_part(path, (uint32_t)together_rank(),
-                                    (uint32_t)together_size(), part, error);
-    if (status == PCCD_OK && before != NULL &&
-        (!have_same_counts(&before->part, &part->part) ||
-         ctl_mesh_match(before, before_path, part, path, &difference) != PCCD_OK)) {
-        return explain(path, before_path, error);
+    if (before == NULL) {
+        return ctl_mesh_read_part(path, (uint32_t)together_rank(),
+                                  (uint32_t)together_size(), part, error);
     }
-    return status;
+    int status = ctl_mesh_read_like(path, before, before_path, part, error);
+    return status == PCCD_E_INVAL ? explain(path, before_path, error) : status;
 }
 
 struct pccd_mpi_part part_to_put(const struct ctl_mesh *part)
