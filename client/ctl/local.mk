@@ -14,6 +14,7 @@ libctl_la_SOURCES = \
     client/ctl/link.c client/ctl/link.h \
     client/ctl/output.c client/ctl/output.h \
     client/ctl/progress.c client/ctl/progress.h \
+    client/ctl/sequence.c client/ctl/sequence.h \
     client/ctl/statistics.c client/ctl/statistics.h \
     client/ctl/terminal.c client/ctl/terminal.h \
     client/ctl/check/ask_options.c client/ctl/check/ask_options.h \
@@ -64,6 +65,7 @@ libctl_la_SOURCES = \
     client/ctl/mesh/meshmatch.c \
     client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \
+    client/ctl/mesh/point_cache.c \
     client/ctl/mesh/ply.c \
     client/ctl/mesh/ply_header.c client/ctl/mesh/ply_header.h \
     client/ctl/mesh/polygon.c client/ctl/mesh/polygon.h \

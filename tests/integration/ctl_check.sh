@@ -304,7 +304,8 @@ report "a cut file is refused"
 fails 4 'absent.ply: cannot open: No such file' check t0.ply absent.ply
 report "an absent file is told"
 
-fails 2 'two files at least' check t0.ply &&
+fails 2 't0.ply is one frame: name the file after the step, too, or' check t0.ply &&
+    fails 2 'which frames' check &&
     fails 2 '"wide-open" is none of default, paper, wide' check --method wide-open t0.ply t1.ply &&
     fails 2 'which --trace asks for' check --events 10 t0.ply t1.ply &&
     fails 2 '"nowhere" is neither unix:PATH nor direct:' check --url nowhere t0.ply t1.ply &&

@@ -262,7 +262,7 @@ tap_result $? mpi__check_of_missing_file_says_what_pccdctl_says "$log"
 
 # If it failed, a script could not tell wrong usage, or help would be printed by each rank.
 ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" >"$work/out" 2>"$log"
-[ $? -eq 2 ] && grep -q 'two files at least' "$log" && [ ! -s "$work/out" ] &&
+[ $? -eq 2 ] && grep -q 'f0.ply is one frame' "$log" && [ ! -s "$work/out" ] &&
     ranks 2 "$top_builddir/pccd-mpi" check --help >"$work/out" 2>"$log" &&
     [ "$(grep -c '^Usage:' "$work/out")" -eq 1 ]
 tap_result $? mpi__check_of_usage_says_what_pccdctl_says "$log"

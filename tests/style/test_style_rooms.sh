@@ -99,7 +99,7 @@ client/ctl record         . mesh check
 client/ctl export         record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
-client/ctl commands       . check near observe record export inspect picture
+client/ctl commands       . mesh check near observe record export inspect picture
 '
 
 # Folder prefix, then the libraries beside the C library.

@@ -13,6 +13,7 @@ CTL_TESTS = \
     tests/unit/test_ctl_malformed \
     tests/unit/test_ctl_parts \
     tests/unit/test_ctl_polygon \
+    tests/unit/test_ctl_point_cache \
     tests/unit/test_ctl_stl_glb \
     tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_output \
@@ -36,6 +37,10 @@ tests_unit_test_ctl_parts_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
 tests_unit_test_ctl_polygon_SOURCES = tests/unit/test_ctl_polygon.c
 tests_unit_test_ctl_polygon_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
 tests_unit_test_ctl_polygon_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
+
+tests_unit_test_ctl_point_cache_SOURCES = tests/unit/test_ctl_point_cache.c
+tests_unit_test_ctl_point_cache_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
+tests_unit_test_ctl_point_cache_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
 
 tests_unit_test_ctl_stl_glb_SOURCES = tests/unit/test_ctl_stl_glb.c
 tests_unit_test_ctl_stl_glb_CPPFLAGS = $(CTL_TEST_CPPFLAGS)

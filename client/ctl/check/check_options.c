@@ -10,6 +10,7 @@
 #include "ctl.h"
 #include "meshfile.h"
 #include "names.h"
+#include "sequence.h"
 #include "shown.h"
 
 #define TOLERANCE_MIN  1e-12
@@ -58,9 +59,18 @@ static void check_usage(const struct argp_state *state,
                         const struct check_options *options)
 {
     const struct ask_options *ask = &options->ask;
-    if (ask->path_count == 0 ||
-        (ask->path_count == 1 && ctl_mesh_holds(ask->paths[0]) != CTL_HOLDS_BOTH)) {
-        tool_misused(state, "two files at least: the mesh before and after the step");
+    if (ask->path_count == 0) {
+        tool_misused(state, "which frames? The files of a mesh before and after the "
+                            "step, or one that has several frames");
+    }
+    /* Another one is refused by its reader, which knows what it is. */
+    if (ask->path_count == 1 && ctl_mesh_is_named(ask->paths[0]) &&
+        !ctl_sequence_is_pattern(ask->paths[0]) &&
+        ctl_mesh_holds(ask->paths[0]) == CTL_HOLDS_MESH) {
+        tool_misused(state,
+                     "%s is one frame: name the file after the step, too, or a point "
+                     "cache (.pc2, .mdd) behind it, or a pattern such as seq%%d.obj",
+                     tool_shown(ask->paths[0]));
     }
     if (options->ask.csv != NULL && options->settings.mode == PCCD_MODE_ANY) {
         tool_misused(state, "--contacts: mode any gives no contacts");

@@ -52,6 +52,7 @@ int player_read(struct player *player, const struct player_settings *settings,
     player->settings = settings;
     int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
                                  &how, error);
+    ctl_sequence_warn(&player->files.sequence);
     if (status != PCCD_OK) {
         return status;
     }

@@ -71,9 +71,30 @@ static void print_trees(FILE *to, const struct pccd_scene_settings *settings)
     }
 }
 
+/* What several frames come from, and which ones. */
+static void print_sources(FILE *to, const struct ctl_frames *files)
+{
+    for (uint32_t i = 0; files != NULL && i < files->source_count; i++) {
+        const struct ctl_frames_source *source = &files->sources[i];
+        char first[64] = "", last[64] = "";
+        if (source->motion.read == NULL) {
+            continue;
+        }
+        source->motion.name(&source->motion, 0, first, sizeof first);
+        source->motion.name(&source->motion, source->frame_count - 1, last, sizeof last);
+        fprintf(to, "frames     %" PRIu32 " of %s: %s to %s", source->frame_count,
+                tool_shown(source->path), first, last);
+        if (source->path != files->shape_path) {
+            fprintf(to, "; faces of %s", tool_shown(files->shape_path));
+        }
+        fputc('\n', to);
+    }
+}
+
 void report_print_mesh(FILE *to, const struct report_mesh *mesh)
 {
     const struct pccd_mesh_info *info = &mesh->info;
+    print_sources(to, mesh->files);
     fputs("mesh       ", to);
     print_count(to, info->vertex_count, "vertex", "vertices");
     fputs(", ", to);

@@ -1,6 +1,6 @@
 /* client/ctl/check/report.h - prints the results of `pccdctl check`.
  *
- * Room:     client/ctl. May include: pccd.h, jansson.h.
+ * Room:     client/ctl. May include: meshframes.h, pccd.h, jansson.h.
  * Does:     print the results of steps for people, and as JSON for programs.
  * Does not: compute them; see check_run.h.
  * Threads:  one.
@@ -14,6 +14,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "meshframes.h"
 #include "pccd.h"
 
 /* X(name, field of pccd_step_times): the phases in their order, then the whole, then what
@@ -41,6 +42,7 @@ extern const char *const report_phase_names[REPORT_PHASE_COUNT];
 void report_phases(const struct pccd_step_times *times, double ms[REPORT_PHASE_COUNT]);
 
 struct report_mesh {
+    const struct ctl_frames *files; /* or NULL: what has several frames is told */
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;
     uint32_t object_what; /* that options have set: bits of pccd_object_what */

@@ -63,6 +63,37 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     add_settings(object, &mesh->settings, ok);
 }
 
+/* Of each file that has several frames, how many, and which ones. */
+static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; files != NULL && i < files->source_count; i++) {
+        const struct ctl_frames_source *source = &files->sources[i];
+        char first[64] = "", last[64] = "";
+        if (source->motion.read == NULL) {
+            continue;
+        }
+        json_t *element = json_object();
+        source->motion.name(&source->motion, 0, first, sizeof first);
+        source->motion.name(&source->motion, source->frame_count - 1, last, sizeof last);
+        set(element, "file", json_text(source->path), ok);
+        set_count(element, "frames", source->frame_count, ok);
+        set(element, "first", json_text(first), ok);
+        set(element, "last", json_text(last), ok);
+        set(element, "faces", json_text(files->shape_path), ok);
+        if (json_array_append_new(array, element) != 0) {
+            *ok = false;
+        }
+    }
+    set(object, "sources", array, ok);
+    array = json_array();
+    if (files != NULL && files->sequence.warning != NULL &&
+        json_array_append_new(array, json_text(files->sequence.warning)) != 0) {
+        *ok = false;
+    }
+    set(object, "warnings", array, ok);
+}
+
 static json_t *times_object(double build_ms, const struct report_step *step, bool *ok)
 {
     json_t *object = json_object();
@@ -178,6 +209,7 @@ bool report_json(FILE *to, const struct report_mesh *mesh,
     json_t *object = json_object();
     bool ok = object != NULL;
     add_mesh(object, mesh, &ok);
+    add_sources(object, mesh->files, &ok);
     if (step_count == 1) {
         add_step(object, mesh, &steps[0], &ok);
     } else {

@@ -95,7 +95,8 @@ const struct argp ctl_argp_check = {
     .doc =
         "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
         "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF (.glb) and have the same "
-        "faces.\v"
+        "faces; seq%d.obj names all that are numbered, and a point cache (.pc2, .mdd) has "
+        "the frames of the mesh file before it.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
         "than "
@@ -194,6 +195,7 @@ static int begin(struct check *check, struct ctl_error *error)
     run->settings = check_step_settings(options);
     run->ask = &options->ask;
     run->mesh.settings = options->scene_settings;
+    run->mesh.files = &check->files;
     run->mesh.object_what = options->ask.object.what;
     int status = check_run_begin(run, &first, options->ask.csv != NULL, error);
     if (status == PCCD_OK && options->ask.csv != NULL) {
@@ -213,6 +215,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     const struct ask_options *ask = &check->options->ask;
     const struct ctl_frames_options how = {.rate = 0};
     int status = ctl_frames_open(&check->files, ask->paths, ask->path_count, &how, error);
+    ctl_sequence_warn(&check->files.sequence);
     if (status == PCCD_OK && check->files.count < 2) {
         return ctl_error_set(error, PCCD_E_INVAL,
                              "%s is one frame: a step has two, before and after it",

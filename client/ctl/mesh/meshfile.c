@@ -37,6 +37,11 @@ static bool has_glb_magic(const struct ctl_file *file)
     return file->bytes >= 4 && memcmp(file->data, "glTF", 4) == 0;
 }
 
+static bool has_pc2_magic(const struct ctl_file *file)
+{
+    return file->bytes >= 12 && memcmp(file->data, "POINTCACHE2", 12) == 0;
+}
+
 static int judge_obj(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
     (void)begin;
@@ -61,6 +66,8 @@ static const struct format {
     {".glb", has_glb_magic, ctl_glb_judge, true, ctl_glb_parse, NULL},
     {".obj", NULL, judge_obj, false, ctl_obj_parse, NULL},
     {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse, NULL},
+    {".pc2", has_pc2_magic, NULL, false, NULL, ctl_pc2_open},
+    {".mdd", NULL, NULL, false, NULL, ctl_mdd_open},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 

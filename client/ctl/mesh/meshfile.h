@@ -157,5 +157,12 @@ int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
 int ctl_glb_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_glb_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
+/* Point caches have positions alone, and leave `mesh` as it is; they have no `rate`. Of a
+ * file a piece of 64 KiB is in memory, of a pipe all. Where the size is not that of the
+ * header, the text names both. */
+int ctl_pc2_open(const char *path, double rate, struct ctl_mesh *mesh,
+                 struct ctl_motion *motion, struct ctl_error *error);
+int ctl_mdd_open(const char *path, double rate, struct ctl_mesh *mesh,
+                 struct ctl_motion *motion, struct ctl_error *error);
 
 #endif

@@ -213,12 +213,18 @@ static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
 int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
                     const struct ctl_frames_options *options, struct ctl_error *error)
 {
-    *frames = (struct ctl_frames){.shape_path = paths[0]};
-    frames->sources = calloc(path_count, sizeof *frames->sources);
+    *frames = (struct ctl_frames){.count = 0};
+    int status = ctl_sequence_expand(&frames->sequence, paths, path_count, error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    const struct ctl_sequence *files = &frames->sequence;
+    frames->shape_path = files->paths[0];
+    frames->sources = calloc(files->count, sizeof *frames->sources);
     if (frames->sources == NULL) {
         return no_memory(error);
     }
-    int status = add_sources(frames, paths, path_count, options, error);
+    status = add_sources(frames, files->paths, files->count, options, error);
     if (status == PCCD_OK) {
         status = name_frames(frames, error);
     }
@@ -238,5 +244,6 @@ void ctl_frames_close(struct ctl_frames *frames)
     free(frames->names);
     free(frames->sources);
     ctl_mesh_deinit(&frames->mesh);
+    ctl_sequence_deinit(&frames->sequence);
     *frames = (struct ctl_frames){.count = 0};
 }

@@ -1,0 +1,246 @@
+/* client/ctl/mesh/point_cache.c - positions from PC2 and MDD files.
+ *
+ * Room:     client/ctl.
+ * Does:     judge header and size, read one frame at a time.
+ * Does not: know the mesh: its faces, and how many vertices it has, are another file's.
+ * Threads:  one at a time.
+ * Source:   meshfile.h, motion.h. PC2: 12 bytes "POINTCACHE2\0", int32 1, int32 vertices,
+ *           float32 start, float32 step, int32 frames, float32 x, y, z of each vertex of
+ *           each frame, the lowest byte first. MDD: int32 frames, int32 vertices, float32
+ *           seconds of each frame, then positions as in PC2, the highest byte first.
+ */
+#include "meshfile.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "text.h"
+
+#define PIECE_BYTES  ((size_t)12 * 5461)
+#define VERTEX_BYTES ((uint64_t)12)
+#define PC2_HEADER   ((size_t)32)
+#define MDD_HEADER   ((size_t)8)
+
+struct cache {
+    struct ctl_file file; /* a large one: its beginning */
+    char *path;
+    bool is_mdd;         /* and so has the highest byte first */
+    uint64_t first_byte; /* of the first frame's positions */
+    float start, step; /* PC2: the number of the first frame, and from one to the next */
+};
+
+/* ---- bytes ------------------------------------------------------------------------- */
+
+static uint32_t word_at(const struct cache *cache, const char *at)
+{
+    uint32_t word = ctl_file_word(at);
+    return cache->is_mdd ? __builtin_bswap32(word) : word;
+}
+
+static float float_at(const struct cache *cache, const char *at)
+{
+    uint32_t word = word_at(cache, at);
+    float value;
+    memcpy(&value, &word, sizeof value);
+    return value;
+}
+
+/* Bytes that the file has, or had when it was opened. */
+static int read_at(const struct cache *cache, uint64_t offset, char *to, size_t bytes,
+                   struct ctl_error *error)
+{
+    const struct ctl_file *file = &cache->file;
+    if (offset + bytes <= file->bytes) {
+        memcpy(to, file->data + offset, bytes);
+        return PCCD_OK;
+    }
+    for (size_t have = 0; have < bytes;) {
+        ssize_t got = pread(file->fd, to + have, bytes - have, (off_t)(offset + have));
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            return ctl_error_set(error, PCCD_E_SYSTEM, "%s: cannot read: %s", cache->path,
+                                 got == 0 ? "it has become shorter" : strerror(errno));
+        }
+        have += got > 0 ? (size_t)got : 0;
+    }
+    return PCCD_OK;
+}
+
+/* ---- the header -------------------------------------------------------------------- */
+
+static int judge_pc2(struct cache *cache, const char *header, struct ctl_error *error)
+{
+    uint32_t version = word_at(cache, header + 12);
+    if (memcmp(header, "POINTCACHE2", 12) != 0) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: a PC2 file begins with \"POINTCACHE2\" and a byte 0",
+                             cache->path);
+    }
+    if (version != 1) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: version %" PRIu32 " of PC2, and only 1 is read",
+                             cache->path, version);
+    }
+    cache->start = float_at(cache, header + 20);
+    cache->step = float_at(cache, header + 24);
+    return PCCD_OK;
+}
+
+/* The size that the header says is the file's. */
+static int judge_size(struct cache *cache, uint32_t frames, uint32_t vertices,
+                      struct ctl_error *error)
+{
+    const struct ctl_file *file = &cache->file;
+    uint64_t size = file->size > 0 ? file->size : file->bytes;
+    if (frames == 0 || frames > CTL_MESH_COUNT_MAX || vertices == 0 ||
+        vertices > CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: the header has %" PRId32 " frames of %" PRId32
+                             " vertices",
+                             cache->path, (int32_t)frames, (int32_t)vertices);
+    }
+    cache->first_byte = cache->is_mdd ? MDD_HEADER + 4 * (uint64_t)frames : PC2_HEADER;
+    /* Divided, as the product may be above 2^64. */
+    uint64_t most = (UINT64_MAX - cache->first_byte) / VERTEX_BYTES / frames;
+    uint64_t said = vertices > most
+                        ? UINT64_MAX
+                        : cache->first_byte + VERTEX_BYTES * frames * vertices;
+    return said == size
+               ? PCCD_OK
+               : ctl_error_set(error, PCCD_E_FORMAT,
+                               "%s: by its header, %" PRIu32 " frames of %" PRIu32
+                               " vertices, it has %" PRIu64 " bytes; it has %" PRIu64,
+                               cache->path, frames, vertices, said, size);
+}
+
+static int judge(struct cache *cache, struct ctl_motion *motion, struct ctl_error *error)
+{
+    const char *header = cache->file.data;
+    size_t needed = cache->is_mdd ? MDD_HEADER : PC2_HEADER;
+    if (cache->file.bytes < needed) {
+        return ctl_error_set(error, PCCD_E_FORMAT,
+                             "%s: a header has %zu bytes; the file has %zu", cache->path,
+                             needed, cache->file.bytes);
+    }
+    if (!cache->is_mdd && judge_pc2(cache, header, error) != PCCD_OK) {
+        return PCCD_E_FORMAT;
+    }
+    motion->frame_count = word_at(cache, header + (cache->is_mdd ? 0 : 28));
+    motion->vertex_count = word_at(cache, header + (cache->is_mdd ? 4 : 16));
+    return judge_size(cache, motion->frame_count, motion->vertex_count, error);
+}
+
+/* Of a file's beginning: nothing yet, as a pipe's size is not known. */
+static int judge_nothing(const struct ctl_file *begin, bool *is_text,
+                         struct ctl_error *error)
+{
+    (void)begin;
+    (void)error;
+    *is_text = false;
+    return PCCD_OK;
+}
+
+/* ---- frames ------------------------------------------------------------------------ */
+
+static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
+                      struct ctl_error *error)
+{
+    const struct cache *cache = motion->state;
+    const uint64_t bytes = VERTEX_BYTES * motion->vertex_count;
+    const uint64_t first = cache->first_byte + bytes * frame;
+    char piece[PIECE_BYTES];
+    float *to = x;
+    for (uint64_t at = 0; at < bytes; at += sizeof piece) {
+        size_t now = bytes - at < sizeof piece ? (size_t)(bytes - at) : sizeof piece;
+        int status = read_at(cache, first + at, piece, now, error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+        for (size_t i = 0; i < now; i += 4, to++) {
+            *to = float_at(cache, piece + i);
+            if (!ctl_mesh_coordinate_ok((double)*to)) {
+                uint64_t index = (at + i) / 4;
+                return ctl_error_set(error, PCCD_E_NOTFINITE,
+                                     "%s: byte %" PRIu64 ", frame %" PRIu32
+                                     ", vertex %" PRIu64 ": coordinate %c is %g",
+                                     cache->path, first + at + i, frame, index / 3,
+                                     "xyz"[index % 3], (double)*to);
+            }
+        }
+    }
+    return PCCD_OK;
+}
+
+static void name_frame(const struct ctl_motion *motion, uint32_t frame, char *text,
+                       size_t bytes)
+{
+    const struct cache *cache = motion->state;
+    struct ctl_error ignored;
+    char seconds[4] = {0};
+    if (cache->is_mdd) {
+        (void)read_at(cache, MDD_HEADER + 4 * (uint64_t)frame, seconds, 4, &ignored);
+        (void)snprintf(text, bytes, "%.9g s", (double)float_at(cache, seconds));
+    } else {
+        (void)snprintf(text, bytes, "frame %.9g",
+                       (double)cache->start + (double)cache->step * frame);
+    }
+}
+
+/* ---- opening ----------------------------------------------------------------------- */
+
+static void close_cache(struct ctl_motion *motion)
+{
+    struct cache *cache = motion->state;
+    ctl_file_deinit(&cache->file);
+    free(cache->path);
+    free(cache);
+    *motion = (struct ctl_motion){.state = NULL};
+}
+
+static int open_cache(const char *path, bool is_mdd, struct ctl_motion *motion,
+                      struct ctl_error *error)
+{
+    struct cache *cache = calloc(1, sizeof *cache);
+    char *name = strdup(path);
+    struct ctl_motion opened = {.format = PCCD_FORMAT_F32,
+                                .state = cache,
+                                .read = read_frame,
+                                .name = name_frame,
+                                .close = close_cache};
+    if (cache == NULL || name == NULL) {
+        free(cache);
+        free(name);
+        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory", path);
+    }
+    cache->path = name;
+    cache->is_mdd = is_mdd;
+    int status = ctl_file_open(name, judge_nothing, &cache->file, error);
+    if (status == PCCD_OK) {
+        status = judge(cache, &opened, error);
+    }
+    if (status == PCCD_OK) {
+        *motion = opened;
+    } else {
+        close_cache(&opened);
+    }
+    return status;
+}
+
+int ctl_pc2_open(const char *path, double rate, struct ctl_mesh *mesh,
+                 struct ctl_motion *motion, struct ctl_error *error)
+{
+    (void)rate;
+    (void)mesh;
+    return open_cache(path, false, motion, error);
+}
+
+int ctl_mdd_open(const char *path, double rate, struct ctl_mesh *mesh,
+                 struct ctl_motion *motion, struct ctl_error *error)
+{
+    (void)rate;
+    (void)mesh;
+    return open_cache(path, true, motion, error);
+}

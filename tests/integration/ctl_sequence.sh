@@ -1,0 +1,180 @@
+#!/bin/bash
+# tests/integration/ctl_sequence.sh - frames of a mesh from several files, and from one (TAP).
+#
+# Room:     client/ctl, from outside.
+# Does:     names in and out of order, patterns, point caches; a recorded cache against the OBJ
+#           files made from it.
+# Source:   client/man/pccdctl.1.scd says what is promised.
+# Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`; python3 writes the caches.
+
+set -u
+: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}" "${top_srcdir:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+unset PCCD_URL
+
+work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-sequence-XXXXXX") || exit 99
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 99
+log=$work/log
+
+# check STATUS ARGUMENT...: that exit status; out and err have what it said.
+check() {
+    local status=$1
+    shift
+    timeout 100 "$PCCDCTL" check --private "$@" >out 2>err
+    local is=$?
+    cat out err >"$log"
+    [ $is -eq "$status" ]
+}
+
+# The tip of a triangle above another, at this height.
+frame() { # HEIGHT
+    printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' "0.25 0.25 $1" '0.25 0.25 30' '0.375 0.25 30'
+    printf 'f 1 2 3\nf 4 5 6\n'
+}
+# It stays above until frame 11, by the numbers; by the alphabet it goes through twice.
+for i in {1..12}; do frame $((12 - i)) >"seq$i.obj"; done
+
+# ---- names -----------------------------------------------------------------------------
+
+# If it failed, a bake would be checked in another order than it was made in, without a word.
+check 1 seq1.obj seq10.obj seq12.obj seq2.obj && grep -q '^pccdctl: warning: seq2.obj comes after seq12.obj, ' err &&
+    check 1 --json seq?.obj seq1?.obj && [ ! -s err ] && grep -qF '"warnings": []' out &&
+    check 1 --json seq*.obj && grep -q '^    "seq2.obj comes after seq12.obj, as they were named' out &&
+    [ "$(grep -c warning: err)" -eq 1 ]
+tap_result $? sequence__that_goes_down_is_told "$log"
+
+# If it failed, who plays frames to and fro, or names files that are not numbered, would be warned.
+cp seq1.obj b.obj && cp seq2.obj a.obj
+check 0 seq1.obj seq2.obj seq1.obj && [ ! -s err ] && check 0 b.obj a.obj && [ ! -s err ] &&
+    mkdir -p run1 run2 && cp seq9.obj run1/f9.obj && cp seq1.obj run2/f1.obj &&
+    check 0 run1/f9.obj run2/f1.obj && [ ! -s err ] && check 0 run2/f1.obj run1/f9.obj &&
+    grep -q 'run1/f9.obj comes after run2/f1.obj' err
+tap_result $? sequence__that_is_meant_is_not_told "$log"
+
+# If it failed, the order would be the shell's; or a pattern would take what it does not name.
+cp seq1.obj seq.obj && cp seq1.obj seq1b.obj
+check 1 --json seq%d.obj && [ ! -s err ] && grep -o '"to": .*' out >named &&
+    seq 2 12 | sed 's/.*/"to": "seq&.obj",/' | cmp - named >>"$log" &&
+    mkdir -p many && cp seq9.obj many/f098.ply.obj && cp seq10.obj many/f099.ply.obj &&
+    cp seq11.obj many/f100.ply.obj && check 0 "$work/many/f%03d.ply.obj" &&
+    grep -q "^ *2  $work/many/f100.ply.obj: 0 " out
+tap_result $? sequence__pattern_takes_files_by_number "$log"
+
+# If it failed, a frame that was lost would be stepped over.
+rm seq7.obj seq8.obj
+check 4 seq%d.obj && grep -qx 'pccdctl: seq%d.obj: number 7 is missing: there are 6 and 9' err &&
+    check 4 none%d.obj && grep -qx 'pccdctl: none%d.obj: no file has such a name with a number' err &&
+    mv many/f100.ply.obj . && check 4 many/f%d.ply.obj &&
+    grep -q 'f09[89].ply.obj has other zeros: %0Nd' err && mv f100.ply.obj many &&
+    cp many/f100.ply.obj many/f101.ply.obj && check 0 many/f%d.ply.obj &&
+    grep -q 'warning: many/f%d.ply.obj leaves out f09[89].ply.obj' err &&
+    check 4 nowhere/f%d.obj && grep -q 'nowhere/f%d.obj: cannot read the folder: No such' err
+tap_result $? sequence__gap_is_named "$log"
+
+# If it failed, a file could not have a percent sign.
+cp seq1.obj 5%d.obj && cp seq2.obj 100%.obj && check 0 5%d.obj 100%.obj &&
+    check 4 %d%d.obj seq1.obj && grep -q '%d%d.obj: cannot open' err &&
+    mkdir -p take%d && cp seq1.obj seq2.obj take%d && check 0 take%d/seq%d.obj
+tap_result $? sequence__file_may_be_named_so "$log"
+
+# If it failed, somebody with one file would not know what is missing.
+check 2 seq1.obj && grep -q 'seq1.obj is one frame: name the file after the step' err &&
+    cp seq1.obj only3.obj &&
+    check 4 only%d.obj && grep -q 'only3.obj is one frame: a step has two' err &&
+    : >a.pvd && check 4 a.pvd && grep -q 'a.pvd' err
+tap_result $? sequence__of_one_frame_is_named "$log"
+
+# ---- point caches ----------------------------------------------------------------------
+
+if ! command -v python3 >/dev/null; then
+    for name in cache__frames_have_the_faces_of_the_mesh cache__is_named_where_it_does_not_fit \
+        cache__of_a_recorded_body_answers_as_its_files; do
+        tap_skip $name "no python3"
+    done
+    tap_end
+    exit
+fi
+cat >caches.py <<'END'
+import struct
+import sys
+
+def read_obj(path):
+    with open(path) as lines:
+        rows = [line.split() for line in lines if line.startswith("v ")]
+    return [float(word) for row in rows for word in row[1:]]
+
+def write_pc2(path, frames):
+    with open(path, "wb") as to:
+        to.write(struct.pack("<12siiffi", b"POINTCACHE2", 1, len(frames[0]) // 3, 5, 1, len(frames)))
+        for frame in frames:
+            to.write(struct.pack(f"<{len(frame)}f", *frame))
+
+def write_mdd(path, frames):
+    with open(path, "wb") as to:
+        to.write(struct.pack(">ii", len(frames), len(frames[0]) // 3))
+        to.write(struct.pack(f">{len(frames)}f", *(i / 4 for i in range(len(frames)))))
+        for frame in frames:
+            to.write(struct.pack(f">{len(frame)}f", *frame))
+
+if __name__ == "__main__":
+    frames = [read_obj(path) for path in sys.argv[1:]]
+    write_pc2("made.pc2", frames)
+    write_mdd("made.mdd", frames)
+END
+told() { # FILE: what a report has that is not time, work, or a name
+    sed '/"counters": {/,/}/d; /"ms": {/,/}/d; /"sources": \[$/,/\]/d; /"sources": \[\]/d; /"from"/d; /"to"/d' "$1"
+}
+
+# If it failed, a cache would be played with other faces or positions, or the mesh's own place would
+# be taken for a frame.
+for i in 1 2 3; do frame $((2 - i)) >"f$i.obj"; done
+python3 caches.py f1.obj f2.obj f3.obj 2>"$log" && check 1 --json f1.obj f2.obj f3.obj && told out >due &&
+    for kind in pc2 mdd; do
+        check 1 --json seq1.obj made.$kind && told out | cmp - due >>"$log" &&
+            grep -q '"frames": 3,' out && grep -q '"faces": "seq1.obj"' out || break
+    done && check 1 seq1.obj made.pc2 &&
+    grep -qx 'frames     3 of made.pc2: frame 5 to frame 7; faces of seq1.obj' out &&
+    grep -q '^ *1  made.pc2 frame 6: ' out && check 1 seq1.obj made.mdd &&
+    grep -qx 'frames     3 of made.mdd: 0 s to 0.5 s; faces of seq1.obj' out &&
+    timeout 60 "$PCCDCTL" load --private --times 1 seq1.obj made.pc2 >>"$log" 2>&1
+tap_result $? cache__frames_have_the_faces_of_the_mesh "$log"
+
+# If it failed, a cache would be played on a mesh that is not its own.
+printf 'v 9 9 9\n' | cat - seq1.obj >seven.obj
+check 4 seven.obj made.pc2 &&
+    grep -qx 'pccdctl: seven.obj has 7 vertices and made.pc2 has 6: not two frames of one mesh' err &&
+    check 4 made.pc2 && grep -q 'made.pc2 has positions alone: name the mesh file' err &&
+    check 4 made.pc2 seq1.obj && grep -q 'made.pc2 has positions alone: name the mesh file' err &&
+    head -c 100 made.mdd >cut.mdd && check 4 seq1.obj cut.mdd &&
+    grep -qx 'pccdctl: cut.mdd: by its header, 3 frames of 6 vertices, it has 236 bytes; it has 100' err
+tap_result $? cache__is_named_where_it_does_not_fit "$log"
+
+# If it failed, the answers of a bake would depend on the kind of file that it comes in.
+kick=${PCCD_DATA:-}/kick
+if [ -e "$kick/kick.pc2" ] && [ -e "$kick/kick.obj" ]; then
+    python3 - "$kick" >"$log" 2>&1 <<'END'
+import array
+import sys
+
+with open(f"{sys.argv[1]}/kick.pc2", "rb") as cache:
+    header = cache.read(32)
+    points, count = (int.from_bytes(header[i:i + 4], "little") for i in (16, 28))
+    frames = [array.array("f", cache.read(12 * points)) for _ in range(count)]
+with open(f"{sys.argv[1]}/kick.obj") as lines:
+    faces = [line for line in lines if line.startswith("f ")]
+for number, x in enumerate(frames):
+    with open(f"kick{number}.obj", "w") as to:
+        to.writelines("v %.17g %.17g %.17g\n" % tuple(x[i:i + 3]) for i in range(0, len(x), 3))
+        to.writelines(faces)
+END
+    check 1 --json --contacts cache.csv "$kick/kick.obj" "$kick/kick.pc2" && told out >cache &&
+        [ "$(grep -c '"hash"' cache)" -eq 24 ] &&
+        check 1 --json --contacts files.csv kick%d.obj && told out | diff - cache >>"$log" &&
+        cmp cache.csv files.csv >>"$log" 2>&1 && [ "$(wc -l <cache.csv)" -gt 50 ]
+    tap_result $? cache__of_a_recorded_body_answers_as_its_files "$log"
+else
+    tap_skip cache__of_a_recorded_body_answers_as_its_files "no kick in \$PCCD_DATA"
+fi
+tap_end
