@@ -98,25 +98,46 @@ static double reach_of(const struct two *two, const struct oracle_feature *verti
 
 struct best {
     bool is_made;
-    enum oracle_kind kind;
+    enum oracle_kind kind; /* an edge through a face has no distance: EE of one point */
     double p[5][3];
     uint8_t rank[5];
     struct oracle_near near;
 };
 
+/* False: it is an edge that does not pass through its face. */
+static bool load(const struct two *two, uint32_t kind,
+                 const struct oracle_candidate *candidate, struct best *best)
+{
+    *best = (struct best){.is_made = true,
+                          .kind = kind == PCCD_VF ? ORACLE_VF : ORACLE_EE};
+    oracle_candidate_load(&two->moment, candidate, best->p, best->rank);
+    oracle_candidate_name(&two->moment, kind, candidate, &best->near);
+    if (kind != PCCD_EF) {
+        return true;
+    }
+    if (!oracle_crosses((const double(*)[3])best->p)) {
+        return false;
+    }
+    best->near.record.param[0] = (float)oracle_crossing((const double(*)[3])best->p);
+    for (int i = 1; i < 4; i++) {
+        memcpy(best->p[i], best->p[0], sizeof best->p[i]);
+    }
+    return true;
+}
+
 /* Below, equal or above zero as the candidate is to the best so far, which it becomes if
  * it is nearer, or as near and before in canonical order. */
-static int look(const struct two *two, enum oracle_kind kind,
+static int look(const struct two *two, uint32_t kind,
                 const struct oracle_candidate *candidate, struct best *best)
 {
-    struct best other = {.is_made = true, .kind = kind};
-    oracle_candidate_load(&two->moment, candidate, other.p, other.rank);
-    oracle_candidate_name(&two->moment, kind == ORACLE_VF ? PCCD_VF : PCCD_EE, candidate,
-                          &other.near);
-    int sign = best->is_made ? oracle_distance_compare(kind, (const double(*)[3])other.p,
-                                                       other.near.radius, best->kind,
-                                                       (const double(*)[3])best->p,
-                                                       best->near.radius)
+    struct best other;
+    if (!load(two, kind, candidate, &other)) {
+        return 1;
+    }
+    int sign = best->is_made ? oracle_distance_compare(
+                                   other.kind, (const double(*)[3])other.p,
+                                   other.near.radius, best->kind,
+                                   (const double(*)[3])best->p, best->near.radius)
                              : -1;
     if (sign < 0 || (sign == 0 && oracle_near_compare(&other.near, &best->near) < 0)) {
         *best = other;
@@ -124,38 +145,43 @@ static int look(const struct two *two, enum oracle_kind kind,
     return sign;
 }
 
-/* The best of vertices and faces, and of edges unless a vertex alone is looked at. false:
- * that is too much. */
+/* The best of vertices and faces, and, unless a vertex alone is looked at, of edges and of
+ * edges that pass through faces. false: that is too much. */
 static bool look_at_all(struct two *two, const struct oracle_features *vertices,
                         bool with_edges, double reach, uint64_t queries_max,
                         struct oracle_nears *nears, struct best *best)
 {
-    struct oracle_candidates candidates[2] = {{NULL, 0, 0}, {NULL, 0, 0}};
+    static const uint32_t kinds[3] = {PCCD_VF, PCCD_EE, PCCD_EF};
+    struct oracle_candidates candidates[3] = {{NULL, 0, 0}};
     memset(best, 0, sizeof *best);
     oracle_candidates_find(&two->moment, vertices, &two->of_points[2], reach,
                            &candidates[0]);
     if (with_edges) {
         oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[1],
                                reach, &candidates[1]);
+        oracle_candidates_find(&two->moment, &two->of_points[1], &two->of_points[2], 0,
+                               &candidates[2]);
     }
-    nears->queries += candidates[0].count + candidates[1].count;
+    for (int k = 0; k < 3; k++) {
+        nears->queries += candidates[k].count;
+    }
     bool is_little = nears->queries <= queries_max;
-    for (int kind = 0; kind < 2; kind++) {
-        for (size_t i = 0; is_little && i < candidates[kind].count; i++) {
-            int sign = look(two, kind == 0 ? ORACLE_VF : ORACLE_EE,
-                            &candidates[kind].items[i], best);
-            nears->ties += sign == 0;
+    for (int k = 0; k < 3; k++) {
+        for (size_t i = 0; is_little && i < candidates[k].count; i++) {
+            nears->ties += look(two, kinds[k], &candidates[k].items[i], best) == 0;
         }
-        oracle_candidates_deinit(&candidates[kind]);
+        oracle_candidates_deinit(&candidates[k]);
     }
     return is_little;
 }
 
 static void write_best(const struct two *two, struct best *best)
 {
-    struct oracle_distance found;
-    oracle_distance_find(best->kind, (const double(*)[3])best->p, best->rank, &found);
-    oracle_near_write(&found, &best->near);
+    if (best->near.record.kind != PCCD_EF) {
+        struct oracle_distance found;
+        oracle_distance_find(best->kind, (const double(*)[3])best->p, best->rank, &found);
+        oracle_near_write(&found, &best->near);
+    }
     for (int i = 0; i < 2; i++) {
         best->near.object[i] = two->at[best->near.object[i]];
     }
@@ -313,20 +339,22 @@ bool oracle_objects_measure(const struct oracle_moment *moment,
 {
     uint32_t a = place_of(moment, named->object_a);
     uint32_t b = place_of(moment, named->object_b);
-    bool is_vf = named->kind == PCCD_VF;
     struct two two;
     if (a == moment->object_count || b == moment->object_count || a == b ||
-        (!is_vf && (named->kind != PCCD_EE || named->object_a > named->object_b))) {
+        (named->kind != PCCD_VF && named->kind != PCCD_EE && named->kind != PCCD_EF) ||
+        (named->kind == PCCD_EE && named->object_a > named->object_b)) {
         return false;
     }
     two_init(&two, moment, a, b);
     const struct oracle_candidate candidate = {
-        feature_of(&two.of_points[is_vf ? 0 : 1], 0, named->feature_a),
-        feature_of(&two.of_points[is_vf ? 2 : 1], 1, named->feature_b),
+        feature_of(&two.of_points[named->kind == PCCD_VF ? 0 : 1], 0, named->feature_a),
+        feature_of(&two.of_points[named->kind == PCCD_EE ? 1 : 2], 1, named->feature_b),
         !moment->is_thick};
     struct best best = {.is_made = false};
     if (candidate.a && candidate.b) {
-        (void)look(&two, is_vf ? ORACLE_VF : ORACLE_EE, &candidate, &best);
+        (void)look(&two, named->kind, &candidate, &best);
+    }
+    if (best.is_made) {
         write_best(&two, &best);
         *near = best.near;
     }

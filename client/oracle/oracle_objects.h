@@ -17,7 +17,7 @@
 #include "oracle_near.h"
 
 /* Of each two the pair whose surfaces are nearest, its distance less its radii, the first
- * of equals; none where that is more than `distance`, which may be INFINITY. false, and
+ * of equals; an edge that passes through a face is a pair at distance 0; none where that is more than `distance`, which may be INFINITY. false, and
  * nothing is found: it would take more than `queries_max` exact decisions. */
 bool oracle_objects_nearest(const struct oracle_moment *moment, const uint32_t asked[2],
                             double distance, uint64_t queries_max,
@@ -30,8 +30,8 @@ bool oracle_objects_depth(const struct oracle_moment *moment, const uint32_t ask
                           uint64_t queries_max, struct oracle_nears *nears,
                           uint64_t *crossings);
 
-/* The numbers of a VF or EE pair of two objects that `named` names. false: it names
- * nothing that there is. */
+/* The numbers of a VF or EE pair of two objects that `named` names, or of an edge that
+ * passes through a face. false: it names nothing that there is. */
 bool oracle_objects_measure(const struct oracle_moment *moment,
                             const struct pccd_near *named, struct oracle_near *near);
 

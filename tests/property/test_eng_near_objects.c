@@ -42,6 +42,7 @@ static struct {
     uint64_t nearest; /* records */
     uint64_t ties;    /* pairs as near as the one that was reported */
     uint64_t touching;
+    uint64_t through; /* of these, edges that pass through faces */
     uint64_t inside;
     uint64_t outside; /* vertices */
     uint64_t crossings;
@@ -263,6 +264,7 @@ static void compare(const struct scene *scene, double distance,
              "another pair is nearer, or a vertex is not inside");
         must(scene, memcmp(is, must_be, sizeof *is) == 0, "a number is wrong");
         sums.touching += is->d_hi == 0;
+        sums.through += is->kind == PCCD_EF;
         sums.thick += is->d_lo > distance;
     }
     must(scene, result->count == truth->nears.count, "there are too many or too few");
@@ -284,11 +286,10 @@ static struct eng_near_result ask(struct scene *scene, struct eng_near_settings 
     return result;
 }
 
-/* Which objects have a pair in an answer. */
-static void list_twos(const struct eng_near_result *result,
-                      bool twos[OBJECTS_MAX][OBJECTS_MAX])
+/* Which objects have a pair in an answer: they are added. */
+static void add_twos(const struct eng_near_result *result,
+                     bool twos[OBJECTS_MAX][OBJECTS_MAX])
 {
-    memset(twos, 0, OBJECTS_MAX * sizeof twos[0]);
     for (uint64_t i = 0; i < result->count; i++) {
         const struct pccd_near *record = near_kit_record(result, i);
         uint32_t a = record->object_a - 1;
@@ -297,16 +298,19 @@ static void list_twos(const struct eng_near_result *result,
     }
 }
 
-/* One rule says what is within the distance. */
+/* One rule says what is within the distance: what pairs or crossings have. */
 static void check_rule(struct scene *scene, const struct eng_near_settings *nearest,
                        bool is_near[OBJECTS_MAX][OBJECTS_MAX])
 {
     struct eng_near_settings settings = *nearest;
-    bool twos[OBJECTS_MAX][OBJECTS_MAX];
-    settings.what = PCCD_NEAR_PAIRS;
+    bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     settings.objects[0] = settings.objects[1] = 0;
+    settings.what = PCCD_NEAR_PAIRS;
     struct eng_near_result result = ask(scene, settings);
-    list_twos(&result, twos);
+    add_twos(&result, twos);
+    settings.what = PCCD_NEAR_CROSSINGS;
+    result = ask(scene, settings);
+    add_twos(&result, twos);
     for (uint32_t a = 0; a < scene->kit.count; a++) {
         for (uint32_t b = 0; b < scene->kit.count; b++) {
             bool is_asked = true;
@@ -315,7 +319,7 @@ static void check_rule(struct scene *scene, const struct eng_near_settings *near
                 is_asked = is_asked && (only == 0 || only == a + 1 || only == b + 1);
             }
             must(scene, is_near[a][b] == (is_asked && twos[a][b]),
-                 "nearest and pairs differ in who is near");
+                 "nearest differs from pairs and crossings in who is near");
         }
     }
 }
@@ -324,7 +328,7 @@ static void check_nearest(struct scene *scene)
 {
     struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
     struct truth truth;
-    bool twos[OBJECTS_MAX][OBJECTS_MAX];
+    bool twos[OBJECTS_MAX][OBJECTS_MAX] = {{false}};
     if (draw(scene, 3) > 0) {
         settings.distance = scene->scale * (double)draw(scene, 9) * 0.125;
     }
@@ -352,7 +356,7 @@ static void check_nearest(struct scene *scene)
         compare(scene, settings.distance, &result, &truth);
     }
     sums.nearest += result.count;
-    list_twos(&result, twos);
+    add_twos(&result, twos);
     if (isfinite(settings.distance)) {
         check_rule(scene, &settings, twos);
     }
@@ -467,12 +471,13 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
     (void)state;
     sequences_live(live, SCENES, NULL);
     print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
-                  "touching; %llu with a gap, %llu farther; %llu named in vain; %llu "
-                  "inside, %llu not, %llu crossings; %llu pairs, %llu bounds; %llu by "
+                  "touching, %llu of them edges through faces; %llu with a gap, %llu "
+                  "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; %llu pairs, %llu bounds; %llu by "
                   "their radii\n",
                   (unsigned long long)sums.scenes, (unsigned long long)sums.questions,
                   (unsigned long long)sums.nearest, (unsigned long long)sums.ties,
-                  (unsigned long long)sums.touching, (unsigned long long)judged.gaps,
+                  (unsigned long long)sums.touching,
+                  (unsigned long long)sums.through, (unsigned long long)judged.gaps,
                   (unsigned long long)judged.others, (unsigned long long)sums.named,
                   (unsigned long long)sums.inside, (unsigned long long)sums.outside,
                   (unsigned long long)sums.crossings, (unsigned long long)sums.pairs,
@@ -480,7 +485,7 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
     if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
         assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
                     sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
-                    sums.thick > 0 && judged.gaps > 0 && judged.others > 0 &&
+                    sums.thick > 0 && sums.through > 0 && judged.gaps > 0 && judged.others > 0 &&
                     sums.named > 0 && sums.pairs > 0 && sums.bounds > 0);
     }
 }

@@ -79,6 +79,78 @@ static void nearest__is_two_edges(void **state)
     near_kit_end(&kit);
 }
 
+/* A spike through a floor, far from all its edges, is at distance 0 by what passes
+ * through: of the two edges that do the first. By vertices and edges alone it would be
+ * 2 away. With a radius its surfaces are nearer than those of a pair that touches; a
+ * mask keeps it out. */
+static void nearest__of_what_crosses_is_the_first_crossing(void **state)
+{
+    (void)state;
+    static const double floor[3][3] = {{-30, -30, 0}, {30, -30, 0}, {0, 30, 0}};
+    static const double spike[3][3] = {{0, 0, -2}, {1, 0, 6}, {0, 1, 6}};
+    for (int turned = 0; turned < 2; turned++) {
+        struct near_kit kit;
+        near_kit_begin(&kit);
+        near_kit_add(&kit, triangle(turned ? spike : floor));
+        near_kit_add(&kit, triangle(turned ? floor : spike));
+        struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        for (int way = 0; way < 4; way++) { /* from anew, then warm */
+            settings.distance = way % 2 == 0 ? INFINITY : 0;
+            struct eng_near_result result = near_kit_ask(&kit, &settings);
+            assert_int_equal(result.count, 1);
+            assert_int_equal(result.counts[PCCD_EF], 1);
+            const struct pccd_near *record = near_kit_record(&result, 0);
+            assert_int_equal(record->kind, PCCD_EF);
+            assert_int_equal(record->object_a, turned ? 1 : 2);
+            assert_int_equal(record->feature_a, 0); /* of vertices 0 and 1 */
+            assert_int_equal(record->object_b, turned ? 2 : 1);
+            assert_int_equal(record->feature_b, 0);
+            assert_true(record->d_lo == 0 && record->d_hi == 0);
+            assert_true(record->param[0] == 0.25f && record->param[1] == 0);
+            assert_true(result.distance_min == 0 && result.distance_max == 0);
+            assert_int_equal(record->count, 1);
+            assert_int_equal(record->flags, 0);
+        }
+        struct pccd_near of_crossings[2];
+        settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        struct eng_near_result result = near_kit_ask(&kit, &settings);
+        of_crossings[0] = *near_kit_record(&result, 0);
+        settings = near_kit_settings(PCCD_NEAR_CROSSINGS);
+        result = near_kit_ask(&kit, &settings);
+        of_crossings[1] = *near_kit_record(&result, 0);
+        assert_int_equal(result.count, 2);
+        assert_memory_equal(&of_crossings[0], &of_crossings[1], sizeof of_crossings[0]);
+        assert_int_equal(
+            eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true), PCCD_OK);
+        settings = near_kit_settings(PCCD_NEAR_NEAREST);
+        result = near_kit_ask(&kit, &settings);
+        assert_int_equal(result.count, 0);
+        near_kit_end(&kit);
+    }
+}
+
+/* A box inside a box passes through nothing: its surface is as far from the other as it
+ * is; that it is inside, DEPTH says. */
+static void nearest__of_a_box_inside_a_box_is_no_crossing(void **state)
+{
+    (void)state;
+    static const double low[3] = {-2, -2, -2};
+    static const double high[3] = {4, 4, 4};
+    struct near_kit kit;
+    near_kit_begin(&kit);
+    near_kit_add(&kit, near_kit_box(unit_low, unit_high, false));
+    near_kit_add(&kit, near_kit_box(low, high, false));
+    struct eng_near_settings settings = near_kit_settings(PCCD_NEAR_NEAREST);
+    struct eng_near_result result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 1);
+    assert_true(near_kit_record(&result, 0)->d_lo == 2);
+    settings = near_kit_settings(PCCD_NEAR_DEPTH);
+    result = near_kit_ask(&kit, &settings);
+    assert_int_equal(result.count, 8);
+    assert_int_equal(result.crossings, 0);
+    near_kit_end(&kit);
+}
+
 /* Two boxes side by side: every pair of their facing sides has the distance 0.5. Without
  * the tie rule the answer would be whichever was found first. */
 static void nearest__of_equals_is_the_first_in_order(void **state)
@@ -395,6 +467,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nearest__is_a_vertex_above_a_face),
         cmocka_unit_test(nearest__is_two_edges),
+        cmocka_unit_test(nearest__of_what_crosses_is_the_first_crossing),
+        cmocka_unit_test(nearest__of_a_box_inside_a_box_is_no_crossing),
         cmocka_unit_test(nearest__of_equals_is_the_first_in_order),
         cmocka_unit_test(nearest__is_told_from_one_that_is_hardly_farther),
         cmocka_unit_test(nearest__touches_or_is_inside),

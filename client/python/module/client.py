@@ -227,7 +227,7 @@ class Client(Observe):
 
         what        enum NearWhat: PAIRS (each VF and EE within the distance), FEATURES
                     (merged to closest features), VERTICES (a bound each), NEAREST (for
-                    each two objects), CROSSINGS, DEPTH
+                    each two objects; kind EF if they cross), CROSSINGS, DEPTH
         distance    0 .. 1e18: exactly that is within it; of NEAREST also math.inf. None:
                     of NEAREST math.inf, of PAIRS and FEATURES 0, what touches; VERTICES
                     wants one

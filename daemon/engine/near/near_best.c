@@ -30,6 +30,7 @@ struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vert
                                             first + corner[2]}};
 }
 
+/* The name of an edge; its points go to `point`, the lower first. */
 static uint64_t edge_of(const uint32_t edge[2], uint32_t first, uint32_t point[2])
 {
     uint32_t low = edge[0] < edge[1] ? edge[0] : edge[1];
@@ -52,6 +53,20 @@ struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
         edge_of(in_order ? edge_a : edge_b, objects[first].vertices.first, pair.point);
     pair.feature[1] = edge_of(in_order ? edge_b : edge_a, objects[second].vertices.first,
                               pair.point + 2);
+    return pair;
+}
+
+struct eng_near_pair eng_near_ef(const struct eng_scene *scene, uint32_t of_edge,
+                                 const uint32_t edge[2], uint32_t of_face, uint32_t f)
+{
+    const struct eng_object *face_object = &scene->objects[of_face];
+    struct eng_near_pair pair = {.kind = PCCD_EF, .object = {of_edge, of_face}};
+    pair.feature[0] = edge_of(edge, scene->objects[of_edge].vertices.first, pair.point);
+    pair.feature[1] = f;
+    for (int i = 0; i < 3; i++) {
+        pair.point[2 + i] =
+            face_object->vertices.first + face_object->mesh->leaves[f].v[i];
+    }
     return pair;
 }
 
@@ -97,14 +112,17 @@ static bool is_before(const struct eng_scene *scene, const struct eng_near_pair 
     return false;
 }
 
+/* What passes through has a point in common: it is as far apart as a vertex is from a
+ * face of that vertex alone. */
 static void load(const struct eng_near_best *best, const struct eng_near_pair *pair,
                  struct eng_features *features)
 {
     const uint32_t *sides = common_kinds[pair->kind].points;
     const uint32_t *point = pair->point;
-    features->kind = pair->kind;
+    bool passes = pair->kind == PCCD_EF;
+    features->kind = passes ? PCCD_VF : (enum pccd_kind)pair->kind;
     for (int i = 0; i < 4; i++) {
-        memcpy(features->x[i], best->x[point[i]], sizeof features->x[i]);
+        memcpy(features->x[i], best->x[point[passes ? 0 : i]], sizeof features->x[i]);
     }
     for (int side = 0; side < 2; point += sides[side++]) {
         const struct eng_object *object = &best->scene->objects[pair->object[side]];
@@ -176,7 +194,9 @@ static void look_quickly(const struct eng_near_pair *pair,
 {
     struct eng_place place;
     *glance = (struct glance){.hi = INFINITY};
-    if (eng_quick_place(features->kind, features->x, &place)) {
+    if (pair->kind == PCCD_EF) {
+        set_range(glance, 0, 0, features->radius);
+    } else if (eng_quick_place(features->kind, features->x, &place)) {
         set_range(glance, place.length - 2 * place.length_error,
                   place.length + 2 * place.length_error, features->radius);
         set_parts(pair, place.points, glance);
@@ -201,7 +221,7 @@ static void take(struct eng_near_best *best, const struct eng_near_pair *pair,
         uint8_t rank[4];
         struct eng_distance distance;
         rank_points(best, pair, rank);
-        eng_distance_find(best->distances, pair->kind, features->x, rank, &distance);
+        eng_distance_find(best->distances, features->kind, features->x, rank, &distance);
         set_range(glance, distance.lo, distance.hi, features->radius);
     }
     best->is_made = true;
@@ -229,6 +249,22 @@ static enum eng_sign order(const struct eng_near_best *best,
     return eng_distance_order(best->order, best->distances, features, &of_best);
 }
 
+static void load_five(const struct eng_near_best *best, const struct eng_near_pair *pair,
+                      double x[5][3])
+{
+    for (int i = 0; i < 5; i++) {
+        memcpy(x[i], best->x[pair->point[i]], sizeof x[i]);
+    }
+}
+
+static bool passes_through(const struct eng_near_best *best,
+                           const struct eng_near_pair *pair)
+{
+    double x[5][3];
+    load_five(best, pair, x);
+    return eng_distance_crosses(best->distances, (const double(*)[3])x);
+}
+
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair)
 {
     struct eng_features features;
@@ -237,6 +273,11 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
     load(best, pair, &features);
     look_quickly(pair, &features, &glance);
     if (glance.lo > surfaces_reach(best)) {
+        return;
+    }
+    bool comes_first = !best->is_made || is_before(best->scene, pair, &best->pair);
+    if ((!comes_first && best->is_least) ||
+        (pair->kind == PCCD_EF && !passes_through(best, pair))) {
         return;
     }
     if (!best->is_made) {
@@ -249,10 +290,6 @@ void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *
     }
     if (glance.hi < best->lo) {
         take(best, pair, &features, &glance);
-        return;
-    }
-    bool comes_first = is_before(best->scene, pair, &best->pair);
-    if (!comes_first && best->is_least) {
         return;
     }
     enum eng_sign sign = order(best, &features, &glance);
@@ -284,29 +321,48 @@ uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2
     return edge_number(mesh, edge_of(ends, 0, points));
 }
 
+/* In a record's terms, of the points that the pair has. */
+static struct eng_distance measure(const struct eng_near_best *best,
+                                   const struct eng_near_pair *pair)
+{
+    struct eng_distance distance = {.type = ENG_NEAREST_VF};
+    struct eng_features features;
+    double x[5][3];
+    uint8_t rank[4];
+    if (pair->kind == PCCD_EF) {
+        load_five(best, pair, x);
+        distance.param[0] =
+            eng_distance_crossing(best->distances, (const double(*)[3])x);
+    } else {
+        load(best, pair, &features);
+        rank_points(best, pair, rank);
+        eng_distance_find(best->distances, features.kind, features.x, rank, &distance);
+    }
+    return distance;
+}
+
+/* The number of a feature of `points` points. */
+static uint32_t number_of(const struct eng_object *object, uint32_t points,
+                          uint64_t feature)
+{
+    return points == 2 ? edge_number(object->mesh, feature) : (uint32_t)feature;
+}
+
 void eng_near_describe(const struct eng_near_best *best, const struct eng_near_pair *pair,
                        struct pccd_near *record)
 {
-    const struct eng_object *objects = best->scene->objects;
-    struct eng_features features;
-    struct eng_distance distance;
-    uint8_t rank[4];
-    bool is_vf = pair->kind == PCCD_VF;
-    load(best, pair, &features);
-    rank_points(best, pair, rank);
-    eng_distance_find(best->distances, pair->kind, features.x, rank, &distance);
+    const struct eng_object *object_a = &best->scene->objects[pair->object[0]];
+    const struct eng_object *object_b = &best->scene->objects[pair->object[1]];
+    const uint32_t *sides = common_kinds[pair->kind].points;
+    struct eng_distance distance = measure(best, pair);
     memset(record, 0, sizeof *record);
-    record->kind = (uint32_t)pair->kind;
+    record->kind = pair->kind;
     record->flags =
         (uint32_t)distance.type << 8 | (best->gap > 0 ? (uint32_t)PCCD_NEAR_GAP : 0);
-    record->object_a = objects[pair->object[0]].id;
-    record->object_b = objects[pair->object[1]].id;
-    record->feature_a =
-        is_vf ? (uint32_t)pair->feature[0]
-              : edge_number(objects[pair->object[0]].mesh, pair->feature[0]);
-    record->feature_b =
-        is_vf ? (uint32_t)pair->feature[1]
-              : edge_number(objects[pair->object[1]].mesh, pair->feature[1]);
+    record->object_a = object_a->id;
+    record->object_b = object_b->id;
+    record->feature_a = number_of(object_a, sides[0], pair->feature[0]);
+    record->feature_b = number_of(object_b, sides[1], pair->feature[1]);
     record->d_lo = distance.lo;
     record->d_hi = distance.hi;
     for (int i = 0; i < 2; i++) {

@@ -15,14 +15,14 @@
 #include "distance_order.h"
 #include "world.h"
 
-/* A vertex and a face, or two edges, of two different objects, named as in a record but
- * that an edge is the higher of its vertices << 32 | the lower: edges are numbered in
- * that order. */
+/* A vertex and a face, two edges, or an edge and a face that it may pass through, of two
+ * different objects, named as in a record but that an edge is the higher of its vertices
+ * << 32 | the lower: edges are numbered in that order. */
 struct eng_near_pair {
-    enum pccd_kind kind;
+    uint32_t kind;      /* PCCD_VF, PCCD_EE or PCCD_EF */
     uint32_t object[2]; /* index, of a and b */
     uint64_t feature[2];
-    uint32_t point[4]; /* index in the scene's positions, in the order of distance.h */
+    uint32_t point[5]; /* index in the scene's positions, in the order of distance.h */
 };
 
 /* Vertex `v` and face `f` of two objects. */
@@ -32,6 +32,9 @@ struct eng_near_pair eng_near_vf(const struct eng_scene *scene, uint32_t of_vert
 struct eng_near_pair eng_near_ee(const struct eng_scene *scene, uint32_t a,
                                  const uint32_t edge_a[2], uint32_t b,
                                  const uint32_t edge_b[2]);
+/* An edge, by its vertices, and face `f`. */
+struct eng_near_pair eng_near_ef(const struct eng_scene *scene, uint32_t of_edge,
+                                 const uint32_t edge[2], uint32_t of_face, uint32_t f);
 
 /* The number of an edge, which the mesh has, by its vertices in any order. */
 uint32_t eng_near_edge_number(const struct eng_mesh *mesh, const uint32_t ends[2]);
@@ -66,6 +69,8 @@ void eng_near_best_begin(struct eng_near_best *best, double distance, double gap
  * none need. */
 double eng_near_best_reach(const struct eng_near_best *best);
 
+/* An edge and a face are a pair at distance 0 if it passes through; else they are not
+ * looked at. */
 void eng_near_best_look(struct eng_near_best *best, const struct eng_near_pair *pair);
 
 /* The record of a pair. */

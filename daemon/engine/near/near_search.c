@@ -164,12 +164,39 @@ static const struct eng_face *face_of(const struct eng_near_search *search, int 
     return &search->scene->objects[search->faces[side].object].mesh->leaves[face];
 }
 
-/* The features that two faces own against each other, as in a step. */
-static void look_at_faces(struct eng_near_search *search, const uint32_t node[2])
+/* Do the boxes of what waits meet, but for what their rounding adds? */
+static bool may_cross(const struct eng_near_item *item)
+{
+    return item->square < SQUARE_TINY;
+}
+
+/* The edges that a face of one side owns, and a face of the other. */
+static void look_at_passages(struct eng_near_search *search, int side, uint32_t edges,
+                             uint32_t face)
+{
+    const struct eng_face *own = face_of(search, side, edges);
+    for (uint32_t k = 0; k < 3; k++) {
+        if ((own->owns & ENG_OWNS_EDGE(k)) != 0) {
+            const uint32_t edge[2] = {own->v[k], own->v[(k + 1) % 3]};
+            struct eng_near_pair pair =
+                eng_near_ef(search->scene, search->faces[side].object, edge,
+                            search->faces[1 - side].object, face);
+            look(search, &pair);
+        }
+    }
+}
+
+/* The features that two faces own against each other, as in a step, and what passes
+ * through what. */
+static void look_at_faces(struct eng_near_search *search,
+                          const struct eng_near_item *item)
 {
     uint32_t faces[2];
     for (int side = 0; side < 2; side++) {
-        faces[side] = search->method->faces_index(&search->faces[side], node[side]);
+        faces[side] = search->method->faces_index(&search->faces[side], item->node[side]);
+    }
+    for (int side = 0; side < 2 && may_cross(item); side++) {
+        look_at_passages(search, side, faces[side], faces[1 - side]);
     }
     for (int side = 0; side < 2; side++) {
         const struct eng_face *face = face_of(search, side, faces[side]);
@@ -277,7 +304,7 @@ bool eng_near_search_objects(struct eng_near_search *search, uint32_t a, uint32_
             continue;
         }
         if (item.faces == 3) {
-            look_at_faces(search, item.node);
+            look_at_faces(search, &item);
         } else {
             open_both(search, item.node);
         }

@@ -115,6 +115,10 @@ bool eng_near_warm_find(const struct eng_near_warm *warm, const struct eng_scene
     uint32_t second = is_turned ? a : b;
     if (entry->kind == PCCD_VF) {
         *pair = eng_near_vf(scene, first, entry->feature_a, second, entry->feature_b);
+    } else if (entry->kind == PCCD_EF) {
+        *pair =
+            eng_near_ef(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
+                        second, entry->feature_b);
     } else {
         *pair =
             eng_near_ee(scene, first, scene->objects[first].mesh->edges[entry->feature_a],
