@@ -21,6 +21,7 @@
  * | STEP | struct proto_journal_step, then what could have stood in a slot: a segment |
  * |      | table (shm.h), all of it x0x1 and double, and positions |
  * | SEPARATION | struct proto_journal_separation; before a STEP, unless both are 0 |
+ * | TELLS | nothing: the STEP behind it tells how it begins |
  * | RADII | struct proto_journal_radii, double each; before an OBJECT that has any |
  * | FREE | struct proto_journal_free, edges (u32[2] each), points (u32 each), zeros; |
  * |      | before an OBJECT that has any |
@@ -44,7 +45,8 @@ enum proto_journal_kind {
     PROTO_JOURNAL_NEAR = 6,       /* this session has asked what is near */
     PROTO_JOURNAL_SEPARATION = 7, /* at which distance pairs meet in the step behind it */
     PROTO_JOURNAL_RADII = 8,      /* of the vertices of the object behind it */
-    PROTO_JOURNAL_FREE = 9        /* edges and points by themselves, likewise */
+    PROTO_JOURNAL_FREE = 9,       /* edges and points by themselves, likewise */
+    PROTO_JOURNAL_TELLS = 10      /* the step behind it tells how it begins */
 };
 
 struct proto_journal_entry {
@@ -104,7 +106,7 @@ struct proto_journal_near {
     uint32_t method;
     uint32_t threads;
     uint32_t segments;
-    uint32_t reserved;
+    uint32_t tells_crossings;
     char tuning[PCCD_TUNING_BYTES]; /* filled up with zeros */
 };
 

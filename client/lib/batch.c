@@ -393,6 +393,10 @@ int pccd_batch_commit(struct pccd_batch *batch, const struct pccd_step_settings 
     if (status == 0 && settings.hold) {
         status = cli_fail(client, PCCD_E_INVAL, "hold: a batch waits for nobody");
     }
+    if (status == 0 && settings.tells_start) {
+        status = cli_fail(client, PCCD_E_INVAL,
+                          "tells_start: a batch has no place for what it tells");
+    }
     status = status != 0 ? status : cli_step_check(client);
     if (status != 0) {
         pccd_batch_abort(batch);

@@ -141,6 +141,8 @@ int cli_fail(struct pccd_client *client, int status, const char *format, ...)
 
 /* PCCD_E_VERSION, with a text, if the daemon knows nothing of thickness (filter.c). */
 int cli_check_thick(struct pccd_client *client, const char *method);
+/* The same, where it tells what crosses. */
+int cli_check_tells(struct pccd_client *client, const char *method);
 
 /* ---- whose turn it is -------------------------------------------------------------- */
 

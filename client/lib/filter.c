@@ -34,6 +34,17 @@ int cli_check_thick(struct pccd_client *client, const char *method)
     return 0;
 }
 
+int cli_check_tells(struct pccd_client *client, const char *method)
+{
+    if ((client->link.features & PROTO_FEATURE_TELLS) == 0) {
+        return cli_fail(client, PCCD_E_VERSION,
+                        "%s: the daemon at %s is older than this; it does not tell what "
+                        "crosses",
+                        method, client->url);
+    }
+    return 0;
+}
+
 static int check_settings(struct pccd_client *client,
                           const struct pccd_object_settings *settings)
 {

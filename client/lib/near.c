@@ -32,6 +32,9 @@ static int read_settings(struct pccd_client *client,
     status =
         cli_struct_read(client, "settings of scene.near",
                         asked != NULL ? asked : &defaults, settings, sizeof *settings);
+    if (status == 0 && settings->tells_crossings) {
+        status = cli_check_tells(client, "scene.near");
+    }
     if (status == 0 &&
         strnlen(settings->tuning, PCCD_TUNING_BYTES) == PCCD_TUNING_BYTES) {
         return cli_fail(client, PCCD_E_INVAL, "tuning: longer than %d bytes",
@@ -54,7 +57,9 @@ static int send_near(struct pccd_client *client, uint32_t scene, uint32_t slot,
                                                .method = (uint32_t)settings->method,
                                                .threads = settings->threads,
                                                .deadline_ns = settings->deadline_ns,
-                                               .step = client->next_step};
+                                               .step = client->next_step,
+                                               .tells_crossings =
+                                                   settings->tells_crossings};
 
     memcpy(request.tuning, settings->tuning, sizeof settings->tuning);
     if (slot != CLI_SLOT_NONE) {

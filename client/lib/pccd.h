@@ -498,6 +498,10 @@ struct pccd_step_settings {
                                 they have the flag PCCD_INSIDE, and meet when they come to
                                 `approach` times the distance that they begin with, also
                                 if they leave r and come back; 0.1, say */
+    bool tells_start;        /* say how the step begins, too: `crossings` and
+                                `start_inside` of the answer. It costs about as much as
+                                the question CROSSINGS of pccd_near.h. Not of a batch
+                                (E_INVAL). E_VERSION: the daemon is older than this */
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */
@@ -545,18 +549,25 @@ struct pccd_answer {
     const struct pccd_near *near; /* [count]; NULL for VERTICES or without any */
     const double *vertex_bounds;  /* [count], VERTICES; else NULL */
     double distance_min, distance_max;
-    uint64_t crossings;
+    uint64_t crossings;   /* of a step with tells_start, too: edges that pass through
+                             faces at t = 0 */
     uint64_t reserved[2]; /* the library's */
     /* From t = 0 to t = safe_step no pair meets: each is farther apart than the distance
-     * at which it would. 0 .. 1; 1: none meets; 0 if toi_first is 0, and where it is not
-     * known: of an incomplete answer, and of mode any or pairs that is not empty. To go
-     * there, see pccd_step_safe. */
+     * at which it would. 0 .. 1; 1: none meets; 0 if toi_first is 0, if the step begins
+     * with crossings that it tells, and where it is not known: of an incomplete answer,
+     * and of mode any or pairs that is not empty. To go there, see pccd_step_safe. */
     double safe_step;
     uint64_t inside; /* records with PCCD_INSIDE, but for those with PCCD_INITIAL, too; in
                       * modes any and pairs 0 */
     bool crowded;    /* more than half of the records have PCCD_INITIAL or PCCD_INSIDE, of
                       * a thick object or by the separation: mostly a radius above the
                       * length of the edges, for which rest_rings and rest_distance are */
+    /* Of a step with tells_start and an approach: pairs within their distance at t = 0,
+     * as PAIRS of pccd_near.h finds them; without an approach they are contacts, which
+     * `initial` counts. If there are any, or crossings, mode any does not say NO: it says
+     * YES. What is inside another, and passes through nothing, is not told: DEPTH of
+     * pccd_near.h tells it. */
+    uint64_t start_inside;
 };
 
 /* An answer that is ready to be filled in: struct pccd_answer answer = PCCD_ANSWER_INIT;

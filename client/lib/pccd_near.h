@@ -25,6 +25,7 @@
 #ifndef PCCD_NEAR_H
 #define PCCD_NEAR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -64,6 +65,11 @@ struct pccd_near_settings {
     uint64_t deadline_ns;
     enum pccd_method method;
     char tuning[PCCD_TUNING_BYTES];
+    uint32_t reserved;    /* 0 */
+    bool tells_crossings; /* PAIRS, FEATURES, VERTICES: count the crossings, too. They are
+                             looked for by themselves, which costs up to half as much as
+                             the rest (bench/peers/NEAR.md). E_VERSION: the daemon is
+                             older than this */
 };
 
 #define PCCD_NEAR_SETTINGS_INIT                                                          \
@@ -82,7 +88,10 @@ struct pccd_near_settings {
  *     distance_min, distance_max
  *               the least d_lo and the greatest d_hi of the records; without records 2e18
  *               and 0. DEPTH: the greatest is how deep one mesh is in the other
- *     crossings DEPTH, CROSSINGS: edges that pass through faces
+ *     crossings edges that pass through faces: DEPTH, CROSSINGS, and PAIRS, FEATURES and
+ *               VERTICES with tells_crossings; of an answer that is not complete those
+ *               that were found. NEAREST has one as its record, kind EF, at distance 0.
+ *               One closed mesh inside another crosses nothing: DEPTH tells it
  *     verdict   CROSSINGS: NO: nothing crosses or touches: the state is free of
  *               intersections; YES: something does. Others: NONE
  *

@@ -143,6 +143,14 @@ int cli_record_separation(struct pccd_client *client, double separation, double 
                : 0;
 }
 
+int cli_record_tells(struct pccd_client *client, bool tells)
+{
+    const struct record_tells now = {1};
+    const struct record_part part = {&now, sizeof now};
+
+    return tells ? cli_record_add(client, RECORD_TELLS, &part, 1) : 0;
+}
+
 bool cli_record_is_on(const struct pccd_client *client)
 {
     return client->recorder != NULL && !client->recorder->has_ended &&

@@ -248,6 +248,7 @@ static int write_near(struct pccd_client *client, uint32_t scene, const uint8_t 
     parts[1] = (struct record_part){at + sizeof from, bytes - sizeof from};
     from.tuning[sizeof from.tuning - 1] = '\0';
     status = cli_record_tuning(client, from.tuning);
+    status = status != 0 ? status : cli_record_tells(client, from.tells_crossings != 0);
     return status != 0
                ? status
                : cli_record_add(client, RECORD_NEAR, parts, parts[1].bytes > 0 ? 2 : 1);
@@ -282,6 +283,8 @@ static int write_entry(struct pccd_client *client, uint32_t scene, const uint8_t
         return write_free(client, at, bytes);
     case PROTO_JOURNAL_SEPARATION:
         return write_separation(client, at, bytes);
+    case PROTO_JOURNAL_TELLS:
+        return cli_record_tells(client, true);
     default:
         return 0; /* of a newer daemon, which says nothing that must be known */
     }

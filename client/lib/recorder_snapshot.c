@@ -256,9 +256,12 @@ static int write_near(struct pccd_client *client, const struct cli_call *call)
                                      .distance = request->distance,
                                      .gap = request->gap,
                                      .deadline_ns = request->deadline_ns};
+    int status = cli_record_tells(client, request->tells_crossings);
 
-    return write_motion(client, call, RECORD_NEAR, request->tuning,
-                        (struct record_part){&near, sizeof near}, request->segments > 0);
+    return status != 0 ? status
+                       : write_motion(client, call, RECORD_NEAR, request->tuning,
+                                      (struct record_part){&near, sizeof near},
+                                      request->segments > 0);
 }
 
 static int write_frame(struct pccd_client *client, const struct cli_call *call)
@@ -275,6 +278,7 @@ static int write_frame(struct pccd_client *client, const struct cli_call *call)
     int status = cli_record_separation(client, request->separation, request->approach);
 
     client->recorder->segment_frames++;
+    status = status != 0 ? status : cli_record_tells(client, request->tells_start);
     return status != 0 ? status
                        : write_motion(client, call, RECORD_FRAME, request->tuning,
                                       (struct record_part){&frame, sizeof frame},

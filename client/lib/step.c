@@ -69,6 +69,8 @@ static void fill_numbers(const struct proto_FRAME_SUBMIT_result *result,
     answer->safe_step = result->safe_step;
     answer->inside = result->inside;
     answer->crowded = result->crowded;
+    answer->crossings = result->crossings;
+    answer->start_inside = result->start_inside;
     answer->hash[0] = result->hash_hi;
     answer->hash[1] = result->hash_lo;
     answer->number = result->number;

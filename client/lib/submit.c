@@ -57,6 +57,9 @@ int cli_step_settings(struct pccd_client *client, const struct pccd_step_setting
     if (status == 0 && (settings->separation != 0.0 || settings->approach != 0.0)) {
         status = cli_check_thick(client, "frame.submit");
     }
+    if (status == 0 && settings->tells_start) {
+        status = cli_check_tells(client, "frame.submit");
+    }
     return status;
 }
 
@@ -105,6 +108,7 @@ int cli_step_send(struct pccd_client *client, uint32_t scene, uint32_t slot,
         request.hold = settings.hold;
         request.separation = settings.separation;
         request.approach = settings.approach;
+        request.tells_start = settings.tells_start;
     }
     if (status == 0 && slot != CLI_SLOT_NONE) {
         request.slot = slot;

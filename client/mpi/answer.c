@@ -22,7 +22,7 @@ struct totals {
     struct ranks_sums sums; /* but for toi_first */
     uint64_t verdicts[PCCD_VERDICT_NONE + 1];
     uint64_t incomplete[PCCD_INCOMPLETE_CONTACT_LIMIT + 1];
-    uint64_t threads, crossings;
+    uint64_t threads, crossings, start_inside;
     uint64_t thin; /* contacts that begin where they meet, of objects without thickness */
     uint64_t said; /* struct ranks_stop */
     struct pccd_step_counters counters;
@@ -81,7 +81,7 @@ static double safe_step(const struct pccd_answer *answer)
 {
     bool is_empty = answer->mode == PCCD_MODE_ANY ? answer->verdict == PCCD_VERDICT_NO
                                                   : answer->total == 0;
-    if (answer->incomplete != PCCD_COMPLETE) {
+    if (answer->incomplete != PCCD_COMPLETE || answer->crossings > 0) {
         return 0;
     }
     if (is_empty) {
@@ -102,6 +102,8 @@ static void write_answer(const struct pccd_mpi *world,
     answer->possible = sums->possible;
     answer->initial = sums->initial;
     answer->inside = sums->inside;
+    answer->crossings = totals->crossings;
+    answer->start_inside = totals->start_inside;
     answer->toi_first = answer->mode == PCCD_MODE_PAIRS ? 2 : sums->toi_first;
     answer->verdict = verdict_of(totals, answer->mode);
     answer->incomplete = why_incomplete(totals, answer->mode);
@@ -182,6 +184,8 @@ int ranks_answer_make(struct pccd_mpi *world, const struct pccd_step_settings *s
 {
     struct totals totals = {.threads = answer->threads,
                             .said = world->stop.said,
+                            .crossings = answer->crossings,
+                            .start_inside = answer->start_inside,
                             .counters = answer->counters};
     int status = PCCD_OK;
     ranks_records_told(world, answer, &totals.sums);
@@ -264,9 +268,8 @@ static void write_near(const struct pccd_near_settings *near, const struct total
             : PCCD_VERDICT_NONE;
     answer->counters = totals->counters;
     answer->threads = (uint32_t)totals->threads;
-    answer->crossings = near->what == PCCD_NEAR_DEPTH       ? totals->crossings
-                        : near->what == PCCD_NEAR_CROSSINGS ? sums->counts[PCCD_EF]
-                                                            : 0;
+    answer->crossings =
+        near->what == PCCD_NEAR_CROSSINGS ? sums->counts[PCCD_EF] : totals->crossings;
     ranks_records_hash(sums, answer->hash);
     if (near->what == PCCD_NEAR_NEAREST && near->gap > 0) {
         answer->hash[0] = answer->hash[1] = 0;

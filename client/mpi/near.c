@@ -73,6 +73,7 @@ static uint64_t hash_of(const struct pccd_near_settings *near)
     hash = ranks_hash(hash, &near->object_b, sizeof near->object_b);
     hash = ranks_hash(hash, &near->threads, sizeof near->threads);
     hash = ranks_hash(hash, &near->deadline_ns, sizeof near->deadline_ns);
+    hash = ranks_hash(hash, &near->tells_crossings, sizeof near->tells_crossings);
     hash = ranks_hash(hash, &near->method, sizeof near->method);
     return ranks_hash(hash, near->tuning, strnlen(near->tuning, sizeof near->tuning));
 }

@@ -65,6 +65,7 @@ static int read_settings(struct pccd_mpi *world, const struct pccd_step_settings
     *hash = ranks_hash(*hash, &settings->tolerance, sizeof settings->tolerance);
     *hash = ranks_hash(*hash, &settings->separation, sizeof settings->separation);
     *hash = ranks_hash(*hash, &settings->approach, sizeof settings->approach);
+    *hash = ranks_hash(*hash, &settings->tells_start, sizeof settings->tells_start);
     *hash = ranks_hash(*hash, &settings->deadline_ns, sizeof settings->deadline_ns);
     if (settings->tuning != NULL) {
         *hash = ranks_hash(*hash, settings->tuning, strlen(settings->tuning));

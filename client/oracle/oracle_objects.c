@@ -108,8 +108,8 @@ struct best {
 static bool load(const struct two *two, uint32_t kind,
                  const struct oracle_candidate *candidate, struct best *best)
 {
-    *best = (struct best){.is_made = true,
-                          .kind = kind == PCCD_VF ? ORACLE_VF : ORACLE_EE};
+    *best =
+        (struct best){.is_made = true, .kind = kind == PCCD_VF ? ORACLE_VF : ORACLE_EE};
     oracle_candidate_load(&two->moment, candidate, best->p, best->rank);
     oracle_candidate_name(&two->moment, kind, candidate, &best->near);
     if (kind != PCCD_EF) {
@@ -134,19 +134,19 @@ static int look(const struct two *two, uint32_t kind,
     if (!load(two, kind, candidate, &other)) {
         return 1;
     }
-    int sign = best->is_made ? oracle_distance_compare(
-                                   other.kind, (const double(*)[3])other.p,
-                                   other.near.radius, best->kind,
-                                   (const double(*)[3])best->p, best->near.radius)
-                             : -1;
+    int sign = best->is_made
+                   ? oracle_distance_compare(
+                         other.kind, (const double(*)[3])other.p, other.near.radius,
+                         best->kind, (const double(*)[3])best->p, best->near.radius)
+                   : -1;
     if (sign < 0 || (sign == 0 && oracle_near_compare(&other.near, &best->near) < 0)) {
         *best = other;
     }
     return sign;
 }
 
-/* The best of vertices and faces, and, unless a vertex alone is looked at, of edges and of
- * edges that pass through faces. false: that is too much. */
+/* The best of vertices and faces, and, unless a vertex alone is looked at, of edges and
+ * of edges that pass through faces. false: that is too much. */
 static bool look_at_all(struct two *two, const struct oracle_features *vertices,
                         bool with_edges, double reach, uint64_t queries_max,
                         struct oracle_nears *nears, struct best *best)

@@ -17,8 +17,9 @@
 #include "oracle_near.h"
 
 /* Of each two the pair whose surfaces are nearest, its distance less its radii, the first
- * of equals; an edge that passes through a face is a pair at distance 0; none where that is more than `distance`, which may be INFINITY. false, and
- * nothing is found: it would take more than `queries_max` exact decisions. */
+ * of equals; an edge that passes through a face is a pair at distance 0. None where that
+ * is more than `distance`, which may be INFINITY. false, and nothing is found: it would
+ * take more than `queries_max` exact decisions. */
 bool oracle_objects_nearest(const struct oracle_moment *moment, const uint32_t asked[2],
                             double distance, uint64_t queries_max,
                             struct oracle_nears *nears);

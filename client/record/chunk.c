@@ -81,6 +81,8 @@ uint32_t record_kind_feature(uint16_t kind)
         return RECORD_FEATURE_THICK;
     case RECORD_FREE:
         return RECORD_FEATURE_FREE;
+    case RECORD_TELLS:
+        return RECORD_FEATURE_TELLS;
     case RECORD_FILTER:
     case RECORD_PAIRS:
         return RECORD_FEATURE_FILTERS;

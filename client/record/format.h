@@ -30,7 +30,7 @@
  * |---|---|
  * | BEGIN | nothing |
  * | MESH | vertices (padded to 8), triangles: made, or replaced if it is known |
- * | SCENE, OBJECT, *_GONE, CANCEL, LOG, END | nothing |
+ * | SCENE, OBJECT, *_GONE, CANCEL, LOG, TELLS, END | nothing |
  * | PLACE | double[12], or vertices: where an object of the snapshot is |
  * | FRAME | the slot's payload: segment table, then positions (proto/shm.h) |
  * | ANSWER | nothing |
@@ -83,7 +83,8 @@
     X(NEAR_RECORDS, 22, "records of that answer")                                        \
     X(SEPARATION, 23, "at which distance pairs meet in the next FRAME or MOVE")          \
     X(RADII, 24, "radii of the vertices of the next MESH or GUEST")                      \
-    X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")
+    X(FREE, 25, "edges and points that the next MESH or GUEST names by themselves")      \
+    X(TELLS, 26, "the next FRAME, MOVE or NEAR tells what crosses, too")
 enum record_kind {
 #define RECORD_ENUM(name, number, text) RECORD_##name = (number),
     RECORD_KINDS(RECORD_ENUM)
@@ -100,7 +101,8 @@ enum record_feature {
     RECORD_FEATURE_NEAR = 8,    /* NEAR, NEAR_ANSWER, NEAR_RECORDS */
     RECORD_FEATURE_THICK = 16,  /* SEPARATION, RADII, and radii in FILTER */
     RECORD_FEATURE_FREE = 32,   /* FREE, a MESH or GUEST without triangles */
-    RECORD_FEATURES = 63        /* all of them */
+    RECORD_FEATURE_TELLS = 64,  /* TELLS */
+    RECORD_FEATURES = 127       /* all of them */
 };
 
 enum record_encoding { RECORD_STORED = 0, RECORD_ZSTD = 1 };

@@ -27,6 +27,7 @@ static_assert(sizeof(struct record_place) == 16, "place");
 static_assert(sizeof(struct record_frame) == 56, "frame");
 static_assert(sizeof(struct record_tuning) == 64, "tuning");
 static_assert(sizeof(struct record_separation) == 16, "separation");
+static_assert(sizeof(struct record_tells) == 8, "tells");
 static_assert(sizeof(struct record_radii) == 8, "radii");
 static_assert(sizeof(struct record_free) == 16, "edges and points");
 static_assert(sizeof(struct record_segment) == 32, "segment");
@@ -363,6 +364,7 @@ static uint64_t head_bytes(uint16_t kind, bool *is_all)
         HEAD(LOG, log)
         HEAD(TUNING, tuning)
         HEAD(SEPARATION, separation)
+        HEAD(TELLS, tells)
         HEAD(ANSWER, answer)
         HEAD(NEAR_ANSWER, near_answer)
         HEAD(CANCEL, cancel)

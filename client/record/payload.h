@@ -77,6 +77,10 @@ struct record_separation { /* as frame.submit has them; before none of it both a
     double approach;
 };
 
+struct record_tells { /* tells_start of frame.submit, tells_crossings of scene.near */
+    uint64_t tells;   /* 1 */
+};
+
 struct record_radii { /* and a double for each vertex */
     uint32_t vertex_count;
     uint32_t reserved;

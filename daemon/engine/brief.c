@@ -33,7 +33,7 @@
 bool eng_brief_fits(const struct eng_step_settings *settings)
 {
     return settings->mode != PCCD_MODE_PAIRS && settings->separation == 0 &&
-           eng_method_of(settings) == PCCD_METHOD_WIDE;
+           !settings->tells_start && eng_method_of(settings) == PCCD_METHOD_WIDE;
 }
 
 /* The trees are there, and small. */

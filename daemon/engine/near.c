@@ -64,10 +64,14 @@ static bool is_by_objects(enum pccd_near_what what)
     return what == PCCD_NEAR_NEAREST || what == PCCD_NEAR_DEPTH;
 }
 
-static uint32_t kinds_for(enum pccd_near_what what)
+static uint32_t kinds_for(const struct eng_near_settings *settings)
 {
     uint32_t pairs = 1u << PCCD_VF | 1u << PCCD_EE | 1u << PCCD_VE | 1u << PCCD_VV;
-    return what == PCCD_NEAR_CROSSINGS ? pairs | 1u << PCCD_EF : pairs;
+    uint32_t crossings = 1u << PCCD_EF;
+    if (settings->what == PCCD_NEAR_CROSSINGS) {
+        return settings->counts_only ? crossings : pairs | crossings;
+    }
+    return settings->tells_crossings ? pairs | crossings : pairs;
 }
 
 /* Do radii of objects enter, or pairs that are left thin for their rest? */
@@ -93,8 +97,9 @@ static int make_query(const struct eng_near_settings *settings,
     bool is_none =
         settings->what == PCCD_NEAR_CROSSINGS || settings->what == PCCD_NEAR_DEPTH;
     *query = (struct eng_near_query){.what = settings->what,
-                                     .kinds = kinds_for(settings->what),
+                                     .kinds = kinds_for(settings),
                                      .end = settings->end,
+                                     .counts_only = settings->counts_only,
                                      .distance = is_none ? 0 : settings->distance};
     query->is_thick = is_thick(settings->what, thickness);
     query->reach = query->distance;
@@ -259,6 +264,24 @@ static enum pccd_verdict verdict_of(const struct eng_team *team,
     return meets ? PCCD_VERDICT_YES : PCCD_VERDICT_NO;
 }
 
+static uint64_t sum_crossings(const struct eng_team *team)
+{
+    uint64_t crossings = 0;
+    for (uint32_t i = 0; i < team->count; i++) {
+        crossings += eng_near_work_of(team->workers[i])->crossings;
+    }
+    return crossings;
+}
+
+static uint64_t sum_pairs(const struct eng_team *team)
+{
+    uint64_t pairs = 0;
+    for (uint32_t i = 0; i < team->count; i++) {
+        pairs += eng_near_work_of(team->workers[i])->pairs;
+    }
+    return pairs;
+}
+
 static void answer_records(struct eng_near_memory *memory,
                            const struct eng_counts *counts, const struct eng_team *team,
                            struct eng_near_result *result)
@@ -313,12 +336,17 @@ static void answer(struct eng_team *team, const struct eng_near_settings *settin
         result->incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT; /* and nothing is in it */
         counts = (struct eng_counts){.toi_first = 2};
     }
-    if (result->what == PCCD_NEAR_VERTICES) {
+    if (!is_by_objects(result->what)) {
+        result->crossings = sum_crossings(team);
+    }
+    if (settings->counts_only) {
+        result->count = sum_pairs(team);
+    } else if (result->what == PCCD_NEAR_VERTICES) {
         answer_bounds(&memory->near, &counts, team, settings, result);
     } else {
         answer_records(&memory->near, &counts, team, result);
     }
-    result->records = memory->near.records.data;
+    result->records = settings->counts_only ? NULL : memory->near.records.data;
     eng_pool_reset(memory->pool, team->count);
 }
 
@@ -436,9 +464,10 @@ static int search(struct eng_scene *scene, const struct eng_near_settings *setti
     }
     eng_stop_init(&stop, &step);
     uint64_t staged_ns = scene->staging ? scene->stage_ns : 0;
-    memory->near.records.record_bytes = sizeof(struct pccd_near);
-    status =
-        eng_detect_prepare(scene, &step, effort, &memory->near.records, &stop, &team);
+    struct eng_records *records =
+        settings->counts_only ? &memory->near.none : &memory->near.records;
+    records->record_bytes = sizeof(struct pccd_near);
+    status = eng_detect_prepare(scene, &step, effort, records, &stop, &team);
     status = status == PCCD_OK ? reserve(&team, settings, &query, result) : status;
     if (status != PCCD_OK) {
         eng_stage_abort(scene);
@@ -501,4 +530,21 @@ int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
     r.counters.allocs = atomic_load(&eng_payer()->allocs) - allocs;
     *result = r;
     return status;
+}
+
+int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+                   struct eng_near_result *result)
+{
+    struct eng_near_settings near = {.step = *settings,
+                                     .what = PCCD_NEAR_CROSSINGS,
+                                     .tells_crossings = true,
+                                     .counts_only = true};
+    near.step.lender = NULL;
+    near.step.lent = NULL;
+    near.step.lent_bytes = 0;
+    if (settings->approach > 0) { /* else those pairs are contacts */
+        near.what = PCCD_NEAR_PAIRS;
+        near.distance = settings->separation;
+    }
+    return eng_near(scene, &near, result);
 }

@@ -21,10 +21,14 @@ struct eng_near_settings {
      * team_always; of them all else is not looked at. */
     struct eng_step_settings step;
     enum pccd_near_what what;
-    double distance;     /* 0 .. 1e18; NEAREST: also INFINITY */
-    double gap;          /* NEAREST: 0 .. 1e18 */
-    uint32_t end;        /* 0 or 1 */
-    uint32_t objects[2]; /* ids; 0: any. pccd_near.h says when they are looked at */
+    double distance;      /* 0 .. 1e18; NEAREST: also INFINITY */
+    double gap;           /* NEAREST: 0 .. 1e18 */
+    uint32_t end;         /* 0 or 1 */
+    uint32_t objects[2];  /* ids; 0: any. pccd_near.h says when they are looked at */
+    bool tells_crossings; /* PAIRS, FEATURES, VERTICES: count what crosses, too */
+    /* PAIRS, CROSSINGS: make no records, so that those of the last answer stay; of
+     * CROSSINGS what only touches is not looked for. */
+    bool counts_only;
 };
 
 struct eng_near_result {
@@ -36,10 +40,10 @@ struct eng_near_result {
     uint32_t record_bytes; /* scene's next eng_near, removal or free */
     uint64_t count;
     uint64_t counts[PCCD_KINDS_MAX]; /* by enum pccd_kind and enum pccd_near_kind */
-    double distance_min; /* least d_lo; 2e18 without any record */
+    double distance_min;             /* least d_lo; 2e18 without any record */
     double distance_max; /* greatest d_hi; 0 likewise. VERTICES: the least and the
                           * greatest bound by a pair, in the whole scene */
-    uint64_t crossings;              /* DEPTH, CROSSINGS */
+    uint64_t crossings;  /* DEPTH, CROSSINGS, and where they were asked for */
     uint64_t
         hash[2]; /* version 2; of VERTICES the sum over struct eng_vertex_bound; zeros
                        * with a gap */
@@ -73,5 +77,10 @@ struct eng_vertex_bound {
  * VERTICES takes without radii, the others not at all. */
 int eng_near(struct eng_scene *scene, const struct eng_near_settings *settings,
              struct eng_near_result *result);
+
+/* How the step begins that the scene has just made with these settings, in counts: its
+ * crossings and, if it has an approach, the pairs within their distance. As above. */
+int eng_near_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+                   struct eng_near_result *result);
 
 #endif

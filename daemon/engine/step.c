@@ -15,7 +15,9 @@
 #include "clock.h"
 #include "detect.h"
 #include "frames.h"
+#include "hash.h"
 #include "memory.h"
+#include "near.h"
 #include "rigid.h"
 #include "stage.h"
 #include "thickness.h"
@@ -203,6 +205,63 @@ static int step(struct eng_scene *scene, const struct eng_step_settings *setting
     return PCCD_OK;
 }
 
+/* What finding out how it begins took is the step's. */
+static void add_work(const struct eng_near_result *near, struct eng_step_result *result)
+{
+    struct pccd_step_counters *counters = &result->counters;
+    for (uint32_t kind = 0; kind < PCCD_KINDS_MAX; kind++) {
+        counters->candidates[kind] += near->counters.candidates[kind];
+    }
+    counters->box_tests += near->counters.box_tests;
+    counters->leaf_pairs += near->counters.leaf_pairs;
+    counters->survivors += near->counters.survivors;
+    counters->exact += near->counters.exact;
+    counters->allocs += near->counters.allocs;
+    result->times.refit += near->times.refit;
+    result->times.traversal += near->times.traversal;
+    result->times.tests += near->times.tests;
+    result->times.merge += near->times.merge;
+    result->times.step += near->times.step;
+}
+
+/* How it began, and what that leaves of its answer. Who does not know all of it does not
+ * say that it is free. */
+static void tell_start(struct eng_scene *scene, const struct eng_step_settings *settings,
+                       struct eng_step_result *result)
+{
+    struct eng_near_result near = {.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
+    if (eng_near_start(scene, settings, &near) != PCCD_OK) {
+        near = (struct eng_near_result){.incomplete = PCCD_INCOMPLETE_CONTACT_LIMIT};
+    }
+    bool is_free = near.crossings + near.count == 0;
+    bool is_known = near.incomplete == PCCD_COMPLETE || !is_free;
+    result->crossings = near.crossings;
+    result->start_inside = near.count;
+    if (result->verdict == PCCD_VERDICT_NO && !(is_known && is_free)) {
+        result->verdict = is_known ? PCCD_VERDICT_YES : PCCD_VERDICT_NONE;
+        eng_hash_verdict((uint32_t)result->verdict, result->hash);
+        result->safe_step = 0;
+    }
+    if (result->incomplete == PCCD_COMPLETE && result->verdict != PCCD_VERDICT_YES) {
+        result->incomplete = near.incomplete;
+    }
+    if (near.crossings > 0 || result->incomplete != PCCD_COMPLETE) {
+        result->safe_step = 0;
+    }
+    add_work(&near, result);
+}
+
+/* All of it. */
+static int whole_step(struct eng_scene *scene, const struct eng_step_settings *settings,
+                      struct eng_step_result *result)
+{
+    int status = step(scene, settings, result);
+    if (status == PCCD_OK && settings->tells_start) {
+        tell_start(scene, settings, result);
+    }
+    return status;
+}
+
 int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
              struct eng_step_result *result)
 {
@@ -211,11 +270,11 @@ int eng_step(struct eng_scene *scene, const struct eng_step_settings *settings,
     struct eng_step_memory *lender =
         settings->lender ? eng_step_memory_of(settings->lender) : memory;
     if (lender == memory) {
-        return step(scene, settings, result);
+        return whole_step(scene, settings, result);
     }
     assert(settings->threads == 1);
     eng_step_memory_borrow(memory, lender);
-    int status = step(scene, settings, result);
+    int status = whole_step(scene, settings, result);
     eng_step_memory_give_back(memory, lender);
     return status;
 }

@@ -68,6 +68,7 @@ static void destroy(struct eng_scene *scene)
     eng_records_deinit(&memory->found);
     eng_kept_deinit(&memory->kept);
     eng_records_deinit(&memory->near.records);
+    eng_records_deinit(&memory->near.none);
     eng_free(memory->near.threads.items);
     eng_free((void *)memory->near.bounds);
     eng_free(memory->near.order);

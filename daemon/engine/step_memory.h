@@ -26,6 +26,7 @@ struct eng_thread_records {
 struct eng_near_memory {
     struct eng_effort effort[PCCD_METHOD_COUNT][PCCD_NEAR_COUNT];
     struct eng_records records; /* its records, or bounds by vertex */
+    struct eng_records none;    /* those of one that only counts */
     struct eng_thread_records threads;
     _Atomic uint64_t *bounds; /* [bound_capacity] by the scene's vertices */
     uint32_t bound_capacity;

@@ -240,7 +240,7 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_motion, x1, 24);
     AT(pccd_motion, m0, 32);
     AT(pccd_motion, m1, 40);
-    SIZE(pccd_step_settings, 72);
+    SIZE(pccd_step_settings, 80);
     AT(pccd_step_settings, struct_bytes, 0);
     AT(pccd_step_settings, mode, 8);
     AT(pccd_step_settings, method, 12);
@@ -251,7 +251,8 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_step_settings, hold, 48);
     AT(pccd_step_settings, separation, 56);
     AT(pccd_step_settings, approach, 64);
-    SIZE(pccd_near_settings, 128);
+    AT(pccd_step_settings, tells_start, 72);
+    SIZE(pccd_near_settings, 136);
     AT(pccd_near_settings, struct_bytes, 0);
     AT(pccd_near_settings, what, 8);
     AT(pccd_near_settings, distance, 16);
@@ -263,6 +264,8 @@ static void step__structs_keep_their_layout(void **state)
     AT(pccd_near_settings, deadline_ns, 48);
     AT(pccd_near_settings, method, 56);
     AT(pccd_near_settings, tuning, 60);
+    AT(pccd_near_settings, reserved, 124);
+    AT(pccd_near_settings, tells_crossings, 128);
     SIZE(pccd_step_times, 80);
     AT(pccd_step_times, queue, 0);
     AT(pccd_step_times, ingest, 8);
@@ -329,7 +332,7 @@ static void batch__keeps_its_layout(void **state)
 static void answer__keeps_its_layout(void **state)
 {
     (void)state;
-    SIZE(pccd_answer, 648);
+    SIZE(pccd_answer, 656);
     AT(pccd_answer, struct_bytes, 0);
     AT(pccd_answer, step, 8);
     AT(pccd_answer, status, 16);
@@ -364,6 +367,7 @@ static void answer__keeps_its_layout(void **state)
     AT(pccd_answer, safe_step, 624);
     AT(pccd_answer, inside, 632);
     AT(pccd_answer, crowded, 640);
+    AT(pccd_answer, start_inside, 648);
     SIZE(pccd_frame, 32);
     AT(pccd_frame, client, 0);
     AT(pccd_frame, scene, 8);

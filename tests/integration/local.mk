@@ -58,6 +58,7 @@ integration_names = \
     tests/integration/test_int_standing \
     tests/integration/test_int_step \
     tests/integration/test_int_supervise \
+    tests/integration/test_int_crossed \
     tests/integration/test_int_thick \
     tests/integration/test_int_threads \
     tests/integration/test_int_verify \
@@ -300,6 +301,10 @@ tests_integration_test_int_supervise_LDADD = $(integration_libs)
 tests_integration_test_int_free_SOURCES = tests/integration/test_int_free.c
 tests_integration_test_int_free_CPPFLAGS = $(integration_cppflags) -I$(top_srcdir)/client/record
 tests_integration_test_int_free_LDADD = $(integration_libs)
+
+tests_integration_test_int_crossed_SOURCES = tests/integration/test_int_crossed.c
+tests_integration_test_int_crossed_CPPFLAGS = $(integration_cppflags)
+tests_integration_test_int_crossed_LDADD = $(integration_libs)
 
 tests_integration_test_int_thick_SOURCES = tests/integration/test_int_thick.c
 tests_integration_test_int_thick_CPPFLAGS = $(integration_cppflags) -I$(top_srcdir)/client/record

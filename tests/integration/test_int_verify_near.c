@@ -46,6 +46,7 @@ static int ask(struct pccd_client *client, uint32_t scene, enum pccd_near_what w
     settings.distance = what == PCCD_NEAR_CROSSINGS ? 0 : 1;
     settings.gap = what == PCCD_NEAR_NEAREST && end == 1 ? 0 : .125; /* else no use */
     settings.end = end;
+    settings.tells_crossings = what == PCCD_NEAR_VERTICES;
     int status = pccd_ask_near(client, scene, motion, motion != NULL, &settings, &answer);
     pccd_answer_release(client, &answer);
     return status == 0 && answer.total > 0 ? 0 : -1;
@@ -181,9 +182,10 @@ enum forgery {
     FORGE_MISSING,   /* the last record left out */
     FORGE_VERDICT,   /* free of intersections, and it is not */
     FORGE_NEAREST,   /* another vertex is the nearest */
-    FORGE_GAP,       /* likewise, with a gap */
+    FORGE_GAP,       /* one unit in the last place of a d_hi, with a gap */
     FORGE_DEPTH,     /* another vertex is inside */
     FORGE_CROSSINGS, /* one edge more passes through a face, of closed meshes */
+    FORGE_BESIDE,    /* and beside bounds */
     FORGE_MOTION, /* the first question moved the needle, and the answer does not know */
     FORGE_COUNT,
     FORGE_HASH = FORGE_COUNT
@@ -197,6 +199,8 @@ static bool is_about(enum forgery forgery, const struct record_near *asked)
         return asked->what == PCCD_NEAR_NEAREST && asked->gap == 0;
     case FORGE_GAP:
         return asked->what == PCCD_NEAR_NEAREST && asked->gap > 0;
+    case FORGE_BESIDE:
+        return asked->what == PCCD_NEAR_VERTICES;
     case FORGE_DEPTH:
     case FORGE_CROSSINGS:
         return asked->what == PCCD_NEAR_DEPTH;
@@ -222,12 +226,11 @@ static bool forge_records(enum forgery forgery, uint8_t *payload)
         return true;
     }
     memcpy(&record, payload + sizeof head, sizeof record);
-    if (forgery == FORGE_DISTANCE) {
+    if (forgery == FORGE_DISTANCE || forgery == FORGE_GAP) {
         record.d_hi = nextafter(record.d_hi, 2);
     } else if (forgery == FORGE_PARAM) {
         record.param[0] = nextafterf(record.param[0], 2);
-    } else if (forgery == FORGE_NEAREST || forgery == FORGE_GAP ||
-               forgery == FORGE_DEPTH) {
+    } else if (forgery == FORGE_NEAREST || forgery == FORGE_DEPTH) {
         record.feature_a ^= 1;
     } else {
         return false;
@@ -244,7 +247,7 @@ static bool forge_answer(enum forgery forgery, uint8_t *payload)
         answer.total--;
     } else if (forgery == FORGE_VERDICT && answer.what == PCCD_NEAR_CROSSINGS) {
         answer.verdict = PCCD_VERDICT_NO;
-    } else if (forgery == FORGE_CROSSINGS) {
+    } else if (forgery == FORGE_CROSSINGS || forgery == FORGE_BESIDE) {
         answer.crossings++;
     } else if (forgery == FORGE_HASH) {
         answer.hash[1] ^= 1;
@@ -352,6 +355,7 @@ static void verify__shows_what_is_wrong_of_what_is_near(void **state)
         [FORGE_GAP] = "its numbers are not those of its pair",
         [FORGE_DEPTH] = ", exact: ",
         [FORGE_CROSSINGS] = "edges pass through faces, exact: ",
+        [FORGE_BESIDE] = "crossings: it is not that of the records",
         [FORGE_MOTION] = "what is near: record "};
     char said[4096];
 

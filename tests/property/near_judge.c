@@ -83,6 +83,13 @@ static void moment_init(struct moment *moment, const struct player *player,
     oracle_moment_thicken(&moment->oracle, settings->what);
 }
 
+/* What crosses counts, too, as the question is or says. */
+static bool has_crossings(const struct eng_near_settings *settings)
+{
+    return settings->what == PCCD_NEAR_CROSSINGS ||
+           (settings->what <= PCCD_NEAR_VERTICES && settings->tells_crossings);
+}
+
 /* false: it would take too long. */
 static bool find_truth(const struct moment *moment,
                        const struct eng_near_settings *settings, uint64_t queries_max,
@@ -98,7 +105,7 @@ static bool find_truth(const struct moment *moment,
         return oracle_objects_depth(&moment->oracle, settings->objects, queries_max,
                                     &truth->objects, &truth->through);
     }
-    if (crosses &&
+    if (has_crossings(settings) &&
         !oracle_near_crossings(&moment->oracle, queries_max, &truth->crossings)) {
         return false;
     }
@@ -394,6 +401,10 @@ static const char *check_verdict(const struct truth *truth,
                                  const struct eng_near_result *result)
 {
     bool is_free = truth->crossings.count == 0 && truth->pairs.count == 0;
+    if (result->what <= PCCD_NEAR_VERTICES && result->incomplete == PCCD_COMPLETE &&
+        result->crossings != truth->crossings.count) {
+        return "what crosses beside what was asked";
+    }
     if (settings->what != PCCD_NEAR_CROSSINGS) {
         return result->verdict != PCCD_VERDICT_NONE ? "a verdict of nothing" : NULL;
     }
@@ -417,6 +428,7 @@ static void sum_up(const struct truth *truth, const struct eng_near_settings *se
     sums->pairs += truth->pairs.count;
     sums->features += truth->features.count;
     sums->crossings += truth->crossings.count;
+    sums->beside += settings->what <= PCCD_NEAR_VERTICES ? truth->crossings.count : 0;
     sums->parts += result->incomplete != PCCD_COMPLETE ? result->count : 0;
     sums->free += settings->what == PCCD_NEAR_CROSSINGS && truth->crossings.count == 0 &&
                   truth->pairs.count == 0;

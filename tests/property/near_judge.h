@@ -25,6 +25,7 @@ struct near_sums {
     uint64_t features;
     uint64_t bounds; /* below the distance */
     uint64_t crossings;
+    uint64_t beside;  /* of these, beside pairs or bounds */
     uint64_t free;    /* states without an intersection */
     uint64_t parts;   /* records of incomplete answers */
     uint64_t nearest; /* of two objects */

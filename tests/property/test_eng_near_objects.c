@@ -472,21 +472,23 @@ static void objects__are_as_near_and_as_deep_as_the_oracle_says(void **state)
     sequences_live(live, SCENES, NULL);
     print_message("# %llu scenes, %llu questions: %llu nearest, %llu ties, %llu "
                   "touching, %llu of them edges through faces; %llu with a gap, %llu "
-                  "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; %llu pairs, %llu bounds; %llu by "
+                  "farther; %llu named in vain; %llu inside, %llu not, %llu crossings; "
+                  "%llu pairs, %llu bounds; %llu by "
                   "their radii\n",
                   (unsigned long long)sums.scenes, (unsigned long long)sums.questions,
                   (unsigned long long)sums.nearest, (unsigned long long)sums.ties,
-                  (unsigned long long)sums.touching,
-                  (unsigned long long)sums.through, (unsigned long long)judged.gaps,
-                  (unsigned long long)judged.others, (unsigned long long)sums.named,
-                  (unsigned long long)sums.inside, (unsigned long long)sums.outside,
-                  (unsigned long long)sums.crossings, (unsigned long long)sums.pairs,
-                  (unsigned long long)sums.bounds, (unsigned long long)sums.thick);
+                  (unsigned long long)sums.touching, (unsigned long long)sums.through,
+                  (unsigned long long)judged.gaps, (unsigned long long)judged.others,
+                  (unsigned long long)sums.named, (unsigned long long)sums.inside,
+                  (unsigned long long)sums.outside, (unsigned long long)sums.crossings,
+                  (unsigned long long)sums.pairs, (unsigned long long)sums.bounds,
+                  (unsigned long long)sums.thick);
     if (!getenv("PCCD_SEED") && sums.scenes >= SCENES) {
         assert_true(sums.nearest > 0 && sums.ties > 0 && sums.touching > 0 &&
                     sums.inside > 0 && sums.outside > 0 && sums.crossings > 0 &&
-                    sums.thick > 0 && sums.through > 0 && judged.gaps > 0 && judged.others > 0 &&
-                    sums.named > 0 && sums.pairs > 0 && sums.bounds > 0);
+                    sums.thick > 0 && sums.through > 0 && judged.gaps > 0 &&
+                    judged.others > 0 && sums.named > 0 && sums.pairs > 0 &&
+                    sums.bounds > 0);
     }
 }
 

@@ -10,6 +10,7 @@
  *           of a batch. Each answer against a scene made anew, which is asked by the
  *           other method, and of small scenes against exact arithmetic on all pairs. No
  *           step is answered otherwise because of a question, or changes thereafter.
+ * More than 600 lines: one life of a scene, and all that is asked in it.
  * Threads:  teams of one to four.
  * Source:   PCCD_SEED repeats a sequence; PCCD_NEAR_SEQUENCES says how many, and
  *           PCCD_PROPERTY_SECONDS for how long.
@@ -54,6 +55,8 @@ static struct {
     uint64_t decided;     /* steps of which every pair was decided exactly .. */
     uint64_t pairs;       /* .. so many */
     uint64_t contacts[PCCD_KIND_COUNT]; /* .. with these contacts */
+    uint64_t starts_crossed;            /* steps that say so .. */
+    uint64_t starts_inside;             /* .. or that */
     uint64_t questions;
     uint64_t moving;  /* of these: moved the scene */
     uint64_t cut;     /* ended before they were complete */
@@ -159,6 +162,54 @@ static uint64_t triangles_of(const struct player *player)
     return count;
 }
 
+/* How it says that it begins. */
+static void judge_start(struct sequence *sequence,
+                        const struct eng_step_settings *settings,
+                        const struct near_objects *objects,
+                        const struct eng_step_result *result)
+{
+    const struct player *player = &sequence->stir.player;
+    struct near_objects start = *objects;
+    struct oracle_moment moment = {.objects = start.items,
+                                   .object_count = player->object_count,
+                                   .may_meet = near_may_meet,
+                                   .context = player};
+    struct oracle_nears crossings = {.count = 0}, pairs = {.count = 0};
+    for (uint32_t i = 0; i < player->object_count; i++) {
+        start.items[i].x1 = start.items[i].x0;
+    }
+    oracle_moment_thicken(&moment, PCCD_NEAR_PAIRS);
+    if (!settings->tells_start) {
+        must(sequence, result->crossings + result->start_inside == 0,
+             "it tells how it begins, unasked");
+        return;
+    }
+    if (oracle_near_crossings(&moment, QUERIES_MAX, &crossings) &&
+        (settings->approach == 0 ||
+         oracle_near_pairs(&moment, settings->separation, QUERIES_MAX, &pairs))) {
+        bool is_free = crossings.count + pairs.count == 0;
+        bool is_any = settings->mode == PCCD_MODE_ANY;
+        must(sequence, result->crossings == crossings.count,
+             "what it begins crossed with");
+        must(sequence, result->start_inside == pairs.count, "what begins inside");
+        must(sequence, !is_any || is_free || result->verdict == PCCD_VERDICT_YES,
+             "a verdict that what begins crossed is free");
+        must(sequence, crossings.count == 0 || result->safe_step == 0,
+             "a safe way from where it is crossed");
+        sums.starts_crossed += crossings.count > 0;
+        sums.starts_inside += pairs.count > 0;
+    }
+    oracle_nears_deinit(&crossings);
+    oracle_nears_deinit(&pairs);
+}
+
+/* How far it would be safe if it were not crossed at first. */
+static double safe_step_of(const struct eng_step_result *result)
+{
+    bool has_time = result->toi_first > 0 && result->toi_first <= 1;
+    return result->count == 0 ? 1 : has_time ? nextafter(result->toi_first, 0) : 0;
+}
+
 /* Decide every pair of a small scene, unless that takes too long. */
 static void judge_step(struct sequence *sequence,
                        const struct eng_step_settings *settings,
@@ -178,10 +229,16 @@ static void judge_step(struct sequence *sequence,
                                     .separation = settings->separation,
                                     .approach = settings->approach,
                                     .tolerance = settings->tolerance};
+    judge_start(sequence, settings, &objects, result);
     if (!thick_judge_decide(&seen, 0, PAIRS_MAX, &truths)) {
         return;
     }
-    const char *wrong = thick_judge(&seen, &truths, result, sums.contacts);
+    bool is_told =
+        settings->mode == PCCD_MODE_ANY && result->crossings + result->start_inside > 0;
+    struct eng_step_result told = *result;
+    told.safe_step = result->crossings > 0 ? safe_step_of(result) : result->safe_step;
+    const char *wrong =
+        is_told ? NULL : thick_judge(&seen, &truths, &told, sums.contacts);
     sums.decided++;
     sums.pairs += truths.count;
     thick_judge_forget(&truths);
@@ -267,6 +324,7 @@ static void change_settings(struct sequence *sequence)
     }
     if (draw(sequence, 4) == 0) {
         settings->mode = (enum pccd_mode)draw(sequence, PCCD_MODE_COUNT);
+        settings->tells_start = draw(sequence, 2) == 0;
     }
     if (sequence->is_thick && draw(sequence, 4) == 0) {
         settings->tolerance = tolerances[draw(sequence, 3)];
@@ -359,6 +417,7 @@ static void draw_question(struct sequence *sequence)
     *question =
         near_kit_settings(whats[draw(sequence, sequence->stir.is_closed ? 6 : 5)]);
     question->distance = some_distance(sequence);
+    question->tells_crossings = draw(sequence, 2) == 0;
     if (triangles_of(player) > MANY) {
         question->distance = fmin(question->distance, PLAY_UNIT * PLAY_ONE / 16);
     }
@@ -519,11 +578,13 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
     sequences_live(live, SEQUENCES, "PCCD_NEAR_SEQUENCES");
     print_message(
         "# %llu sequences, %llu steps (%llu interrupted, %llu shortened, %llu "
-        "beside others, %llu pairs inside); decided %llu of them, %llu pairs: %llu "
+        "beside others, %llu pairs inside, %llu begin crossed and %llu inside); decided "
+        "%llu of them, %llu pairs: %llu "
         "VF, %llu EE\n",
         (unsigned long long)sums.sequences, (unsigned long long)sums.steps,
         (unsigned long long)sums.interrupted, (unsigned long long)sums.shortened,
         (unsigned long long)sums.together, (unsigned long long)sums.inside,
+        (unsigned long long)sums.starts_crossed, (unsigned long long)sums.starts_inside,
         (unsigned long long)sums.decided, (unsigned long long)sums.pairs,
         (unsigned long long)sums.contacts[PCCD_VF],
         (unsigned long long)sums.contacts[PCCD_EE]);
@@ -555,6 +616,8 @@ static void near__is_answered_as_by_a_fresh_scene(void **state)
         assert_true(sums.large > 4096 && judged.features > 0 && judged.bounds > 0);
         assert_true(judged.touching > 0 && judged.at_distance > 0 && judged.free > 0);
         assert_true(judged.thick > 0 && sums.inside > 0 && sums.shortened > 0);
+        assert_true(judged.beside > 0 && sums.starts_crossed > 0 &&
+                    sums.starts_inside > 0);
         assert_true(judged.crossings > 0 && judged.parts > 0 && judged.nearest > 0);
         assert_true(judged.others > 0 && judged.inside > 0 && judged.through > 0);
         assert_true(sums.decided > 0 && sums.contacts[PCCD_EE] > 0 && sums.named > 0);

@@ -24,6 +24,7 @@ void fresh_find(const struct player *player, const struct eng_step_settings *set
     plain.contact_max = settings->contact_max;
     plain.separation = settings->separation;
     plain.approach = settings->approach;
+    plain.tells_start = settings->tells_start;
     player_copy(player, NULL, &copy);
     assert_int_equal(player_step(&copy, &plain, &answer->result), PCCD_OK);
     size_t bytes = answer->result.count * answer->result.record_bytes;
@@ -68,6 +69,10 @@ const char *fresh_difference(const struct fresh_answer *fresh,
     if (result->safe_step != want->safe_step ||
         result->thick.inside != want->thick.inside) {
         return "how far it is safe, or what began inside";
+    }
+    if (result->crossings != want->crossings ||
+        result->start_inside != want->start_inside) {
+        return "how it begins";
     }
     if (memcmp(result->hash, want->hash, sizeof want->hash) != 0) {
         return "the hash";

@@ -120,8 +120,8 @@ static void nearest__of_what_crosses_is_the_first_crossing(void **state)
         of_crossings[1] = *near_kit_record(&result, 0);
         assert_int_equal(result.count, 2);
         assert_memory_equal(&of_crossings[0], &of_crossings[1], sizeof of_crossings[0]);
-        assert_int_equal(
-            eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true), PCCD_OK);
+        assert_int_equal(eng_scene_ignore(kit.scene, kit.idx[0], kit.idx[1], true),
+                         PCCD_OK);
         settings = near_kit_settings(PCCD_NEAR_NEAREST);
         result = near_kit_ask(&kit, &settings);
         assert_int_equal(result.count, 0);

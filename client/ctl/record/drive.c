@@ -397,7 +397,8 @@ static int submit(struct drive *drive, const struct record_frame *frame,
         .tolerance = frame->tolerance,
         .deadline_ns = frame->deadline_ns,
         .separation = drive->separation.separation,
-        .approach = drive->separation.approach};
+        .approach = drive->separation.approach,
+        .tells_start = drive->tells};
     struct pccd_frame made;
     if (pieces->count == 0) {
         return pccd_submit_still(drive->client, frame->scene, &settings, step);
@@ -418,6 +419,7 @@ static int submit_near(struct drive *drive, const struct record_near *near,
                                           .object_a = near->objects[0],
                                           .object_b = near->objects[1],
                                           .threads = near->threads,
+                                          .tells_crossings = drive->tells,
                                           .deadline_ns = near->deadline_ns,
                                           .method = (enum pccd_method)near->method};
     struct pccd_frame made;

@@ -17,6 +17,7 @@ struct drive {
     bool is_begun;
     char tuning[PCCD_TUNING_BYTES];      /* of the next step; the caller's to set */
     struct record_separation separation; /* likewise */
+    bool tells;                          /* what crosses; likewise */
     /* Where everything stands, once the daemon has not seen a step (the caller's to set):
      * then each step says where it begins. NULL: the daemon has seen all. */
     const struct registry *stands;

@@ -28,6 +28,7 @@ struct play_step {
     uint64_t time_ns; /* when it was submitted, CLOCK_MONOTONIC of then */
     const struct record_frame *frame;
     struct record_separation separation;
+    bool tells_start; /* it was asked how it begins */
     const struct registry_scene *scene;
     const struct record_answer *recorded; /* NULL: there was none */
     uint32_t hash_version;                /* of the recorded hash */
@@ -54,6 +55,7 @@ typedef int (*play_fn)(void *context, const struct play_step *step,
 struct play_near {
     uint64_t number; /* the client's, among its steps */
     const struct record_near *asked;
+    bool tells_crossings; /* they were asked for, too */
     const struct registry_scene *scene;        /* after the movement, if it had one */
     const struct record_near_answer *recorded; /* NULL: there was none */
     const struct pccd_answer *answer; /* the daemon's, numbers only; NULL: not asked */

@@ -313,6 +313,7 @@ static int show_step(struct playing *playing, const struct record_view *view,
                              .time_ns = view->time_ns,
                              .frame = frame,
                              .separation = playing->drive.separation,
+                             .tells_start = playing->drive.tells,
                              .recorded = answers_find(&playing->answers, frame->step),
                              .hash_version =
                                  record_reader_hash_version(&playing->reader)};
@@ -435,6 +436,7 @@ static int follow_near(struct playing *playing, const struct record_view *view,
     const uint8_t *slot = (const uint8_t *)view->payload + sizeof *asked;
     struct play_near near = {.number = asked->step,
                              .asked = asked,
+                             .tells_crossings = playing->drive.tells,
                              .recorded =
                                  answers_find_near(&playing->answers, asked->step)};
     playing->place++;
@@ -485,6 +487,7 @@ static void forget_settings(struct playing *playing)
 {
     playing->drive.tuning[0] = '\0';
     playing->drive.separation = (struct record_separation){0, 0};
+    playing->drive.tells = false;
 }
 
 /* A FRAME or a MOVE. How its threads shared the work, the chunk before has told; in
@@ -567,6 +570,10 @@ int play_follow(struct playing *playing, struct ctl_error *error)
         }
         if (view.kind == RECORD_TUNING) {
             memcpy(playing->drive.tuning, view.payload, sizeof playing->drive.tuning);
+            continue;
+        }
+        if (view.kind == RECORD_TELLS) {
+            playing->drive.tells = true;
             continue;
         }
         if (view.kind == RECORD_SEPARATION) {

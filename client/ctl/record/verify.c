@@ -378,6 +378,7 @@ static void leave_open(const struct play_step *step, struct verify_result *resul
 int verify_step(const struct play_step *step, const struct verify_settings *settings,
                 struct verify_result *result, struct ctl_error *error)
 {
+    struct verify_start start = {.is_known = false};
     bool is_right = true;
     int status = PCCD_OK;
     memset(result, 0, sizeof *result);
@@ -392,9 +393,10 @@ int verify_step(const struct play_step *step, const struct verify_settings *sett
     }
     leave_open(step, result);
     is_right = status == PCCD_OK && check_records(step, settings, result) &&
-               verify_numbers(step, result);
-    if (is_right && verify_mode(step) == PCCD_MODE_ANY) {
-        is_right = verify_any(step, result, error, &status);
+               verify_numbers(step, result) &&
+               verify_start(step, result, &start, error, &status);
+    if (is_right && status == PCCD_OK && verify_mode(step) == PCCD_MODE_ANY) {
+        is_right = verify_any(step, &start, result, error, &status);
     }
     if (is_right && status == PCCD_OK && step->is_whole && verify_is_complete(step)) {
         (void)verify_near(step, settings, result);

@@ -69,6 +69,13 @@ int verify_distances(const struct play_near *near, struct verify_result *result,
 /* One that was not repeated, because it had failed by chance. */
 void verify_skip(uint64_t step, bool is_near, struct verify_result *result);
 
+/* How a step begins, exactly: edges that pass through faces and, with an approach, pairs
+ * within their distance. */
+struct verify_start {
+    bool is_known; /* it was asked, and is not too much to decide */
+    uint64_t crossings, inside;
+};
+
 /* ---- parts of it; false: wrong, and the result says how ---------------------------- */
 
 /* verify_numbers.c: the numbers of an answer, against its records. */
@@ -76,9 +83,12 @@ bool verify_numbers(const struct play_step *step, struct verify_result *result);
 /* verify_near.c: a sample of pairs near each other that are not in the answer. */
 bool verify_near(const struct play_step *step, const struct verify_settings *settings,
                  struct verify_result *result);
-/* verify_any.c: whether the verdict of mode any is that of all pairs. */
-bool verify_any(const struct play_step *step, struct verify_result *result,
-                struct ctl_error *error, int *status);
+/* verify_distance.c: what a step says of how it begins, and what is true of that. */
+bool verify_start(const struct play_step *step, struct verify_result *result,
+                  struct verify_start *start, struct ctl_error *error, int *status);
+/* verify_any.c: whether the verdict of mode any is that of all pairs and of the start. */
+bool verify_any(const struct play_step *step, const struct verify_start *start,
+                struct verify_result *result, struct ctl_error *error, int *status);
 /* verify_place.c: why the parameters or the normal of a contact whose times are right
  * cannot be; NULL: they can. Of a thick pair r > 0. */
 const char *verify_place(const struct pccd_contact *contact, const double p[8][3],

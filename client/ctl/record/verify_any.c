@@ -215,13 +215,19 @@ static int search(struct sweep *sweep, struct ctl_error *error)
                       : ctl_error_set(error, PCCD_E_NOMEM, "no memory for all pairs");
 }
 
-bool verify_any(const struct play_step *step, struct verify_result *result,
-                struct ctl_error *error, int *status)
+bool verify_any(const struct play_step *step, const struct verify_start *start,
+                struct verify_result *result, struct ctl_error *error, int *status)
 {
     struct sweep sweep = {.step = step};
     uint32_t verdict = verify_verdict(step);
-    if (verdict == PCCD_VERDICT_NONE) {
+    bool is_free = start->crossings + start->inside == 0;
+    if (verdict == PCCD_VERDICT_NONE || (step->tells_start && !start->is_known)) {
         return true;
+    }
+    if (!is_free && verdict != PCCD_VERDICT_YES) {
+        return verify_wrong(result, step, NULL,
+                            "the verdict is that nothing meets, and it begins crossed or "
+                            "inside");
     }
     *status = search(&sweep, error);
     if (*status != PCCD_OK) {
@@ -231,7 +237,7 @@ bool verify_any(const struct play_step *step, struct verify_result *result,
         return verify_wrong(result, step, &sweep.found,
                             "the verdict is that nothing meets, and this does");
     }
-    if (!sweep.has_found && !sweep.is_too_long && verdict != PCCD_VERDICT_NO) {
+    if (!sweep.has_found && !sweep.is_too_long && is_free && verdict != PCCD_VERDICT_NO) {
         return verify_wrong(result, step, NULL,
                             "the verdict is that something meets, and nothing does");
     }

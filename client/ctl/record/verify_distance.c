@@ -418,6 +418,13 @@ static int check(struct judge *judge)
     bool crosses = asked->what == PCCD_NEAR_CROSSINGS;
     struct oracle_nears pairs = {.count = 0}, more = {.count = 0};
     int is_right = -1;
+    if (judge->near->tells_crossings && asked->what <= PCCD_NEAR_VERTICES) {
+        if (!oracle_near_crossings(&judge->moment, DECISIONS_MAX, &more)) {
+            return -1;
+        }
+        judge->crossings = more.count; /* which the answer's numbers are compared with */
+        oracle_nears_deinit(&more);
+    }
     if (asked->what == PCCD_NEAR_NEAREST || asked->what == PCCD_NEAR_DEPTH) {
         return check_objects(judge);
     }
@@ -438,6 +445,65 @@ static int check(struct judge *judge)
     oracle_nears_deinit(&pairs);
     oracle_nears_deinit(&more);
     return is_right;
+}
+
+/* ---- how a step begins ------------------------------------------------------------- */
+
+/* True: it is known, and was not too much to decide. */
+static bool find_start(struct judge *judge, const struct record_separation *apart,
+                       struct verify_start *start)
+{
+    struct oracle_nears crossings = {.count = 0}, pairs = {.count = 0};
+    start->is_known =
+        oracle_near_crossings(&judge->moment, DECISIONS_MAX, &crossings) &&
+        (apart->approach == 0 ||
+         oracle_near_pairs(&judge->moment, apart->separation, DECISIONS_MAX, &pairs));
+    start->crossings = crossings.count;
+    start->inside = pairs.count;
+    oracle_nears_deinit(&crossings);
+    oracle_nears_deinit(&pairs);
+    return start->is_known;
+}
+
+/* The count of an answer of mode any is what was found before something decided it. */
+static bool is_count(const struct play_step *step, uint64_t said, uint64_t is)
+{
+    return verify_mode(step) == PCCD_MODE_ANY ? said <= is : said == is;
+}
+
+bool verify_start(const struct play_step *step, struct verify_result *result,
+                  struct verify_start *start, struct ctl_error *error, int *status)
+{
+    const struct pccd_answer *now = step->answer;
+    const struct record_near asked = {.what = PCCD_NEAR_PAIRS, .end = 0};
+    const struct play_near near = {.asked = &asked, .scene = step->scene};
+    struct judge judge = {.near = &near, .result = result};
+    *start = (struct verify_start){.is_known = false};
+    if (!step->tells_start) {
+        return now == NULL || now->crossings + now->start_inside == 0 ||
+               verify_wrong(result, step, NULL, "it tells how it begins, unasked");
+    }
+    if (!verify_is_complete(step)) {
+        return true;
+    }
+    bool has_memory = make_moment(&judge);
+    bool is_known = has_memory && find_start(&judge, &step->separation, start);
+    free_moment(&judge);
+    if (!has_memory) {
+        *status = ctl_error_set(error, PCCD_E_NOMEM, "no memory for how a step begins");
+        return true;
+    }
+    if (!is_known) {
+        return verify_leave(result, "how it begins is more than can be decided");
+    }
+    return now == NULL ||
+           (is_count(step, now->crossings, start->crossings) &&
+            is_count(step, now->start_inside, start->inside)) ||
+           verify_wrong(result, step, NULL,
+                        "it begins with %" PRIu64 " crossings, and %" PRIu64
+                        " pairs inside, exact: %" PRIu64 " and %" PRIu64,
+                        now->crossings, now->start_inside, start->crossings,
+                        start->inside);
 }
 
 /* Of a failed question nothing else is said. */

@@ -60,8 +60,9 @@ static void number(const struct play_step *step, uint32_t hash_version,
                         ? verify_verdict(step) == PCCD_VERDICT_NO
                         : step->count == 0;
     bool has_time = is->toi_first > 0 && is->toi_first <= 1;
-    is->safe_step = verify_incomplete(step) != PCCD_COMPLETE &&
-                            verify_incomplete(step) != PCCD_INCOMPLETE_RESULT_FULL
+    bool is_crossed = step->answer != NULL && step->answer->crossings > 0;
+    is->safe_step = is_crossed || (verify_incomplete(step) != PCCD_COMPLETE &&
+                                   verify_incomplete(step) != PCCD_INCOMPLETE_RESULT_FULL)
                         ? 0
                     : is_empty ? 1
                     : has_time ? nextafter(is->toi_first, 0)

@@ -100,6 +100,9 @@ class Answer(abi.pccd_answer, Held):
     toi_first   smallest toi; 2 without any record
     safe_step   from t = 0 to this t no pair meets; 0 .. 1, 1: none does
     inside, crowded    records that began within their distance; whether most did
+    crossings, start_inside    of a step with tells_start: edges that pass through faces
+                at t = 0 (then safe_step is 0); with an approach, pairs within their
+                distance then. If there are any, the verdict is not NO
     number      of the step among all of its scene, from 1
     hash        of all records: "2:", its version, and 32 hexadecimal digits
     records     (count,) of CONTACT or PAIR: read-only, in the daemon's memory, and
@@ -113,7 +116,8 @@ class Answer(abi.pccd_answer, Held):
                 vertex_bounds are the same
     counts      by kind: answer.counts[Kind.VV], answer.counts[NearKind.EF]
     distance_min, distance_max    least d_lo and greatest d_hi of the records
-    crossings   of CROSSINGS, DEPTH: edges that pass through faces
+    crossings   of CROSSINGS, DEPTH, and with tells_crossings: edges that pass through
+                faces
     verdict     of CROSSINGS: NO: nothing crosses or touches
     hash        zeros behind "2:" for NEAREST with a gap: there is none
     """

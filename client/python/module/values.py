@@ -121,6 +121,7 @@ class StepSettings:
     separation: float = 0.0  # added to the radii of every pair, 0 .. 1e18
     approach: float = 0.0  # of pairs that begin within their distance: 0: they meet at
     # t = 0; above 0 and below 1: at this part of the distance that they begin with
+    tells_start: bool = False  # say how it begins, too: Answer.crossings, start_inside
 
     _as_parameter_: ClassVar[Any]  # the struct, for ctypes
 
@@ -155,7 +156,8 @@ def near_settings(what: Union[int, str] = NearWhat.PAIRS,
                   distance: Optional[float] = None, end: int = 1, gap: float = 0.0,
                   object_a: int = 0, object_b: int = 0,
                   method: Union[int, str] = Method.DEFAULT, threads: int = 0,
-                  tuning: str = "", deadline_ns: int = 0) -> abi.pccd_near_settings:
+                  tuning: str = "", deadline_ns: int = 0,
+                  tells_crossings: bool = False) -> abi.pccd_near_settings:
     """What is asked about what is near (Client.submit_near), for the library."""
     made: abi.pccd_near_settings = with_size(abi.pccd_near_settings())
     what = enumerator(NearWhat, "what", what)
@@ -168,7 +170,8 @@ def near_settings(what: Union[int, str] = NearWhat.PAIRS,
                         ("gap", gap), ("object_a", object_a), ("object_b", object_b),
                         ("method", enumerator(Method, "method", method)),
                         ("threads", threads), ("tuning", tuning),
-                        ("deadline_ns", deadline_ns)):
+                        ("deadline_ns", deadline_ns),
+                        ("tells_crossings", tells_crossings)):
         put(made, name, given)
     return made
 

@@ -21,6 +21,7 @@ struct eng_near_query {
     uint32_t kinds; /* bit k: pairs of enum pccd_kind or pccd_near_kind k are tested */
     uint32_t end;   /* of the step: 0 or 1 */
     double distance;
+    bool counts_only; /* of what is found no records are made */
     /* Radii or rest of objects enter: pairs within `reach`, the distance and the largest
      * radii, rounded up, are looked at one by one (thick_work.h, near_best.h). */
     bool is_thick;
@@ -40,6 +41,13 @@ static inline bool eng_near_leaves_out(const struct eng_near_query *near, uint32
 {
     return near && near->what == PCCD_NEAR_CROSSINGS && kind != PCCD_EF &&
            atomic_load_explicit(near->meets, memory_order_relaxed);
+}
+
+/* The distance at which boxes of a kind are looked at: what crosses has boxes that
+ * meet. */
+static inline float eng_near_growth_of(const struct eng_near_query *near, uint32_t kind)
+{
+    return kind == PCCD_EF ? 0 : near->growth;
 }
 
 /* Does a pair not matter that is farther apart than something else is from each of its

@@ -58,10 +58,15 @@ struct eng_step_result {
     uint64_t possible;
     uint64_t initial;
     double toi_first; /* smallest toi; 2 without any record */
+    /* Of a step that tells how it begins: edges that pass through faces at t = 0; with an
+     * approach the pairs that are within their distance then. If there are any, the
+     * verdict is not NO: it is YES. */
+    uint64_t crossings;
+    uint64_t start_inside;
     /* On [0, safe_step] no pair meets, and each is farther apart than the distance at
      * which it would: 1 where none meets; else the double just below toi_first. 0 if that
-     * is 0, or not known: of an incomplete answer, or of mode any or pairs that is not
-     * empty. */
+     * is 0, if there are crossings, or not known: of an incomplete answer, or of mode any
+     * or pairs that is not empty. */
     double safe_step;
     uint64_t hash[2]; /* version 2 of the hash of the answer: result/hash.h */
     uint32_t threads;

@@ -89,6 +89,9 @@ struct eng_step_settings {
      * come within so large a part of their first distance. */
     double separation;
     double approach;
+    /* Say how it begins, too (struct eng_step_result: crossings, start_inside). Not of
+     * brief steps. */
+    bool tells_start;
     /* Whose worker a step by one thread uses in the place of its own: so that of many
      * scenes few have workers. No step of that scene is computed meanwhile. NULL, or the
      * scene itself: its own. Only of eng_step, and not of brief ones. */
@@ -107,7 +110,7 @@ struct eng_step_settings {
         PCCD_MODE_ALL, PCCD_METHOD_DEFAULT, 1, 1e-6, 0, NULL, NULL, NULL, 16u << 20,     \
             {ENG_SCHEDULER_STEAL, ENG_HIGH_LEVEL_ROUND_ROBIN, ENG_REFIT_EVEN,            \
              ENG_STILL_KEPT},                                                            \
-            NULL, NULL, 0, NULL, false, false, false, 0, 0, NULL, NULL, 0, NULL          \
+            NULL, NULL, 0, NULL, false, false, false, 0, 0, false, NULL, NULL, 0, NULL   \
     }
 
 /* The method that the settings lead to: PCCD_METHOD_PAPER or PCCD_METHOD_WIDE. */

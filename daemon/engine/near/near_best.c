@@ -331,8 +331,7 @@ static struct eng_distance measure(const struct eng_near_best *best,
     uint8_t rank[4];
     if (pair->kind == PCCD_EF) {
         load_five(best, pair, x);
-        distance.param[0] =
-            eng_distance_crossing(best->distances, (const double(*)[3])x);
+        distance.param[0] = eng_distance_crossing(best->distances, (const double(*)[3])x);
     } else {
         load(best, pair, &features);
         rank_points(best, pair, rank);

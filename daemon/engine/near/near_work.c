@@ -100,6 +100,7 @@ void eng_near_work_begin(struct eng_worker *worker, const struct eng_name_range 
     memset(&work->edges, 0, sizeof work->edges);
     work->least = 2e18;
     work->greatest = 0;
+    work->pairs = work->crossings = 0;
     work->batch.exact = 0;
 }
 
@@ -325,6 +326,10 @@ uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
     if (near->is_thick) {
         found = keep_within(worker, kind, points, quads, found);
     }
+    work->pairs += found;
+    if (near->counts_only) {
+        return found;
+    }
     keep_range(work, found);
     if (near->what == PCCD_NEAR_VERTICES) {
         keep_bounds(worker, points, quads, found);
@@ -365,6 +370,11 @@ void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
     uint32_t found = eng_distance_batch_cross(worker->kernels, end, points, fives, count,
                                               &work->distances, &work->batch);
     worker->tally.survivors += found;
+    work->crossings += found;
+    if (worker->settings->near->what != PCCD_NEAR_CROSSINGS ||
+        worker->settings->near->counts_only) {
+        return;
+    }
     work->least = found > 0 ? 0 : work->least;
     tell_meeting(worker, found);
     names(worker, (enum pccd_kind)PCCD_EF, work->batch.index, found, work->names);

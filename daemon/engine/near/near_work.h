@@ -31,11 +31,13 @@ struct eng_near_work {
     struct eng_distances distances;
     struct eng_distance_batch batch;
     struct pccd_pair names[ENG_CHUNK_MAX]; /* of what the batch has found */
-    bool has_recent; /* there is any */
+    bool has_recent;                       /* there is any */
     struct eng_near_recent recent[ENG_NEAR_RECENT];
     struct eng_edges_known edges;
     double least;    /* d_lo of what was found; 2e18: nothing was */
     double greatest; /* d_hi likewise; 0 */
+    uint64_t pairs;  /* that were found, but for crossings */
+    uint64_t crossings;
 };
 
 /* That of a worker, as long as it has one. */
@@ -64,7 +66,8 @@ uint32_t eng_near_test(struct eng_worker *worker, enum pccd_kind kind,
                        const struct eng_point *points, const uint32_t (*quads)[4],
                        uint32_t count, bool is_sifted, eng_names_fn names);
 
-/* The same of candidates of EF: the ends of the edge, the corners of the face. */
+/* The same of candidates of EF: the ends of the edge, the corners of the face. Beside
+ * other questions than CROSSINGS they are counted alone. */
 void eng_near_cross(struct eng_worker *worker, const struct eng_point *points,
                     const uint32_t (*fives)[5], uint32_t count, eng_names_fn names);
 

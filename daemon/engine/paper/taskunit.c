@@ -224,26 +224,44 @@ HAVE_COMMON(EE, 2, 2)
 HAVE_COMMON(EF, 2, 3)
 #undef HAVE_COMMON
 
+/* Is it asked whether edges of one pass through the other, and do their boxes meet? */
+static inline bool may_cross(const struct eng_worker *worker, const struct eng_node *n,
+                             const struct eng_node *m)
+{
+    const struct eng_near_query *near = worker->settings->near;
+    return near && near->kinds >> PCCD_EF & 1 &&
+           eng_box_is_near(eng_box_of_const(n), eng_box_of_const(m), near->end,
+                           eng_near_growth_of(near, PCCD_EF));
+}
+
+/* Are other pairs asked for than edges that pass through faces? */
+static inline bool wants_pairs(const struct eng_worker *worker)
+{
+    const struct eng_near_query *near = worker->settings->near;
+    return !near || near->kinds & 1u << PCCD_VF;
+}
+
 /* Two leaves of which one at least is no triangle. Not inline, so that the code of
  * triangles is as it is without. */
 static __attribute__((noinline)) void
 mixed_pair(struct eng_worker *worker, const struct eng_node *n, const struct eng_node *m)
 {
-    const struct eng_near_query *near = worker->settings->near;
     const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
     bool n_has_face = eng_feature_has_face(&triangles[n->right]);
     bool m_has_face = eng_feature_has_face(&triangles[m->right]);
     if (!n_has_face && !m_has_face) {
-        free_pair(worker, n, m);
-        features_against(worker, PCCD_EE, n, m);
+        if (wants_pairs(worker)) {
+            free_pair(worker, n, m);
+            features_against(worker, PCCD_EE, n, m);
+        }
         return;
     }
     const struct eng_node *face = n_has_face ? n : m;
     const struct eng_node *other = n_has_face ? m : n;
-    if (near && near->kinds >> PCCD_EF & 1) {
+    if (may_cross(worker, n, m)) {
         features_against(worker, (enum pccd_kind)PCCD_EF, other, face);
     }
-    if (!near || near->kinds & 1u << PCCD_VF) {
+    if (wants_pairs(worker)) {
         features_against(worker, PCCD_VF, other, face);
         features_against(worker, PCCD_EE, n, m);
     }
@@ -252,18 +270,17 @@ mixed_pair(struct eng_worker *worker, const struct eng_node *n, const struct eng
 static void leaf_pair(struct eng_worker *worker, const struct eng_node *n,
                       const struct eng_node *m)
 {
-    const struct eng_near_query *near = worker->settings->near;
     const struct eng_triangle *triangles = eng_trees_of(worker->scene)->triangles;
     worker->tally.leaf_pairs++;
     if (!(triangles[n->right].owns & triangles[m->right].owns & ENG_OWNS_FACE)) {
         mixed_pair(worker, n, m);
         return;
     }
-    if (near && near->kinds >> PCCD_EF & 1) {
+    if (may_cross(worker, n, m)) {
         features_against(worker, (enum pccd_kind)PCCD_EF, n, m);
         features_against(worker, (enum pccd_kind)PCCD_EF, m, n);
     }
-    if (near && !(near->kinds & 1u << PCCD_VF)) {
+    if (!wants_pairs(worker)) {
         return;
     }
     features_against(worker, PCCD_VF, n, m);

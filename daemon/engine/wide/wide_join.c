@@ -123,10 +123,11 @@ void eng_wide_join_at(struct eng_wide_join *join, const struct eng_wide *wide,
     for (uint32_t level = 0; level < ENG_WIDE_LEVELS_MAX; level++) {
         for (enum pccd_kind kind = 0; kind < COMMON_KIND_COUNT; kind++) {
             struct eng_join *job = &join->jobs[kind][level];
+            float growth = eng_near_growth_of(near, kind);
             job->end = near->end;
-            job->growth = near->growth;
+            job->growth = growth;
             for (int k = 0; k < 3; k++) {
-                job->cells[k] = cells_of(near->growth, wide->quantising.scale[k]);
+                job->cells[k] = cells_of(growth, wide->quantising.scale[k]);
             }
         }
     }

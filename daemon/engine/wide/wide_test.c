@@ -235,11 +235,13 @@ static void name_near(const struct eng_worker *worker, enum pccd_kind kind,
     }
 }
 
-/* The reach of a question in cells of the grid, rounded up; 0: there is no grid. */
-static float reach_of(const struct eng_worker *worker)
+/* The reach of a question for a kind in cells of the grid, rounded up; 0: there is no
+ * grid. */
+static float reach_of(const struct eng_worker *worker, uint32_t kind)
 {
     const struct eng_wide *wide = eng_wide_of(worker->scene);
-    double reach = worker->settings->near->reach_growth * wide->grid.scale;
+    float growth = kind == PCCD_EF ? 0 : worker->settings->near->reach_growth;
+    double reach = growth * wide->grid.scale;
     return eng_wide_has_marks(wide) && reach <= ENG_GRID_REACH ? eng_wide_cells_of(reach)
                                                                : 0;
 }
@@ -251,7 +253,7 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
 {
     struct eng_wide_work *work = eng_wide_work_of(worker);
     uint32_t count = chunk->count;
-    float reach = reach_of(worker);
+    float reach = reach_of(worker, kind);
     if (reach == 0 || eng_wide_is_of_free((enum pccd_kind)kind)) {
         return false;
     }
@@ -264,7 +266,7 @@ static bool sift_near(struct eng_worker *worker, uint32_t kind,
 /* What was found of the pairs of work->quads is known of their points from now on: a pair
  * that is farther apart than the bound of each of its own and any radii is not looked for
  * any more. */
-static void tell_marks(struct eng_worker *worker, uint32_t found)
+static void tell_marks(struct eng_worker *worker, enum pccd_kind kind, uint32_t found)
 {
     struct eng_wide *wide = eng_wide_of(worker->scene);
     const struct eng_distance_batch *batch = &eng_near_work_of(worker)->batch;
@@ -272,7 +274,7 @@ static void tell_marks(struct eng_worker *worker, uint32_t found)
     const struct eng_near_query *near = worker->settings->near;
     double scale = wide->frame_scale * wide->grid.scale;
     double radii = near->is_thick ? near->reach - near->distance : 0;
-    float reach = reach_of(worker);
+    float reach = reach_of(worker, kind);
     for (uint32_t i = 0; i < found && reach > 0; i++) {
         double known = batch->found[i].lo;
         if (radii > 0) { /* they are taken off lengths that are rounded down to 33 bits */
@@ -315,7 +317,7 @@ static void test_near(struct eng_worker *worker, enum pccd_kind kind,
         eng_near_test(worker, kind, wide->points, (const uint32_t(*)[4])work->quads,
                       chunk->count, is_sifted, name_near);
     if (work->sieves[kind].narrows) {
-        tell_marks(worker, found);
+        tell_marks(worker, kind, found);
     }
 }
 
@@ -455,7 +457,8 @@ void eng_wide_work_begin(struct eng_worker *worker)
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         work->sieves[kind] = eng_wide_sieve(eng_wide_of(worker->scene), kind);
-        work->sieves[kind].narrows = eng_near_narrows(worker->settings->near);
+        work->sieves[kind].narrows =
+            kind != PCCD_EF && eng_near_narrows(worker->settings->near);
     }
     for (uint32_t kind = 0; kind < COMMON_KIND_COUNT; kind++) {
         bool in_time = kind < PCCD_KIND_COUNT &&

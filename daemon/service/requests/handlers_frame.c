@@ -45,6 +45,8 @@ static void describe(const struct eng_step_result *step,
         .safe_step = step->safe_step,
         .inside = step->thick.inside,
         .crowded = step->thick.is_crowded,
+        .crossings = step->crossings,
+        .start_inside = step->start_inside,
         .hash_hi = step->hash[0],
         .hash_lo = step->hash[1],
         .threads = step->threads,
@@ -63,6 +65,7 @@ static struct eng_step_settings settings_of(struct srv_request *request)
     struct eng_step_settings settings =
         srv_frame_settings(request, &SRV_WANTED_OF(&request->params.FRAME_SUBMIT));
     settings.no_hash = request->session->service->write != NULL;
+    settings.tells_start = request->params.FRAME_SUBMIT.tells_start;
     return settings;
 }
 

@@ -46,8 +46,7 @@ static int choose_version(struct srv_call *call, uint32_t *version)
 static bool finds_place(struct srv_session *session, struct proto_error *error)
 {
     struct srv_service *service = session->service;
-    if (session->is_stranger ||
-        (session->came_when_full && srv_host_is_full(service))) {
+    if (session->is_stranger || (session->came_when_full && srv_host_is_full(service))) {
         return false;
     }
     return (session->came_when_full && srv_session_admit(session, error) == 0) ||
@@ -107,7 +106,7 @@ int srv_on_HELLO(struct srv_call *call)
         .features = PROTO_FEATURE_RESUME | PROTO_FEATURE_OBSERVE | PROTO_FEATURE_SHARED |
                     PROTO_FEATURE_JOURNAL | PROTO_FEATURE_HELD | PROTO_FEATURE_FILTERS |
                     PROTO_FEATURE_HASH_2 | PROTO_FEATURE_NEAR | PROTO_FEATURE_THICK |
-                    PROTO_FEATURE_FREE | PROTO_FEATURE_BATCH,
+                    PROTO_FEATURE_FREE | PROTO_FEATURE_BATCH | PROTO_FEATURE_TELLS,
         .epoch = service->epoch,
         .session = call->session->id,
         .pid = (uint32_t)getpid(),

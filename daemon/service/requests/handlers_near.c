@@ -126,7 +126,8 @@ static int compute_near(struct srv_request *request, struct eng_scene *engine)
                                          .distance = asked->distance,
                                          .gap = asked->gap,
                                          .end = asked->end,
-                                         .objects = {asked->object_a, asked->object_b}};
+                                         .objects = {asked->object_a, asked->object_b},
+                                         .tells_crossings = asked->tells_crossings};
     struct eng_near_result near = {.open_object = 0};
     scene->has_near = false; /* it takes the memory of the last one's records */
     atomic_store_explicit(&request->job.end_ns, settings.step.deadline_ns,

@@ -298,31 +298,39 @@ static void write_motion(uint8_t *to, const struct srv_scene *scene, choose_fn i
     }
 }
 
+/* What a step is asked for, but for its head. */
+struct asked {
+    struct proto_journal_separation separation;
+    bool tells_start;
+};
+
 /* NULL: nobody was to meet anybody. */
-static void note_separation(struct srv_journal *journal,
-                            const struct proto_journal_separation *at)
+static void note_asked(struct srv_journal *journal, const struct asked *asked)
 {
-    if (at == NULL || (at->separation == 0.0 && at->approach == 0.0)) {
+    if (asked != NULL && asked->tells_start) {
+        (void)append(journal, PROTO_JOURNAL_TELLS, 0, 0);
+    }
+    if (asked == NULL ||
+        (asked->separation.separation == 0.0 && asked->separation.approach == 0.0)) {
         return;
     }
-    uint8_t *to = append(journal, PROTO_JOURNAL_SEPARATION, 0, sizeof *at);
+    uint8_t *to = append(journal, PROTO_JOURNAL_SEPARATION, 0, sizeof asked->separation);
     if (to != NULL) {
-        memcpy(to, at, sizeof *at);
+        memcpy(to, &asked->separation, sizeof asked->separation);
     }
 }
 
 /* A step of the objects that are chosen, which were at the end `from`. */
 static void note_step(struct srv_journal *journal, const struct srv_scene *scene,
-                      struct proto_journal_step head,
-                      const struct proto_journal_separation *at, choose_fn is_chosen,
-                      unsigned from)
+                      struct proto_journal_step head, const struct asked *asked,
+                      choose_fn is_chosen, unsigned from)
 {
     uint64_t bytes = 0;
     head.segments = measure(scene, is_chosen, &bytes);
     if (head.segments == 0 && head.step == 0) {
         return; /* nothing that a reader could not do without */
     }
-    note_separation(journal, at);
+    note_asked(journal, asked);
     uint8_t *to = append(journal, PROTO_JOURNAL_STEP, 0, sizeof head + bytes);
     if (to != NULL) {
         memcpy(to, &head, sizeof head);
@@ -350,14 +358,15 @@ void srv_journal_step(struct srv_scene *scene,
                                       .mode = submit->mode,
                                       .method = submit->method,
                                       .threads = submit->threads};
-    const struct proto_journal_separation at = {submit->separation, submit->approach};
+    const struct asked asked = {{submit->separation, submit->approach},
+                                submit->tells_start};
     memcpy(head.tuning, submit->tuning, strnlen(submit->tuning, sizeof head.tuning));
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
         head.step = submit->place               ? 0
                     : journal->member == member ? submit->step
                                                 : number_of_held(taken, journal->member);
-        note_step(journal, scene, head, &at, was_moved, 0);
+        note_step(journal, scene, head, &asked, was_moved, 0);
     }
 }
 
@@ -394,7 +403,8 @@ void srv_journal_near(struct srv_scene *scene,
                                       .object_a = near->object_a,
                                       .object_b = near->object_b,
                                       .method = near->method,
-                                      .threads = near->threads};
+                                      .threads = near->threads,
+                                      .tells_crossings = near->tells_crossings};
     memcpy(head.tuning, near->tuning, strnlen(near->tuning, sizeof head.tuning));
     for (struct srv_journal *journal = scene->diaries; journal != NULL;
          journal = journal->next) {
