@@ -172,6 +172,42 @@ meets --thickness 0.25 t0.ply t1.ply && says '^safe step +0\.2(5|4999)' &&
     fails 2 rings check --rings 9 t0.ply t1.ply
 report "check has thickness, separation, approach and what rest excludes"
 
+# Surfaces that pass through each other from the first frame to the last have no contact:
+# if that were all that is said, they would be taken for free. Nothing of a box inside a
+# box passes through anything, and check says nothing of it (near --what depth does).
+stands() { # FILE SPIKE_Z
+    printf 'v %s\n' '-30 -30 0' '30 -30 0' '0 30 0' "0 0 $2" '1 0 6' '0 1 6' >"$1"
+    printf 'f %s\n' '1 2 3' '4 5 6' >>"$1"
+}
+stands crossed0.obj -2
+stands crossed1.obj -2
+stands crossed2.obj -1.5
+stands apart.obj 1
+boxes() { # SIZE
+    for low in 0 1; do
+        awk -v low=$low 'BEGIN { high = 4 - low; for (i = 0; i < 8; i++)
+            print "v", (i % 2 ? high : low), (int(i / 2) % 2 ? high : low), (i > 3 ? high : low) }'
+    done
+    for first in 1 9; do
+        awk -v first=$first 'BEGIN { n = split("021132456576014415236637042246135357", c, "")
+            for (i = 1; i <= n; i += 3) print "f", c[i] + first, c[i + 1] + first, c[i + 2] + first }'
+    done
+}
+boxes >boxes.obj
+meets crossed0.obj crossed1.obj && says '^begins +crossed 2 times: ' '^contacts +0: ' \
+    '^first at +the start, where it is crossed$' '^safe step +0$' && ! grep -q never out &&
+    meets --json crossed0.obj crossed1.obj && [ "$(json_value crossings)" = 2 ] &&
+    [ "$(json_value start_inside)" = 0 ] && says '"safe_step": 0\.0,' '"toi_first": null' &&
+    meets --mode any crossed0.obj crossed1.obj && says '^begins +crossed 2 ' '^contact +yes$' &&
+    meets --mode any --json --url direct: --method paper crossed0.obj crossed1.obj &&
+    says '"verdict": "yes"' && [ "$(json_value crossings)" = 2 ] &&
+    meets crossed0.obj crossed1.obj crossed2.obj && says 'crossed1.obj: 0 .*, begins crossed 2 times' &&
+    ctl check apart.obj apart.obj && says '^first at +never$' '^safe step +1$' && ! grep -q begins out &&
+    meets --approach 0.5 --separation 100 apart.obj apart.obj && says '^begins +inside 15 times' \
+        '^first at +the start, where it is inside' &&
+    ctl check boxes.obj boxes.obj && ! grep -q begins out
+report "check says how a step begins that is crossed or inside, and does not call it free"
+
 # A cloud of three points comes down on a triangle, a rod and a point, at R each: VF at
 # any distance, VE and VV where there is one.
 rods='v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 10 0 0\nv 11 0 0\nl 4 5\nv 20 0 0\np 6\n'
@@ -272,7 +308,7 @@ is_trace() {
         grep -q '"name":"frame.submit"' "$1" && grep -q '"args":{"name":"team 0"}' "$1"
 }
 meets --repeat 0 --method paper --trace trace.json s0.ply s1.ply && is_trace trace.json &&
-    [ "$(grep -c '"name":"unit"' trace.json)" = 79 ] &&
+    [ "$(grep -c '"name":"unit"' trace.json)" = 158 ] && # 79 of these: how it begins
     says '^trace +trace\.json: [0-9]+ events$' &&
     meets --repeat 0 --method paper --trace trace.json --events 10 s0.ply s1.ply &&
     says 'older ones were lost' &&

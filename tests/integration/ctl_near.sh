@@ -126,6 +126,31 @@ vf,vf,2,1,0,0,1,2,,0.5,0.5,1,0.25,0.25,0,0,1" && grep -q '^near  *1 nearest pair
     json total 1 gap 0.125 hash null
 report "nearest: one pair of two objects, within a distance or a gap"
 
+# Otherwise a spike through a floor would be as far away from it as their edges are, and
+# nothing would be wrong beside pairs and bounds.
+printf 'v %s\n' '-30 -30 0' '30 -30 0' '0 30 0' >wide.obj
+echo 'f 1 2 3' >>wide.obj
+printf 'v %s\n' '0 0 -2' '1 0 6' '0 1 6' >pierce.obj
+echo 'f 1 2 3' >>pierce.obj
+ctl near --what nearest --csv rows wide.obj pierce.obj && same "$head_row
+ef,,2,1,0,1,0,1,2,0,0,1,0.25,0,0,0,0" && grep -q '^distance  *0 to 0$' out &&
+    ctl near --distance 1 wide.obj pierce.obj && grep -q '^near  *0 pairs' out &&
+    grep -q '^crossings  *2$' out &&
+    ctl near --distance 1 --what vertices --json wide.obj pierce.obj && json crossings 2 &&
+    ctl near --distance 1 --what features --json wide.obj pierce.obj && json crossings 2 &&
+    ctl near --distance 1 --json floor.obj above.obj && json crossings 0
+report "what crosses is nearest, at 0, and counted beside pairs, features and vertices"
+
+# Otherwise the pairs of a file with itself would hide those of two files.
+{ cat above.obj; printf 'v %s\n' '0.25 0.25 4.25' '0.25 0.25 5' '0.375 0.25 5'; echo 'f 4 5 6'; } >two.obj
+ctl near --distance 0.5 --json floor.obj two.obj && json total 1 vf 1 && one=$(json_value total) &&
+    ctl near --distance 0.5 --json two.obj && own=$(json_value total) && [ "$own" -gt 0 ] &&
+    ctl near --distance 0.5 --self --json floor.obj two.obj && json total $((one + own)) &&
+    ctl near --distance 0.5 --what features --json floor.obj two.obj && json total 1 &&
+    ctl near --distance 0.5 --what vertices --csv rows floor.obj two.obj &&
+    grep -q '^2,3,0.25$' rows
+report "pairs of several files leave out each file's own, unless --self is given"
+
 # Otherwise what is inside would be taken for apart, or an open mesh for one with an inside.
 tetrahedron() { # HEIGHT
     printf 'v %s\n' "0 0 $1" "4 0 $1" "0 4 $1" "0.5 0.5 $(($1 + 4))"
@@ -149,7 +174,7 @@ awk 'BEGIN {
         printf "f %d %d %d\n", 3 * i + 1, 3 * i + 2, 3 * i + 3
     }
 }' >needles.obj
-ctl near --distance 2 --result-bytes 65536 --csv rows --json floor.obj needles.obj &&
+ctl near --distance 2 --self --result-bytes 65536 --csv rows --json floor.obj needles.obj &&
     json complete true && total=$(json_value total) && [ "$total" -gt 1024 ] &&
     [ "$(wc -l <rows)" -eq $((total + 1)) ] && [ "$(sort -u rows | wc -l)" -eq $((total + 1)) ]
 report "every page comes: more records than the shared memory holds"
@@ -234,6 +259,7 @@ fails 2 '--distance: "-1" is not a number from 0' near --distance -1 floor.obj &
     fails 2 '--what: "far"' near --what far floor.obj &&
     fails 2 '--gap is of --what nearest' near --distance 1 --gap 1 floor.obj &&
     fails 2 'crossings has no use' near --what crossings --distance 1 floor.obj &&
+    fails 2 '--self: nearest is of two objects' near --what nearest --self floor.obj above.obj &&
     fails 2 'one file at least' near --distance 1 &&
     fails 4 'missing.obj: cannot open' near --distance 1 missing.obj &&
     fails 3 '' near --distance 1 --socket "$dir/nobody" floor.obj

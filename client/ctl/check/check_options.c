@@ -135,5 +135,6 @@ struct pccd_step_settings check_step_settings(const struct check_options *option
     settings.method = options->ask.method;
     settings.tuning = options->ask.tuning;
     settings.deadline_ns = options->ask.deadline_ns;
+    settings.tells_start = true;
     return settings;
 }

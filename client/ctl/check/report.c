@@ -166,9 +166,42 @@ static const char *advice_of_thin(uint32_t what)
                                      : "See --rings and --rest-exclusion";
 }
 
+/* How the step begins, unless that is free. */
+static void print_start(FILE *to, const struct pccd_answer *answer)
+{
+    if (answer->crossings > 0) {
+        fprintf(to,
+                "begins     crossed %" PRIu64 " %s: edges pass through faces at t = 0\n",
+                answer->crossings, proto_plural(answer->crossings, "time", "times"));
+    }
+    if (answer->start_inside > 0) {
+        fprintf(to,
+                "begins     inside %" PRIu64 " %s: pairs are within their distance at "
+                "t = 0\n",
+                answer->start_inside,
+                proto_plural(answer->start_inside, "time", "times"));
+    }
+}
+
+static void print_first(FILE *to, const struct pccd_answer *answer)
+{
+    if (answer->toi_first < NO_TOI) {
+        fprintf(to, "first at   t = %.17g\n", answer->toi_first);
+    } else if (answer->crossings > 0) {
+        fputs("first at   the start, where it is crossed\n", to);
+    } else if (answer->start_inside > 0) {
+        fputs("first at   the start, where it is inside; nothing comes nearer than it "
+              "may\n",
+              to);
+    } else {
+        fputs("first at   never\n", to);
+    }
+}
+
 static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t what)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
+    print_start(to, answer);
     if (answer->mode == PCCD_MODE_ANY) {
         uint32_t verdict = (uint32_t)answer->verdict;
         fprintf(to, "contact    %s\n", verdict < 4 ? verdicts[verdict] : "unknown");
@@ -189,11 +222,7 @@ static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t w
         fprintf(to, "           %" PRIu64 " nearer than their distance from the start\n",
                 answer->inside);
     }
-    if (answer->toi_first < NO_TOI) {
-        fprintf(to, "first at   t = %.17g\n", answer->toi_first);
-    } else {
-        fputs("first at   never\n", to);
-    }
+    print_first(to, answer);
     fprintf(to, "safe step  %.17g\n", answer->safe_step);
     if (answer->crowded) {
         fprintf(to,
@@ -207,7 +236,8 @@ bool report_meets(const struct report_step *step)
 {
     const struct pccd_answer *answer = &step->answer;
     return answer->total > 0 || answer->verdict == PCCD_VERDICT_YES ||
-           answer->verdict == PCCD_VERDICT_POSSIBLE;
+           answer->verdict == PCCD_VERDICT_POSSIBLE ||
+           answer->crossings + answer->start_inside > 0;
 }
 
 /* How the threads shared the work. */
@@ -323,6 +353,14 @@ void report_print_line(FILE *to, uint32_t number, const struct report_step *step
     fprintf(to, ", %" PRIu64 " possible)", answer->possible);
     if (answer->toi_first < NO_TOI) {
         fprintf(to, ", first at %.9g", answer->toi_first);
+    }
+    if (answer->crossings > 0) {
+        fprintf(to, ", begins crossed %" PRIu64 " %s", answer->crossings,
+                proto_plural(answer->crossings, "time", "times"));
+    }
+    if (answer->start_inside > 0) {
+        fprintf(to, ", begins inside %" PRIu64 " %s", answer->start_inside,
+                proto_plural(answer->start_inside, "time", "times"));
     }
     if (!step->is_complete) {
         fprintf(to, ", INCOMPLETE: %s", why_incomplete(answer->incomplete));

@@ -70,7 +70,7 @@ void report_print_rest(FILE *to, double build_ms, const struct report_step *step
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
 
 /* Whether something meets in a step: it has a contact, or in mode pairs a pair, which may
- * be one. */
+ * be one; or it begins crossed or inside. */
 bool report_meets(const struct report_step *step);
 
 /* One JSON object: of one step, the step's values at the top; of several, their sums and

@@ -16,7 +16,7 @@
 
 #define DISTANCE_MAX 1e18
 
-enum { OPTION_DISTANCE = 256 + 64, OPTION_WHAT, OPTION_GAP, OPTION_CSV };
+enum { OPTION_DISTANCE = 256 + 64, OPTION_WHAT, OPTION_GAP, OPTION_SELF, OPTION_CSV };
 
 static const struct argp_option option_list[] = {
     {"distance", OPTION_DISTANCE, "D", 0,
@@ -32,6 +32,11 @@ static const struct argp_option option_list[] = {
      0},
     {"gap", OPTION_GAP, "G", 0,
      "nearest: end early, with a pair that is farther by at most G than the nearest", 0},
+    {"self", OPTION_SELF, 0, 0,
+     "pairs and features of several files: of each file with itself, too. Of one file "
+     "that "
+     "is the question, and what passes through what is asked of all of them",
+     0},
     {"csv", OPTION_CSV, "FILE", 0,
      "Write every record as CSV; - is the standard output, and the report then goes to "
      "the "
@@ -61,6 +66,13 @@ static void check_usage(const struct argp_state *state, struct near_options *opt
     if (!options->has_distance && what == PCCD_NEAR_NEAREST) {
         options->settings.distance = INFINITY;
     }
+    if (options->has_self && what == PCCD_NEAR_NEAREST) {
+        tool_misused(state, "--self: nearest is of two objects");
+    }
+    if (options->ask.path_count > 1 && !options->has_self && what <= PCCD_NEAR_FEATURES) {
+        options->ask.object.what |= PCCD_OBJECT_SELF;
+        options->ask.object.self_collision = false;
+    }
 }
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -78,6 +90,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case OPTION_GAP:
         settings->gap = ctl_option_real(state, "gap", text, 0.0, DISTANCE_MAX);
         options->has_gap = true;
+        break;
+    case OPTION_SELF:
+        options->has_self = true;
         break;
     case OPTION_WHAT:
         settings->what = (enum pccd_near_what)ctl_option_name(
@@ -105,6 +120,7 @@ struct pccd_near_settings near_options_settings(const struct near_options *optio
     settings.threads = options->ask.threads;
     settings.method = options->ask.method;
     settings.deadline_ns = options->ask.deadline_ns;
+    settings.tells_crossings = settings.what <= PCCD_NEAR_VERTICES;
     if (options->ask.tuning != NULL) {
         strcpy(settings.tuning, options->ask.tuning);
     }

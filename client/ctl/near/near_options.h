@@ -15,7 +15,7 @@
 struct near_options {
     struct ask_options ask;
     struct pccd_near_settings settings; /* PCCD_NEAR_SETTINGS_INIT before */
-    bool has_distance, has_gap;
+    bool has_distance, has_gap, has_self;
 };
 
 /* An argp child without a heading; its input is a struct near_options. */

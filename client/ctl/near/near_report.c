@@ -80,7 +80,7 @@ static void print_found(FILE *to, const struct near_run *near)
     if (what == PCCD_NEAR_CROSSINGS) {
         fprintf(to, "intersects %s\n", verdict_name(answer));
     }
-    if (what == PCCD_NEAR_CROSSINGS || what == PCCD_NEAR_DEPTH) {
+    if (what != PCCD_NEAR_NEAREST) {
         fprintf(to, "crossings  %" PRIu64 "\n", answer->crossings);
     }
     if (what == PCCD_NEAR_DEPTH) {
