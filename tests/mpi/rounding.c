@@ -9,11 +9,9 @@
  */
 #include <fenv.h>
 #include <stdio.h>
-#if defined(__x86_64__)
-#include <xmmintrin.h>
-#endif
 
 #include "pccd_mpi.h"
+#include "rounding.h"
 
 #define TRIANGLES 60u
 #define VERTICES  (3 * TRIANGLES)
@@ -39,7 +37,7 @@ static void stop(const char *what)
 static uint32_t flushes_now(void)
 {
 #if defined(__x86_64__)
-    return _mm_getcsr() & FLUSHES;
+    return common_rounding_now().sse & FLUSHES;
 #else
     return 0;
 #endif
@@ -52,7 +50,9 @@ static void take_way(int way)
 {
     (void)fesetround(directions[way]);
 #if defined(__x86_64__)
-    _mm_setcsr((_mm_getcsr() & ~FLUSHES) | (way == DIRECTIONS ? FLUSHES : 0));
+    struct common_rounding now = common_rounding_now();
+    now.sse = (now.sse & ~FLUSHES) | (way == DIRECTIONS ? FLUSHES : 0);
+    common_rounding_set(&now);
 #endif
 }
 
