@@ -21,6 +21,7 @@ libctl_la_SOURCES = \
     client/ctl/check/check_options.c client/ctl/check/check_options.h \
     client/ctl/check/check_run.c client/ctl/check/check_run.h \
     client/ctl/check/contacts_csv.c client/ctl/check/contacts_csv.h \
+    client/ctl/check/objects.c client/ctl/check/objects.h \
     client/ctl/check/player.c client/ctl/check/player.h \
     client/ctl/check/report.c client/ctl/check/report_json.c client/ctl/check/report.h \
     client/ctl/check/report_line.c client/ctl/check/report_line.h \

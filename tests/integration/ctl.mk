@@ -19,6 +19,7 @@ TESTS += tests/integration/ctl_record.sh
 dist_check_SCRIPTS += tests/integration/ctl_record.sh
 
 # What is near in the meshes of files.
-TESTS += tests/integration/ctl_near.sh tests/integration/ctl_see.sh tests/integration/ctl_sequence.sh
+TESTS += tests/integration/ctl_near.sh tests/integration/ctl_see.sh tests/integration/ctl_sequence.sh \
+    tests/integration/ctl_objects.sh
 dist_check_SCRIPTS += tests/integration/ctl_near.sh tests/integration/ctl_see.sh \
-    tests/integration/ctl_sequence.sh
+    tests/integration/ctl_sequence.sh tests/integration/ctl_objects.sh

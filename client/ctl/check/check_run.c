@@ -213,6 +213,7 @@ struct motion {
     const struct ctl_mesh *before, *after;
     const struct contacts_csv *csv;
     uint32_t number;
+    bool *is_counted; /* false: there was no memory for it */
 };
 
 /* Move to `after`; the first time from where the object stands, unless it stands
@@ -230,10 +231,15 @@ static int move_once(void *context, bool is_again, struct pccd_answer *answer)
                               after->format, after->vertex_count, &run->settings, answer);
 }
 
-static void write_page(void *context, const struct pccd_answer *page)
+static void show_page(void *context, const struct pccd_answer *page)
 {
     const struct motion *motion = context;
-    contacts_csv_page(motion->csv, motion->number, page);
+    struct objects *objects = motion->run->objects;
+    if (motion->csv->file != NULL) {
+        contacts_csv_page(motion->csv, motion->number, page);
+    }
+    *motion->is_counted =
+        *motion->is_counted && (objects == NULL || objects_count(objects, page));
 }
 
 int check_run_step(struct check_run *run, const struct ctl_mesh *before,
@@ -241,12 +247,19 @@ int check_run_step(struct check_run *run, const struct ctl_mesh *before,
                    const struct contacts_csv *csv, struct report_step *step,
                    struct ctl_error *error)
 {
-    struct motion motion = {run, before, after, csv, number};
+    bool is_counted = true;
+    struct motion motion = {run, before, after, csv, number, &is_counted};
+    bool is_shown = csv->file != NULL || run->objects != NULL;
     const struct check_ask ask = {.once = move_once,
-                                  .page = csv->file != NULL ? write_page : NULL,
+                                  .page = is_shown ? show_page : NULL,
                                   .failed = "the step failed",
                                   .context = &motion};
-    return check_run_repeat(run, &ask, number, step, error);
+    int status = check_run_repeat(run, &ask, number, step, error);
+    if (status != PCCD_OK || run->objects == NULL) {
+        return status;
+    }
+    return is_counted ? objects_take(run->objects, step, error)
+                      : ctl_error_set(error, PCCD_E_NOMEM, "no memory for objects");
 }
 
 int check_run_judge(const struct report_step *steps, uint32_t step_count, bool *is_free,

@@ -19,6 +19,7 @@
 #include "contacts_csv.h"
 #include "error.h"
 #include "meshfile.h"
+#include "objects.h"
 #include "pccd.h"
 #include "report.h"
 
@@ -32,6 +33,7 @@ struct check_run {
     struct pccd_edge *edges;   /* ours, of the registered mesh; NULL unless asked for */
     struct report_mesh mesh;   /* mesh.settings is the caller's */
     struct progress *progress; /* the caller's, of all runs of all steps; or NULL */
+    struct objects *objects; /* the caller's, or NULL: of each step, which ones meet */
     double *times; /* ours: [REPORT_PHASE_COUNT + 1][repeats], scratch for medians */
 };
 

@@ -9,8 +9,10 @@
 #include "contacts_csv.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 #include "kinds.h"
+#include "objects.h"
 #include "output.h"
 
 int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
@@ -20,8 +22,9 @@ int contacts_csv_open(struct contacts_csv *csv, struct ctl_error *error)
     if (status != PCCD_OK) {
         return status;
     }
-    fprintf(csv->file, "%skind,i0,i1,i2,i3,toi,toi_hi,proved\n",
-            csv->has_step ? "step," : "");
+    fprintf(csv->file, "%skind,i0,i1,i2,i3,toi,toi_hi,proved%s\n",
+            csv->has_step ? "step," : "",
+            csv->objects != NULL ? ",object_a,object_b" : "");
     return PCCD_OK;
 }
 
@@ -62,19 +65,49 @@ static void print_features(const struct contacts_csv *csv, uint32_t step, uint32
     }
 }
 
+/* A comma and a name, in quotes if it has what would end it. */
+static void print_name(FILE *file, const char *name)
+{
+    bool is_quoted = strpbrk(name, ",\"\r\n") != NULL;
+    fputs(is_quoted ? ",\"" : ",", file);
+    for (; *name != '\0'; name++) {
+        fputs(*name == '"' ? "\"" : "", file);
+        fputc(*name, file);
+    }
+    fputs(is_quoted ? "\"" : "", file);
+}
+
+static void end_record(const struct contacts_csv *csv, uint32_t kind, uint32_t a,
+                       uint32_t b)
+{
+    if (csv->objects != NULL && kind < PCCD_KIND_COUNT) {
+        const struct ctl_mesh *mesh = csv->objects->mesh;
+        const uint32_t *points = common_kinds[kind].points;
+        print_name(csv->file,
+                   report_object(mesh, objects_of(csv->objects, points[0], a)));
+        print_name(csv->file,
+                   report_object(mesh, objects_of(csv->objects, points[1], b)));
+    } else if (csv->objects != NULL) {
+        fputs(",,", csv->file);
+    }
+    fputc('\n', csv->file);
+}
+
 void contacts_csv_page(const struct contacts_csv *csv, uint32_t step,
                        const struct pccd_answer *page)
 {
     for (uint64_t i = 0; i < page->count && page->contacts != NULL; i++) {
         const struct pccd_contact *contact = &page->contacts[i];
         print_features(csv, step, contact->kind, contact->feature_a, contact->feature_b);
-        fprintf(csv->file, "%.17g,%.17g,%d\n", contact->toi, contact->toi_hi,
+        fprintf(csv->file, "%.17g,%.17g,%d", contact->toi, contact->toi_hi,
                 (contact->flags & PCCD_PROVED) != 0);
+        end_record(csv, contact->kind, contact->feature_a, contact->feature_b);
     }
     for (uint64_t i = 0; i < page->count && page->pairs != NULL; i++) {
         const struct pccd_pair *pair = &page->pairs[i];
         print_features(csv, step, pair->kind, pair->feature_a, pair->feature_b);
-        fputs(",,0\n", csv->file);
+        fputs(",,0", csv->file);
+        end_record(csv, pair->kind, pair->feature_a, pair->feature_b);
     }
 }
 

@@ -1,9 +1,9 @@
 /* client/ctl/check/contacts_csv.h - writes contacts as CSV (`pccdctl check --contacts
  * FILE`).
  *
- * Room:     client/ctl. May include: error.h, pccd.h.
+ * Room:     client/ctl. May include: error.h, objects.h, pccd.h.
  * Does:     write kind,i0,i1,i2,i3,toi,toi_hi,proved with vertex numbers from 0 in file
- *           order.
+ *           order, and the names of objects where the file has some.
  * Does not: read it back.
  * Threads:  one.
  * Source:   pccd_types.h for what feature numbers mean.
@@ -19,6 +19,8 @@
 #include "pccd.h"
 #include "whole_file.h"
 
+struct objects;
+
 /* The arrays are the caller's and stay as they are until close. */
 struct contacts_csv {
     const char *path; /* "-": the standard output */
@@ -27,6 +29,7 @@ struct contacts_csv {
     const uint32_t (*triangles)[3];
     const struct pccd_edge *edges;
     bool has_step; /* a first column "step" */
+    const struct objects *objects; /* NULL, or two last columns with their names */
 };
 
 /* Open and write the header. Errors: E_SYSTEM. */

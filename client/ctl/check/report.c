@@ -16,7 +16,8 @@
 #include "plural.h"
 #include "shown.h"
 
-#define NO_TOI 1.5 /* above any time; the daemon says 2 when there is no record */
+#define PAIRS_TOLD 10u
+#define NO_TOI     1.5 /* above any time; the daemon says 2 when there is no record */
 
 const char *const report_phase_names[REPORT_PHASE_COUNT] = {
 #define PHASE_NAME(name) #name,
@@ -240,6 +241,28 @@ bool report_meets(const struct report_step *step)
            answer->crossings + answer->start_inside > 0;
 }
 
+const char *report_object(const struct ctl_mesh *mesh, uint32_t object)
+{
+    return object < mesh->object_count ? mesh->objects[object].name : "";
+}
+
+void report_print_pairs(FILE *to, const struct report_mesh *mesh,
+                        const struct report_step *step)
+{
+    for (uint32_t i = 0; i < step->pair_count && i < PAIRS_TOLD; i++) {
+        const struct report_pair *pair = &step->pairs[i];
+        const struct ctl_mesh *shape = &mesh->files->mesh;
+        fprintf(to, "           \"%s\"", tool_shown(report_object(shape, pair->a)));
+        fprintf(to, ", \"%s\": %" PRIu64 "\n",
+                tool_shown(report_object(shape, pair->b)), pair->count);
+    }
+    if (step->pair_count > PAIRS_TOLD) {
+        uint32_t more = step->pair_count - PAIRS_TOLD;
+        fprintf(to, "           and %" PRIu32 " more %s of objects\n", more,
+                proto_plural(more, "pair", "pairs"));
+    }
+}
+
 /* How the threads shared the work. */
 static void print_sharing(FILE *to, const struct pccd_answer *answer)
 {
@@ -341,6 +364,11 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
             tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
     print_records(to, &step->answer, mesh->object_what);
+    if (step->pair_count > 0) {
+        fprintf(to, "between    %" PRIu32 " %s of objects\n", step->pair_count,
+                proto_plural(step->pair_count, "pair", "pairs"));
+        report_print_pairs(to, mesh, step);
+    }
     report_print_rest(to, mesh->build_ms, step);
 }
 

@@ -49,6 +49,13 @@ struct report_mesh {
     double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
 };
 
+/* Two objects of a mesh that meet, by their places in its objects, the lower one first;
+ * UINT32_MAX: what stands before the first one. */
+struct report_pair {
+    uint32_t a, b;
+    uint64_t count; /* records */
+};
+
 struct report_step {
     const char *from, *to; /* files */
     struct pccd_answer
@@ -58,6 +65,8 @@ struct report_step {
     double first_ms;  /* `step` of the first run, which warms up */
     double ms[REPORT_PHASE_COUNT]; /* medians of the timed runs */
     double round_trip_ms; /* the same, from submit to answer as the client sees it */
+    struct report_pair *pairs; /* whose free() is the caller's; NULL: no objects */
+    uint32_t pair_count;
 };
 
 /* For people: the mesh once, then each step, long or as one line. */
@@ -68,6 +77,11 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
  * times. */
 void report_print_rest(FILE *to, double build_ms, const struct report_step *step);
 void report_print_line(FILE *to, uint32_t number, const struct report_step *step);
+/* Which objects meet: at most 10 lines, and how many pairs there are more. */
+void report_print_pairs(FILE *to, const struct report_mesh *mesh,
+                        const struct report_step *step);
+/* The name of an object; "" before the first one. */
+const char *report_object(const struct ctl_mesh *mesh, uint32_t object);
 
 /* Whether something meets in a step: it has a contact, or in mode pairs a pair, which may
  * be one; or it begins crossed or inside. */

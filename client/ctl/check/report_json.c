@@ -153,6 +153,25 @@ bool report_json_end(json_t *object, bool ok, FILE *to)
     return ok;
 }
 
+/* Of the objects that meet, both names and how often. */
+static json_t *pairs_array(const struct report_mesh *mesh, const struct report_step *step,
+                           bool *ok)
+{
+    json_t *array = json_array();
+    for (uint32_t i = 0; i < step->pair_count; i++) {
+        const struct report_pair *pair = &step->pairs[i];
+        const struct ctl_mesh *shape = &mesh->files->mesh;
+        json_t *element = json_object();
+        set(element, "a", json_text(report_object(shape, pair->a)), ok);
+        set(element, "b", json_text(report_object(shape, pair->b)), ok);
+        set_count(element, "contacts", pair->count, ok);
+        if (json_array_append_new(array, element) != 0) {
+            *ok = false;
+        }
+    }
+    return array;
+}
+
 static void add_step(json_t *object, const struct report_mesh *mesh,
                      const struct report_step *step, bool *ok)
 {
@@ -176,6 +195,7 @@ static void add_step(json_t *object, const struct report_mesh *mesh,
     set(object, "crowded", json_boolean(answer->crowded), ok);
     set_count(object, "crossings", answer->crossings, ok);
     set_count(object, "start_inside", answer->start_inside, ok);
+    set(object, "objects", pairs_array(mesh, step, ok), ok);
     report_json_rest(object, mesh->build_ms, step, ok);
 }
 

@@ -95,8 +95,8 @@ const struct argp ctl_argp_check = {
     .doc =
         "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
         "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF (.glb) and have the same "
-        "faces; seq%d.obj names all that are numbered, and a point cache (.pc2, .mdd) has "
-        "the frames of the mesh file before it.\v"
+        "faces; seq%d.obj names all that are numbered, and a point cache (.pc2, .mdd) "
+        "has the frames of the mesh file before it.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
         "kind,i0,i1,i2,i3,toi,toi_hi,proved, after a column step when there are more "
         "than "
@@ -113,6 +113,7 @@ struct check {
     struct check_run run;
     struct contacts_csv csv;
     struct ctl_frames files;
+    struct objects objects;
     struct ctl_mesh frames[2]; /* before and after the step, by turns */
     struct report_step *steps; /* [files.count - 1] */
     struct progress progress;
@@ -159,6 +160,7 @@ static int walk(struct check *check, struct ctl_error *error)
         if (status == PCCD_OK && is_sequence && !options->ask.is_json) {
             progress_clear(&check->progress);
             report_print_line(check->report, i, step);
+            report_print_pairs(check->report, &check->run.mesh, step);
         }
     }
     progress_clear(&check->progress);
@@ -197,7 +199,15 @@ static int begin(struct check *check, struct ctl_error *error)
     run->mesh.settings = options->scene_settings;
     run->mesh.files = &check->files;
     run->mesh.object_what = options->ask.object.what;
-    int status = check_run_begin(run, &first, options->ask.csv != NULL, error);
+    bool has_objects = first.object_count > 0;
+    int status =
+        check_run_begin(run, &first, options->ask.csv != NULL || has_objects, error);
+    if (status == PCCD_OK && has_objects) {
+        run->objects = &check->objects;
+        check->csv.objects = &check->objects;
+        status = objects_init(&check->objects, &check->files.mesh, run->edges,
+                              run->mesh.info.edge_count, error);
+    }
     if (status == PCCD_OK && options->ask.csv != NULL) {
         check->csv.triangles = (const uint32_t(*)[3])check->files.mesh.triangles;
         check->csv.edges = run->edges;
@@ -284,6 +294,10 @@ static int run_check(const struct command *command)
     pccd_close(check.run.client);
     ctl_mesh_deinit(&check.frames[0]);
     ctl_mesh_deinit(&check.frames[1]);
+    for (uint32_t i = 0; check.steps != NULL && i + 1 < check.files.count; i++) {
+        free(check.steps[i].pairs);
+    }
+    objects_deinit(&check.objects);
     ctl_frames_close(&check.files);
     free(check.steps);
     return ask_end(status, is_free, &error, closed, &close_error);

@@ -1,0 +1,240 @@
+/* client/ctl/check/objects.c - records by the objects of a file.
+ *
+ * Room:     client/ctl.
+ * Does:     number vertices and edges by the object that has them first.
+ * Threads:  one.
+ * Source:   objects.h.
+ */
+#include "objects.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "kinds.h"
+
+#define PAIRS_MIN 64u /* of the table at first; a power of 2 */
+#define NO_OBJECT UINT32_MAX
+
+/* An edge by its two vertices, the lower one first. */
+struct place {
+    uint32_t low, high, number;
+};
+
+/* ---- the object of a feature ------------------------------------------------------- */
+
+/* The object of the triangle, edge or point (3, 2, 1 points) of that number in the
+ * file: the last one that begins there or before. */
+static uint32_t object_at(const struct ctl_mesh *mesh, uint32_t points, uint32_t number)
+{
+    uint32_t low = 0, high = mesh->object_count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        const struct ctl_mesh_object *object = &mesh->objects[middle];
+        uint32_t first = points == 3   ? object->triangle_first
+                         : points == 2 ? object->edge_first
+                                       : object->point_first;
+        if (first <= number) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low > 0 ? low - 1 : NO_OBJECT;
+}
+
+uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature)
+{
+    return points == 1   ? objects->of_vertex[feature]
+           : points == 2 ? objects->of_edge[feature]
+                         : object_at(objects->mesh, 3, feature);
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct place *left = a, *right = b;
+    return left->low != right->low     ? (left->low < right->low ? -1 : 1)
+           : left->high != right->high ? (left->high < right->high ? -1 : 1)
+                                       : 0;
+}
+
+/* A side from a to b is of this object, unless another one had it before. */
+static void take_side(const struct objects *objects, const struct place *places,
+                      uint32_t edge_count, const uint32_t ends[2], uint32_t object)
+{
+    const uint32_t a = ends[0], b = ends[1];
+    const struct place wanted = {.low = a < b ? a : b, .high = a < b ? b : a};
+    const struct place *place =
+        bsearch(&wanted, places, edge_count, sizeof *places, compare_places);
+    if (place != NULL && objects->of_edge[place->number] == NO_OBJECT) {
+        objects->of_edge[place->number] = object;
+    }
+}
+
+static void take_vertex(const struct objects *objects, uint32_t vertex, uint32_t object)
+{
+    if (objects->of_vertex[vertex] == NO_OBJECT) {
+        objects->of_vertex[vertex] = object;
+    }
+}
+
+static void number_features(const struct objects *objects, const struct place *places,
+                            uint32_t edge_count)
+{
+    const struct ctl_mesh *mesh = objects->mesh;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *corners = mesh->triangles[i];
+        uint32_t object = object_at(mesh, 3, i);
+        for (uint32_t k = 0; k < 3; k++) {
+            const uint32_t side[2] = {corners[k], corners[(k + 1) % 3]};
+            take_side(objects, places, edge_count, side, object);
+            take_vertex(objects, corners[k], object);
+        }
+    }
+    for (uint32_t i = 0; i < mesh->edge_count; i++) {
+        uint32_t object = object_at(mesh, 2, i);
+        take_side(objects, places, edge_count, mesh->edges[i], object);
+        take_vertex(objects, mesh->edges[i][0], object);
+        take_vertex(objects, mesh->edges[i][1], object);
+    }
+    for (uint32_t i = 0; i < mesh->point_count; i++) {
+        take_vertex(objects, mesh->points[i], object_at(mesh, 1, i));
+    }
+}
+
+int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
+                 const struct pccd_edge *edges, uint32_t edge_count,
+                 struct ctl_error *error)
+{
+    const size_t vertex_bytes = ((size_t)mesh->vertex_count + 1) * sizeof(uint32_t);
+    const size_t edge_bytes = ((size_t)edge_count + 1) * sizeof(uint32_t);
+    struct place *places = malloc(((size_t)edge_count + 1) * sizeof *places);
+    *objects = (struct objects){.mesh = mesh,
+                                .of_vertex = malloc(vertex_bytes),
+                                .of_edge = malloc(edge_bytes),
+                                .pairs = calloc(PAIRS_MIN, sizeof *objects->pairs),
+                                .capacity = PAIRS_MIN};
+    if (places == NULL || objects->of_vertex == NULL || objects->of_edge == NULL ||
+        objects->pairs == NULL) {
+        free(places);
+        return ctl_error_set(error, PCCD_E_NOMEM,
+                             "no memory for the objects of %" PRIu32 " edges",
+                             edge_count);
+    }
+    memset(objects->of_vertex, 0xff, vertex_bytes);
+    memset(objects->of_edge, 0xff, edge_bytes);
+    for (uint32_t i = 0; i < edge_count; i++) {
+        uint32_t a = edges[i].a, b = edges[i].b;
+        places[i] = (struct place){a < b ? a : b, a < b ? b : a, i};
+    }
+    qsort(places, edge_count, sizeof *places, compare_places);
+    number_features(objects, places, edge_count);
+    free(places);
+    return PCCD_OK;
+}
+
+/* ---- counting ---------------------------------------------------------------------- */
+
+/* Where a pair is in a table, or would be; a free place has no records. */
+static struct report_pair *find(struct report_pair *pairs, uint32_t capacity, uint32_t a,
+                                uint32_t b)
+{
+    uint64_t key = ((uint64_t)a << 32 | b) * 0x9e3779b97f4a7c15u;
+    uint32_t at = (uint32_t)(key >> 32) & (capacity - 1);
+    while (pairs[at].count > 0 && (pairs[at].a != a || pairs[at].b != b)) {
+        at = (at + 1) & (capacity - 1);
+    }
+    return &pairs[at];
+}
+
+static bool grow(struct objects *objects)
+{
+    uint32_t capacity = 2 * objects->capacity;
+    struct report_pair *grown = calloc(capacity, sizeof *grown);
+    if (grown == NULL) {
+        return false;
+    }
+    for (uint32_t i = 0; i < objects->capacity; i++) {
+        const struct report_pair *pair = &objects->pairs[i];
+        if (pair->count > 0) {
+            *find(grown, capacity, pair->a, pair->b) = *pair;
+        }
+    }
+    free(objects->pairs);
+    objects->pairs = grown;
+    objects->capacity = capacity;
+    return true;
+}
+
+static bool add(struct objects *objects, uint32_t kind, uint32_t feature_a,
+                uint32_t feature_b)
+{
+    if (kind >= PCCD_KIND_COUNT) {
+        return true; /* of a newer daemon */
+    }
+    const uint32_t *points = common_kinds[kind].points;
+    uint32_t a = objects_of(objects, points[0], feature_a);
+    uint32_t b = objects_of(objects, points[1], feature_b);
+    struct report_pair *pair =
+        find(objects->pairs, objects->capacity, a < b ? a : b, a < b ? b : a);
+    if (pair->count == 0) {
+        *pair = (struct report_pair){.a = a < b ? a : b, .b = a < b ? b : a, .count = 1};
+        objects->pair_count++;
+        return objects->pair_count <= objects->capacity / 2 || grow(objects);
+    }
+    pair->count++;
+    return true;
+}
+
+bool objects_count(struct objects *objects, const struct pccd_answer *page)
+{
+    bool ok = true;
+    for (uint64_t i = 0; i < page->count && page->contacts != NULL && ok; i++) {
+        const struct pccd_contact *contact = &page->contacts[i];
+        ok = add(objects, contact->kind, contact->feature_a, contact->feature_b);
+    }
+    for (uint64_t i = 0; i < page->count && page->pairs != NULL && ok; i++) {
+        const struct pccd_pair *pair = &page->pairs[i];
+        ok = add(objects, pair->kind, pair->feature_a, pair->feature_b);
+    }
+    return ok;
+}
+
+/* Most first, then in the order of the file. */
+static int compare_pairs(const void *a, const void *b)
+{
+    const struct report_pair *left = a, *right = b;
+    return left->count != right->count ? (left->count > right->count ? -1 : 1)
+           : left->a != right->a       ? (left->a < right->a ? -1 : 1)
+           : left->b != right->b       ? (left->b < right->b ? -1 : 1)
+                                       : 0;
+}
+
+int objects_take(struct objects *objects, struct report_step *step,
+                 struct ctl_error *error)
+{
+    struct report_pair *taken = malloc((objects->pair_count + 1u) * sizeof *taken);
+    if (taken == NULL) {
+        return ctl_error_set(error, PCCD_E_NOMEM, "no memory for the pairs of objects");
+    }
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < objects->capacity; i++) {
+        if (objects->pairs[i].count > 0) {
+            taken[count++] = objects->pairs[i];
+        }
+    }
+    qsort(taken, count, sizeof *taken, compare_pairs);
+    step->pairs = taken;
+    step->pair_count = count;
+    memset(objects->pairs, 0, objects->capacity * sizeof *objects->pairs);
+    objects->pair_count = 0;
+    return PCCD_OK;
+}
+
+void objects_deinit(struct objects *objects)
+{
+    free(objects->of_vertex);
+    free(objects->of_edge);
+    free(objects->pairs);
+    *objects = (struct objects){.mesh = NULL};
+}
