@@ -21,6 +21,7 @@ include $(top_srcdir)/tests/mpi/local.mk
 include $(top_srcdir)/tests/zoo/local.mk
 include $(top_srcdir)/tests/python/local.mk
 include $(top_srcdir)/tests/blender/local.mk
+include $(top_srcdir)/tests/files/local.mk
 include $(top_srcdir)/tests/inspect/local.mk
 include $(top_srcdir)/tests/docs/local.mk
 include $(top_srcdir)/tests/style/local.mk

@@ -1,0 +1,23 @@
+# tests/files/local.mk - files of real programs; each is skipped by name where it is not here.
+
+files_tests = tests/files/test_files_programs.sh
+TESTS += $(files_tests)
+dist_check_SCRIPTS += $(files_tests)
+dist_check_SCRIPTS += tests/files/make_files.sh tests/files/write_tools.sh
+EXTRA_DIST += \
+    tests/files/judge_files.py \
+    tests/files/package.json \
+    tests/files/scenes.py \
+    tests/files/write_blender.py \
+    tests/files/write_gltf.mjs \
+    tests/files/write_numpy.py \
+    tests/files/write_three.mjs
+
+# A row for each file in $PCCD_FILES, or of the programs that are here, and the sums.
+files-table: all
+	files="$${PCCD_FILES:-files}"; \
+	test -d "$$files" || $(srcdir)/tests/files/make_files.sh "$$files"; \
+	PCCDCTL=$(abs_builddir)/pccdctl PCCD_DAEMON=$(abs_builddir)/pccdd \
+	    python3 $(srcdir)/tests/files/judge_files.py --table "$$files/scenes/scenes.json" \
+	    $$(ls -d "$$files"/*-[0-9]*)
+.PHONY: files-table

@@ -1,0 +1,38 @@
+#!/bin/bash
+# test_files_programs.sh - what is said of files that real programs wrote is right (TAP).
+#
+# Room:     tests/files.
+# Does:     have the programs that are here write the scenes of scenes.py, or take those that
+#           $PCCD_FILES has, and compare what pccdctl says of each file with what is right. A
+#           program that is absent is skipped by name.
+# Needs:    PCCDCTL, top_srcdir and top_builddir, set by `make check`; programs as make_files.sh says.
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+files=${PCCD_FILES:-$work/files}
+export PYTHONDONTWRITEBYTECODE=1
+[ -n "${PCCD_FILES:-}" ] || "$top_srcdir/tests/files/make_files.sh" "$files" >"$work/made" 2>&1
+
+for program in admesh assimp blender gltf-pipeline gltf-transform gmsh meshio meshlab obj2gltf openscad three \
+    trimesh vtk; do
+    name=files__of_${program//-/_}_are_read_right
+    folders=$(compgen -G "$files/$program-[0-9]*") || {
+        tap_skip "$name" "no $program, or nothing that it wrote"
+        continue
+    }
+    # shellcheck disable=SC2086 # $folders is words on purpose
+    # If it failed, what this program writes would be read as something else, or not at all.
+    python3 "$top_srcdir/tests/files/judge_files.py" "$files/scenes/scenes.json" $folders \
+        >"$work/log" 2>&1
+    status=$?
+    if grep -q '^nothing was judged: none can be' "$work/log"; then
+        tap_skip "$name" "$(tail -1 "$work/log")"
+        continue
+    fi
+    tap_result $status "$name" "$work/log"
+done
+tap_end
