@@ -6,9 +6,11 @@
 
 python_module = \
     client/python/module/__init__.py \
+    client/python/module/__main__.py \
     client/python/module/answer.py \
     client/python/module/batch.py \
     client/python/module/client.py \
+    client/python/module/files.py \
     client/python/module/frame.py \
     client/python/module/library.py \
     client/python/module/memory.py \

@@ -3,6 +3,7 @@
 
 python_tests = \
     tests/python/test_python_client.sh \
+    tests/python/test_python_files.sh \
     tests/python/test_python_use.sh \
     tests/python/test_python_vtk.sh \
     tests/python/test_python_wheel.sh
@@ -12,6 +13,7 @@ EXTRA_DIST += \
     tests/python/check_abi.py \
     tests/python/check_arrays.py \
     tests/python/check_client.py \
+    tests/python/check_files.py \
     tests/python/check_link.py \
     tests/python/check_misuse.py \
     tests/python/check_batch.py \

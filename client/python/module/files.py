@@ -1,0 +1,233 @@
+"""files.py - meshes of the files that meshio reads, as files that pccdctl reads.
+
+Room:     client/python. Needs numpy and meshio.
+Does:     tell what a file's own header counts from what meshio gave, refuse by name what
+          meshio is known to lose, take the boundary of solid cells, write OBJ.
+Does not: cut polygons, which pccdctl does for all files by one rule; read what pccdctl
+          reads itself.
+Threads:  any.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import os
+import re
+import sys
+import xml.etree.ElementTree
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+
+# What pccdctl reads itself.
+NATIVE = (".ply", ".obj", ".stl", ".glb", ".gltf", ".pc2", ".mdd")
+# Of a solid cell its faces, by the places of their corners, outward.
+SOLIDS: Dict[str, Tuple[Tuple[int, ...], ...]] = {
+    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
+    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6),
+                   (0, 4, 7, 3)),
+    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (0, 2, 5, 3)),
+    "pyramid": ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3)),
+}
+HEAD_BYTES = 1 << 20  # of a file, where it says what it has
+
+
+class Refusal(Exception):
+    """Why a file is not read; begins with its name."""
+
+
+def is_native(path: str) -> bool:
+    """Whether pccdctl reads it."""
+    return path.lower().endswith(NATIVE)
+
+
+def _count(pattern: bytes, text: bytes) -> int:
+    return sum(int(number) for number in re.findall(pattern, text))
+
+
+def _judge_vtu(path: str, text: bytes) -> Tuple[int, int]:
+    pieces = len(re.findall(rb"<Piece[\s>]", text))
+    if pieces != 1:
+        raise Refusal(f"{path}: {pieces} pieces, of which meshio keeps the last one's "
+                      "cells; write it as one")
+    return (_count(rb'NumberOfPoints\s*=\s*"\s*(\d+)', text),
+            _count(rb'NumberOfCells\s*=\s*"\s*(\d+)', text))
+
+
+def _judge_vtk(path: str, text: bytes) -> Tuple[int, int]:
+    for lost in (b"TRIANGLE_STRIPS", b"DATASET POLYDATA"):
+        if re.search(rb"^" + lost + rb"\b", text, re.MULTILINE):
+            raise Refusal(f"{path}: {lost.decode()} of a legacy VTK file is not read; "
+                          "write PLY, or an unstructured grid")
+    points = re.search(rb"^POINTS\s+(\d+)", text, re.MULTILINE)
+    cells = re.search(rb"^CELL_TYPES\s+(\d+)", text, re.MULTILINE)
+    return (int(points[1]) if points else -1, int(cells[1]) if cells else -1)
+
+
+def _judge_xdmf(path: str, text: bytes) -> Tuple[int, int]:
+    for word, what in ((rb"<Time\b", "a time"), (rb"Temporal", "a series of times"),
+                       (rb"\bBaseOffset\b", "a BaseOffset"), (rb"\bSeek\b", "a Seek"),
+                       (rb'Endian\s*=\s*"(?!Little|Native)', "big-endian data"),
+                       (rb"xi:include", "an include"),
+                       (rb"\bReference\b", "a reference")):
+        if re.search(word, text):
+            raise Refusal(f"{path}: XDMF with {what} is not read, as meshio passes over "
+                          "it or ends; write a VTU file for each moment")
+    if len(re.findall(rb"<Grid[\s>]", text)) != 1:
+        raise Refusal(f"{path}: XDMF with several grids is not read")
+    cells = re.findall(rb'<Topology[^>]*NumberOfElements\s*=\s*"\s*(\d+)\s*"', text)
+    return -1, int(cells[0]) if len(cells) == 1 else -1
+
+
+_JUDGES = {".vtu": _judge_vtu, ".vtk": _judge_vtk, ".xdmf": _judge_xdmf,
+           ".xmf": _judge_xdmf}
+
+
+def _judge(path: str) -> Tuple[int, int]:
+    """What the file itself says: how many points and cells; -1: that is not known."""
+    ending = os.path.splitext(path)[1].lower()
+    if ending == ".fbx":
+        raise Refusal(f"{path}: FBX is not read; open it in Blender and export glTF "
+                      "(.glb), which pccdctl check reads, animations included")
+    try:
+        with open(path, "rb") as file:
+            text = file.read() if ending in (".vtk", ".vtu") else file.read(HEAD_BYTES)
+    except OSError as problem:
+        raise Refusal(f"{path}: cannot open: {problem.strerror}") from None
+    judge = _JUDGES.get(ending)
+    return judge(path, text) if judge is not None else (-1, -1)
+
+
+def _read(path: str) -> Any:
+    try:
+        meshio = importlib.import_module("meshio")
+    except ImportError:
+        raise Refusal(f"{path}: python3 has no meshio (Debian: python3-meshio), which "
+                      "reads such files") from None
+    said = io.StringIO()
+    try:
+        # It prints what it leaves out, and ends the program where it cannot go on.
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            mesh = meshio.read(path)
+    except (SystemExit, Exception) as problem:  # pylint: disable=broad-except
+        words = " ".join((said.getvalue() or str(problem) or repr(problem)).split())
+        raise Refusal(f"{path}: meshio does not read it: {words}") from None
+    if said.getvalue().strip():
+        words = " ".join(said.getvalue().split())
+        print(shown(f"{path}: meshio says: {words}"), file=sys.stderr)
+    return mesh
+
+
+def _boundary(cells: List[Tuple[str, Any]]) -> Tuple[List[Any], set[Tuple[int, ...]]]:
+    """The faces that one solid cell alone has, in the order of the cells."""
+    faces: Dict[Tuple[int, ...], Any] = {}
+    for kind, corners in cells:
+        for cell in corners.tolist():
+            for places in SOLIDS[kind]:
+                face = [cell[place] for place in places]
+                key = tuple(sorted(face))
+                faces[key] = None if key in faces else face
+    kept = {key: face for key, face in faces.items() if face is not None}
+    return list(kept.values()), set(kept)
+
+
+class Mesh:
+    """Points, and what is between them, as the lines of an OBJ file."""
+
+    def __init__(self, path: str):
+        points, cells = _judge(path)
+        mesh = _read(path)
+        self.path = path
+        self.points = np.asarray(mesh.points)
+        if self.points.ndim != 2 or self.points.shape[1] not in (2, 3):
+            raise Refusal(f"{path}: points of shape {self.points.shape}, where (n, 3) or "
+                          "(n, 2) is needed")
+        blocks = [(str(block.type), np.asarray(block.data)) for block in mesh.cells]
+        for what, said, got in (("points", points, len(self.points)),
+                                ("cells", cells, sum(len(data) for _, data in blocks))):
+            if said not in (-1, got):
+                raise Refusal(f"{path}: {said} {what} by the file itself, and meshio "
+                              f"gives {got}")
+        self.faces: List[Any] = []
+        self.lines: List[Any] = []
+        self.vertices: List[Any] = []
+        self._take(blocks)
+
+    def _take(self, blocks: List[Tuple[str, Any]]) -> None:
+        self.faces, known = _boundary([block for block in blocks if block[0] in SOLIDS])
+        for kind, data in blocks:
+            if kind in ("triangle", "quad") or re.fullmatch(r"polygon\d*", kind):
+                # A surface that is named beside its solid is that solid's boundary.
+                self.faces += [face for face in data.tolist()
+                               if not known or tuple(sorted(face)) not in known]
+            elif kind == "line":
+                self.lines += data.tolist()
+            elif kind == "vertex":
+                self.vertices += data.tolist()
+            elif kind not in SOLIDS:
+                raise Refusal(f"{self.path}: cells of the type {kind} are not read")
+
+    def write(self, path: str) -> None:
+        """As OBJ; every number as exact as it is."""
+        points = self.points.astype(np.float64)
+        if points.shape[1] == 2:
+            points = np.column_stack([points, np.zeros(len(points))])
+        with open(path, "w", encoding="ascii") as file:
+            file.writelines(map("v %.17g %.17g %.17g\n".__mod__,
+                                map(tuple, points.tolist())))
+            for letter, rows in (("f", self.faces), ("l", self.lines),
+                                 ("p", self.vertices)):
+                file.writelines(f"{letter} {' '.join(str(v + 1) for v in row)}\n"
+                                for row in rows)
+
+
+def shown(text: str) -> str:
+    """A name that cannot control a terminal, as pccdctl shows it."""
+    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda one: f"\\x{ord(one[0]):02x}", text)
+
+
+def _numbered(path: str) -> List[str]:
+    """The files of a pattern such as step%d.vtu, as pccdctl takes them; [] of others."""
+    folder, name = os.path.split(path)
+    found = re.findall(r"%(?:0[1-9]\d?)?d", name)
+    if len(found) != 1 or os.path.exists(path):
+        return []
+    head, tail = name.split(found[0])
+    if "%" in head + tail:  # not of the pattern, and not to be formatted
+        return []
+    try:
+        names = set(os.listdir(folder or "."))
+    except OSError as problem:
+        raise Refusal(f"{path}: cannot read the folder: {problem.strerror}") from None
+    fitting = re.compile(re.escape(head) + r"(\d{1,18})" + re.escape(tail))
+    numbers = sorted({int(match[1]) for match in map(fitting.fullmatch, names)
+                      if match is not None and name % int(match[1]) in names})
+    if not numbers:
+        raise Refusal(f"{path}: no file has such a name with a number")
+    for before, after in zip(numbers, numbers[1:]):
+        if after != before + 1:
+            raise Refusal(f"{path}: number {before + 1} is missing: there are {before} "
+                          f"and {after}")
+    return [os.path.join(folder, name % number) for number in numbers]
+
+
+def expand(path: str) -> List[str]:
+    """The files of a pattern or of the moments of a PVD, in their order; otherwise the
+    one that it is."""
+    if not is_native(path):
+        numbered = _numbered(path)
+        if numbered:
+            return numbered
+    if not path.lower().endswith(".pvd"):
+        return [path]
+    try:
+        sets = list(xml.etree.ElementTree.parse(path).iter("DataSet"))
+        made = [(float(one.get("timestep", "0")), one.get("file", "")) for one in sets]
+    except (OSError, ValueError, xml.etree.ElementTree.ParseError) as problem:
+        raise Refusal(f"{path}: no PVD: {problem}") from None
+    if not made or len({time for time, _ in made}) != len(made):
+        raise Refusal(f"{path}: {len(made)} files, where one for each moment is read")
+    folder = os.path.dirname(path)
+    return [os.path.join(folder, name) for _, name in sorted(made)]

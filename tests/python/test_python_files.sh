@@ -1,0 +1,29 @@
+#!/bin/bash
+# test_python_files.sh - python3 -m pccd check of files that meshio reads (TAP).
+#
+# Room:     tests/python.
+# Does:     run check_files.py with a Python that has meshio; without one, skip it by name.
+# Needs:    PCCD_DAEMON, PCCDCTL, top_srcdir and top_builddir, set by `make check`.
+set -u
+: "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCD_DAEMON:?}" "${PCCDCTL:?}"
+# shellcheck source=tests/support/tap.sh
+. "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+
+meshio=
+for candidate in "$python" /usr/bin/python3; do
+    if [ -n "$python" ] && [ -n "$candidate" ] &&
+        "$candidate" -c 'import numpy, meshio' 2>/dev/null; then
+        meshio=$candidate
+        break
+    fi
+done
+if [ -z "$meshio" ]; then
+    tap_skip check_files "no python3 with numpy and meshio (Debian: python3-meshio)"
+    tap_end
+    exit
+fi
+work=$(mktemp -d) || exit 99
+trap 'rm -rf "$work"' EXIT
+XDG_RUNTIME_DIR=$work timeout 300 "$meshio" "$top_srcdir/tests/python/tap.py" check_files
