@@ -12,12 +12,20 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 export OMPI_MCA_plm=isolated OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl=^tcp
 export OMPI_MCA_threads_pthreads_yield_strategy=nanosleep
 
+# What a rank says on its standard error goes past mpirun: that of Open MPI 5 may print a part of it
+# on the standard output.
 ranks() {
-    local count=$1
+    local count=$1 status=0 said
     shift
     case $PCCD_MPI in
     openmpi)
-        timeout -k 5 "$RANKS_SECONDS" "$MPIEXEC" --oversubscribe -n "$count" "$@"
+        said=$(mktemp "${TMPDIR:-/tmp}/pccd-ranks-XXXXXX") || return
+        # shellcheck disable=SC2016 # of the inner shell
+        timeout -k 5 "$RANKS_SECONDS" "$MPIEXEC" --oversubscribe -n "$count" \
+            sh -c 'said=$1; shift; exec "$@" 2>>"$said"' rank "$said" "$@" || status=$?
+        cat "$said" >&2
+        rm -f "$said"
+        return $status
         ;;
     mpich)
         timeout -k 5 "$RANKS_SECONDS" "$MPIEXEC" -n "$count" "$@"
