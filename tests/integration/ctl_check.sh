@@ -208,6 +208,20 @@ meets crossed0.obj crossed1.obj && says '^begins +crossed 2 times: ' '^contacts 
     ctl check boxes.obj boxes.obj && ! grep -q begins out
 report "check says how a step begins that is crossed or inside, and does not call it free"
 
+# A body that crosses itself in each of its frames: not one step of it is free, also those
+# that have no contact.
+kick=${PCCD_DATA:-}/kick
+title="check says of each step of a recorded body how often it begins crossed"
+if [ -e "$kick/kick.pc2" ] && [ -e "$kick/kick.obj" ]; then
+    ctl near --what crossings --json "$kick/kick.obj" && first=$(json_value crossings) &&
+        meets "$kick/kick.obj" "$kick/kick.pc2" &&
+        says "^ +1  .*, begins crossed $first times, " '^ +4  .*: 0 \(.*, begins crossed ' &&
+        [ "$(grep -cE ', begins crossed 49[0-9] times, ' out)" = 24 ]
+    report "$title"
+else
+    tap_skip "$title" "no kick in \$PCCD_DATA"
+fi
+
 # A cloud of three points comes down on a triangle, a rod and a point, at R each: VF at
 # any distance, VE and VV where there is one.
 rods='v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 10 0 0\nv 11 0 0\nl 4 5\nv 20 0 0\np 6\n'

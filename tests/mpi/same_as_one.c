@@ -503,6 +503,7 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
     if (a->total == b->total && memcmp(a->counts, b->counts, sizeof a->counts) == 0 &&
         a->possible == b->possible && a->initial == b->initial &&
         a->inside == b->inside && a->crowded == b->crowded &&
+        a->crossings == b->crossings && a->start_inside == b->start_inside &&
         same_double(a->toi_first, b->toi_first) &&
         same_double(a->safe_step, b->safe_step) && a->verdict == b->verdict &&
         a->incomplete == b->incomplete && memcmp(a->hash, b->hash, sizeof a->hash) == 0) {
@@ -511,11 +512,13 @@ static void compare_answers(const struct pccd_answer *a, const struct pccd_answe
     snprintf(text, sizeof text,
              "mode %d: total %" PRIu64 " and %" PRIu64 ", initial %" PRIu64
              " and %" PRIu64 ", inside %" PRIu64 " and %" PRIu64
-             ", crowded %d and %d, toi %.17g and %.17g"
+             ", crossings %" PRIu64 " and %" PRIu64 ", inside at first %" PRIu64
+             " and %" PRIu64 ", crowded %d and %d, toi %.17g and %.17g"
              ", safe %.17g and %.17g, verdict %d and %d, incomplete %d and %d"
              ", hash %016" PRIx64 " and %016" PRIx64,
              (int)a->mode, a->total, b->total, a->initial, b->initial, a->inside,
-             b->inside, a->crowded, b->crowded, a->toi_first, b->toi_first, a->safe_step,
+             b->inside, a->crossings, b->crossings, a->start_inside, b->start_inside,
+             a->crowded, b->crowded, a->toi_first, b->toi_first, a->safe_step,
              b->safe_step, (int)a->verdict, (int)b->verdict, (int)a->incomplete,
              (int)b->incomplete, a->hash[1], b->hash[1]);
     fail(text);
@@ -543,6 +546,7 @@ static struct pccd_step_settings choose_settings(void)
     settings.separation = chance(0.3) ? prng_between(&test.prng, 0, 0.02) : 0;
     settings.separation = fmin(settings.separation, test.farthest);
     settings.approach = chance(0.3) ? 0.5 : 0;
+    settings.tells_start = chance(0.3);
     settings.deadline_ns = chance(0.03) ? 1 : 0; /* it has passed at once */
     return settings;
 }
@@ -621,6 +625,7 @@ static struct pccd_near_settings choose_question(void)
     }
     settings.distance = fmin(settings.distance, test.farthest);
     settings.gap = settings.what == PCCD_NEAR_NEAREST && chance(0.1) ? 0.01 : 0;
+    settings.tells_crossings = chance(0.5);
     settings.end = chance(0.7);
     settings.method = chance(0.2) ? PCCD_METHOD_PAPER : PCCD_METHOD_DEFAULT;
     settings.threads = 1;

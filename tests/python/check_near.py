@@ -17,7 +17,8 @@ from support import TENT, TENT_TRIANGLES, Scene, dropped
 
 HEAD, CHUNK = struct.Struct("<8sII"), struct.Struct("<IHHQQQQQ")
 FEATURE_NEAR = 8
-FRAME, MOVE, TUNING, NEAR, NEAR_ANSWER, NEAR_RECORDS = 7, 18, 19, 20, 21, 22
+FRAME, MOVE, TUNING, NEAR, NEAR_ANSWER, NEAR_RECORDS, TELLS = 7, 18, 19, 20, 21, 22, 26
+FEATURE_TELLS = 64
 
 
 def chunks(path):
@@ -144,6 +145,37 @@ class Near(Case):
                              [1, 2])
             sizes = [len(payload) for kind, _, payload in found if kind == NEAR_RECORDS]
             self.assertEqual(sizes, [32 + 64, 32 + (2 if name else 1) * 6 * 8])
+
+    # If this failed, surfaces that pass through each other from the start would be taken
+    # for free, or a recording would not ask for what was told.
+    def test_near__tells_what_crosses(self):
+        floor = np.array([[-30, -30, 0], [30, -30, 0], [0, 30, 0]], np.float64)
+        spike = np.array([[0, 0, -2], [1, 0, 6], [0, 1, 6]], np.float64)
+        told = pccd.StepSettings("any", tells_start=True)
+        for name in (None, "crossed"):
+            client = self.connect()
+            with tempfile.TemporaryDirectory() as folder:
+                shared = {"name": name, "share": pccd.Share.OPEN} if name else {}
+                scene = client.scene_create(**shared)
+                client.record_start(f"{folder}/told.rec", contacts=True, level=-1)
+                for x in floor, spike:
+                    body = client.scene_add(scene, client.mesh_create(x, [[0, 1, 2]]))
+                with client.step_x1(scene, body, spike, told) as answer:
+                    self.assertEqual((answer.verdict, answer.crossings, answer.total,
+                                      answer.start_inside, answer.safe_step),
+                                     (pccd.Verdict.YES, 2, 0, 0, 0))
+                with client.step_x1(scene, body, spike) as answer:
+                    self.assertEqual((answer.crossings, answer.safe_step), (0, 1))
+                with client.near(scene, distance=1.0, tells_crossings=True) as answer:
+                    self.assertEqual((answer.total, answer.crossings), (0, 2))
+                with client.near(scene, "nearest") as answer:
+                    self.assertEqual(answer.near["kind"].tolist(), [pccd.NearKind.EF])
+                self.assertEqual(client.record_stop().status, 0)
+                features, found = chunks(f"{folder}/told.rec")
+            self.assertTrue(features & FEATURE_TELLS)
+            order = [kind for kind, *_ in found if kind in (FRAME, NEAR, TELLS)]
+            self.assertEqual(order, [TELLS, FRAME, FRAME, TELLS, NEAR, NEAR])
+            client.close()
 
     def move_by_near(self, client, scene):
         """Another member's question, which brings a tent of its own far away."""
