@@ -67,8 +67,8 @@ struct pccd_near_settings {
     char tuning[PCCD_TUNING_BYTES];
     uint32_t reserved;    /* 0 */
     bool tells_crossings; /* PAIRS, FEATURES, VERTICES: count the crossings, too. They are
-                             looked for by themselves, which costs up to half as much as
-                             the rest (bench/peers/NEAR.md). E_VERSION: the daemon is
+                             looked for by themselves, which adds half to two thirds of
+                             the work (bench/peers/NEAR.md). E_VERSION: the daemon is
                              older than this */
 };
 
