@@ -6,6 +6,7 @@ noinst_LTLIBRARIES += libctl.la
 # Everything but main, so that tests can link what they test.
 libctl_la_SOURCES = \
     client/ctl/array.c client/ctl/array.h \
+    client/ctl/base64.c client/ctl/base64.h \
     client/ctl/common.c client/ctl/ctl.h \
     client/ctl/completion.c client/ctl/completion.h \
     client/ctl/dispatch.c client/ctl/dispatch.h \
@@ -48,7 +49,6 @@ libctl_la_SOURCES = \
     client/ctl/commands/cmd_verify.c \
     client/ctl/commands/cmd_version.c \
     client/ctl/commands/cmd_watch.c \
-    client/ctl/export/base64.c client/ctl/export/base64.h \
     client/ctl/export/colour.c client/ctl/export/colour.h \
     client/ctl/export/gltf.c client/ctl/export/gltf.h \
     client/ctl/export/vtp.c client/ctl/export/vtp.h \
@@ -60,7 +60,13 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
     client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
-    client/ctl/mesh/glb.c \
+    client/ctl/mesh/gltf_accessor.c client/ctl/mesh/gltf_accessor.h \
+    client/ctl/mesh/gltf_animation.c client/ctl/mesh/gltf_animation.h \
+    client/ctl/mesh/gltf_file.c client/ctl/mesh/gltf_file.h \
+    client/ctl/mesh/gltf_mesh.c client/ctl/mesh/gltf_mesh.h \
+    client/ctl/mesh/gltf_motion.c \
+    client/ctl/mesh/gltf_node.c client/ctl/mesh/gltf_node.h \
+    client/ctl/mesh/gltf_scene.c client/ctl/mesh/gltf_scene.h \
     client/ctl/mesh/meshcut.c client/ctl/mesh/meshcut.h \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/meshmatch.c \

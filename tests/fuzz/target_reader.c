@@ -39,7 +39,7 @@ static const struct reader {
     const char *path;
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 } readers[2][2] = {{{"fuzz.ply", ctl_ply_parse}, {"fuzz.obj", ctl_obj_parse}},
-                   {{"fuzz.stl", ctl_stl_parse}, {"fuzz.glb", ctl_glb_parse}}};
+                   {{"fuzz.stl", ctl_stl_parse}, {"fuzz.glb", ctl_gltf_parse}}};
 
 void fuzz_reader(const uint8_t *data, size_t bytes)
 {
@@ -60,7 +60,7 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
     int status = reader->parse(&file, &mesh, &error);
     atomic_store(&fault_page->bytes_max, 0);
     /* A glTF may show one mesh in many places, and is refused more than it is worth. */
-    bool is_glb = reader->parse == ctl_glb_parse;
+    bool is_glb = reader->parse == ctl_gltf_parse;
     FUZZ_CHECK(is_glb || atomic_load(&fault_page->refused) == 0);
     FUZZ_CHECK(is_glb || status != PCCD_E_NOMEM || fuzz_scarcity_hits() > 0);
     if (status == PCCD_OK) {

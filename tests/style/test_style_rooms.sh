@@ -96,7 +96,7 @@ client/ctl check          . mesh
 client/ctl near           . mesh check
 client/ctl observe        . check
 client/ctl record         . mesh check
-client/ctl export         record
+client/ctl export         . record
 client/ctl inspect        . check record export
 client/ctl picture        . record export
 client/ctl commands       . mesh check near observe record export inspect picture

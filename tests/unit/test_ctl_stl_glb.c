@@ -233,7 +233,8 @@ static void glb__reads_what_a_node_shows(void **state)
         FILE_OF(",\"weights\":[0.5]", ",\"mode\":0,\"targets\":[{\"POSITION\":0}]", "4"));
     assert_int_equal(read_bytes("moved.glb", &mesh, &error), PCCD_OK);
     assert_int_equal(mesh.point_count, 4);
-    assert_true(((const float(*)[3])mesh.x)[1][0] == 1.5f);
+    x = mesh.x; /* not rounded to floats */
+    assert_true(x[1][0] == 1.5 && x[2][2] == (double).1f + .5 * (double).1f);
     ctl_mesh_deinit(&mesh);
 }
 
@@ -245,27 +246,21 @@ static void glb__names_what_it_does_not_read(void **state)
         int status;
         const char *message;
     } cases[] = {
-        {"{", PCCD_E_FORMAT, ": its JSON, byte "},
+        {"{", PCCD_E_FORMAT, ": its JSON, line 1, byte "},
         {"{}", PCCD_E_FORMAT, ": no vertices"},
-        {FILE_OF(",\"rotation\":[1,0,0,0]", "", "3"), PCCD_E_FORMAT,
-         ": node 0 is turned, scaled or has a matrix: apply that first"},
-        {FILE_OF(",\"scale\":[1,2,1]", "", "3"), PCCD_E_FORMAT, ": node 0 is turned"},
         {FILE_OF("", "", "0"), PCCD_E_FORMAT, ": no vertices"},
-        {FILE_OF("", ",\"indices\":1", "0"), PCCD_E_INDEX, ": index 2 of 0 vertices"},
-        {FILE_OF("", "", "4"), PCCD_E_FORMAT, ": 4 corners where 3 make a feature"},
-        {FILE_OF("", "", "5"), PCCD_E_FORMAT, ": accessor 0 goes beyond the file's data"},
-        {FILE_OF("", ",\"indices\":1", "3"), PCCD_E_INDEX, ": index 3 of 3 vertices"},
-        {FILE_OF("", ",\"indices\":0", "3"), PCCD_E_FORMAT,
-         ": accessor 0 has VEC3 of type 5126"},
-        {FILE_OF("", ",\"mode\":5", "3"), PCCD_E_FORMAT, ": a primitive of mode 5"},
-        {FILE_OF("", ",\"extensions\":{}", "3"), PCCD_E_FORMAT,
-         ": a primitive is compressed or extended"},
-        {FILE_OF("", ",\"indices\":7", "3"), PCCD_E_FORMAT,
-         ": accessor 7 is none that is read"},
+        {FILE_OF("", ",\"indices\":1", "0"), PCCD_E_INDEX,
+         ": accessor 1: index 0 is 2 of 0 vertices"},
+        {FILE_OF("", "", "5"), PCCD_E_FORMAT,
+         ": accessor 0: goes beyond bufferView 0, which has 48 bytes"},
+        {FILE_OF("", ",\"indices\":1", "3"), PCCD_E_INDEX,
+         ": accessor 1: index 2 is 3 of 3 vertices"},
+        {FILE_OF("", ",\"extensions\":{\"X_compression\":{}}", "3"), PCCD_E_FORMAT,
+         ": mesh 0, primitive 0: is compressed by \"X_compression\""},
         {FILE_OF(",\"translation\":[0,1e30,0]", "", "3"), PCCD_E_NOTFINITE,
          ": vertex 0: coordinate y is 1e+30; |x| <= 1e18 is needed"},
         {FILE_OF(",\"children\":[0]", "", "3"), PCCD_E_FORMAT,
-         ": node 0 is none of a tree"},
+         ": node 0: is below itself"},
     };
     struct ctl_mesh mesh;
     struct ctl_error error;

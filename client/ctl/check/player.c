@@ -48,7 +48,7 @@ static int read_frames(struct player *player, struct ctl_error *error)
 int player_read(struct player *player, const struct player_settings *settings,
                 struct ctl_error *error)
 {
-    const struct ctl_frames_options how = {.rate = 0};
+    const struct ctl_frames_options how = {.wish = {0}};
     player->settings = settings;
     int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
                                  &how, error);

@@ -20,11 +20,22 @@
 #include "shown.h"
 #include "trace_file.h"
 
-enum { OPTION_TRACE = 256 + 32, OPTION_MIN_US, OPTION_EVENTS };
+#define RATE_MIN   1e-6 /* frames a second */
+#define RATE_MAX   1e6
+#define NOTE_BYTES 512
+
+enum {
+    OPTION_TRACE = 256 + 32,
+    OPTION_MIN_US,
+    OPTION_EVENTS,
+    OPTION_RATE,
+    OPTION_ANIMATION
+};
 
 struct command {
     struct check_options check;
     struct trace_options trace;
+    struct ctl_frames_options frames;
 };
 
 static const struct argp_option option_list[] = {
@@ -35,6 +46,13 @@ static const struct argp_option option_list[] = {
     {"events", OPTION_EVENTS, "N", 0,
      "With --trace: keep the newest N events of each thread (default: 65536, or what "
      "fits)",
+     0},
+    {"rate", OPTION_RATE, "N", 0,
+     "Of a file that moves by itself, N frames a second (default: its keyframes)", 0},
+    {"animation", OPTION_ANIMATION, "NAME", 0,
+     "Of a glTF file, the animation of that name, or number from 0 (default: all at "
+     "once, "
+     "or the first one where two move the same thing)",
      0},
     {0},
 };
@@ -83,7 +101,17 @@ static error_t parse(int key, char *text, struct argp_state *state)
         check_usage(state, &command->trace);
         return 0;
     }
-    return parse_trace(key, text, state);
+    switch (key) {
+    case OPTION_RATE:
+        command->frames.wish.rate =
+            ctl_option_real(state, "rate", text, RATE_MIN, RATE_MAX);
+        return 0;
+    case OPTION_ANIMATION:
+        command->frames.wish.animation = text;
+        return 0;
+    default:
+        return parse_trace(key, text, state);
+    }
 }
 
 static const struct argp_child children[] = {
@@ -94,7 +122,7 @@ const struct argp ctl_argp_check = {
     .args_doc = "MESH_T0 MESH_T1 [MESH_T2...]",
     .doc =
         "Find every contact of a mesh that moves linearly from MESH_T0 to MESH_T1, then "
-        "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF (.glb) and have the same "
+        "to MESH_T2 and so on. Files are PLY, OBJ, STL or glTF and have the same "
         "faces; seq%d.obj names all that are numbered, and a point cache (.pc2, .mdd) "
         "has the frames of the mesh file before it.\v"
         "Without --url, --socket and $PCCD_URL a private daemon is started. CSV columns: "
@@ -110,6 +138,7 @@ const struct argp ctl_argp_check = {
 struct check {
     const struct check_options *options;
     const struct trace_options *tracing;
+    const struct ctl_frames_options *how;
     struct check_run run;
     struct contacts_csv csv;
     struct ctl_frames files;
@@ -218,13 +247,28 @@ static int begin(struct check *check, struct ctl_error *error)
     return status;
 }
 
+/* What a reader has to say of its frames. */
+static void print_notes(const struct check *check)
+{
+    FILE *to = check->options->ask.is_json ? stderr : check->report;
+    for (uint32_t i = 0; i < check->files.source_count; i++) {
+        const struct ctl_frames_source *source = &check->files.sources[i];
+        char text[NOTE_BYTES];
+        if (source->motion.note != NULL &&
+            source->motion.note(&source->motion, text, sizeof text)) {
+            fprintf(to, "note       %s: %s\n", tool_shown(source->path),
+                    tool_shown(text));
+        }
+    }
+}
+
 /* The two first frames are read before a daemon is asked for, so that a bad file costs
  * nothing else. */
 static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->ask;
-    const struct ctl_frames_options how = {.rate = 0};
-    int status = ctl_frames_open(&check->files, ask->paths, ask->path_count, &how, error);
+    int status =
+        ctl_frames_open(&check->files, ask->paths, ask->path_count, check->how, error);
     ctl_sequence_warn(&check->files.sequence);
     if (status == PCCD_OK && check->files.count < 2) {
         return ctl_error_set(error, PCCD_E_INVAL,
@@ -252,6 +296,7 @@ static int check_all(struct check *check, struct ctl_error *error)
     if (status == PCCD_OK && !ask->is_json) {
         report_print_mesh(check->report, &check->run.mesh);
     }
+    print_notes(check);
     return status != PCCD_OK ? status : walk_recorded(check, error);
 }
 
@@ -280,6 +325,7 @@ static int run_check(const struct command *command)
     struct ctl_error close_error = {.text = ""};
     struct check check = {.options = options,
                           .tracing = &command->trace,
+                          .how = &command->frames,
                           .report = ask_report_to(&options->ask)};
     bool is_free = false;
     int status = check_all(&check, &error), closed;

@@ -2,7 +2,7 @@
  *
  * Room:     client/ctl.
  * Does:     tells the format, holds the arrays or a part of them.
- * Does not: parse; see ply.c, obj.c, stl.c and glb.c; compare frames (meshmatch.c).
+ * Does not: parse (ply.c, obj.c, stl.c, gltf_motion.c); compare frames (meshmatch.c).
  * Threads:  [any]; nothing is shared.
  * Source:   meshfile.h.
  */
@@ -59,11 +59,13 @@ static const struct format {
     int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
     /* Of a kind that may have several frames; NULL: it has one. Without a parse, it has
      * positions alone, and leaves `mesh` as it is. */
-    int (*open_motion)(const char *path, double rate, struct ctl_mesh *mesh,
-                       struct ctl_motion *motion, struct ctl_error *error);
+    int (*open_motion)(const char *path, const struct ctl_motion_wish *wish,
+                       struct ctl_mesh *mesh, struct ctl_motion *motion,
+                       struct ctl_error *error);
 } formats[] = {
     {".ply", has_ply_magic, ctl_ply_judge, false, ctl_ply_parse, NULL},
-    {".glb", has_glb_magic, ctl_glb_judge, true, ctl_glb_parse, NULL},
+    {".glb", has_glb_magic, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
+    {".gltf", NULL, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
     {".obj", NULL, judge_obj, false, ctl_obj_parse, NULL},
     {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse, NULL},
     {".pc2", has_pc2_magic, NULL, false, NULL, ctl_pc2_open},
@@ -121,10 +123,11 @@ enum ctl_mesh_holds ctl_mesh_holds(const char *path)
                                                          : CTL_HOLDS_POSITIONS;
 }
 
-int ctl_mesh_open_motion(const char *path, double rate, struct ctl_mesh *mesh,
-                         struct ctl_motion *motion, struct ctl_error *error)
+int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
+                         struct ctl_mesh *mesh, struct ctl_motion *motion,
+                         struct ctl_error *error)
 {
-    return format_of_path(path)->open_motion(path, rate, mesh, motion, error);
+    return format_of_path(path)->open_motion(path, wish, mesh, motion, error);
 }
 
 /* NULL, with an error: none that is known. */
@@ -133,10 +136,11 @@ static const struct format *format_of(const struct ctl_file *file,
 {
     const struct format *format = find_format(file);
     if (format == NULL) {
-        (void)ctl_error_set(error, PCCD_E_FORMAT,
-                            "%s: neither PLY (first line \"ply\") nor glTF (first word "
-                            "\"glTF\") nor a name ending in .ply, .obj, .stl or .glb",
-                            file->path);
+        (void)ctl_error_set(
+            error, PCCD_E_FORMAT,
+            "%s: neither PLY (first line \"ply\") nor glTF (first word "
+            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf",
+            file->path);
     } else if (format->parse == NULL) {
         (void)ctl_error_set(error, PCCD_E_FORMAT,
                             "%s has positions alone: name the mesh file with its faces "

@@ -3,7 +3,7 @@
  * Room:     client/ctl. May include: error.h, motion.h, text.h,
  *           pccd_types.h.
  * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
- *           binary glTF; polygons are cut into triangles (polygon.h). Edges and points by
+ *           glTF; polygons are cut into triangles (polygon.h). Edges and points by
  *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
  *           of a PLY without faces and edges all vertices are points.
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
@@ -77,7 +77,7 @@ struct ctl_mesh {
 };
 
 /* Read `path`; the kind is told by the first bytes "ply" or "glTF", else by the ending
- * .ply, .obj, .stl or .glb.
+ * .ply, .obj, .stl, .glb or .gltf.
  * A mesh has at least one vertex and one triangle, edge or point, finite coordinates and
  * valid indices.
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
@@ -91,9 +91,9 @@ int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_erro
 int ctl_mesh_read_like(const char *path, const struct ctl_mesh *first,
                        const char *first_path, struct ctl_mesh *mesh,
                        struct ctl_error *error);
-/* As ctl_mesh_read, and keep piece `number` of `count` of it. Of PLY and OBJ no more than
- * that is ever in memory, beside a window of the file; of the others all, for a while. All
- * of the file is judged. */
+/* As ctl_mesh_read, and keep piece `number` of `count` of it. Of PLY and OBJ no more
+ * than that is ever in memory, beside a window of the file; of the others all, for a
+ * while. All of the file is judged. */
 int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
                        struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
@@ -109,11 +109,11 @@ enum ctl_mesh_holds {
     CTL_HOLDS_POSITIONS, /* of frames, and no faces */
 };
 enum ctl_mesh_holds ctl_mesh_holds(const char *path);
-/* Open a file that does not hold a mesh alone: its frames, `rate` of them a second (0: as
- * it has them), and its shape to `mesh`, which is empty, if it has one. Errors: those of
- * its reader. */
-int ctl_mesh_open_motion(const char *path, double rate, struct ctl_mesh *mesh,
-                         struct ctl_motion *motion, struct ctl_error *error);
+/* Open a file that does not hold a mesh alone: its frames, those that are wished for, and
+ * its shape to `mesh`, which is empty, if it has one. Errors: those of its reader. */
+int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
+                         struct ctl_mesh *mesh, struct ctl_motion *motion,
+                         struct ctl_error *error);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
@@ -155,14 +155,24 @@ int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error 
 int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_glb_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
-int ctl_glb_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-/* Point caches have positions alone, and leave `mesh` as it is; they have no `rate`. Of a
- * file a piece of 64 KiB is in memory, of a pipe all. Where the size is not that of the
- * header, the text names both. */
-int ctl_pc2_open(const char *path, double rate, struct ctl_mesh *mesh,
-                 struct ctl_motion *motion, struct ctl_error *error);
-int ctl_mdd_open(const char *path, double rate, struct ctl_mesh *mesh,
-                 struct ctl_motion *motion, struct ctl_error *error);
+int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
+int ctl_gltf_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
+/* All frames of a glTF file: `mesh` gets the shape, the names of the nodes as objects,
+ * and the positions of the first one, in the format of `motion`. What does not move is
+ * one frame, float if that is exact; else they are double. Without a wish for one all
+ * animations that move a mesh are played at once, if no two of them move the same
+ * thing; else the first of them. E_INVAL: there is no animation that is wished for. */
+int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
+                  struct ctl_mesh *mesh, struct ctl_motion *motion,
+                  struct ctl_error *error);
+/* Point caches have positions alone, and leave `mesh` as it is; nothing is wished for
+ * of them. Of a file a piece of 64 KiB is in memory, of a pipe all. Where the size is
+ * not that of the header, the text names both. */
+int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_mesh *mesh, struct ctl_motion *motion,
+                 struct ctl_error *error);
+int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_mesh *mesh, struct ctl_motion *motion,
+                 struct ctl_error *error);
 
 #endif

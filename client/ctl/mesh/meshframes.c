@@ -48,7 +48,7 @@ static int add_cache(struct ctl_frames *frames, const char *path, const char *me
                              "before it",
                              path);
     }
-    int status = ctl_mesh_open_motion(path, options->rate, NULL, &motion, error);
+    int status = ctl_mesh_open_motion(path, &options->wish, NULL, &motion, error);
     if (status == PCCD_OK) {
         add_source(frames, path, &motion);
     }
@@ -66,7 +66,7 @@ static int add_mesh_file(struct ctl_frames *frames, const char *path,
     struct ctl_mesh shape = {0};
     int status = PCCD_OK;
     if (holds == CTL_HOLDS_BOTH) {
-        status = ctl_mesh_open_motion(path, options->rate, &shape, &motion, error);
+        status = ctl_mesh_open_motion(path, &options->wish, &shape, &motion, error);
         ctl_mesh_deinit(&shape);
     }
     if (status == PCCD_OK && motion.read != NULL && motion.frame_count == 1) {

@@ -19,7 +19,7 @@
 #include "sequence.h"
 
 struct ctl_frames_options {
-    double rate; /* of a file that moves by itself: frames a second; 0: as it has them */
+    struct ctl_motion_wish wish; /* of a file that moves by itself */
 };
 
 /* A file, and the frames that come from it. */

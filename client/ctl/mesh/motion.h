@@ -9,11 +9,18 @@
 #ifndef CTL_MOTION_H
 #define CTL_MOTION_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "error.h"
 #include "pccd_types.h"
+
+/* What is wanted of a file whose frames are not numbered; of others nothing. */
+struct ctl_motion_wish {
+    double rate;           /* frames a second, finite and > 0; 0: at its keyframes */
+    const char *animation; /* its name, or number from 0; NULL: what the reader chooses */
+};
 
 /* Filled by whoever opens the file; then close() ends it. */
 struct ctl_motion {
@@ -29,6 +36,9 @@ struct ctl_motion {
     /* Which frame that is in the file's own words, such as "frame 3" or "0.25 s". */
     void (*name)(const struct ctl_motion *motion, uint32_t frame, char *text,
                  size_t bytes);
+    /* What a user should know of these frames, a sentence or two; false: nothing. NULL:
+     * there never is. */
+    bool (*note)(const struct ctl_motion *motion, char *text, size_t bytes);
     void (*close)(struct ctl_motion *motion);
 };
 

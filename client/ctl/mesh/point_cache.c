@@ -229,18 +229,20 @@ static int open_cache(const char *path, bool is_mdd, struct ctl_motion *motion,
     return status;
 }
 
-int ctl_pc2_open(const char *path, double rate, struct ctl_mesh *mesh,
-                 struct ctl_motion *motion, struct ctl_error *error)
+int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_mesh *mesh, struct ctl_motion *motion,
+                 struct ctl_error *error)
 {
-    (void)rate;
+    (void)wish;
     (void)mesh;
     return open_cache(path, false, motion, error);
 }
 
-int ctl_mdd_open(const char *path, double rate, struct ctl_mesh *mesh,
-                 struct ctl_motion *motion, struct ctl_error *error)
+int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_mesh *mesh, struct ctl_motion *motion,
+                 struct ctl_error *error)
 {
-    (void)rate;
+    (void)wish;
     (void)mesh;
     return open_cache(path, true, motion, error);
 }

@@ -1,14 +1,14 @@
-/* client/ctl/export/base64.c - bytes as text.
+/* client/ctl/base64.c - bytes as text.
  *
  * Room:     client/ctl.
- * Does:     three bytes become four characters.
- * Does not: decode.
+ * Does:     three bytes become four characters, and four characters three bytes.
  * Threads:  [any].
  * Source:   base64.h.
  */
 #include "base64.h"
 
 #include <stdint.h>
+#include <string.h>
 
 #define GROUPS 1024 /* written at once */
 
@@ -36,4 +36,33 @@ bool base64_write(const void *bytes, size_t count, FILE *to)
         }
     }
     return fwrite(text, 1, used, to) == used;
+}
+
+bool base64_read(const char *text, size_t count, void *bytes, size_t *byte_count)
+{
+    int8_t value_of[256];
+    uint8_t *to = bytes;
+    uint32_t word = 0;
+    memset(value_of, -1, sizeof value_of);
+    for (int8_t i = 0; i < 64; i++) {
+        value_of[(uint8_t)digits[i]] = i;
+    }
+    for (int pad = 0; pad < 2 && count > 0 && text[count - 1] == '='; pad++) {
+        count--;
+    }
+    if (count % 4 == 1) {
+        return false;
+    }
+    for (size_t i = 0; i < count; i++) {
+        int value = value_of[(uint8_t)text[i]];
+        if (value < 0) {
+            return false;
+        }
+        word = word << 6 | (uint32_t)value;
+        if (i % 4 > 0) {
+            *to++ = (uint8_t)(word >> (6 - 2 * (i % 4)));
+        }
+    }
+    *byte_count = (size_t)(to - (uint8_t *)bytes);
+    return true;
 }
