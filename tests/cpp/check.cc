@@ -97,6 +97,28 @@ void check_step(pccd::client &client)
     tell(thick->initial > 0 && thick->safe_step == 0, "radius__is_of_the_next_step");
 }
 
+// If one failed, surfaces that pass through each other from the start would be taken for
+// free.
+void check_crossed(pccd::client &client)
+{
+    const std::vector<vec3> spiked = {{-30, -30, 0}, {30, -30, 0}, {0, 30, 0},
+                                      {0, 0, -2},    {1, 0, 6},    {0, 1, 6}};
+    pccd::scene scene = client.make_scene();
+    pccd::mesh mesh = client.make_mesh({spiked, faces});
+    pccd::object object = scene.add(mesh);
+    pccd::step_settings settings;
+    settings.mode = PCCD_MODE_ANY;
+    const pccd::answer plain = scene.step(pccd::to(object, spiked), settings);
+    settings.tells_start = true;
+    const pccd::answer told = scene.step(pccd::to(object, spiked), settings);
+    tell(plain->verdict == PCCD_VERDICT_NO && told->verdict == PCCD_VERDICT_YES &&
+             told->crossings == 2 && told->start_inside == 0 && told->safe_step == 0,
+         "step__tells_that_it_begins_crossed");
+    pccd::near_settings near(PCCD_NEAR_PAIRS, 1);
+    near.tells_crossings = true;
+    tell(scene.near(near)->crossings == 2, "near__tells_what_crosses");
+}
+
 // If one failed, many small worlds would be told another thing than each by itself.
 void check_batch(pccd::client &client)
 {
@@ -316,6 +338,7 @@ void check_motions(pccd::client &client)
 void check_all(pccd::client client)
 {
     check_step(client);
+    check_crossed(client);
     check_batch(client);
     check_positions(client);
     check_ownership(client);
