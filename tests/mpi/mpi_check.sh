@@ -42,7 +42,7 @@ if [ "${PCCD_MPI:-no}" = no ]; then
         tap_skip "mpi__mistake_${mistake}_is_told_to_all_ranks" "no --with-mpi"
     done
     tap_skip mpi__answers_do_not_show_how_ranks_round "no --with-mpi"
-    for name in files missing_file usage $scenes; do
+    for name in files numbered_files missing_file usage $scenes; do
         tap_skip "mpi__check_of_${name}_says_what_pccdctl_says" "no --with-mpi"
     done
     tap_skip mpi__work_lies_evenly_on_four_ranks "no --with-mpi"
@@ -194,6 +194,16 @@ if [ $status -eq 0 ]; then
     status=$?
 fi
 tap_result $status mpi__check_of_files_says_what_pccdctl_says "$log"
+
+# If it failed, a pattern would be a file that is not there; or of a cache one frame would be read.
+mkdir "$work/many" && cp "$work/f0.ply" "$work/many/s9.ply" && cp "$work/f1.ply" "$work/many/s10.ply" &&
+    cp "$work/f2.ply" "$work/many/s11.ply" && printf 'POINTCACHE2\0' >"$work/a.pc2" &&
+    same_report pattern 2 "$work/many/s%d.ply" && grep -q 's9.ply' "$work/ranks.json" &&
+    { ranks 2 "$top_builddir/pccd-mpi" check "$work/f0.ply" "$work/a.pc2" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
+    grep -q 'a.pc2 has several frames: ranks read a file for each' "$log" && rm "$work"/many/s1?.ply &&
+    { ranks 2 "$top_builddir/pccd-mpi" check "$work/many/s%d.ply" >"$work/out" 2>"$log"; [ $? -eq 4 ]; } &&
+    grep -q 's9.ply is one frame: a step has two' "$log"
+tap_result $? mpi__check_of_numbered_files_says_what_pccdctl_says "$log"
 
 # A box whose corners are at LOW and HIGH along each axis.
 box() { # LOW HIGH

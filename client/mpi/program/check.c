@@ -23,6 +23,7 @@
 #include "part.h"
 #include "pccd_mpi.h"
 #include "process_status.h"
+#include "sequence.h"
 #include "shown.h"
 #include "together.h"
 
@@ -389,6 +390,76 @@ static int run_check(const struct mpi_options *options)
     return status;
 }
 
+/* Whether a file is one frame: parts of others are not read. */
+static int judge_file(const char *path, struct ctl_error *error)
+{
+    enum ctl_mesh_holds holds = ctl_mesh_holds(path);
+    struct ctl_motion motion = {.frame_count = 1};
+    struct ctl_mesh shape = {0};
+    int status = PCCD_OK;
+    if (holds == CTL_HOLDS_BOTH) {
+        status = ctl_mesh_open_motion(path, 0, &shape, &motion, error);
+    }
+    bool has_more = holds == CTL_HOLDS_POSITIONS || motion.frame_count > 1;
+    if (status == PCCD_OK && motion.close != NULL) {
+        motion.close(&motion);
+    }
+    ctl_mesh_deinit(&shape);
+    return status != PCCD_OK || !has_more
+               ? status
+               : ctl_error_set(error, PCCD_E_FORMAT,
+                               "%s has several frames: ranks read a file for each; "
+                               "pccdctl check reads it",
+                               path);
+}
+
+/* The files of the frames. Every rank looks for itself, and has as many. */
+static int list_files(const struct ask_options *ask, struct ctl_sequence *files,
+                      struct ctl_error *error)
+{
+    int status = ctl_sequence_expand(files, ask->paths, ask->path_count, error);
+    for (uint32_t i = 0; i < files->count && status == PCCD_OK; i++) {
+        status = judge_file(files->paths[i], error);
+    }
+    if (status == PCCD_OK && files->count < 2) {
+        status = ctl_error_set(error, PCCD_E_INVAL,
+                               "%s is one frame: a step has two, before and after it",
+                               files->paths[0]);
+    }
+    status = together_agree(status, error);
+    uint32_t count = files->count;
+    together_tell(&count, sizeof count);
+    if (status == PCCD_OK && count != files->count) {
+        status = ctl_error_set(error, PCCD_E_STATE,
+                               "%" PRIu32 " files, and %" PRIu32 " on rank 0",
+                               files->count, count);
+    }
+    if (together_is_root()) {
+        ctl_sequence_warn(files);
+    }
+    return together_agree(status, error);
+}
+
+static int run_files(struct mpi_options *options)
+{
+    struct ask_options *ask = &options->check.ask;
+    char **given = ask->paths;
+    struct ctl_sequence files;
+    struct ctl_error error = {.text = ""};
+    int status = list_files(ask, &files, &error);
+    together_complain(&error);
+    if (status == PCCD_OK) {
+        ask->paths = files.paths;
+        ask->path_count = files.count;
+        status = run_check(options);
+        ask->paths = given;
+    } else {
+        status = (int)ctl_exit_of(status, true);
+    }
+    ctl_sequence_deinit(&files);
+    return status;
+}
+
 int program_check(int argc, char **argv)
 {
     struct mpi_options options = {.check.settings = PCCD_STEP_SETTINGS_INIT,
@@ -403,7 +474,7 @@ int program_check(int argc, char **argv)
     }
     int status = together_parse(&program_argp_check, argc, argv, &options);
     if (status == CTL_DONE) {
-        status = run_check(&options);
+        status = run_files(&options);
     }
     ask_options_deinit(ask);
     return status;
