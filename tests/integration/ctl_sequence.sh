@@ -83,7 +83,8 @@ tap_result $? sequence__file_may_be_named_so "$log"
 check 2 seq1.obj && grep -q 'seq1.obj is one frame: name the file after the step' err &&
     cp seq1.obj only3.obj &&
     check 4 only%d.obj && grep -q 'only3.obj is one frame: a step has two' err &&
-    : >a.pvd && check 4 a.pvd && grep -q 'a.pvd' err
+    echo x | tee a.pvd >a.fbx && check 4 a.pvd && grep -q 'a.pvd: neither .*python3 -m pccd check reads' err &&
+    check 4 seq1.obj a.fbx && grep -q 'a.fbx: neither .*of FBX Blender makes glTF' err
 tap_result $? sequence__of_one_frame_is_named "$log"
 
 # ---- point caches ----------------------------------------------------------------------

@@ -139,8 +139,11 @@ static const struct format *format_of(const struct ctl_file *file,
         (void)ctl_error_set(
             error, PCCD_E_FORMAT,
             "%s: neither PLY (first line \"ply\") nor glTF (first word "
-            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf",
-            file->path);
+            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf; %s",
+            file->path,
+            has_ending(file->path, ".fbx")
+                ? "of FBX Blender makes glTF, animations included"
+                : "python3 -m pccd check reads what meshio does, such as VTU and PVD");
     } else if (format->parse == NULL) {
         (void)ctl_error_set(error, PCCD_E_FORMAT,
                             "%s has positions alone: name the mesh file with its faces "
