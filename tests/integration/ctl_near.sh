@@ -134,6 +134,7 @@ printf 'v %s\n' '0 0 -2' '1 0 6' '0 1 6' >pierce.obj
 echo 'f 1 2 3' >>pierce.obj
 ctl near --what nearest --csv rows wide.obj pierce.obj && same "$head_row
 ef,,2,1,0,1,0,1,2,0,0,1,0.25,0,0,0,0" && grep -q '^distance  *0 to 0$' out &&
+    ctl near --what nearest --json wide.obj pierce.obj && json ef 1 crossings null &&
     ctl near --distance 1 wide.obj pierce.obj && grep -q '^near  *0 pairs' out &&
     grep -q '^crossings  *2$' out &&
     ctl near --distance 1 --what vertices --json wide.obj pierce.obj && json crossings 2 &&

@@ -164,7 +164,10 @@ bool near_report_json(FILE *to, const struct near_run *near)
         &ok);
     set(all, "distance_max", real_or_null(answer->distance_max, has_distance(answer)),
         &ok);
-    set(all, "crossings", json_integer((json_int_t)answer->crossings), &ok);
+    set(all, "crossings",
+        settings->what == PCCD_NEAR_NEAREST ? json_null()
+                                            : json_integer((json_int_t)answer->crossings),
+        &ok);
     set(all, "verdict", json_string(verdict_name(answer)), &ok);
     report_json_rest(all, near->run.mesh.build_ms, &near->step, &ok);
     return report_json_end(all, ok, to);
