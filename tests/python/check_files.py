@@ -188,3 +188,8 @@ class Files(unittest.TestCase):
             done = subprocess.run([sys.executable, "-m", "pccd", *words], check=False,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             self.assertEqual(done.returncode, status, words)
+        done = subprocess.run([sys.executable, "-m", "pccd", "check", "a", "b"],
+                              check=False, stderr=subprocess.PIPE, text=True,
+                              env={**os.environ, "PCCD_LIBRARY": "/nowhere"})
+        self.assertEqual(done.returncode, 4)
+        self.assertIn("pccd: pccd ", done.stderr)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import sys
 import threading
 import weakref
 from types import FunctionType
@@ -62,7 +63,15 @@ def load() -> Tuple[Any, Any]:
                       "names its file. Tried:\n  " + "\n  ".join(tried))
 
 
-lib, quick = load()
+try:
+    lib, quick = load()
+except ImportError as problem:
+    # While Python looks for python3 -m pccd. By itself it would end with 1, which says
+    # that something meets.
+    if sys.argv[:1] != ["-m"]:
+        raise
+    print(f"pccd: {problem}", file=sys.stderr)
+    sys.exit(4)
 
 
 class PccdError(Exception):
