@@ -18,6 +18,9 @@
  *     use(answer.near, answer.count);
  *     pccd_answer_release(client, &answer);
  *
+ * Between two bodies alone: set self_collision of each to false (pccd_object_set); then
+ * its pairs with itself are left out, as in steps.
+ *
  * How far each vertex may move: with settings.what = PCCD_NEAR_VERTICES the answer has a
  * bound for each vertex, answer.vertex_bounds[i]. If every vertex then moves straight by
  * less than half its bound, nothing meets.

@@ -232,7 +232,9 @@ class Client(Observe):
                     of NEAREST math.inf, of PAIRS and FEATURES 0, what touches; VERTICES
                     wants one
         end         1: where the last step ended, or the motions; 0: where it began
-        tells_crossings    of PAIRS, FEATURES and VERTICES: count what crosses, too
+        tells_crossings    of PAIRS, FEATURES and VERTICES: count what crosses, too.
+                    Pairs of an object with itself are left out, here and in steps, if
+                    its self_collision is False (object_set)
         gap         of NEAREST: another pair may be nearer by that much; 0: none
         object_a, object_b    of NEAREST and DEPTH, object_a also of VERTICES; 0: any
         method, threads, tuning, deadline_ns    as of StepSettings
