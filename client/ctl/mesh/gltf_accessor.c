@@ -96,22 +96,10 @@ static int find_run(struct gltf *gltf, size_t accessor, int64_t index, int64_t o
     return PCCD_OK;
 }
 
-static uint32_t integer_at(const char *at, enum gltf_type type)
-{
-    switch (type) {
-    case GLTF_U8:
-        return (unsigned char)at[0];
-    case GLTF_U16:
-        return (uint32_t)(unsigned char)at[0] | (uint32_t)(unsigned char)at[1] << 8;
-    default:
-        return ctl_file_word(at);
-    }
-}
-
 static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
 {
-    return integer_at(accessor->sparse_at + k * accessor->sparse_bytes,
-                      accessor->sparse_type);
+    return gltf_integer_at(accessor->sparse_at + k * accessor->sparse_bytes,
+                           accessor->sparse_type);
 }
 
 static int find_sparse(struct gltf *gltf, const json_t *sparse, size_t bytes,
@@ -243,7 +231,7 @@ static const char *place_of(const struct gltf_accessor *accessor, size_t i)
     return accessor->at == NULL ? NULL : accessor->at + i * accessor->stride;
 }
 
-static double value_at(const char *at, enum gltf_type type)
+static inline double value_at(const char *at, enum gltf_type type)
 {
     uint32_t bits;
     float value;
@@ -251,20 +239,23 @@ static double value_at(const char *at, enum gltf_type type)
     case GLTF_I8:
         return (double)(signed char)at[0];
     case GLTF_I16:
-        return (double)(int16_t)integer_at(at, GLTF_U16);
+        return (double)(int16_t)gltf_integer_at(at, GLTF_U16);
     case GLTF_FLOAT:
         bits = ctl_file_word(at);
         memcpy(&value, &bits, sizeof value);
         return (double)value;
     default:
-        return (double)integer_at(at, type);
+        return (double)gltf_integer_at(at, type);
     }
 }
 
 void gltf_accessor_read(const struct gltf_accessor *accessor, size_t i, double *values)
 {
     const char *at = place_of(accessor, i);
-    for (size_t k = 0; k < accessor->components; k++) {
+    for (size_t k = 0; accessor->type == GLTF_FLOAT && k < accessor->components; k++) {
+        values[k] = at == NULL ? 0 : value_at(at + 4 * k, GLTF_FLOAT);
+    }
+    for (size_t k = 0; accessor->type != GLTF_FLOAT && k < accessor->components; k++) {
         values[k] = at == NULL ? 0 : value_at(at + k * accessor->bytes, accessor->type);
         if (accessor->is_normalized) {
             values[k] /= accessor->greatest;
@@ -276,5 +267,5 @@ void gltf_accessor_read(const struct gltf_accessor *accessor, size_t i, double *
 uint32_t gltf_accessor_integer(const struct gltf_accessor *accessor, size_t i, size_t k)
 {
     const char *at = place_of(accessor, i);
-    return at == NULL ? 0 : integer_at(at + k * accessor->bytes, accessor->type);
+    return at == NULL ? 0 : gltf_integer_at(at + k * accessor->bytes, accessor->type);
 }

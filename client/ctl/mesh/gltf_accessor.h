@@ -46,7 +46,16 @@ int gltf_accessor_find(struct gltf *gltf, int64_t index, const char *kind, unsig
                        struct gltf_accessor *accessor);
 /* Fill values[components] from element i. */
 void gltf_accessor_read(const struct gltf_accessor *accessor, size_t i, double *values);
-/* Element i of one whose components are GLTF_INDICES. */
+/* Component k of element i of one whose components are GLTF_INDICES. */
 uint32_t gltf_accessor_integer(const struct gltf_accessor *accessor, size_t i, size_t k);
+/* An integer of GLTF_INDICES that lies there. */
+static inline uint32_t gltf_integer_at(const char *at, enum gltf_type type)
+{
+    const unsigned char *bytes = (const unsigned char *)at;
+    return type == GLTF_U8    ? bytes[0]
+           : type == GLTF_U16 ? (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8
+                              : (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 |
+                                    (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
 
 #endif

@@ -303,12 +303,16 @@ static int add_primitive(struct gltf *gltf, const json_t *primitive,
                        : indices.type == GLTF_U16 ? UINT16_MAX
                                                   : UINT32_MAX;
     size_t features = feature_count(mode, count);
+    bool is_plain = indices.at != NULL && indices.sparse_count == 0;
     for (size_t i = 0; i < features; i++) {
         uint32_t corners[3] = {0, 0, 0};
         for (size_t k = 0; k < modes[mode].corners; k++) {
             size_t at = corner_of(mode, i, k, count);
             uint32_t vertex =
-                has_indices ? gltf_accessor_integer(&indices, at, 0) : (uint32_t)at;
+                !has_indices ? (uint32_t)at
+                : is_plain
+                    ? gltf_integer_at(indices.at + at * indices.stride, indices.type)
+                    : gltf_accessor_integer(&indices, at, 0);
             if (has_indices && vertex == restart) {
                 return gltf_fail(gltf, PCCD_E_FORMAT,
                                  "accessor %zu: index %zu is %" PRIu32
