@@ -2,7 +2,7 @@
  *
  * More than 600 lines: each sentence of the specification that is read has its file.
  *
- * Room:     client/ctl (meshfile.h).
+ * Room:     client/ctl (meshfile.h, meshframes.h).
  * Does:     write small .glb and .gltf files whose positions are fractions computed by
  *           hand, and read them; files that are refused, by their message; files with
  *           bytes changed at random.
@@ -22,7 +22,7 @@
 #include <cmocka.h>
 
 #include "ctl_kit.h"
-#include "meshfile.h"
+#include "meshframes.h"
 #include "skip.h"
 
 #define FILE_BYTES 16384
@@ -894,6 +894,44 @@ static void animation__is_chosen_and_told(void **state)
     finish();
 }
 
+/* If it failed: two files that move would be taken for one mesh, whose faces differ. */
+static void animation__goes_on_in_another_file_of_the_same_mesh(void **state)
+{
+    static const float times[2] = {0, 1}, moves[2][3] = {{2, 0, 0}, {2, 0, 4}};
+    char names[3][KIT_PATH_BYTES];
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        static const uint8_t order[3][3] = {{0, 1, 2}, {0, 1, 2}, {0, 2, 1}};
+        static char file[2 * FILE_BYTES];
+        begin_corner();
+        ADD(U8, "SCALAR", 3, order[i]);
+        ADD(FLOAT, "SCALAR", 2, times);
+        ADD(FLOAT, "VEC3", 2, moves);
+        size_t bytes = make_glb("'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
+                                "'indices':1}]}]," ONE_NODE
+                                ",'animations':[{'samplers':[{'input':2,'output':3}],"
+                                "'channels':[" CHANNEL("0", "0", "translation") "]}]",
+                                file);
+        char name[16];
+        snprintf(name, sizeof name, "%d.glb", i);
+        kit_write_file(name, file, bytes, names[i]);
+    }
+    static const struct ctl_frames_options as_it_is;
+    for (int i = 1; i < 3; i++) {
+        char *paths[2] = {names[0], names[i]};
+        struct ctl_frames frames;
+        struct ctl_mesh frame = {0};
+        assert_int_equal(ctl_frames_open(&frames, paths, 2, &as_it_is, &error), PCCD_OK);
+        assert_int_equal(frames.count, 4);
+        assert_int_equal(ctl_frames_read(&frames, 1, &frame, &error), PCCD_OK);
+        assert_true(((const double(*)[3])frame.x)[0][2] == 4);
+        int status = ctl_frames_read(&frames, 2, &frame, &error);
+        assert_int_equal(status, i == 1 ? PCCD_OK : PCCD_E_INVAL);
+        ctl_mesh_deinit(&frame);
+        ctl_frames_close(&frames);
+    }
+}
+
 /* If it failed: a joint that moves would leave the skin behind. */
 static void animation__moves_joints(void **state)
 {
@@ -1067,6 +1105,7 @@ int main(void)
         cmocka_unit_test(animation__turns_the_shorter_way_on_a_circle),
         cmocka_unit_test(animation__is_chosen_and_told),
         cmocka_unit_test(animation__moves_joints),
+        cmocka_unit_test(animation__goes_on_in_another_file_of_the_same_mesh),
         cmocka_unit_test(animation__names_what_is_wrong),
         cmocka_unit_test(file__with_changed_bytes_is_refused_or_read),
         cmocka_unit_test(file__of_known_cases_is_read_right),

@@ -170,10 +170,10 @@ int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
     if (status == PCCD_OK) {
         status = gltf_scene_open(&state->file, wish, error, &state->scene);
     }
-    if (status == PCCD_OK) {
+    if (status == PCCD_OK && mesh != NULL) {
         status = make_mesh(&state->scene, &made);
     }
-    if (status == PCCD_OK &&
+    if (status == PCCD_OK && mesh != NULL &&
         made.triangle_count + made.edge_count + made.point_count == 0) {
         status =
             ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces, edges or points", path);
@@ -184,13 +184,15 @@ int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
         return status;
     }
     uint32_t frames = state->scene.animation.frame_count;
-    if (frames <= 1) {
+    if (frames <= 1 && mesh != NULL) {
         narrow(&made);
     }
     opened.frame_count = frames > 0 ? frames : 1;
-    opened.vertex_count = made.vertex_count;
-    opened.format = made.format;
-    *mesh = made;
+    opened.vertex_count = state->scene.vertex_count;
+    opened.format = mesh != NULL ? made.format : PCCD_FORMAT_F64;
     *motion = opened;
+    if (mesh != NULL) {
+        *mesh = made;
+    }
     return PCCD_OK;
 }

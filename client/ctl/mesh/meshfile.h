@@ -110,7 +110,8 @@ enum ctl_mesh_holds {
 };
 enum ctl_mesh_holds ctl_mesh_holds(const char *path);
 /* Open a file that does not hold a mesh alone: its frames, those that are wished for, and
- * its shape to `mesh`, which is empty, if it has one. Errors: those of its reader. */
+ * its shape to `mesh`, which is empty (NULL: it is not wanted), if it has one. Errors:
+ * those of its reader. */
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
                          struct ctl_mesh *mesh, struct ctl_motion *motion,
                          struct ctl_error *error);

@@ -55,19 +55,16 @@ static int add_cache(struct ctl_frames *frames, const char *path, const char *me
     return status;
 }
 
-/* A mesh file that moves by itself is opened once more where it is the first one, for its
- * shape. */
+/* Of a mesh file that moves by itself the shape is read when its first frame is. */
 static int add_mesh_file(struct ctl_frames *frames, const char *path,
                          enum ctl_mesh_holds holds,
                          const struct ctl_frames_options *options,
                          struct ctl_error *error)
 {
     struct ctl_motion motion = {.read = NULL};
-    struct ctl_mesh shape = {0};
     int status = PCCD_OK;
     if (holds == CTL_HOLDS_BOTH) {
-        status = ctl_mesh_open_motion(path, &options->wish, &shape, &motion, error);
-        ctl_mesh_deinit(&shape);
+        status = ctl_mesh_open_motion(path, &options->wish, NULL, &motion, error);
     }
     if (status == PCCD_OK && motion.read != NULL && motion.frame_count == 1) {
         motion.close(&motion);
@@ -185,13 +182,18 @@ int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *
         take_first(frames, frame);
         return PCCD_OK;
     }
-    if (source->motion.read != NULL) {
-        return read_motion(frames, source, index, frame, error);
+    bool moves = source->motion.read != NULL;
+    bool has_own_shape =
+        !moves || (index == source->frame_first && source->path != frames->shape_path &&
+                   ctl_mesh_holds(source->path) == CTL_HOLDS_BOTH);
+    int status = PCCD_OK;
+    if (has_own_shape) {
+        status = ctl_mesh_read_like(source->path, &frames->mesh, frames->shape_path,
+                                    frame, error);
+        ctl_mesh_drop_shape(frame);
     }
-    int status =
-        ctl_mesh_read_like(source->path, &frames->mesh, frames->shape_path, frame, error);
-    ctl_mesh_drop_shape(frame);
-    return status;
+    return status == PCCD_OK && moves ? read_motion(frames, source, index, frame, error)
+                                      : status;
 }
 
 /* The shape, and the first frame's positions. */
