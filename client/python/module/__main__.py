@@ -82,7 +82,8 @@ class Run:
 
         def name(match: re.Match[str]) -> str:
             given = self.names[match[1]]
-            return json.dumps(given)[1:-1] if self.is_json else files.shown(given)
+            return (json.dumps(given)[1:-1] if self.is_json and to is sys.stdout
+                    else files.shown(given))
         for line in source:
             to.write(made.sub(name, line))
             to.flush()
