@@ -314,4 +314,31 @@ timeout 10 "$PCCDCTL" check --private a.pipe.obj b.obj >out 2>&1
 [ ! -s "$log" ]
 tap_result $? files__a_mesh_is_a_file_or_a_pipe "$log"
 
+# If it failed, a scene that moves by itself would be one frame, or a pipe be waited for twice.
+cat >fall.gltf <<'END'
+{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 100, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAAD4AAAA+AACAPwAAAD4AAAA+AACAvw=="}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+  {"buffer": 0, "byteOffset": 44, "byteLength": 32}, {"buffer": 0, "byteOffset": 76, "byteLength": 24}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR"},
+  {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC4"}, {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}, {"mesh": 0}],
+ "animations": [{"samplers": [{"input": 1, "output": 2}, {"input": 1, "output": 3}], "channels": [
+  {"sampler": 0, "target": {"node": 1, "path": "rotation"}}, {"sampler": 1, "target": {"node": 1, "path": "translation"}}]}]}
+END
+: >"$log"
+timeout 20 "$PCCDCTL" check --private fall.gltf >out 2>&1
+[ $? -eq 1 ] && grep -q 'first at  *t = 0.4999' out && grep -q 'up to 180 degrees' out || cat out >>"$log"
+timeout 20 "$PCCDCTL" check --private --rate 4 --animation 0 fall.gltf >out 2>&1
+[ $? -eq 1 ] && grep -q '0.75 s: ' out && ! grep -q degrees out || cat out >>"$log"
+too_large 4 'no animation has the name or number "walk"' "$PCCDCTL" check --animation walk fall.gltf
+mkfifo a.pipe.glb
+cat 0.glb >a.pipe.glb &
+timeout 10 "$PCCDCTL" check --private a.pipe.glb 1.glb >out 2>&1
+[ $? -eq 1 ] && grep -q '^contacts  *1' out || cat out >>"$log"
+mkfifo b.pipe.gltf
+cat fall.gltf >b.pipe.gltf &
+too_large 4 'has 2 frames, and a pipe is one' "$PCCDCTL" check b.pipe.gltf fall.gltf
+[ ! -s "$log" ]
+tap_result $? files__an_animated_scene_is_all_its_frames "$log"
+
 tap_end

@@ -57,6 +57,12 @@ int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_erro
     static const struct ctl_motion_wish none;
     struct gltf_scene scene;
     int status = gltf_scene_open(file, &none, error, &scene);
+    bool is_pipe = file->is_open && file->size == 0;
+    if (status == PCCD_OK && is_pipe && scene.animation.frame_count > 1) {
+        status = gltf_fail(&scene.gltf, PCCD_E_FORMAT,
+                           "has %" PRIu32 " frames, and a pipe is one: name a file",
+                           scene.animation.frame_count);
+    }
     if (status == PCCD_OK) {
         status = make_mesh(&scene, mesh);
     }

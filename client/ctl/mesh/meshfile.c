@@ -118,9 +118,13 @@ static const struct format *format_of_path(const char *path)
 enum ctl_mesh_holds ctl_mesh_holds(const char *path)
 {
     const struct format *format = format_of_path(path);
+    struct stat info;
+    /* A pipe is read once, and so has no frames to go back to. */
+    bool is_pipe = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
     return format == NULL || format->open_motion == NULL ? CTL_HOLDS_MESH
-           : format->parse != NULL                       ? CTL_HOLDS_BOTH
-                                                         : CTL_HOLDS_POSITIONS;
+           : format->parse == NULL                       ? CTL_HOLDS_POSITIONS
+           : is_pipe                                     ? CTL_HOLDS_MESH
+                                                         : CTL_HOLDS_BOTH;
 }
 
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
