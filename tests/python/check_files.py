@@ -178,9 +178,13 @@ class Files(unittest.TestCase):
         self.assertEqual([step["to"] for step in self.told(1, "all.pvd")["steps"]],
                          ["f2.vtu", "f3.vtu"])
         self.assertIn("f1.vtu is one frame", self.check(2, "f1.vtu").stderr)
-        odd = 'an "odd" name.vtu'
+        odd = 'an "odd" \udcff\x1b name.vtu'
         os.rename(self.path("f1.vtu"), self.path(odd))
         self.assertEqual(self.told(1, odd, "f3.vtu")["from"], odd)
+        self.assertIn('step       an "odd" \\xff\\x1b name.vtu -> f3.vtu',
+                      self.check(1, odd, "f3.vtu").stdout)
+        os.rename(self.path(odd), self.path("\udcff\x1b.fbx"))
+        self.assertIn("pccd: \\xff\\x1b.fbx: FBX", self.check(4, "\udcff\x1b.fbx").stderr)
 
     # If it failed, a script could not tell a mistake from a contact.
     def test_usage__is_told(self):

@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import traceback
-from typing import IO, Dict, List
+from typing import IO, Dict, List, TextIO
 
 from . import files
 
@@ -75,24 +75,24 @@ class Run:
             self.names[number] = path
             self.arguments.append(made)
 
-    def pass_on(self, source: IO[str], to: IO[str]) -> None:
-        """Lines, with the names that were given."""
-        made = re.compile(re.escape(self.folder) + r"/[A-Za-z0-9._-]*?\."
-                          + re.escape(self.mark) + r"\.(\d+)\.obj")
+    def pass_on(self, source: IO[bytes], to: TextIO) -> None:
+        """Lines, with the names that were given, whose bytes may be no text."""
+        made = re.compile(os.fsencode(f"{re.escape(self.folder)}/[A-Za-z0-9._-]*?"
+                                      rf"\.{re.escape(self.mark)}\.(\d+)\.obj"))
 
-        def name(match: re.Match[str]) -> str:
-            given = self.names[match[1]]
-            return (json.dumps(given)[1:-1] if self.is_json and to is sys.stdout
-                    else files.shown(given))
+        def name(match: re.Match[bytes]) -> bytes:
+            given = self.names[match[1].decode()]
+            is_json = self.is_json and to is sys.stdout
+            return os.fsencode(json.dumps(given)[1:-1] if is_json
+                               else files.shown(given))
         for line in source:
-            to.write(made.sub(name, line))
-            to.flush()
+            to.buffer.write(made.sub(name, line))
+            to.buffer.flush()
 
     def run(self, program: str) -> int:
         """Its exit status."""
-        with subprocess.Popen([program, "check", *self.arguments], text=True,
-                              errors="surrogateescape", stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE) as child:
+        with subprocess.Popen([program, "check", *self.arguments],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
             assert child.stdout is not None and child.stderr is not None
             other = threading.Thread(target=self.pass_on, args=(child.stderr, sys.stderr))
             other.start()
@@ -128,7 +128,7 @@ def main(words: List[str]) -> int:
     try:
         return check(words[1:])
     except files.Refusal as refusal:
-        print(files.shown(f"pccd: {refusal}"), file=sys.stderr)
+        files.complain(f"pccd: {refusal}")
     except Exception:  # pylint: disable=broad-except
         traceback.print_exc()  # Python would end with 1, which says that something meets
     return 4

@@ -116,7 +116,7 @@ def _read(path: str) -> Any:
         raise Refusal(f"{path}: meshio does not read it: {words}") from None
     if said.getvalue().strip():
         words = " ".join(said.getvalue().split())
-        print(shown(f"{path}: meshio says: {words}"), file=sys.stderr)
+        complain(f"{path}: meshio says: {words}")
     return mesh
 
 
@@ -185,7 +185,13 @@ class Mesh:
 
 def shown(text: str) -> str:
     """A name that cannot control a terminal, as pccdctl shows it."""
-    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda one: f"\\x{ord(one[0]):02x}", text)
+    return re.sub("[\x00-\x1f\x7f-\x9f\udc80-\udcff]",
+                  lambda one: f"\\x{ord(one[0]) & 0xff:02x}", text)
+
+
+def complain(text: str) -> None:
+    """A line on stderr."""
+    print(shown(text), file=sys.stderr)
 
 
 def _numbered(path: str) -> List[str]:
