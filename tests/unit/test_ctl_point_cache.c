@@ -126,6 +126,32 @@ static void cache__has_the_frames_that_were_written(void **state)
     }
 }
 
+/* If it failed, no MDD of Blender would be read, or its first step would stand still; or a
+ * file with a frame too many would pass for one. */
+static void cache__mdd_may_have_its_first_frame_twice(void **state)
+{
+    (void)state;
+    const size_t frame_bytes = 12 * (size_t)30011, begin = 8 + 4 * 3;
+    struct ctl_motion motion;
+    struct ctl_error error;
+    for (int is_same = 1; is_same >= 0; is_same--) {
+        make(true, 3, 30011);
+        data = realloc(data, data_bytes + frame_bytes);
+        assert_non_null(data);
+        memmove(data + begin + frame_bytes, data + begin, 3 * frame_bytes);
+        data_bytes += frame_bytes;
+        data[begin + frame_bytes - 1] ^= (char)!is_same;
+        int status = open_data(true, &motion, &error);
+        assert_int_equal(status, is_same ? PCCD_OK : PCCD_E_FORMAT);
+        if (is_same) {
+            check_frames(&motion, 3, 30011);
+            motion.close(&motion);
+        }
+    }
+    assert_non_null(strstr(error.text, "3 frames of 30011 vertices, it has 1080416 bytes;"
+                                       " it has 1440548"));
+}
+
 /* If it failed, a cache above what is read at once would be read in part. */
 static void cache__may_be_large(void **state)
 {
@@ -293,6 +319,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cache__has_the_frames_that_were_written),
+        cmocka_unit_test(cache__mdd_may_have_its_first_frame_twice),
         cmocka_unit_test(cache__may_be_large),
         cmocka_unit_test(cache__may_be_a_pipe),
         cmocka_unit_test(cache__that_is_broken_is_named),

@@ -89,7 +89,29 @@ static int judge_pc2(struct cache *cache, const char *header, struct ctl_error *
     return PCCD_OK;
 }
 
-/* The size that the header says is the file's. */
+/* Whether the first two frames are the same, byte for byte. */
+static int compare_frames(const struct cache *cache, uint64_t frame_bytes, bool *is_same,
+                          struct ctl_error *error)
+{
+    char first[4096], second[4096];
+    *is_same = true;
+    for (uint64_t at = 0; at < frame_bytes && *is_same; at += sizeof first) {
+        uint64_t left = frame_bytes - at, from = cache->first_byte + at;
+        size_t now = left < sizeof first ? (size_t)left : sizeof first;
+        int status = read_at(cache, from, first, now, error);
+        if (status == PCCD_OK) {
+            status = read_at(cache, from + frame_bytes, second, now, error);
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+        *is_same = memcmp(first, second, now) == 0;
+    }
+    return PCCD_OK;
+}
+
+/* The size that the header says is the file's. Blender writes the first frame of an MDD
+ * twice, and counts it once. */
 static int judge_size(struct cache *cache, uint32_t frames, uint32_t vertices,
                       struct ctl_error *error)
 {
@@ -108,7 +130,16 @@ static int judge_size(struct cache *cache, uint32_t frames, uint32_t vertices,
     uint64_t said = vertices > most
                         ? UINT64_MAX
                         : cache->first_byte + VERTEX_BYTES * frames * vertices;
-    return said == size
+    uint64_t frame_bytes = VERTEX_BYTES * vertices;
+    bool is_double = false;
+    if (cache->is_mdd && said < size && size - said == frame_bytes) {
+        int status = compare_frames(cache, frame_bytes, &is_double, error);
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
+    cache->first_byte += is_double ? frame_bytes : 0;
+    return said == size || is_double
                ? PCCD_OK
                : ctl_error_set(error, PCCD_E_FORMAT,
                                "%s: by its header, %" PRIu32 " frames of %" PRIu32
