@@ -126,8 +126,8 @@ static void cache__has_the_frames_that_were_written(void **state)
     }
 }
 
-/* If it failed, no MDD of Blender would be read, or its first step would stand still; or a
- * file with a frame too many would pass for one. */
+/* If it failed, no MDD of Blender would be read, or its first step would stand still; or
+ * a file with a frame too many would pass for one. */
 static void cache__mdd_may_have_its_first_frame_twice(void **state)
 {
     (void)state;
