@@ -338,6 +338,7 @@ timeout 10 "$PCCDCTL" check --private a.pipe.glb 1.glb >out 2>&1
 mkfifo b.pipe.gltf
 cat fall.gltf >b.pipe.gltf &
 too_large 4 'has 2 frames, and a pipe is one' "$PCCDCTL" check b.pipe.gltf fall.gltf
+too_large 0 'warning: fall.gltf has 2 frames, and the first is read' "$PCCDCTL" near --private --distance 2 fall.gltf
 [ ! -s "$log" ]
 tap_result $? files__an_animated_scene_is_all_its_frames "$log"
 

@@ -6,6 +6,8 @@
  * Threads:  one.
  * Source:   near_run.h, near_report.h, near_csv.h.
  */
+#include <inttypes.h>
+
 #include "ctl.h"
 #include "near_csv.h"
 #include "near_options.h"
@@ -47,6 +49,15 @@ static int ask(struct near_run *near, const struct near_options *options,
 {
     const struct ask_options *asked = &options->ask;
     int status = near_run_read(near, asked->paths, asked->path_count, 0, 0, error);
+    for (uint32_t i = 0; i < asked->path_count && status == PCCD_OK; i++) {
+        uint32_t frames;
+        status = ctl_mesh_count_frames(asked->paths[i], &frames, error);
+        if (status == PCCD_OK && frames > 1) {
+            (void)ctl_complain("warning: %s has %" PRIu32
+                               " frames, and the first is read",
+                               asked->paths[i], frames);
+        }
+    }
     if (status != PCCD_OK) {
         return status; /* before a daemon is asked for: a bad file costs nothing else */
     }

@@ -423,13 +423,13 @@ int gltf_animation_read(struct gltf *gltf, struct gltf_tree *tree,
                         const struct ctl_motion_wish *wish,
                         struct gltf_animation *animation)
 {
-    double rate = wish->rate;
+    double rate = wish != NULL ? wish->rate : 0;
+    const char *name = wish != NULL ? wish->animation : NULL;
     struct claims claims = {.by = calloc(tree->count * GLTF_PATHS + 1, sizeof(size_t))};
     *animation = (struct gltf_animation){.rate = rate};
-    int status =
-        claims.by != NULL
-            ? choose(gltf, tree, wish->animation, &claims, animation)
-            : gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu nodes", tree->count);
+    int status = claims.by != NULL ? choose(gltf, tree, name, &claims, animation)
+                                   : gltf_fail(gltf, PCCD_E_NOMEM,
+                                               "no memory for %zu nodes", tree->count);
     free(claims.by);
     if (status == PCCD_OK) {
         status = collect_times(gltf, animation);

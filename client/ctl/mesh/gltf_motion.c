@@ -54,9 +54,8 @@ static int make_mesh(struct gltf_scene *scene, struct ctl_mesh *mesh)
 
 int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
 {
-    static const struct ctl_motion_wish none;
     struct gltf_scene scene;
-    int status = gltf_scene_open(file, &none, error, &scene);
+    int status = gltf_scene_open(file, NULL, error, &scene);
     bool is_pipe = file->is_open && file->size == 0;
     if (status == PCCD_OK && is_pipe && scene.animation.frame_count > 1) {
         status = gltf_fail(&scene.gltf, PCCD_E_FORMAT,

@@ -134,6 +134,20 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
     return format_of_path(path)->open_motion(path, wish, mesh, motion, error);
 }
 
+int ctl_mesh_count_frames(const char *path, uint32_t *count, struct ctl_error *error)
+{
+    struct ctl_motion motion = {.frame_count = 1};
+    bool moves = ctl_mesh_holds(path) == CTL_HOLDS_BOTH;
+    int status = moves ? ctl_mesh_open_motion(path, NULL, NULL, &motion, error) : PCCD_OK;
+    if (status == PCCD_OK) {
+        *count = motion.frame_count;
+    }
+    if (motion.close != NULL) {
+        motion.close(&motion);
+    }
+    return status;
+}
+
 /* NULL, with an error: none that is known. */
 static const struct format *format_of(const struct ctl_file *file,
                                       struct ctl_error *error)

@@ -109,12 +109,15 @@ enum ctl_mesh_holds {
     CTL_HOLDS_POSITIONS, /* of frames, and no faces */
 };
 enum ctl_mesh_holds ctl_mesh_holds(const char *path);
-/* Open a file that does not hold a mesh alone: its frames, those that are wished for, and
- * its shape to `mesh`, which is empty (NULL: it is not wanted), if it has one. Errors:
- * those of its reader. */
+/* Open a file that does not hold a mesh alone: its frames, those that are wished for
+ * (NULL: nothing is), and its shape to `mesh`, which is empty (NULL: not wanted), if it
+ * has one. Errors: those of its reader. */
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
                          struct ctl_mesh *mesh, struct ctl_motion *motion,
                          struct ctl_error *error);
+/* How many frames a file has that holds a mesh: those of its animation, or one. Errors:
+ * likewise. */
+int ctl_mesh_count_frames(const char *path, uint32_t *count, struct ctl_error *error);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);

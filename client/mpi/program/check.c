@@ -394,17 +394,9 @@ static int run_check(const struct mpi_options *options)
 static int judge_file(const char *path, struct ctl_error *error)
 {
     enum ctl_mesh_holds holds = ctl_mesh_holds(path);
-    struct ctl_motion motion = {.frame_count = 1};
-    struct ctl_mesh shape = {0};
-    int status = PCCD_OK;
-    if (holds == CTL_HOLDS_BOTH) {
-        status = ctl_mesh_open_motion(path, 0, &shape, &motion, error);
-    }
-    bool has_more = holds == CTL_HOLDS_POSITIONS || motion.frame_count > 1;
-    if (status == PCCD_OK && motion.close != NULL) {
-        motion.close(&motion);
-    }
-    ctl_mesh_deinit(&shape);
+    uint32_t count = 1;
+    int status = ctl_mesh_count_frames(path, &count, error);
+    bool has_more = holds == CTL_HOLDS_POSITIONS || count > 1;
     return status != PCCD_OK || !has_more
                ? status
                : ctl_error_set(error, PCCD_E_FORMAT,
