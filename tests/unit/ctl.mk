@@ -16,6 +16,7 @@ CTL_TESTS = \
     tests/unit/test_ctl_point_cache \
     tests/unit/test_ctl_stl_glb \
     tests/unit/test_ctl_gltf \
+    tests/unit/test_ctl_weld \
     tests/unit/test_ctl_cloth \
     tests/unit/test_ctl_output \
     tests/unit/test_ctl_trace \
@@ -50,6 +51,10 @@ tests_unit_test_ctl_stl_glb_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIB
 tests_unit_test_ctl_gltf_SOURCES = tests/unit/test_ctl_gltf.c
 tests_unit_test_ctl_gltf_CPPFLAGS = $(CTL_TEST_CPPFLAGS) $(JANSSON_CFLAGS)
 tests_unit_test_ctl_gltf_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
+
+tests_unit_test_ctl_weld_SOURCES = tests/unit/test_ctl_weld.c
+tests_unit_test_ctl_weld_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
+tests_unit_test_ctl_weld_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
 
 tests_unit_test_ctl_cloth_SOURCES = tests/unit/test_ctl_cloth.c
 tests_unit_test_ctl_cloth_CPPFLAGS = $(CTL_TEST_CPPFLAGS)

@@ -8,6 +8,7 @@
  */
 #include "ask_options.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +34,8 @@ enum {
     OPTION_RESULT_BYTES,
     OPTION_THICKNESS,
     OPTION_REST_EXCLUSION,
-    OPTION_RINGS
+    OPTION_RINGS,
+    OPTION_WELD
 };
 
 static const struct argp_option option_list[] = {
@@ -68,8 +70,22 @@ static const struct argp_option option_list[] = {
      "Of a mesh's own pairs, those that N edges or fewer join have no thickness, 0 to 8 "
      "(default: 0)",
      0},
+    {"weld", OPTION_WELD, "auto|off|D", 0,
+     "Vertices are one where they are at the same place in every frame (auto, the "
+     "default), or at most D apart",
+     0},
     {0},
 };
+
+double ask_option_weld(const struct argp_state *state, const char *text)
+{
+    if (strcmp(text, "auto") == 0) {
+        return 0;
+    }
+    return strcmp(text, "off") == 0
+               ? -1
+               : ctl_option_real(state, "weld", text, DBL_MIN, LENGTH_MAX);
+}
 
 /* How it is computed; none of that changes the answer but the deadline. */
 static error_t parse_how(int key, char *text, const struct argp_state *state)
@@ -138,6 +154,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->repeats =
             (uint32_t)ctl_option_count(state, "repeat", text, 0, REPEATS_MAX);
         options->has_repeats = true;
+        return 0;
+    case OPTION_WELD:
+        options->weld = ask_option_weld(state, text);
         return 0;
     case ARGP_KEY_ARG:
         options->paths[options->path_count++] = text;

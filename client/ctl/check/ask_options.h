@@ -23,6 +23,7 @@ struct ask_options {
     uint64_t deadline_ns;
     const char *tuning; /* NULL: the daemon decides; fits into PCCD_TUNING_BYTES */
     struct pccd_object_settings object; /* what --thickness and others set of each */
+    double weld;                        /* as struct ctl_frames_options has it */
     bool is_json;
     bool has_repeats;
     uint32_t repeats;
@@ -44,6 +45,10 @@ void ask_options_deinit(struct ask_options *options);
 /* Set of an object what was asked for. Errors: as pccd_object_set, which says why. */
 int ask_set_object(const struct ask_options *options, struct pccd_client *client,
                    uint32_t scene, uint32_t object);
+
+/* The value of --weld: "auto" is 0, "off" is -1; otherwise a distance. Wrong usage ends
+ * the program. */
+double ask_option_weld(const struct argp_state *state, const char *text);
 
 /* The standard output, unless that is the CSV's. */
 FILE *ask_report_to(const struct ask_options *options);

@@ -48,7 +48,7 @@ static int read_frames(struct player *player, struct ctl_error *error)
 int player_read(struct player *player, const struct player_settings *settings,
                 struct ctl_error *error)
 {
-    const struct ctl_frames_options how = {.wish = {0}};
+    const struct ctl_frames_options how = {.weld = settings->weld};
     player->settings = settings;
     int status = ctl_frames_open(&player->files, settings->files, settings->file_count,
                                  &how, error);
@@ -64,7 +64,9 @@ int player_read(struct player *player, const struct player_settings *settings,
     }
     status = read_frames(player, error);
     for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
-        status = ctl_mesh_read(settings->still[i], &player->still[i], error);
+        struct ctl_welded welded;
+        status = ctl_frames_read_one(settings->still[i], &how, &player->still[i], &welded,
+                                     error);
     }
     return status;
 }

@@ -92,6 +92,31 @@ static void print_sources(FILE *to, const struct ctl_frames *files)
     }
 }
 
+void report_print_welded(FILE *to, const struct ctl_welded *welded)
+{
+    if (welded->joined > 0) {
+        fputs("welded     ", to);
+        print_count(to, welded->joined, "vertex to one", "vertices to others");
+        fputs(" at the same place in every frame\n", to);
+    }
+    if (welded->flat > 0) {
+        fputs("           ", to);
+        print_count(to, welded->flat, "triangle has", "triangles have");
+        fputs(" a vertex twice because of that\n", to);
+    }
+    if (welded->apart > 0) {
+        fputs("           ", to);
+        print_count(to, welded->apart, "vertex is kept, as it moves",
+                    "vertices are kept, as they move");
+        fputs(" away from the same place\n", to);
+    }
+    if (welded->more > 0) {
+        fputs("           ", to);
+        print_count(to, welded->more, "more is", "more are");
+        fprintf(to, " nearly at one place: see --weld %.3g\n", welded->distance);
+    }
+}
+
 void report_print_mesh(FILE *to, const struct report_mesh *mesh)
 {
     const struct pccd_mesh_info *info = &mesh->info;
@@ -110,6 +135,7 @@ void report_print_mesh(FILE *to, const struct report_mesh *mesh)
         print_count(to, info->free_point_count, "point", "points");
         fputc('\n', to);
     }
+    report_print_welded(to, &mesh->welded);
     if (info->duplicate_count + info->degenerate_count + info->isolated_count == 0) {
         print_trees(to, &mesh->settings);
         return;
@@ -199,7 +225,8 @@ static void print_first(FILE *to, const struct pccd_answer *answer)
     }
 }
 
-static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t what)
+static void print_records(FILE *to, const struct report_mesh *mesh,
+                          const struct pccd_answer *answer)
 {
     static const char *const verdicts[] = {"no", "possible", "yes", "undecided"};
     print_start(to, answer);
@@ -229,7 +256,13 @@ static void print_records(FILE *to, const struct pccd_answer *answer, uint32_t w
         fprintf(to,
                 "warning    most pairs are within their distance at the start. Is the "
                 "thickness above\n           the length of the edges? %s\n",
-                advice_of_thin(what));
+                advice_of_thin(mesh->object_what));
+    } else if (answer->initial > answer->total / 2 &&
+               mesh->welded.more + mesh->welded.apart > 0) {
+        fputs(
+            "warning    most contacts are there at the start, and vertices at one place "
+            "are not joined\n",
+            to);
     }
 }
 
@@ -363,7 +396,7 @@ void report_print_step(FILE *to, const struct report_mesh *mesh,
 {
     fprintf(to, "step       %s -> %s, mode %s\n", tool_shown(step->from),
             tool_shown(step->to), or_unknown(common_mode_name(step->answer.mode)));
-    print_records(to, &step->answer, mesh->object_what);
+    print_records(to, mesh, &step->answer);
     if (step->pair_count > 0) {
         fprintf(to, "between    %" PRIu32 " %s of objects\n", step->pair_count,
                 proto_plural(step->pair_count, "pair", "pairs"));

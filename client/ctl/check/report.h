@@ -45,6 +45,7 @@ struct report_mesh {
     const struct ctl_frames *files; /* or NULL: what has several frames is told */
     struct pccd_mesh_info info;
     struct pccd_scene_settings settings;
+    struct ctl_welded welded;
     uint32_t object_what; /* that options have set: bits of pccd_object_what */
     double build_ms;      /* edges and feature ownership, then the hierarchy; paid once */
 };
@@ -91,6 +92,11 @@ bool report_meets(const struct report_step *step);
  * an array "steps". False without memory. */
 bool report_json(FILE *to, const struct report_mesh *mesh,
                  const struct report_step *steps, uint32_t step_count);
+
+/* What became of vertices at one place: lines where there is something to tell, and
+ * members of an object. */
+void report_print_welded(FILE *to, const struct ctl_welded *welded);
+void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok);
 
 /* How many records of each kind there are, under its name, to an object. */
 void report_kinds(json_t *object, const uint64_t counts[PCCD_KINDS_MAX], bool *ok);

@@ -60,6 +60,7 @@ static void add_mesh(json_t *object, const struct report_mesh *mesh, bool *ok)
     set_count(object, "unused_vertices", info->isolated_count, ok);
     set_count(object, "free_edges", info->free_edge_count, ok);
     set_count(object, "free_points", info->free_point_count, ok);
+    report_welded(object, &mesh->welded, ok);
     add_settings(object, &mesh->settings, ok);
 }
 
@@ -92,6 +93,16 @@ static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok
         *ok = false;
     }
     set(object, "warnings", array, ok);
+}
+
+void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok)
+{
+    set_count(object, "welded", welded->joined, ok);
+    set_count(object, "welded_apart", welded->apart, ok);
+    set_count(object, "welded_flat", welded->flat, ok);
+    set_count(object, "weldable", welded->more, ok);
+    set(object, "weldable_distance",
+        welded->more > 0 ? json_real(welded->distance) : json_null(), ok);
 }
 
 static json_t *times_object(double build_ms, const struct report_step *step, bool *ok)

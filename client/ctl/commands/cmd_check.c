@@ -227,6 +227,7 @@ static int begin(struct check *check, struct ctl_error *error)
     run->ask = &options->ask;
     run->mesh.settings = options->scene_settings;
     run->mesh.files = &check->files;
+    run->mesh.welded = check->files.welded;
     run->mesh.object_what = options->ask.object.what;
     bool has_objects = first.object_count > 0;
     int status =
@@ -355,6 +356,7 @@ int ctl_cmd_check(int argc, char **argv)
     struct ask_options *ask = &command.check.ask;
     int status = ask_options_read(ask, &ctl_argp_check, argc, argv, &command);
     if (status == CTL_DONE) {
+        command.frames.weld = ask->weld;
         status = run_check(&command);
     }
     ask_options_deinit(ask);

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "ask_options.h"
 #include "ctl.h"
 #include "json_text.h"
 #include "link.h"
@@ -35,6 +36,7 @@ enum {
     OPTION_THREADS,
     OPTION_SCENE,
     OPTION_HOLD,
+    OPTION_WELD,
     OPTION_JSON
 };
 
@@ -64,6 +66,10 @@ static const struct argp_option option_list[] = {
      "With --scene: hold each frame until another client submits a step, and go along "
      "with it",
      0},
+    {"weld", OPTION_WELD, "auto|off|D", 0,
+     "Vertices are one where they are at the same place in every frame (auto, the "
+     "default), or at most D apart",
+     0},
     {"json", OPTION_JSON, NULL, 0, "One JSON object at the end", 0},
     {0},
 };
@@ -84,6 +90,9 @@ static error_t parse_rest(int key, char *text, struct argp_state *state)
         return 0;
     case OPTION_SCENE:
         options->player.scene = text;
+        return 0;
+    case OPTION_WELD:
+        options->player.weld = ask_option_weld(state, text);
         return 0;
     case OPTION_HOLD:
         options->player.holds = true;

@@ -121,10 +121,11 @@ enum ctl_mesh_holds ctl_mesh_holds(const char *path)
     struct stat info;
     /* A pipe is read once, and so has no frames to go back to. */
     bool is_pipe = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
-    return format == NULL || format->open_motion == NULL ? CTL_HOLDS_MESH
-           : format->parse == NULL                       ? CTL_HOLDS_POSITIONS
-           : is_pipe                                     ? CTL_HOLDS_MESH
-                                                         : CTL_HOLDS_BOTH;
+    return format != NULL && format->parse == ctl_stl_parse ? CTL_HOLDS_CORNERS
+           : format == NULL || format->open_motion == NULL  ? CTL_HOLDS_MESH
+           : format->parse == NULL                          ? CTL_HOLDS_POSITIONS
+           : is_pipe                                        ? CTL_HOLDS_MESH
+                                                            : CTL_HOLDS_BOTH;
 }
 
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
@@ -312,7 +313,7 @@ static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_err
 /* How a mesh is read. */
 struct reading {
     uint32_t number, count; /* keep this piece; count 0: all */
-    bool is_uncut;
+    bool is_uncut, is_corners;
     const struct ctl_mesh *like; /* NULL: it is a first frame */
     const char *like_path;
 };
@@ -321,7 +322,8 @@ static int read_mesh(const char *path, const struct reading *reading,
                      struct ctl_mesh *mesh, struct ctl_error *error)
 {
     struct ctl_file file;
-    struct ctl_mesh made = {.part = {.number = reading->number, .count = reading->count}};
+    struct ctl_mesh made = {.part = {.number = reading->number, .count = reading->count},
+                            .is_corners = reading->is_corners};
     int status = ctl_file_open(path, judge, &file, error);
     if (status != PCCD_OK) {
         return status;
@@ -360,6 +362,13 @@ int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *err
 int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
 {
     const struct reading reading = {.is_uncut = true};
+    return read_mesh(path, &reading, mesh, error);
+}
+
+int ctl_mesh_read_corners(const char *path, struct ctl_mesh *mesh,
+                          struct ctl_error *error)
+{
+    const struct reading reading = {.is_corners = true};
     return read_mesh(path, &reading, mesh, error);
 }
 

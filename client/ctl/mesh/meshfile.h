@@ -7,8 +7,8 @@
  *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
  *           of a PLY without faces and edges all vertices are points.
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
- *           i of the next. STL alone has no vertices, and gets them where corners are at
- *           the same place.
+ *           i of the next (meshframes.h joins them). STL alone has no vertices, and gets
+ *           them where corners are at the same place.
  * Threads:  [any]; nothing is shared.
  * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1;
  *           StereoLithography Interface Specification; glTF 2.0.
@@ -72,6 +72,7 @@ struct ctl_mesh {
     struct ctl_polygon *polygons; /* ascending */
     uint32_t corner_count, corner_capacity;
     uint32_t *corners; /* of those that are no fan, one polygon after the other */
+    bool is_corners;   /* of STL: join no corners */
     bool has_lines;    /* place of a polygon: its line; otherwise the face's number */
     struct ctl_part part;
 };
@@ -85,6 +86,9 @@ struct ctl_mesh {
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
 /* The same, but polygons are fans still, until ctl_mesh_cut (meshcut.h). */
 int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
+/* Of STL: three vertices of each triangle, though others are at the same place. */
+int ctl_mesh_read_corners(const char *path, struct ctl_mesh *mesh,
+                          struct ctl_error *error);
 /* Another frame of `first`, which is of first_path, or the part of one that `first` is
  * of its file: polygons are cut as there, wherever their corners are now. Errors also:
  * E_INVAL where it is no frame of the same mesh, as ctl_mesh_match says. */
@@ -105,6 +109,7 @@ bool ctl_mesh_is_named(const char *path);
 /* What a file has, by its first bytes or its name; what it is not known, is a mesh. */
 enum ctl_mesh_holds {
     CTL_HOLDS_MESH,      /* one frame */
+    CTL_HOLDS_CORNERS,   /* one frame; vertices are corners at one place (STL) */
     CTL_HOLDS_BOTH,      /* a mesh that may move: ctl_mesh_open_motion tells */
     CTL_HOLDS_POSITIONS, /* of frames, and no faces */
 };

@@ -1,7 +1,8 @@
 /* client/ctl/mesh/meshframes.c - one mesh, frame by frame.
  *
  * Room:     client/ctl.
- * Does:     finds out how many frames each file has; compares shapes.
+ * Does:     finds out how many frames each file has; joins vertices that are at one place
+ *           in all of them.
  * Threads:  one at a time.
  * Source:   meshframes.h.
  */
@@ -11,9 +12,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "coordinates.h"
 #include "meshcut.h"
+#include "progress.h"
+#include "weld.h"
 
 #define NAME_BYTES 64 /* of a frame within its file */
 
@@ -25,8 +29,8 @@ static int no_memory(struct ctl_error *error)
 /* ---- opening ----------------------------------------------------------------------- */
 
 /* The next source, of a file or of a motion, which is its then. */
-static void add_source(struct ctl_frames *frames, const char *path,
-                       const struct ctl_motion *motion)
+static struct ctl_frames_source *add_source(struct ctl_frames *frames, const char *path,
+                                            const struct ctl_motion *motion)
 {
     struct ctl_frames_source *source = &frames->sources[frames->source_count++];
     *source = (struct ctl_frames_source){.path = path, .frame_first = frames->count};
@@ -35,6 +39,7 @@ static void add_source(struct ctl_frames *frames, const char *path,
     }
     source->frame_count = motion != NULL ? motion->frame_count : 1;
     frames->count += source->frame_count;
+    return source;
 }
 
 /* A file of positions alone: the mesh file before it tells their shape. */
@@ -50,7 +55,7 @@ static int add_cache(struct ctl_frames *frames, const char *path, const char *me
     }
     int status = ctl_mesh_open_motion(path, &options->wish, NULL, &motion, error);
     if (status == PCCD_OK) {
-        add_source(frames, path, &motion);
+        (void)add_source(frames, path, &motion);
     }
     return status;
 }
@@ -71,7 +76,8 @@ static int add_mesh_file(struct ctl_frames *frames, const char *path,
         motion.read = NULL;
     }
     if (status == PCCD_OK) {
-        add_source(frames, path, motion.read != NULL ? &motion : NULL);
+        add_source(frames, path, motion.read != NULL ? &motion : NULL)->is_stl =
+            holds == CTL_HOLDS_CORNERS;
     }
     return status;
 }
@@ -124,14 +130,35 @@ static int name_frames(struct ctl_frames *frames, struct ctl_error *error)
 
 /* ---- reading ----------------------------------------------------------------------- */
 
-static const struct ctl_frames_source *source_of(const struct ctl_frames *frames,
-                                                 uint32_t index)
+static struct ctl_frames_source *source_of(const struct ctl_frames *frames,
+                                           uint32_t index)
 {
-    const struct ctl_frames_source *source = frames->sources;
+    struct ctl_frames_source *source = frames->sources;
     while (index - source->frame_first >= source->frame_count) {
         source++;
     }
     return source;
+}
+
+static int other_count(const struct ctl_frames *frames, const char *path,
+                       const char *what, uint32_t ours, uint32_t its,
+                       struct ctl_error *error)
+{
+    return ctl_error_set(error, PCCD_E_INVAL,
+                         "%s has %" PRIu32 " %s and %s has %" PRIu32
+                         ": not two frames of one mesh",
+                         frames->shape_path, ours, what, path, its);
+}
+
+static void *room_for(const char *path, uint32_t count, enum pccd_format format,
+                      struct ctl_error *error)
+{
+    void *x = malloc((size_t)count * common_vertex_bytes(format) + 1);
+    if (x == NULL) {
+        (void)ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %" PRIu32 " vertices",
+                            path, count);
+    }
+    return x;
 }
 
 static int read_motion(const struct ctl_frames *frames,
@@ -139,20 +166,14 @@ static int read_motion(const struct ctl_frames *frames,
                        struct ctl_mesh *frame, struct ctl_error *error)
 {
     const struct ctl_motion *motion = &source->motion;
-    if (motion->vertex_count != frames->mesh.vertex_count) {
-        return ctl_error_set(error, PCCD_E_INVAL,
-                             "%s has %" PRIu32 " vertices and %s has %" PRIu32
-                             ": not two frames of one mesh",
-                             frames->shape_path, frames->mesh.vertex_count, source->path,
-                             motion->vertex_count);
+    uint32_t count = frames->shape.vertex_count;
+    if (motion->vertex_count != count) {
+        return other_count(frames, source->path, "vertices", count, motion->vertex_count,
+                           error);
     }
-    void *x = malloc((size_t)motion->vertex_count * common_vertex_bytes(motion->format));
-    if (x == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM,
-                             "%s: no memory for %" PRIu32 " vertices", source->path,
-                             motion->vertex_count);
-    }
-    int status = motion->read(motion, index - source->frame_first, x, error);
+    void *x = room_for(source->path, count, motion->format, error);
+    int status = x != NULL ? motion->read(motion, index - source->frame_first, x, error)
+                           : PCCD_E_NOMEM;
     if (status != PCCD_OK) {
         free(x);
         return status;
@@ -160,40 +181,93 @@ static int read_motion(const struct ctl_frames *frames,
     free(frame->x);
     frame->x = x;
     frame->format = motion->format;
-    frame->vertex_count = motion->vertex_count;
+    frame->vertex_count = count;
     return PCCD_OK;
 }
 
-/* The first frame's positions are there already, the first time. */
-static void take_first(struct ctl_frames *frames, struct ctl_mesh *frame)
+/* Three vertices of each triangle, as STL has them. */
+static int read_corners(const struct ctl_frames *frames, const char *path,
+                        struct ctl_mesh *corners, struct ctl_error *error)
 {
-    frame->x = frames->mesh.x;
-    frame->format = frames->mesh.format;
-    frame->vertex_count = frames->mesh.vertex_count;
-    frames->mesh.x = NULL;
+    int status = ctl_mesh_read_corners(path, corners, error);
+    uint32_t ours = frames->shape.triangle_count, its = corners->triangle_count;
+    return status == PCCD_OK && its != ours
+               ? other_count(frames, path, "triangles", ours, its, error)
+               : status;
+}
+
+/* A frame from STL: each vertex is where its corners are. */
+static int read_stl(const struct ctl_frames *frames, const char *path,
+                    struct ctl_mesh *frame, struct ctl_error *error)
+{
+    struct ctl_mesh corners = {0};
+    uint32_t count = frames->shape.vertex_count;
+    int status = read_corners(frames, path, &corners, error);
+    float(*x)[3] =
+        status == PCCD_OK ? room_for(path, count, PCCD_FORMAT_F32, error) : NULL;
+    if (x == NULL) {
+        ctl_mesh_deinit(&corners);
+        return status != PCCD_OK ? status : PCCD_E_NOMEM;
+    }
+    const uint32_t *vertices = (const uint32_t *)frames->shape.triangles;
+    for (size_t i = 0; i < corners.vertex_count; i++) {
+        memcpy(x[vertices[i]], ((const float(*)[3])corners.x)[i], sizeof *x);
+    }
+    ctl_mesh_deinit(&corners);
+    frame->x = x;
+    frame->format = PCCD_FORMAT_F32;
+    frame->vertex_count = count;
+    return PCCD_OK;
+}
+
+/* Positions of a frame that is not the first one's file, or is that once more. */
+static int read_frame(const struct ctl_frames *frames, uint32_t index,
+                      struct ctl_mesh *frame, struct ctl_error *error)
+{
+    const struct ctl_frames_source *source = source_of(frames, index);
+    if (source->motion.read != NULL) {
+        bool has_own_shape = index == source->frame_first &&
+                             source->path != frames->shape_path &&
+                             ctl_mesh_holds(source->path) == CTL_HOLDS_BOTH;
+        int status = has_own_shape ? ctl_mesh_read_like(source->path, &frames->shape,
+                                                        frames->shape_path, frame, error)
+                                   : PCCD_OK;
+        ctl_mesh_drop_shape(frame);
+        return status == PCCD_OK ? read_motion(frames, source, index, frame, error)
+                                 : status;
+    }
+    if (source->is_stl && frames->sources[0].is_stl) {
+        return read_stl(frames, source->path, frame, error);
+    }
+    int status = ctl_mesh_read_like(source->path, &frames->shape, frames->shape_path,
+                                    frame, error);
+    ctl_mesh_drop_shape(frame);
+    return status;
+}
+
+/* Hand over positions that are there already. */
+static void take(struct ctl_mesh *from, struct ctl_mesh *frame)
+{
+    frame->x = from->x;
+    frame->format = from->format;
+    frame->vertex_count = from->vertex_count;
+    from->x = NULL;
 }
 
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error)
 {
-    const struct ctl_frames_source *source = source_of(frames, index);
+    struct ctl_frames_source *source = source_of(frames, index);
     ctl_mesh_deinit(frame);
     if (index == 0 && frames->mesh.x != NULL) {
-        take_first(frames, frame);
+        take(&frames->mesh, frame);
         return PCCD_OK;
     }
-    bool moves = source->motion.read != NULL;
-    bool has_own_shape =
-        !moves || (index == source->frame_first && source->path != frames->shape_path &&
-                   ctl_mesh_holds(source->path) == CTL_HOLDS_BOTH);
-    int status = PCCD_OK;
-    if (has_own_shape) {
-        status = ctl_mesh_read_like(source->path, &frames->mesh, frames->shape_path,
-                                    frame, error);
-        ctl_mesh_drop_shape(frame);
+    if (source->held.x != NULL) {
+        take(&source->held, frame);
+        return PCCD_OK;
     }
-    return status == PCCD_OK && moves ? read_motion(frames, source, index, frame, error)
-                                      : status;
+    return read_frame(frames, index, frame, error);
 }
 
 /* The shape, and the first frame's positions. */
@@ -201,15 +275,169 @@ static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
 {
     const struct ctl_frames_source *first = frames->sources;
     if (first->motion.read == NULL) {
-        return ctl_mesh_read(frames->shape_path, &frames->mesh, error);
+        return ctl_mesh_read(frames->shape_path, &frames->shape, error);
     }
-    int status = ctl_mesh_read_uncut(frames->shape_path, &frames->mesh, error);
+    int status = ctl_mesh_read_uncut(frames->shape_path, &frames->shape, error);
     if (status == PCCD_OK) {
-        status = read_motion(frames, first, 0, &frames->mesh, error);
+        status = read_motion(frames, first, 0, &frames->shape, error);
     }
     return status == PCCD_OK
-               ? ctl_mesh_cut(&frames->mesh, NULL, frames->shape_path, error)
+               ? ctl_mesh_cut(&frames->shape, NULL, frames->shape_path, error)
                : status;
+}
+
+/* Pipes are read now, as they can be once. */
+static int hold_pipes(struct ctl_frames *frames, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
+        struct ctl_frames_source *source = &frames->sources[s];
+        struct stat info;
+        if (source->motion.read == NULL && stat(source->path, &info) == 0 &&
+            !S_ISREG(info.st_mode)) {
+            status = read_frame(frames, source->frame_first, &source->held, error);
+        }
+    }
+    return status;
+}
+
+/* ---- vertices at one place --------------------------------------------------------- */
+
+/* The shape of STL has a vertex for all corners that are at one place in each frame. */
+static int renumber(struct ctl_frames *frames, const uint32_t *to, uint32_t count,
+                    struct ctl_error *error)
+{
+    struct ctl_mesh *shape = &frames->shape;
+    uint32_t *vertices = (uint32_t *)shape->triangles, made = 0;
+    uint32_t *names = malloc((size_t)count * 3 * sizeof *names + 1);
+    float(*x)[3] = room_for(frames->shape_path, count * 3, PCCD_FORMAT_F32, error);
+    if (names == NULL || x == NULL) {
+        free(names);
+        free(x);
+        return no_memory(error);
+    }
+    for (size_t i = 0; i < (size_t)count * 3; i++) {
+        if (to[i] == i) {
+            memcpy(x[made], ((const float(*)[3])shape->x)[vertices[i]], sizeof *x);
+            names[i] = made++;
+        }
+        vertices[i] = names[to[i]]; /* the least one, which has its name */
+    }
+    free(names);
+    free(shape->x);
+    shape->x = x;
+    shape->vertex_count = made;
+    return PCCD_OK;
+}
+
+static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
+{
+    const struct ctl_mesh *shape = &frames->shape;
+    size_t corner_count = (size_t)shape->triangle_count * 3;
+    const uint32_t *vertices = (const uint32_t *)shape->triangles;
+    uint32_t *to = malloc(corner_count * sizeof *to + 1), vertex_seen = 0;
+    uint32_t *first = malloc((size_t)shape->vertex_count * sizeof *first + 1);
+    struct ctl_weld weld = {.to = to};
+    int status = to == NULL || first == NULL || corner_count > CTL_MESH_COUNT_MAX
+                     ? no_memory(error)
+                     : PCCD_OK;
+    for (uint32_t i = 0; status == PCCD_OK && i < corner_count; i++) {
+        if (vertices[i] == vertex_seen) { /* they are numbered as they come */
+            first[vertex_seen++] = i;
+        }
+        to[i] = first[vertices[i]];
+    }
+    if (status == PCCD_OK) {
+        status = ctl_weld_begin_joined(&weld, to, (uint32_t)corner_count, error);
+    }
+    for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
+        struct ctl_mesh corners = {0};
+        if (frames->sources[s].is_stl) {
+            status = read_corners(frames, frames->sources[s].path, &corners, error);
+            const struct ctl_places places = {corners.format, corners.x,
+                                              corners.vertex_count};
+            status = status == PCCD_OK ? ctl_weld_frame(&weld, &places, error) : status;
+        }
+        ctl_mesh_deinit(&corners);
+    }
+    if (status == PCCD_OK && weld.joined < weld.first_joined) {
+        status = renumber(frames, weld.to, shape->triangle_count, error);
+    }
+    free(first);
+    ctl_weld_deinit(&weld);
+    return status;
+}
+
+/* Part what moves apart in a later frame. */
+static int weld_frames(struct ctl_frames *frames, struct ctl_weld *weld,
+                       struct ctl_weld *near, struct ctl_error *error)
+{
+    int status = PCCD_OK;
+    struct progress progress;
+    progress_begin(&progress, "frames", frames->count);
+    for (uint32_t i = 1; i < frames->count && status == PCCD_OK && near->joined > 0;
+         i++) {
+        struct ctl_mesh frame = {0};
+        const struct ctl_mesh *held = &source_of(frames, i)->held;
+        status = held->x == NULL ? read_frame(frames, i, &frame, error) : PCCD_OK;
+        held = held->x == NULL ? &frame : held;
+        const struct ctl_places places = {held->format, held->x, held->vertex_count};
+        if (status == PCCD_OK) {
+            status = ctl_weld_frame(near, &places, error);
+        }
+        if (status == PCCD_OK && weld->to != NULL) {
+            status = ctl_weld_frame(weld, &places, error);
+        }
+        ctl_mesh_deinit(&frame);
+        progress_update(&progress, i + 1);
+    }
+    progress_clear(&progress);
+    return status;
+}
+
+/* Most files have no two vertices that are nearly at one place: one search tells. */
+static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_error *error)
+{
+    struct ctl_welded *welded = &frames->welded;
+    const struct ctl_mesh *shape = &frames->shape;
+    const struct ctl_places places = {shape->format, shape->x, shape->vertex_count};
+    bool *is_used = ctl_weld_used(shape);
+    struct ctl_weld weld = {.to = NULL}, near = {.to = NULL};
+    int status = is_used != NULL ? PCCD_OK : no_memory(error);
+    if (status == PCCD_OK) {
+        welded->distance = distance > 0 ? distance : ctl_weld_closeness(&places, is_used);
+        status = ctl_weld_begin(&near, welded->distance, &places, is_used, error);
+    }
+    if (status == PCCD_OK && distance == 0 && near.joined > 0) {
+        status = ctl_weld_begin(&weld, 0, &places, is_used, error);
+    }
+    if (status == PCCD_OK) {
+        status = weld_frames(frames, &weld, &near, error);
+    }
+    const struct ctl_weld *chosen = distance > 0 ? &near : &weld;
+    welded->joined = chosen->joined;
+    welded->apart = chosen->first_joined - chosen->joined;
+    welded->more = near.joined - chosen->joined;
+    if (status == PCCD_OK && chosen->joined > 0) {
+        status = ctl_weld_apply(chosen, shape, &frames->mesh, &welded->flat, error);
+    }
+    free(is_used);
+    ctl_weld_deinit(&weld);
+    ctl_weld_deinit(&near);
+    return status;
+}
+
+/* What is used of the shape: its own arrays, where none was joined. */
+static void finish(struct ctl_frames *frames)
+{
+    struct ctl_mesh joined = frames->mesh;
+    frames->mesh = frames->shape;
+    frames->shape.x = NULL;
+    if (joined.triangles != NULL) {
+        frames->mesh.triangles = joined.triangles;
+        frames->mesh.edges = joined.edges;
+        frames->mesh.points = joined.points;
+    }
 }
 
 int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path_count,
@@ -230,7 +458,44 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
     if (status == PCCD_OK) {
         status = name_frames(frames, error);
     }
-    return status == PCCD_OK ? read_shape(frames, error) : status;
+    if (status == PCCD_OK) {
+        status = read_shape(frames, error);
+    }
+    if (status == PCCD_OK && frames->sources[0].is_stl && frames->source_count > 1) {
+        status = split_corners(frames, error);
+    }
+    if (status == PCCD_OK) {
+        status = hold_pipes(frames, error);
+    }
+    if (status == PCCD_OK && options->weld >= 0) {
+        status = weld_shape(frames, options->weld, error);
+    }
+    finish(frames);
+    return status;
+}
+
+int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
+                        struct ctl_mesh *mesh, struct ctl_welded *welded,
+                        struct ctl_error *error)
+{
+    struct ctl_frames frames;
+    char *const paths[1] = {(char *)(uintptr_t)path};
+    int status = ctl_frames_open(&frames, paths, 1, options, error);
+    if (status == PCCD_OK) {
+        /* The shape is given away, or what stands for its arrays. */
+        struct ctl_mesh *shape = &frames.shape;
+        *mesh = frames.mesh;
+        *welded = frames.welded;
+        if (mesh->triangles != shape->triangles) {
+            free(shape->triangles);
+            free(shape->edges);
+            free(shape->points);
+        }
+        *shape = (struct ctl_mesh){.x = NULL};
+        frames.mesh = (struct ctl_mesh){.x = NULL};
+    }
+    ctl_frames_close(&frames);
+    return status;
 }
 
 void ctl_frames_close(struct ctl_frames *frames)
@@ -239,13 +504,20 @@ void ctl_frames_close(struct ctl_frames *frames)
         if (frames->sources[i].motion.read != NULL) {
             frames->sources[i].motion.close(&frames->sources[i].motion);
         }
+        ctl_mesh_deinit(&frames->sources[i].held);
     }
     for (uint32_t i = 0; frames->names != NULL && i < frames->count; i++) {
         free(frames->names[i]);
     }
     free(frames->names);
     free(frames->sources);
-    ctl_mesh_deinit(&frames->mesh);
+    free(frames->mesh.x);
+    if (frames->mesh.triangles != frames->shape.triangles) {
+        free(frames->mesh.triangles);
+        free(frames->mesh.edges);
+        free(frames->mesh.points);
+    }
+    ctl_mesh_deinit(&frames->shape);
     ctl_sequence_deinit(&frames->sequence);
     *frames = (struct ctl_frames){.count = 0};
 }

@@ -4,13 +4,15 @@
  * Does:     open the files that were named, in the order of sequence.h: a mesh file is
  *           a frame, or as many as it has; a file of positions alone (PC2, MDD) has those
  *           of the mesh file before it, whose own positions are no frame then. All frames
- *           have the first one's shape; one at a time is read.
+ *           have the first one's shape; one at a time is read. Vertices at one place are
+ *           joined.
  * Threads:  one at a time.
  * Source:   used by check, load and near, and by pccd-mpi.
  */
 #ifndef CTL_MESHFRAMES_H
 #define CTL_MESHFRAMES_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "error.h"
@@ -20,6 +22,18 @@
 
 struct ctl_frames_options {
     struct ctl_motion_wish wish; /* of a file that moves by itself */
+    /* Vertices that are at most so far apart in every frame are one; 0: that are at one
+     * place; negative: none are. */
+    double weld;
+};
+
+/* What was made of vertices at one place. */
+struct ctl_welded {
+    uint32_t joined; /* to the least vertex at their place in every frame */
+    uint32_t apart;  /* as much in the first frame, and apart in a later one */
+    uint32_t more;   /* of weld 0: would be joined at 2^-40 of the size */
+    double distance; /* that is */
+    uint32_t flat;   /* triangles that have one vertex twice because of that */
 };
 
 /* A file, and the frames that come from it. */
@@ -27,12 +41,19 @@ struct ctl_frames_source {
     const char *path; /* of the sequence */
     uint32_t frame_first, frame_count;
     struct ctl_motion motion; /* read is NULL: it is a mesh file with one frame */
+    bool is_stl;              /* it has corners, which are vertices by their places */
+    struct ctl_mesh held;     /* of a pipe, which can be read once */
 };
 
 struct ctl_frames {
     struct ctl_sequence sequence;
-    struct ctl_mesh mesh;   /* the shape of all, with the positions of the first */
-    const char *shape_path; /* the file that the shape is from */
+    /* The shape of all, with the positions of the first. A vertex that was joined to
+     * another one is there, and nothing names it. */
+    struct ctl_mesh mesh;
+    struct ctl_welded welded;
+    struct ctl_mesh
+        shape; /* as the file has it; its arrays are mesh's if none is joined */
+    const char *shape_path; /* the file that it is from */
     uint32_t count;
     char **names; /* [count]: where each is from, for reports */
     uint32_t source_count;
@@ -51,5 +72,10 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error);
 void ctl_frames_close(struct ctl_frames *frames);
+/* The first frame of one file, and what became of its vertices. `mesh` is empty before.
+ * Errors: those of ctl_frames_open. */
+int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
+                        struct ctl_mesh *mesh, struct ctl_welded *welded,
+                        struct ctl_error *error);
 
 #endif

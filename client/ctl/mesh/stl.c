@@ -83,7 +83,7 @@ static int grow(struct stl_reader *reader)
     }
     memset(reader->table, 0xff, entries * sizeof *reader->table);
     reader->table_mask = entries - 1;
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+    for (uint32_t i = 0; i < mesh->vertex_count && !mesh->is_corners; i++) {
         *entry_of(reader, ((const float(*)[3])mesh->x)[i]) = i;
     }
     return PCCD_OK;
@@ -101,6 +101,11 @@ static int add_corner(struct stl_reader *reader, const float x[3], uint32_t *ver
         if (status != PCCD_OK) {
             return status;
         }
+    }
+    if (mesh->is_corners) {
+        memcpy(((float(*)[3])mesh->x)[mesh->vertex_count], place, sizeof place);
+        *vertex = mesh->vertex_count++;
+        return PCCD_OK;
     }
     uint32_t *entry = entry_of(reader, place);
     if (*entry == FREE) {

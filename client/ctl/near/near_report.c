@@ -103,6 +103,7 @@ void near_report_print(FILE *to, const struct near_run *near)
                 proto_plural(info->vertex_count, "vertex", "vertices"), info->edge_count,
                 proto_plural(info->edge_count, "edge", "edges"), info->triangle_count,
                 proto_plural(info->triangle_count, "triangle", "triangles"));
+        report_print_welded(to, &object->welded);
     }
     print_question(to, near);
     print_found(to, near);
@@ -133,6 +134,7 @@ static void add_objects(json_t *all, const struct near_run *near, bool *ok)
             "{s:o, s:I, s:I, s:I}", "file", json_text(near->objects[i].path), "vertices",
             (json_int_t)info->vertex_count, "edges", (json_int_t)info->edge_count,
             "triangles", (json_int_t)info->triangle_count);
+        report_welded(object, &near->objects[i].welded, ok);
         if (json_array_append_new(array, object) != 0) {
             *ok = false;
         }

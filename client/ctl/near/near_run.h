@@ -14,11 +14,13 @@
 #include "check_run.h"
 #include "error.h"
 #include "meshfile.h"
+#include "meshframes.h"
 #include "pccd.h"
 
 /* A file, which is an object of the scene. */
 struct near_object {
-    const char *path;     /* the caller's */
+    const char *path; /* the caller's */
+    struct ctl_welded welded;
     struct ctl_mesh mesh; /* ours; its positions are given back when it is registered */
     struct pccd_edge *edges; /* ours; NULL unless asked for */
     struct pccd_mesh_info info;
@@ -35,7 +37,7 @@ struct near_run {
 };
 
 /* Read the files, and keep piece `number` of `pieces` of each, as ctl_mesh_read_part
- * does; 0 pieces: all. Errors: those of ctl_mesh_read. */
+ * does; 0 pieces: all, and join vertices (run.ask). Errors: those of ctl_frames_open. */
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
                   uint32_t number, uint32_t pieces, struct ctl_error *error);
 /* Register all; with_edges: get their edges, too. */
