@@ -13,6 +13,7 @@ CTL_TESTS = \
     tests/unit/test_ctl_malformed \
     tests/unit/test_ctl_parts \
     tests/unit/test_ctl_polygon \
+    tests/unit/test_ctl_writers \
     tests/unit/test_ctl_point_cache \
     tests/unit/test_ctl_stl_glb \
     tests/unit/test_ctl_gltf \
@@ -35,6 +36,10 @@ tests_unit_test_ctl_malformed_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_L
 tests_unit_test_ctl_parts_SOURCES = tests/unit/test_ctl_parts.c
 tests_unit_test_ctl_parts_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
 tests_unit_test_ctl_parts_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
+
+tests_unit_test_ctl_writers_SOURCES = tests/unit/test_ctl_writers.c
+tests_unit_test_ctl_writers_CPPFLAGS = $(CTL_TEST_CPPFLAGS)
+tests_unit_test_ctl_writers_LDADD = libctlkit.la $(CTL_TEST_LDADD) $(JANSSON_LIBS)
 
 tests_unit_test_ctl_polygon_SOURCES = tests/unit/test_ctl_polygon.c
 tests_unit_test_ctl_polygon_CPPFLAGS = $(CTL_TEST_CPPFLAGS)

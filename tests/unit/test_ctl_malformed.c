@@ -218,7 +218,7 @@ static void malformed__names_what_is_wrong_in_a_binary_ply(void **state)
                     ": byte 181: face 0: 2147483647 is not a possible list length"),
         BINARY_CASE(ORIGIN "\377\377\377\377\0\0\0\0", PCCD_E_FORMAT,
                     ": byte 181: face 0: -1 is not a possible list length"),
-        BINARY_CASE(ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\n", PCCD_E_FORMAT,
+        BINARY_CASE(ORIGIN "\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0x", PCCD_E_FORMAT,
                     ": byte 193: 1 byte after the last element"),
         BINARY_CASE("\0\0\0\0\0\0\300\177\0\0\0\0\3\0\0\0", PCCD_E_NOTFINITE,
                     ": byte 173: vertex 0: coordinate y is nan; |x| <= 1e18 is needed"),

@@ -137,7 +137,9 @@ static void stl__names_what_is_wrong(void **state)
         int status;
         const char *message;
     } cases[] = {
-        {"solid\n", PCCD_E_FORMAT, ": it ends where \"endsolid\" is needed"},
+        {"solid\n", PCCD_E_FORMAT, ": no vertices"},
+        {"solid\nfacet\nouter loop\nvertex 0 0 0\n", PCCD_E_FORMAT,
+         ": it ends where \"vertex\" is needed"},
         {"solid\nendsolid\n", PCCD_E_FORMAT, ": no vertices"},
         {"wings\n", PCCD_E_FORMAT, ":1: \"wings\" where \"solid\" is needed"},
         {"solid\nfacet normal 0 0 1\nvertex 0 0 0\n", PCCD_E_FORMAT,

@@ -134,8 +134,8 @@ static void weld__keeps_together_what_stays_together(void **state)
     free(x);
 }
 
-/* If it failed: the search in cells would miss pairs across their borders, or join what is
- * farther apart. */
+/* If it failed: the search in cells would miss pairs across their borders, or join what
+ * is farther apart. */
 static void weld__finds_what_comparing_all_finds(void **state)
 {
     enum { COUNT = 600 };

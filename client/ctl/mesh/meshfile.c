@@ -28,8 +28,9 @@ static bool has_ending(const char *path, const char *ending)
 
 static bool has_ply_magic(const struct ctl_file *file)
 {
-    return file->bytes >= 4 && memcmp(file->data, "ply", 3) == 0 &&
-           (file->data[3] == '\n' || file->data[3] == '\r');
+    const char *at = ctl_file_start(file);
+    return file->data + file->bytes - at >= 4 && memcmp(at, "ply", 3) == 0 &&
+           (at[3] == '\n' || at[3] == '\r' || at[3] == ' ' || at[3] == '\t');
 }
 
 static bool has_glb_magic(const struct ctl_file *file)
@@ -67,7 +68,7 @@ static const struct format {
     {".glb", has_glb_magic, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
     {".gltf", NULL, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
     {".obj", NULL, judge_obj, false, ctl_obj_parse, NULL},
-    {".stl", NULL, ctl_stl_judge, true, ctl_stl_parse, NULL},
+    {".stl", NULL, ctl_stl_judge, false, ctl_stl_parse, NULL},
     {".pc2", has_pc2_magic, NULL, false, NULL, ctl_pc2_open},
     {".mdd", NULL, NULL, false, NULL, ctl_mdd_open},
 };
@@ -259,16 +260,19 @@ static int parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error 
     if (format == NULL) {
         return PCCD_E_FORMAT;
     }
-    if (!format->is_read_whole) {
+    if (!format->is_read_whole &&
+        (mesh->part.count == 0 || format->parse != ctl_stl_parse)) {
         int status = format->parse(file, mesh, error);
         int reading = ctl_file_status(file, error);
         return reading != PCCD_OK ? reading : status;
     }
     const struct ctl_part part = mesh->part;
     mesh->part = (struct ctl_part){.count = 0};
-    int status = ctl_file_load(file, error);
+    int status = format->is_read_whole ? ctl_file_load(file, error) : PCCD_OK;
     if (status == PCCD_OK) {
         status = format->parse(file, mesh, error);
+        int reading = ctl_file_status(file, error);
+        status = reading != PCCD_OK ? reading : status;
     }
     if (status == PCCD_OK && part.count > 0) {
         keep_part(mesh, part.number, part.count);

@@ -51,6 +51,30 @@ static int fail(struct obj_reader *reader, int status, const char *format, ...)
                          reader->line_begin, what);
 }
 
+/* Whether a statement is a name, which may end in a backslash. */
+static bool is_name(struct ctl_word statement)
+{
+    static const char *const names[] = {"o",      "g",      "usemtl",     "mtllib",
+                                        "usemap", "maplib", "shadow_obj", "trace_obj"};
+    struct ctl_word word;
+    bool is_one = false;
+    if (ctl_word_next(&statement, &word)) {
+        for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+            is_one = is_one || ctl_word_is(&word, names[i]);
+        }
+    }
+    return is_one;
+}
+
+/* Whether the next line continues this one, which is a statement's first or a later one:
+ * it ends in a backslash, and that is not of a comment or a name. */
+static bool goes_on(const struct ctl_word *line, bool is_first)
+{
+    return line->end > line->at && line->end[-1] == '\\' &&
+           memchr(line->at, '#', (size_t)(line->end - line->at)) == NULL &&
+           !(is_first && is_name(*line));
+}
+
 /* The next statement: lines that end in a backslash go on in the next one. Its characters
  * stay in place: the backslash and the line end are blanked in our copy of the file. */
 static bool next_statement(struct obj_reader *reader, struct ctl_word *statement)
@@ -62,12 +86,12 @@ static bool next_statement(struct obj_reader *reader, struct ctl_word *statement
     reader->line_begin = reader->text.line;
     *statement = line;
     reader->text.keep = line.at; /* the lines of a statement stay together */
-    while (line.end > line.at && line.end[-1] == '\\') {
+    for (bool is_first = true; goes_on(&line, is_first); is_first = false) {
         size_t gap = (size_t)(line.end - 1 - reader->text.keep);
         size_t gap_bytes = (size_t)(reader->text.at - reader->text.keep) - gap;
-        bool goes_on = ctl_text_line(&reader->text, &line);
+        bool has_more = ctl_text_line(&reader->text, &line);
         *statement = (struct ctl_word){reader->text.keep, reader->text.keep + gap};
-        if (!goes_on) {
+        if (!has_more) {
             break;
         }
         memset(reader->file->data + (statement->end - reader->file->data), ' ',
@@ -94,7 +118,7 @@ static struct obj_counts count_statements(struct ctl_file *file)
     bool is_continued = false;
     while (ctl_text_line(&text, &line)) {
         bool is_start = !is_continued;
-        is_continued = line.end > line.at && line.end[-1] == '\\';
+        is_continued = goes_on(&line, is_start);
         if (!is_start || !ctl_word_next(&line, &word)) {
             continue;
         }

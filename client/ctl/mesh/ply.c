@@ -25,8 +25,9 @@ struct body_reader {
     const struct ply_header *header;
     struct ctl_mesh *mesh;
     struct ctl_error *error;
-    struct ctl_text text; /* ascii: where the next row begins; binary: next byte */
-    struct ctl_word line; /* ascii: what is left of this row */
+    struct ctl_text text;  /* ascii: where the next row begins; binary: next byte */
+    struct ctl_word line;  /* ascii: what is left of this row */
+    bool has_value_a_line; /* ascii: the row goes on in the next lines */
     const struct ply_element *element; /* being read, for messages */
     uint64_t row;                      /* of the element, from 0 */
     uint32_t ends[2];                  /* of the edge in that row */
@@ -71,7 +72,8 @@ static uint64_t load_bits(const char *at, size_t bytes, enum ply_encoding encodi
     return bits;
 }
 
-/* Every type's values are exact in a double. */
+/* Values of all types are exact in a double but the largest of 64 bits, which are no
+ * indices. */
 static double decode(uint64_t bits, enum ply_type type)
 {
     uint32_t low = (uint32_t)bits;
@@ -84,6 +86,10 @@ static double decode(uint64_t bits, enum ply_type type)
         return (double)(int16_t)low;
     case PLY_INT32:
         return (double)(int32_t)low;
+    case PLY_INT64:
+        return (double)(int64_t)bits;
+    case PLY_UINT64:
+        return (double)bits;
     case PLY_UINT8:
     case PLY_UINT16:
     case PLY_UINT32:
@@ -111,9 +117,15 @@ static int read_binary(struct body_reader *reader, enum ply_type type, double *v
     return PCCD_OK;
 }
 
+/* Of a row whose first line has one value more lines may follow. */
 static int next_word(struct body_reader *reader, struct ctl_word *word)
 {
-    if (!ctl_word_next(&reader->line, word)) {
+    bool is_there = ctl_word_next(&reader->line, word);
+    while (!is_there && reader->has_value_a_line &&
+           ctl_text_line(&reader->text, &reader->line)) {
+        is_there = ctl_word_next(&reader->line, word);
+    }
+    if (!is_there) {
         return fail(reader, PCCD_E_FORMAT, "a value is missing at the end of the line");
     }
     return PCCD_OK;
@@ -129,8 +141,9 @@ static int read_ascii(struct body_reader *reader, enum ply_type type, double *va
         return status;
     }
     if (ctl_ply_type_is_whole(type)) {
-        is_number = ctl_word_integer(&word, &whole) && whole >= INT32_MIN &&
-                    whole <= (int64_t)UINT32_MAX;
+        is_number = ctl_word_integer(&word, &whole) &&
+                    (ctl_ply_type_bytes(type) == 8 ||
+                     (whole >= INT32_MIN && whole <= (int64_t)UINT32_MAX));
         if (is_number) {
             *value = (double)whole;
         }
@@ -182,14 +195,8 @@ static int read_coordinate(struct body_reader *reader,
     return PCCD_OK;
 }
 
-static int read_index(struct body_reader *reader, const struct ply_property *property,
-                      uint32_t *index)
+static int take_index(struct body_reader *reader, double value, uint32_t *index)
 {
-    double value;
-    int status = read_value(reader, property->type, &value);
-    if (status != PCCD_OK) {
-        return status;
-    }
     if (!(value >= 0 && value < (double)reader->header->vertex_count) ||
         value != floor(value)) {
         return fail(
@@ -198,6 +205,57 @@ static int read_index(struct body_reader *reader, const struct ply_property *pro
             proto_plural(reader->header->vertex_count, "vertex is", "vertices are"));
     }
     *index = (uint32_t)value;
+    return PCCD_OK;
+}
+
+static int read_index(struct body_reader *reader, const struct ply_property *property,
+                      uint32_t *index)
+{
+    double value;
+    int status = read_value(reader, property->type, &value);
+    return status == PCCD_OK ? take_index(reader, value, index) : status;
+}
+
+/* The number that begins a new strip: -1, or what that is without a sign. */
+static bool is_restart(double value, enum ply_type type)
+{
+    return value == -1 || (type == PLY_UINT32 && value == (double)UINT32_MAX) ||
+           (type == PLY_UINT16 && value == UINT16_MAX) ||
+           (type == PLY_UINT64 && value == 0x1p64);
+}
+
+/* v0 v1 v2 v3 v4 is (v0 v1 v2) (v2 v1 v3) (v2 v3 v4); one that has a corner twice only
+ * joins two others. */
+static int read_strip(struct body_reader *reader, const struct ply_property *property,
+                      uint64_t count)
+{
+    uint32_t corners[3] = {0, 0, 0};
+    uint64_t seen = 0; /* of this strip */
+    for (uint64_t i = 0; i < count; i++) {
+        double value;
+        int status = read_value(reader, property->type, &value);
+        if (status == PCCD_OK && is_restart(value, property->type)) {
+            seen = 0;
+            continue;
+        }
+        if (status == PCCD_OK) {
+            status = take_index(reader, value, &corners[seen < 2 ? seen : 2]);
+        }
+        if (status == PCCD_OK && ++seen >= 3) {
+            bool is_odd = seen % 2 == 0;
+            const uint32_t triangle[3] = {corners[is_odd], corners[!is_odd], corners[2]};
+            bool joins = corners[0] == corners[1] || corners[1] == corners[2] ||
+                         corners[2] == corners[0];
+            status = joins ? PCCD_OK
+                           : ctl_mesh_add_triangle(reader->mesh, triangle,
+                                                   reader->file->path, reader->error);
+            corners[0] = corners[1];
+            corners[1] = corners[2];
+        }
+        if (status != PCCD_OK) {
+            return status;
+        }
+    }
     return PCCD_OK;
 }
 
@@ -225,8 +283,9 @@ static int read_polygon(struct body_reader *reader, const struct ply_property *p
         }
         corners[1] = corners[2];
     }
-    return ctl_mesh_end_polygon(reader->mesh, count, reader->row, reader->file->path,
-                                reader->error);
+    return ctl_mesh_end_polygon(reader->mesh, count,
+                                reader->element->row_first + reader->row,
+                                reader->file->path, reader->error);
 }
 
 static int read_list(struct body_reader *reader, const struct ply_property *property)
@@ -244,7 +303,8 @@ static int read_list(struct body_reader *reader, const struct ply_property *prop
     }
     uint64_t count = (uint64_t)value;
     if (property->role == PLY_INDICES) {
-        return read_polygon(reader, property, count);
+        return reader->element->are_strips ? read_strip(reader, property, count)
+                                           : read_polygon(reader, property, count);
     }
     for (uint64_t i = 0; i < count && status == PCCD_OK; i++) {
         status = skip_value(reader, property->type);
@@ -262,6 +322,7 @@ static int begin_row(struct body_reader *reader)
         }
         rest = reader->line;
     } while (!ctl_word_next(&rest, &word));
+    reader->has_value_a_line = !ctl_word_next(&rest, &word);
     return PCCD_OK;
 }
 
@@ -271,7 +332,12 @@ static int read_row(struct body_reader *reader)
     bool is_edge = false;
     struct ctl_word surplus;
     int status = is_ascii ? begin_row(reader) : PCCD_OK;
-    ctl_mesh_begin_row(reader->mesh, reader->row, reader->element->count);
+    if (reader->element->has_faces) {
+        ctl_mesh_begin_row(reader->mesh, reader->element->row_first + reader->row,
+                           reader->header->face_count);
+    } else {
+        ctl_mesh_begin_row(reader->mesh, reader->row, reader->element->count);
+    }
     for (uint32_t i = 0; i < reader->element->property_count && status == PCCD_OK; i++) {
         const struct ply_property *property =
             &reader->header->properties[reader->element->property_first + i];
@@ -303,6 +369,14 @@ static int check_end(struct body_reader *reader)
     struct ctl_word line, word;
     if (reader->header->encoding != PLY_ASCII) {
         if (!ctl_text_more(&reader->text, 1)) {
+            return PCCD_OK;
+        }
+        /* Some writers end the data with a line end. */
+        bool is_pair = reader->text.at[0] == '\r' && ctl_text_more(&reader->text, 2) &&
+                       reader->text.at[1] == '\n';
+        size_t end_bytes = is_pair ? 2 : 1;
+        if ((reader->text.at[0] == '\n' || reader->text.at[0] == '\r') &&
+            !ctl_text_more(&reader->text, end_bytes + 1)) {
             return PCCD_OK;
         }
         uint64_t left =
@@ -367,7 +441,7 @@ int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
 int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
     struct ctl_text text = {
-        .at = begin->data, .end = begin->data + begin->bytes, .line = 0};
+        .at = ctl_file_start(begin), .end = begin->data + begin->bytes, .line = 0};
     struct ply_header *header = malloc(sizeof *header);
     if (header == NULL) {
         return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",

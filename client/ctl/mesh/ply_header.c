@@ -225,20 +225,88 @@ static int find_axes(struct header_reader *reader, const struct ply_element *ele
     return PCCD_OK;
 }
 
-static int find_indices(struct header_reader *reader, const struct ply_element *element)
+static uint64_t sum(uint64_t a, uint64_t b)
 {
+    uint64_t both;
+    return __builtin_add_overflow(a, b, &both) ? UINT64_MAX : both;
+}
+
+static bool is_any_of(const struct ctl_word *word, const char *const *names, size_t count)
+{
+    bool is_one = false;
+    for (size_t i = 0; i < count; i++) {
+        is_one = is_one || ctl_word_is_any_case(word, names[i]);
+    }
+    return is_one;
+}
+
+/* The first list of an element that has the name of indices, or, where any_list is set,
+ * that may have them; NULL: there is none. */
+static struct ply_property *find_list(struct header_reader *reader,
+                                      const struct ply_element *element, bool any_list)
+{
+    static const char *const names[] = {"vertex_indices", "vertex_index",
+                                        "vertex_indexes", "vertices", "indices"};
     struct ply_property *properties =
         reader->header->properties + element->property_first;
     for (uint32_t i = 0; i < element->property_count; i++) {
-        if (properties[i].is_list &&
-            (ctl_word_is(&properties[i].name, "vertex_indices") ||
-             ctl_word_is(&properties[i].name, "vertex_index"))) {
-            properties[i].role = PLY_INDICES;
-            return PCCD_OK;
+        if (properties[i].is_list && types[properties[i].type].is_whole &&
+            (any_list || is_any_of(&properties[i].name, names, 5))) {
+            return &properties[i];
+        }
+        if (properties[i].is_list && is_any_of(&properties[i].name, names, 2)) {
+            return &properties[i]; /* whole numbers may be written as others */
         }
     }
-    return FAIL(reader, PCCD_E_FORMAT, "%s",
-                "element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
+    return NULL;
+}
+
+/* Faces are in the element "face", and in any other that has a list of indices; strips in
+ * those whose names say so. */
+static int find_faces(struct header_reader *reader, const struct ply_element *vertex)
+{
+    static const char *const strips[] = {"tristrips",      "tristrip", "triangle_strips",
+                                         "triangle_strip", "strips",   "strip"};
+    struct ply_header *header = reader->header;
+    for (uint32_t i = 0; i < header->element_count; i++) {
+        struct ply_element *element = &header->elements[i];
+        struct ply_property *list =
+            element != vertex ? find_list(reader, element, false) : NULL;
+        if (list == NULL && ctl_word_is(&element->name, "face")) {
+            return FAIL(reader, PCCD_E_FORMAT, "%s",
+                        "element \"face\" has no list \"vertex_indices\" or "
+                        "\"vertex_index\"");
+        }
+        if (list != NULL) {
+            list->role = PLY_INDICES;
+            element->has_faces = true;
+            element->are_strips = is_any_of(&element->name, strips, 6);
+            element->row_first = header->face_count;
+            header->face_count = sum(header->face_count, element->count);
+        }
+    }
+    return PCCD_OK;
+}
+
+/* Vertices are points only where nothing that may be faces is left out. */
+static int check_cloud(struct header_reader *reader, const struct ply_element *vertex)
+{
+    struct ply_header *header = reader->header;
+    for (uint32_t i = 0; i < header->element_count; i++) {
+        struct ply_element *element = &header->elements[i];
+        if (element == vertex || element->count == 0) {
+            continue;
+        }
+        const struct ply_property *list = find_list(reader, element, true);
+        if (list != NULL) {
+            return FAIL(reader, PCCD_E_FORMAT,
+                        "element \"%.*s\" may have the faces: its list \"%.*s\" is none "
+                        "that is known, such as \"vertex_indices\"",
+                        ctl_word_length(&element->name), element->name.at,
+                        ctl_word_length(&list->name), list->name.at);
+        }
+    }
+    return PCCD_OK;
 }
 
 /* The ends of edges. */
@@ -267,12 +335,6 @@ struct row_bytes {
     uint64_t least, most;
 };
 
-static uint64_t sum(uint64_t a, uint64_t b)
-{
-    uint64_t both;
-    return __builtin_add_overflow(a, b, &both) ? UINT64_MAX : both;
-}
-
 static uint64_t product(uint64_t a, uint64_t b)
 {
     uint64_t both;
@@ -283,6 +345,9 @@ static uint64_t product(uint64_t a, uint64_t b)
 static uint64_t list_length_max(enum ply_type count)
 {
     bool has_sign = count == PLY_INT8 || count == PLY_INT16 || count == PLY_INT32;
+    if (types[count].bytes == 8) {
+        return UINT64_MAX;
+    }
     return types[count].is_whole
                ? ((uint64_t)1 << (8 * types[count].bytes - has_sign)) - 1
                : UINT64_MAX;
@@ -342,7 +407,8 @@ static int check_counts(struct header_reader *reader)
         left -= needed < left ? needed : left;
         most = sum(most, product(element->count, row.most));
     }
-    if (header->encoding != PLY_ASCII && there > most) {
+    /* A line end may follow. */
+    if (header->encoding != PLY_ASCII && there > sum(most, 2)) {
         return FAIL(reader, PCCD_E_FORMAT,
                     "the elements take at most %llu bytes, and the file has %llu more",
                     (unsigned long long)most, (unsigned long long)(there - most));
@@ -352,7 +418,7 @@ static int check_counts(struct header_reader *reader)
 
 static int check_header(struct header_reader *reader)
 {
-    struct ply_element *vertex = NULL, *face = NULL, *edge = NULL;
+    struct ply_element *vertex = NULL, *edge = NULL;
     if (reader->header->encoding == PLY_NONE) {
         return FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no format line");
     }
@@ -362,16 +428,13 @@ static int check_header(struct header_reader *reader)
             FAIL(reader, PCCD_E_FORMAT, "%s", "the header has no element \"vertex\"");
     }
     if (status == PCCD_OK) {
-        status = find_element(reader, "face", &face);
-    }
-    if (status == PCCD_OK) {
         status = find_element(reader, "edge", &edge);
     }
     if (status == PCCD_OK) {
         status = find_axes(reader, vertex);
     }
-    if (status == PCCD_OK && face != NULL) {
-        status = find_indices(reader, face);
+    if (status == PCCD_OK) {
+        status = find_faces(reader, vertex);
     }
     if (status == PCCD_OK && edge != NULL) {
         status = find_ends(reader, edge);
@@ -379,11 +442,14 @@ static int check_header(struct header_reader *reader)
     if (status == PCCD_OK) {
         status = check_counts(reader);
     }
+    bool is_cloud = reader->header->face_count == 0 && (edge == NULL || edge->count == 0);
+    if (status == PCCD_OK && is_cloud) {
+        status = check_cloud(reader, vertex);
+    }
     if (status != PCCD_OK) {
         return status;
     }
     reader->header->vertex_count = vertex->count;
-    reader->header->face_count = face != NULL ? face->count : 0;
     reader->header->edge_count = edge != NULL ? edge->count : 0;
     return PCCD_OK;
 }
@@ -404,14 +470,18 @@ int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
                    struct ply_header *header, struct ctl_error *error)
 {
     struct header_reader reader = {file, text, header, error};
-    struct ctl_word line;
+    struct ctl_word line, word;
     bool is_end = false;
     header->encoding = PLY_NONE;
     header->element_count = 0;
     header->property_count = 0;
-    if (!ctl_text_line(text, &line) || !ctl_word_is(&line, "ply")) {
+    header->face_count = 0;
+    if (!ctl_text_line(text, &line) || !ctl_word_next(&line, &word) ||
+        !ctl_word_is(&word, "ply")) {
         return FAIL(&reader, PCCD_E_FORMAT, "%s", "the first line is not \"ply\"");
     }
+    /* Where a CR alone ends lines, an LF behind the last one is data. */
+    bool has_feeds = text->at[-1] == '\n';
     while (!is_end) {
         if (!ctl_text_line(text, &line)) {
             return FAIL(&reader, PCCD_E_FORMAT, "%s",
@@ -422,6 +492,9 @@ int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,
         if (status != PCCD_OK) {
             return status;
         }
+    }
+    if (!has_feeds && header->encoding != PLY_ASCII && text->at[-1] == '\n') {
+        text->at--;
     }
     int status = check_header(&reader);
     copy_names(header);

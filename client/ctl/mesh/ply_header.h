@@ -31,6 +31,8 @@ enum ply_encoding { PLY_NONE, PLY_ASCII, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN };
     X(UINT16, "ushort", "uint16", 2, true, true)                                         \
     X(INT32, "int", "int32", 4, true, false)                                             \
     X(UINT32, "uint", "uint32", 4, true, false)                                          \
+    X(INT64, "long", "int64", 8, true, false)                                            \
+    X(UINT64, "ulong", "uint64", 8, true, false)                                         \
     X(FLOAT32, "float", "float32", 4, false, true)                                       \
     X(FLOAT64, "double", "float64", 8, false, false)
 
@@ -57,6 +59,9 @@ struct ply_element {
     uint64_t count;
     uint32_t property_first;
     uint32_t property_count;
+    bool has_faces,
+        are_strips;     /* a list of indices: of faces, or of strips of triangles */
+    uint64_t row_first; /* of faces: in the elements before it */
 };
 
 struct ply_header {
@@ -67,14 +72,14 @@ struct ply_header {
     struct ply_property properties[PLY_PROPERTIES_MAX];
     char names[PLY_ELEMENTS_MAX][PLY_NAME_BYTES];
     uint64_t vertex_count;
-    uint64_t face_count; /* 0: there are none */
+    uint64_t face_count; /* of all elements that have faces; 0: there are none */
     uint64_t edge_count; /* likewise */
     bool is_narrow;      /* every coordinate type is exact in a float */
 };
 
 /* Read the header at text's start; afterwards text stands at the first byte of the body.
- * On success: there is one element "vertex" with scalar x, y, z, and maybe one "face"
- * with a list of indices, and one "edge" with scalar vertex1 and vertex2; no element can
+ * On success: there is one element "vertex" with scalar x, y, z, and maybe some with
+ * a list of indices, and one "edge" with scalar vertex1 and vertex2; no element can
  * be longer than the file. Names of elements lie in the header then, and may be cut;
  * those of properties lie in the text, which may move. */
 int ctl_ply_header(const struct ctl_file *file, struct ctl_text *text,

@@ -17,9 +17,10 @@
 #define HEADER_BYTES 84u /* 80 of any text, and the number of facets */
 #define FACET_BYTES  50u /* a normal, three corners, and two bytes of anything */
 #define FREE         UINT32_MAX
+#define LOOK_BYTES   ((size_t)512) /* of a file that may be ascii */
 
 struct stl_reader {
-    const struct ctl_file *file;
+    struct ctl_file *file;
     struct ctl_mesh *mesh;
     struct ctl_error *error;
     struct ctl_text text;     /* of ascii */
@@ -126,13 +127,58 @@ static bool is_binary(const char *data, size_t bytes, uint64_t all_bytes)
            all_bytes == HEADER_BYTES + (uint64_t)ctl_file_word(data + 80) * FACET_BYTES;
 }
 
+/* Whether it begins with "solid", and has no byte 0 soon, as a binary file has. */
+static bool is_ascii(const struct ctl_file *begin)
+{
+    const char *start = ctl_file_start(begin);
+    size_t bytes = (size_t)(begin->data + begin->bytes - start);
+    struct ctl_word text = {start, start + (bytes < LOOK_BYTES ? bytes : LOOK_BYTES)},
+                    word;
+    while (text.at < text.end && (*text.at == '\n' || *text.at == '\r')) {
+        text.at++;
+    }
+    const char *stop = memchr(text.at, '\n', (size_t)(text.end - text.at));
+    const char *other = memchr(text.at, '\r', (size_t)(text.end - text.at));
+    bool has_zero = memchr(text.at, 0, (size_t)(text.end - text.at)) != NULL;
+    text.end = stop != NULL ? stop : text.end;
+    text.end = other != NULL && other < text.end ? other : text.end;
+    return !has_zero && ctl_word_next(&text, &word) &&
+           ctl_word_is_any_case(&word, "solid");
+}
+
+static int no_stl(const struct ctl_file *begin, struct ctl_error *error)
+{
+    uint64_t all_bytes = begin->offset + begin->bytes + begin->rest_bytes;
+    if (begin->bytes < HEADER_BYTES) {
+        return ctl_error_set(
+            error, PCCD_E_FORMAT,
+            "%s: no STL: it does not begin with \"solid\", and has %" PRIu64
+            " bytes where a binary one has %u and more",
+            begin->path, all_bytes, HEADER_BYTES);
+    }
+    uint64_t facets = (all_bytes - HEADER_BYTES) / FACET_BYTES;
+    return ctl_error_set(
+        error, PCCD_E_FORMAT,
+        "%s: no STL: it does not begin with \"solid\", and its header tells of %" PRIu32
+        " facets, where %" PRIu64 " bytes have %" PRIu64 " and %" PRIu64 " bytes more",
+        begin->path, ctl_file_word(begin->data + 80), all_bytes, facets,
+        (all_bytes - HEADER_BYTES) % FACET_BYTES);
+}
+
 static int read_binary(struct stl_reader *reader)
 {
     const struct ctl_file *file = reader->file;
     uint32_t count = ctl_file_word(file->data + 80);
     int status = PCCD_OK;
+    reader->text.at = file->data + HEADER_BYTES;
     for (uint32_t i = 0; i < count && status == PCCD_OK; i++) {
-        const char *facet = file->data + HEADER_BYTES + (size_t)i * FACET_BYTES;
+        if (!ctl_text_more(&reader->text, FACET_BYTES)) {
+            return ctl_error_set(reader->error, PCCD_E_FORMAT,
+                                 "%s: facet %" PRIu32 " of %" PRIu32
+                                 ": the file ends here",
+                                 file->path, i, count);
+        }
+        const char *facet = reader->text.at;
         for (uint32_t k = 0; k < 3 && status == PCCD_OK; k++) {
             float x[3];
             for (uint32_t axis = 0; axis < 3; axis++) {
@@ -151,13 +197,14 @@ static int read_binary(struct stl_reader *reader)
             status = ctl_mesh_add_triangle(reader->mesh, reader->corners, file->path,
                                            reader->error);
         }
+        reader->text.at += FACET_BYTES;
     }
     return status;
 }
 
 /* ---- ascii ------------------------------------------------------------------------- */
 
-/* The next line that is not blank, and its first word. */
+/* The next line that is not blank, and its first word, of "end" the second one, too. */
 static bool next_line(struct stl_reader *reader, struct ctl_word *line,
                       struct ctl_word *word)
 {
@@ -169,6 +216,18 @@ static bool next_line(struct stl_reader *reader, struct ctl_word *line,
     return false;
 }
 
+/* "endfacet", or "end facet". */
+static bool is_end(const struct ctl_word *word, struct ctl_word line, const char *what)
+{
+    struct ctl_word second, rest = {word->at + 3, word->end};
+    bool is_split = ctl_word_is_any_case(word, "end") && ctl_word_next(&line, &second);
+    struct ctl_word begin = {word->at,
+                             word->end - word->at > 3 ? word->at + 3 : word->end};
+    return is_split ? ctl_word_is_any_case(&second, what)
+                    : ctl_word_is_any_case(&begin, "end") && rest.end > rest.at &&
+                          ctl_word_is_any_case(&rest, what);
+}
+
 static int unexpected(struct stl_reader *reader, const char *wanted,
                       const struct ctl_word *word)
 {
@@ -177,15 +236,19 @@ static int unexpected(struct stl_reader *reader, const char *wanted,
         reader->file->path, reader->text.line, ctl_word_length(word), word->at, wanted);
 }
 
+/* A line that begins so, or with "end" and so. */
 static int expect(struct stl_reader *reader, const char *wanted, struct ctl_word *line)
 {
     struct ctl_word word;
+    bool is_of_end = strncmp(wanted, "end", 3) == 0;
     if (!next_line(reader, line, &word)) {
         return ctl_error_set(reader->error, PCCD_E_FORMAT,
                              "%s: it ends where \"%s\" is needed", reader->file->path,
                              wanted);
     }
-    return ctl_word_is(&word, wanted) ? PCCD_OK : unexpected(reader, wanted, &word);
+    bool is_it = is_of_end ? is_end(&word, *line, wanted + 3)
+                           : ctl_word_is_any_case(&word, wanted);
+    return is_it ? PCCD_OK : unexpected(reader, wanted, &word);
 }
 
 static int read_corner(struct stl_reader *reader, uint32_t *vertex)
@@ -231,25 +294,24 @@ static int read_facet(struct stl_reader *reader)
                              : status;
 }
 
-/* One solid after the other; they are one mesh. */
+/* One solid after the other; they are one mesh. The last one may lack its end. */
 static int read_ascii(struct stl_reader *reader)
 {
     struct ctl_word line, word;
-    bool is_within = false;
+    bool is_within = false, has_begun = false;
     int status = PCCD_OK;
     while (status == PCCD_OK && next_line(reader, &line, &word)) {
-        if (ctl_word_is(&word, is_within ? "endsolid" : "solid")) {
-            is_within = !is_within;
-        } else if (is_within && ctl_word_is(&word, "facet")) {
+        if (is_within && ctl_word_is_any_case(&word, "facet")) {
             status = read_facet(reader);
+        } else if (is_within && is_end(&word, line, "solid")) {
+            is_within = false;
+        } else if (!is_within && ctl_word_is_any_case(&word, "solid")) {
+            is_within = has_begun = true;
         } else {
             status = unexpected(reader, is_within ? "facet" : "solid", &word);
         }
     }
-    if (status == PCCD_OK && is_within) {
-        status = expect(reader, "endsolid", &line);
-    }
-    return status;
+    return status == PCCD_OK && !has_begun ? no_stl(reader->file, reader->error) : status;
 }
 
 int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
@@ -260,24 +322,22 @@ int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
         .error = error,
         .text = ctl_text_begin(file),
     };
+    uint64_t all_bytes = file->bytes + file->rest_bytes;
     mesh->format = PCCD_FORMAT_F32;
-    int status = is_binary(file->data, file->bytes, file->bytes) ? read_binary(&reader)
-                                                                 : read_ascii(&reader);
+    int status;
+    if (is_binary(file->data, file->bytes, all_bytes)) {
+        status = read_binary(&reader);
+    } else if (!is_ascii(file) && memchr(file->data, 0, file->bytes) != NULL) {
+        status = no_stl(file, error);
+    } else {
+        status = read_ascii(&reader);
+    }
     free(reader.table);
     return status;
 }
 
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
 {
-    uint64_t all_bytes = begin->bytes + begin->rest_bytes;
-    *is_text = !is_binary(begin->data, begin->bytes, all_bytes);
-    if (!*is_text || (begin->bytes >= 5 && memcmp(begin->data, "solid", 5) == 0)) {
-        return PCCD_OK;
-    }
-    return ctl_error_set(
-        error, PCCD_E_FORMAT,
-        "%s: no STL: it does not begin with \"solid\", and %" PRIu32
-        " facets do not make %" PRIu64 " bytes",
-        begin->path, begin->bytes >= HEADER_BYTES ? ctl_file_word(begin->data + 80) : 0,
-        all_bytes);
+    *is_text = !is_binary(begin->data, begin->bytes, begin->bytes + begin->rest_bytes);
+    return !*is_text || is_ascii(begin) ? PCCD_OK : no_stl(begin, error);
 }

@@ -15,6 +15,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,6 +27,8 @@
 #define WINDOW_BYTES ((size_t)1 << 20)
 /* Read at a time, so that a hole in a text is found soon. */
 #define READ_BYTES_MAX ((size_t)1 << 22)
+/* Of a line, looked at at a time. */
+#define PIECE_BYTES ((size_t)512)
 /* Longest piece of a word that a message quotes. */
 #define QUOTE_CHARS_MAX 40
 
@@ -107,10 +110,14 @@ static int begin(struct ctl_file *file, ctl_file_judge judge, struct ctl_error *
     if (status == PCCD_OK && (is_large || (is_pipe && file->has_more))) {
         status = judge(file, &file->is_text, error);
     }
-    if (status == PCCD_OK && file->is_text) {
-        status = look_for_hole(file, 0, error);
+    if (status == PCCD_OK && is_pipe) {
+        status = read_up_to(file, SIZE_MAX, error);
     }
-    return status == PCCD_OK && is_pipe ? read_up_to(file, SIZE_MAX, error) : status;
+    if (status == PCCD_OK && !is_large) {
+        struct ctl_error ignored;
+        file->is_text = judge(file, &file->is_text, &ignored) == PCCD_OK && file->is_text;
+    }
+    return status == PCCD_OK && file->is_text ? look_for_hole(file, 0, error) : status;
 }
 
 int ctl_file_open(const char *path, ctl_file_judge judge, struct ctl_file *file,
@@ -209,8 +216,10 @@ struct ctl_text ctl_text_begin(struct ctl_file *file)
         file->has_more = lseek(file->fd, 0, SEEK_SET) == 0;
         read_window(file, file->capacity - 1);
     }
-    return (struct ctl_text){
-        .at = file->data, .end = file->data + file->bytes, .line = 0, .file = file};
+    return (struct ctl_text){.at = ctl_file_start(file),
+                             .end = file->data + file->bytes,
+                             .line = 0,
+                             .file = file};
 }
 
 bool ctl_text_more(struct ctl_text *text, size_t bytes)
@@ -233,6 +242,13 @@ bool ctl_text_more(struct ctl_text *text, size_t bytes)
 
 /* ---- lines and words --------------------------------------------------------------- */
 
+const char *ctl_file_start(const struct ctl_file *file)
+{
+    bool has_mark = file->offset == 0 && file->bytes >= 3 &&
+                    memcmp(file->data, "\xef\xbb\xbf", 3) == 0;
+    return file->data + (has_mark ? 3 : 0);
+}
+
 uint32_t ctl_file_word(const char *at)
 {
     const unsigned char *bytes = (const unsigned char *)at;
@@ -240,23 +256,38 @@ uint32_t ctl_file_word(const char *at)
            (uint32_t)bytes[3] << 24;
 }
 
+/* The first line end of a piece of text; NULL: there is none. */
+static const char *find_end(const char *at, size_t bytes)
+{
+    const char *feed = memchr(at, '\n', bytes);
+    const char *carriage = memchr(at, '\r', feed != NULL ? (size_t)(feed - at) : bytes);
+    return carriage != NULL ? carriage : feed;
+}
+
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line)
 {
-    const char *stop;
+    const char *stop = NULL;
     size_t looked = 0; /* bytes without a line end */
     do {
-        stop = memchr(text->at + looked, '\n', (size_t)(text->end - text->at) - looked);
-        looked = (size_t)(text->end - text->at);
+        /* In pieces, so that one kind of line end is not sought beyond the other. */
+        while (stop == NULL && looked < (size_t)(text->end - text->at)) {
+            size_t left = (size_t)(text->end - text->at) - looked;
+            size_t piece = left < PIECE_BYTES ? left : PIECE_BYTES;
+            stop = find_end(text->at + looked, piece);
+            looked += stop != NULL ? 0 : piece;
+        }
     } while (stop == NULL && ctl_text_more(text, looked + 1));
     if (text->at == text->end) {
         return false;
     }
-    line->at = text->at;
-    line->end = stop != NULL ? stop : text->end;
-    text->at = stop != NULL ? stop + 1 : text->end;
-    if (line->end > line->at && line->end[-1] == '\r') {
-        line->end--;
+    size_t length = (size_t)((stop != NULL ? stop : text->end) - text->at);
+    size_t end_bytes = stop != NULL;
+    if (stop != NULL && *stop == '\r' && ctl_text_more(text, length + 2)) {
+        end_bytes += text->at[length + 1] == '\n';
     }
+    line->at = text->at;
+    line->end = text->at + length;
+    text->at += length + end_bytes;
     text->line++;
     return true;
 }
@@ -286,6 +317,13 @@ bool ctl_word_is(const struct ctl_word *word, const char *text)
     size_t length = strlen(text);
     return (size_t)(word->end - word->at) == length &&
            memcmp(word->at, text, length) == 0;
+}
+
+bool ctl_word_is_any_case(const struct ctl_word *word, const char *text)
+{
+    size_t length = strlen(text);
+    return (size_t)(word->end - word->at) == length &&
+           strncasecmp(word->at, text, length) == 0;
 }
 
 int ctl_word_length(const struct ctl_word *word)

@@ -38,8 +38,8 @@ struct ctl_file {
 };
 
 /* What is thought of a file's first bytes, before the others are read, which may take
- * minutes, or for ever; `is_text`: there is no byte 0 in what is to come. Called for
- * large files, and for pipes that have more than a mebibyte. */
+ * minutes, or for ever; `is_text`: there is no byte 0 in it. What it refuses of a small
+ * file its reader refuses, too, and says why. */
 typedef int (*ctl_file_judge)(const struct ctl_file *begin, bool *is_text,
                               struct ctl_error *error);
 
@@ -71,6 +71,8 @@ int ctl_file_load(struct ctl_file *file, struct ctl_error *error);
 /* What went wrong when a text was read on, which then seems to end there. */
 int ctl_file_status(const struct ctl_file *file, struct ctl_error *error);
 void ctl_file_deinit(struct ctl_file *file);
+/* Where its text begins: behind a byte order mark. */
+const char *ctl_file_start(const struct ctl_file *file);
 /* Four bytes of a file that is not text, the lowest first. */
 uint32_t ctl_file_word(const char *at);
 
@@ -78,12 +80,14 @@ uint32_t ctl_file_word(const char *at);
 struct ctl_text ctl_text_begin(struct ctl_file *file);
 /* Whether so many bytes follow; all of them are in memory then. */
 bool ctl_text_more(struct ctl_text *text, size_t bytes);
-/* The next line without its line end (LF or CR LF); false at the end of the file. */
+/* The next line without its line end (LF, CR LF or CR); false at the end of the file. */
 bool ctl_text_line(struct ctl_text *text, struct ctl_word *line);
 /* The next word of the line, which shrinks; false when only blanks are left. */
 bool ctl_word_next(struct ctl_word *line, struct ctl_word *word);
 
 bool ctl_word_is(const struct ctl_word *word, const char *text);
+/* The same in capitals, too. */
+bool ctl_word_is_any_case(const struct ctl_word *word, const char *text);
 /* The word's length, cut for "%.*s". */
 int ctl_word_length(const struct ctl_word *word);
 
