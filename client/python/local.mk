@@ -19,7 +19,8 @@ python_module = \
     client/python/module/py.typed \
     client/python/module/scenes.py \
     client/python/module/values.py \
-    client/python/module/vtk_reader.py
+    client/python/module/vtk_reader.py \
+    client/python/module/weld.py
 python_headers = \
     $(top_srcdir)/client/lib/pccd.h \
     $(top_srcdir)/client/lib/pccd_batch.h \

@@ -21,6 +21,7 @@ EXTRA_DIST += \
     tests/python/check_raw.py \
     tests/python/check_scenes.py \
     tests/python/check_thick.py \
+    tests/python/check_weld.py \
     tests/python/check_vtk.py \
     tests/python/find.sh \
     tests/python/raw_client.py \

@@ -48,6 +48,7 @@ from .library import PccdError
 from .values import (BOX, CONTACT, EDGE, NEAR, PAIR, TRACE_EVENT, DaemonInfo, Histogram,
                      LinkInfo, MeshInfo, ObjectSettings, RecordInfo, SceneNews, Setting,
                      StepCounters, StepEvent, StepSettings, StepTimes, TraceInfo)
+from .weld import Welded, weld
 
 __version__ = abi.VERSION
 
@@ -59,5 +60,6 @@ __all__ = [
     "NearWhat", "ObjectSettings", "ObjectWhat",
     "PAIR", "Part", "PccdError", "Quality", "RecordInfo", "SCENE", "SceneNews",
     "Setting", "Share", "Status", "StepCounters", "StepEvent", "StepSettings",
-    "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict",
+    "StepTimes", "TRACE_EVENT", "TraceInfo", "TraceKind", "Tree", "Verdict", "weld",
+    "Welded",
 ]
