@@ -263,8 +263,11 @@ static bool are_same(const struct ctl_mesh *mesh, const struct ctl_polygon *poly
 int ctl_mesh_cut_like(const struct ctl_mesh *first, const char *first_path,
                       struct ctl_mesh *mesh, const char *path, struct ctl_error *error)
 {
-    const struct ctl_polygon *a = first->polygons, *a_end = a + first->polygon_count;
-    const struct ctl_polygon *b = mesh->polygons, *b_end = b + mesh->polygon_count;
+    static const struct ctl_polygon none; /* where a mesh has no array of them */
+    const struct ctl_polygon *a = first->polygons != NULL ? first->polygons : &none;
+    const struct ctl_polygon *b = mesh->polygons != NULL ? mesh->polygons : &none;
+    const struct ctl_polygon *a_end = a + first->polygon_count;
+    const struct ctl_polygon *b_end = b + mesh->polygon_count;
     const uint32_t *kept = first->corners;
     int status = PCCD_OK;
     bool is_alike = first->vertex_count == mesh->vertex_count &&
