@@ -49,7 +49,7 @@ class Weld(unittest.TestCase):
             self.assertTrue((welded.triangles == welded.to[triangles]).all())
             self.assertEqual(150 - welded.joined, len(np.unique(welded.triangles)))
 
-    # If this failed, 0 and -0 would be two places, or a vertex be used that nothing names.
+    # If this failed, 0 and -0 would be two places, or unnamed vertices be used.
     def test_weld__takes_the_least_vertex_that_is_named(self):
         x = np.array([[0, 0, 0], [-0.0, 0, 0], [0, 0, -0.0], [1, 0, 0], [0, 1, 0]])
         welded = pccd.weld([x], [[2, 3, 4], [1, 4, 3]], points=[4])

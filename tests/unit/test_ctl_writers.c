@@ -343,6 +343,48 @@ static void writers__damage_is_survived(void **state)
     }
 }
 
+/* If it failed: a coordinate would differ in its last bit from what other programs read. */
+static void writers__numbers_are_rounded_as_the_c_library_does(void **state)
+{
+    static const char *const odd[] = {"16777217",
+                                      "16777217.0000000001",
+                                      "0",
+                                      "-0",
+                                      ".5",
+                                      "5.",
+                                      ".",
+                                      "-",
+                                      "1e",
+                                      "+1",
+                                      "1.0.0",
+                                      "9007199254740993",
+                                      "0.00000000000000001",
+                                      "3.4028235e38",
+                                      "1e-45",
+                                      "0x10"};
+    unsigned seed = 5;
+    (void)state;
+    for (int i = 0; i < 200000; i++) {
+        char text[40];
+        seed = seed * 1664525u + 1013904223u;
+        int digits = 1 + (int)(seed >> 28);
+        double made = (double)(seed >> 3) / (double)(1u << (seed % 29)) *
+                      (seed % 5 == 0 ? 1e-3 : 1);
+        snprintf(text, sizeof text, seed % 2 == 0 ? "%.*f" : "-%.*g", digits, made);
+        const char *put = i < (int)KIT_COUNT(odd) ? odd[i] : text;
+        const struct ctl_word word = {put, put + strlen(put)};
+        double value = 0, narrow = 0;
+        char *stop;
+        double expected = strtod(put, &stop);
+        assert_int_equal(ctl_word_double(&word, &value), stop == word.end);
+        assert_int_equal(ctl_word_float(&word, &narrow), stop == word.end);
+        if (stop == word.end) {
+            assert_memory_equal(&value, &expected, sizeof value);
+            assert_true((float)narrow == strtof(put, NULL));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -355,6 +397,7 @@ int main(void)
         cmocka_unit_test(writers__of_stl_are_understood),
         cmocka_unit_test(writers__of_binary_stl_hear_both_counts),
         cmocka_unit_test(writers__damage_is_survived),
+        cmocka_unit_test(writers__numbers_are_rounded_as_the_c_library_does),
     };
     return cmocka_run_group_tests(tests, kit_make_folder, kit_remove_folder);
 }

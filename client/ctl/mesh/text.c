@@ -12,7 +12,9 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -332,9 +334,55 @@ int ctl_word_length(const struct ctl_word *word)
     return length < QUOTE_CHARS_MAX ? (int)length : QUOTE_CHARS_MAX;
 }
 
+/* Most numbers of files have few digits and a small exponent: then one division or
+ * multiplication of exact doubles rounds once, as strtod does. False: not so. */
+static bool read_quickly(const struct ctl_word *word, double *value)
+{
+    static const double tens[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                  1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                  1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    const char *at = word->at, *point = NULL;
+    bool is_negative = at < word->end && *at == '-';
+    uint64_t digits = 0;
+    at += is_negative;
+    const char *first = at;
+    for (; at < word->end && at - first < 17; at++) {
+        unsigned digit = (unsigned)(*at - '0');
+        if (digit <= 9) {
+            digits = digits * 10 + digit;
+        } else if (*at == '.' && point == NULL) {
+            point = at;
+        } else {
+            break;
+        }
+    }
+    ptrdiff_t after = point != NULL ? at - point - 1 : 0;
+    bool has_digits = at - first > (point != NULL);
+    if (at != word->end || !has_digits || digits > (uint64_t)1 << 53) {
+        return false;
+    }
+    *value = (double)digits / tens[after];
+    *value = is_negative ? -*value : *value;
+    return true;
+}
+
+/* A double that is no middle of two floats is on the same side of it as the number. */
+static bool rounds_to_float(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return (bits & 0x1fffffff) != 0x10000000 &&
+           (value == 0 ||
+            (fabs(value) >= (double)FLT_MIN && fabs(value) < (double)FLT_MAX));
+}
+
 bool ctl_word_float(const struct ctl_word *word, double *value)
 {
     char *stop;
+    if (read_quickly(word, value) && rounds_to_float(*value)) {
+        *value = (double)(float)*value;
+        return true;
+    }
     float number = strtof(word->at, &stop);
     if (stop != word->end) {
         return false;
@@ -346,6 +394,9 @@ bool ctl_word_float(const struct ctl_word *word, double *value)
 bool ctl_word_double(const struct ctl_word *word, double *value)
 {
     char *stop;
+    if (read_quickly(word, value)) {
+        return true;
+    }
     double number = strtod(word->at, &stop);
     if (stop != word->end) {
         return false;
