@@ -70,6 +70,7 @@ libctl_la_SOURCES = \
     client/ctl/mesh/meshcut.c client/ctl/mesh/meshcut.h \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
     client/ctl/mesh/meshmatch.c \
+    client/ctl/mesh/meshread.c \
     client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \
     client/ctl/mesh/point_cache.c \

@@ -32,8 +32,6 @@ int ctl_mesh_cut(struct ctl_mesh *mesh, const struct ctl_wanted *wanted, const c
 /* Vertices of polygons that are not in this part. Errors: E_NOMEM. */
 int ctl_mesh_want(const struct ctl_mesh *mesh, struct ctl_wanted *wanted,
                   const char *path, struct ctl_error *error);
-/* The position of one of them, if it is that. */
-void ctl_wanted_set(struct ctl_wanted *wanted, size_t index, double value);
 void ctl_wanted_deinit(struct ctl_wanted *wanted);
 
 /* Cut the polygons of `mesh` as those of `first` are cut, and compare the two as

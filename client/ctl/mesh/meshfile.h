@@ -143,6 +143,10 @@ void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
 int ctl_mesh_grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
                   uint32_t *total, bool is_kept, const char *names, const char *path,
                   struct ctl_error *error);
+/* Of a mesh that was read whole, keep piece `number` of `count`. */
+void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
+/* Of what a part wants of others (meshcut.h), the coordinate of one, if it is that. */
+void ctl_wanted_set(struct ctl_wanted *wanted, size_t index, double value);
 /* What is added next is of this row, of so many. */
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
 int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
