@@ -343,7 +343,7 @@ static void writers__damage_is_survived(void **state)
     }
 }
 
-/* If it failed: a coordinate would differ in its last bit from what other programs read. */
+/* If it failed: a coordinate would differ in its last bit from what others read. */
 static void writers__numbers_are_rounded_as_the_c_library_does(void **state)
 {
     static const char *const odd[] = {"16777217",

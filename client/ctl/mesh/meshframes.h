@@ -7,7 +7,7 @@
  *           have the first one's shape; one at a time is read. Vertices at one place are
  *           joined.
  * Threads:  one at a time.
- * Source:   used by check, load and near, and by pccd-mpi.
+ * Source:   used by check, load, record and near.
  */
 #ifndef CTL_MESHFRAMES_H
 #define CTL_MESHFRAMES_H

@@ -66,6 +66,9 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->is_dealt = true;
         return 0;
     case ARGP_KEY_END:
+        if (options->check.ask.weld > 0) {
+            tool_misused(state, "--weld: over ranks no vertices are joined");
+        }
         if (!options->is_dealt && options->results != NULL) {
             tool_misused(state, "--results wants --deal");
         }

@@ -43,6 +43,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
         options->world.timeout_ms =
             (int)ctl_option_count(state, "timeout", text, 1, 3600000);
         return 0;
+    case ARGP_KEY_END:
+        if (options->near.ask.weld > 0) {
+            tool_misused(state, "--weld: over ranks no vertices are joined");
+        }
+        return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
