@@ -17,6 +17,7 @@
 #include "near_run.h"
 #include "part.h"
 #include "pccd_mpi.h"
+#include "shown.h"
 #include "together.h"
 
 enum { OPTION_TIMEOUT = 256 + 24 };
