@@ -124,14 +124,16 @@ def det(a, b, c):
 
 
 def when(a, b, c, way):
-    """The t in (0, 1) at which three vectors have no volume; the first one moves."""
+    """The t in [0, 1] at which three vectors have no volume; the first one moves."""
     speed = det(way, b, c)
-    if speed == 0:
-        return None
-    t = -det(a, b, c) / speed
-    if t in (0, 1):
+    t = -det(a, b, c) / speed if speed != 0 else -1
+    return t if 0 <= t <= 1 else None
+
+
+def sure(t, meet):
+    if meet and t in (0, 1):
         raise Unsure("at an end of the motion")
-    return t if 0 < t < 1 else None
+    return t if meet else None
 
 
 def inside(p, corners):
@@ -159,7 +161,7 @@ def meets_face(p, way, corners):
     if t is None:
         return None
     at = tuple(x + t * w for x, w in zip(p, way))
-    return t if inside(at, corners) else None
+    return sure(t, inside(at, corners))
 
 
 def meets_edge(p, q, way, a, b):
@@ -173,7 +175,7 @@ def meets_edge(p, q, way, a, b):
     along_u, along_v = det(v, w, n) / size, det(u, w, n) / size
     if along_u in (0, 1) or along_v in (0, 1):
         raise Unsure("at an end of an edge")
-    return t if 0 < along_u < 1 and 0 < along_v < 1 else None
+    return sure(t, 0 < along_u < 1 and 0 < along_v < 1)
 
 
 def edges(faces):
@@ -204,11 +206,27 @@ def contacts(a, b):
     return [t for t in times if t is not None]
 
 
+def crossings(a, b):
+    """How many edges of one pass through a face of the other at t = 0."""
+    count = 0
+    for one, other in (a, b), (b, a):
+        sides, cuts = edges(one["faces"])
+        for e, f in itertools.product(sides | cuts, other["faces"]):
+            p, q = (one["vertices"][k] for k in e)
+            t = meets_face(p, minus(q, p), [other["vertices"][k] for k in f])
+            if t is not None and e in cuts:
+                raise Unsure("a diagonal")
+            count += t is not None
+    return count
+
+
 def truth(name, things):
     """What is right of a scene, whoever has written it."""
     right = {"triangles": sum(len(f) - 2 for one in things for f in one["faces"]),
              "places": len({v for one in things for v in one["vertices"]}),
-             "moves": any(any(one["move"]) or "turn" in one for one in things)}
+             "moves": any(any(one["move"]) or "turn" in one for one in things),
+             "crossings": sum(crossings(a, b)
+                              for a, b in itertools.combinations(things, 2))}
     if name == "swing":
         return {**right, "contacts": 4}
     times = [t for a, b in itertools.combinations(things, 2)

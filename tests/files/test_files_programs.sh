@@ -10,11 +10,13 @@ set -u
 : "${top_srcdir:?is set by make check}" "${top_builddir:?}" "${PCCDCTL:?}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
+# shellcheck source=tests/python/find.sh
+. "$top_srcdir/tests/python/find.sh"
+export PCCD_PYTHON=$python # without one, what it reads is not judged
 
 work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 files=${PCCD_FILES:-$work/files}
-export PYTHONDONTWRITEBYTECODE=1
 [ -n "${PCCD_FILES:-}" ] || "$top_srcdir/tests/files/make_files.sh" "$files" >"$work/made" 2>&1
 
 for program in admesh assimp blender gltf-pipeline gltf-transform gmsh meshio meshlab obj2gltf openscad three \
