@@ -31,12 +31,14 @@ def fans(faces):
     return np.array([[f[0], f[k], f[k + 1]] for f in faces for k in range(1, len(f) - 1)])
 
 
-def tried(what, how):
-    """Somebody else's program may not do it."""
+def tried(path, how):
+    """Somebody else's program may not do it; then there is no half of a file."""
     try:
-        how()
+        how(path)
     except Exception:
-        print(f"not written: {what}:", traceback.format_exc(limit=-1).splitlines()[-1])
+        print(f"not written: {path}:", traceback.format_exc(limit=-1).splitlines()[-1])
+        if os.path.exists(path):
+            os.remove(path)
 
 
 def write_meshio(scenes, target):
@@ -45,8 +47,8 @@ def write_meshio(scenes, target):
     os.makedirs(folder, exist_ok=True)
 
     def keep(name, points, cells, form, **options):
-        tried(name, lambda: meshio.Mesh(points, cells).write(os.path.join(folder, name),
-                                                             file_format=form, **options))
+        tried(os.path.join(folder, name), lambda path: meshio.Mesh(points, cells).write(
+            path, file_format=form, **options))
 
     for name in WHICH:
         for suffix, points, faces in frames(scenes[name]):
@@ -141,7 +143,7 @@ def write_trimesh(scenes, target):
                     ("stl", "ascii", {"file_type": "stl_ascii"}), ("glb", "plain", {}), \
                     ("off", "plain", {}):
                 path = os.path.join(folder, f"{name}.{way}{suffix}.{ending}")
-                tried(path, lambda: mesh.export(path, **options))
+                tried(path, lambda p: mesh.export(p, **options))
 
 
 def main():
