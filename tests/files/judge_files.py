@@ -114,8 +114,9 @@ def judge(program, version, key, files, scenes):
     right["triangles"] = right.get(way, right["triangles"])  # as the program has cut it
     words = set(re.split("[-_]", way))
     by_python = kind in BY_PYTHON
-    command = [os.environ.get("PCCD_PYTHON") or "python3", "-m", "pccd"] if by_python else \
-        [os.environ.get("PCCDCTL", "pccdctl")]
+    command = [os.environ.get("PCCDCTL", "pccdctl")]
+    if by_python:
+        command = [os.environ.get("PCCD_PYTHON") or "python3", "-m", "pccd"]
     command += ["check", "--json"]
     for word in words & set(OPTIONS):
         command += OPTIONS[word]

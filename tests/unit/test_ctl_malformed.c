@@ -284,7 +284,8 @@ static void malformed__refuses_a_binary_ply_cut_at_any_byte(void **state)
     }
 }
 
-/* If it failed: the caller could not tell a missing file from a bad one. */
+/* If it failed: the caller could not tell a missing file from a bad one, nor which kind
+ * is not read. */
 static void malformed__tells_files_it_cannot_read(void **state)
 {
     struct ctl_mesh mesh = {0};
@@ -299,6 +300,10 @@ static void malformed__tells_files_it_cannot_read(void **state)
     kit_write_file("mesh.off", "OFF\n", 4, path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
     assert_non_null(strstr(error.text, "neither PLY (first line \"ply\") nor glTF "));
+    assert_non_null(strstr(error.text, ".gltf, but in .off; "));
+    kit_write_file("mesh", "OFF\n", 4, path); /* the dots of folders end no name */
+    assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_E_FORMAT);
+    assert_non_null(strstr(error.text, ".glb or .gltf; "));
 }
 
 #define BINARY_START "ply\nformat binary_little_endian 1.0\nelement vertex "

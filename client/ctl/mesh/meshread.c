@@ -148,17 +148,26 @@ int ctl_mesh_count_frames(const char *path, uint32_t *count, struct ctl_error *e
     return status;
 }
 
+/* From the dot on; "" of a name without one. */
+static const char *ending_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash != NULL ? slash : path, '.');
+    return dot != NULL ? dot : "";
+}
+
 /* NULL, with an error: none that is known. */
 static const struct format *format_of(const struct ctl_file *file,
                                       struct ctl_error *error)
 {
     const struct format *format = find_format(file);
     if (format == NULL) {
+        const char *ending = ending_of(file->path);
         (void)ctl_error_set(
             error, PCCD_E_FORMAT,
             "%s: neither PLY (first line \"ply\") nor glTF (first word "
-            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf; %s",
-            file->path,
+            "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf%s%s; %s",
+            file->path, ending[0] != '\0' ? ", but in " : "", ending,
             has_ending(file->path, ".fbx")
                 ? "of FBX Blender makes glTF, animations included"
                 : "python3 -m pccd check reads what meshio does, such as VTU and PVD");
