@@ -89,6 +89,8 @@ void false_attached(struct proto_SHM_ATTACH_result result, int fd_count)
                             true) != 0) {
         _exit(0);
     }
+    /* Who finds none here knows that the memory is gone. */
+    ((struct proto_upload *)upload.base)->header.magic = PROTO_UPLOAD_MAGIC;
     fds[0] = upload.fd;
     fds[1] = records.fd;
     false_answer(false_daemon.envelope.id, PROTO_METHOD_SHM_ATTACH, &result, fds,
