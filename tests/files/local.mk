@@ -18,6 +18,7 @@ files-table: all
 	files="$${PCCD_FILES:-files}"; \
 	test -d "$$files" || $(srcdir)/tests/files/make_files.sh "$$files"; \
 	PCCDCTL=$(abs_builddir)/pccdctl PCCD_DAEMON=$(abs_builddir)/pccdd \
+	    PYTHONPATH=$(abs_builddir)/python \
 	    python3 $(srcdir)/tests/files/judge_files.py --table "$$files/scenes/scenes.json" \
 	    $$(ls -d "$$files"/*-[0-9]*)
 .PHONY: files-table
