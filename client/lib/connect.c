@@ -297,9 +297,6 @@ void pccd_close(struct pccd_client *client)
     }
     cli_batch_forget_all(client);
     cli_record_close(client);
-    if (client->unmap.call != NULL && !cli_is_copy(client)) {
-        cli_page_own_all(client);
-    }
     cli_link_bye(client);
     cli_connection_close(client);
     if (client->owner == getpid()) {

@@ -11,7 +11,6 @@
 
 #include <assert.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
@@ -93,33 +92,6 @@ void cli_page_retire(struct pccd_client *client, struct cli_ring *ring)
     *last = made;
 }
 
-/* Put a copy in the place of what lies there. Without memory for it all stays. */
-static void own(const struct cli_page *page)
-{
-    uint64_t begin = page->offset / PROTO_SHM_PAGE * PROTO_SHM_PAGE;
-    uint64_t end = page->offset + page->bytes;
-    size_t bytes = (end - begin + PROTO_SHM_PAGE - 1) / PROTO_SHM_PAGE * PROTO_SHM_PAGE;
-    uint8_t *copy =
-        mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-
-    if (copy != MAP_FAILED) {
-        memcpy(copy, page->base + begin, bytes);
-        (void)mremap(copy, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED,
-                     page->base + begin);
-    }
-}
-
-void cli_page_own_all(struct pccd_client *client)
-{
-    for (uint64_t at = client->page_first; at < client->page_end; at++) {
-        const struct cli_page *page = &client->pages[at % CLI_PAGES];
-
-        if (!page->released) {
-            own(page);
-        }
-    }
-}
-
 void cli_page_deinit(struct pccd_client *client)
 {
     client->page_first = client->page_end;
@@ -164,10 +136,7 @@ int cli_page_add(struct pccd_client *client, uint64_t offset, uint64_t count,
         return PCCD_E_BADMSG;
     }
     client->pages[client->page_end % CLI_PAGES] =
-        (struct cli_page){.release = release,
-                          .base = client->ring.result.base,
-                          .offset = offset,
-                          .bytes = count * record_bytes};
+        (struct cli_page){release, client->ring.result.base, false};
     *serial = client->page_end++;
     proto_memory_touch(&client->ring.result, offset + count * record_bytes);
     return 0;

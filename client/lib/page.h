@@ -38,9 +38,6 @@ const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *clie
 /* The ring is about to go: keep its result region mapped as long as pages of it are not
  * released, and tell the daemon when they are; or unmap it. Takes that memory over. */
 void cli_page_retire(struct pccd_client *client, struct cli_ring *ring);
-/* Before the daemon is told that the client goes, and empties the ring: have pages that
- * are not released in memory of this process's own, at the same place. */
-void cli_page_own_all(struct pccd_client *client);
 void cli_page_deinit(struct pccd_client *client);
 
 #endif

@@ -46,9 +46,7 @@ struct cli_slot {
 /* One page of the result region. Pages go back to the daemon in the order they came. */
 struct cli_page {
     uint64_t release;    /* result_head that gives it back */
-    uint8_t *base;       /* of the region that it lies in */
-    uint64_t offset;     /* there */
-    uint64_t bytes;
+    const uint8_t *base; /* of the region that it lies in */
     bool released;
 };
 

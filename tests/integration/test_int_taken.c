@@ -476,42 +476,6 @@ static void rings__of_sessions_that_are_over_are_read(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* If it failed, whoever holds an answer when the connection is lost would read zeros as
- * soon as the user needs memory. */
-static void answers__that_are_held_do_not_go_for_want_of_memory(void **state)
-{
-    static const char *const options[] = {"--linger", "0", "--shm-max-mib", "96", NULL};
-    struct test_daemon daemon;
-    struct test_grid grid;
-    struct pccd_answer held = PCCD_ANSWER_INIT;
-    struct pccd_options wanted;
-    struct pccd_client *client = NULL;
-    struct pccd_frame frame;
-
-    (void)state;
-    assert_true(test_daemon_start(&daemon, options));
-    pccd_options_init(&wanted);
-    wanted.url = daemon.url;
-    wanted.reconnect_ms = -1;
-    assert_int_equal(pccd_connect(&wanted, &client), 0);
-    struct pccd_client *other = connect_by_default(daemon.url);
-
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
-    ask(&grid, &held);
-    assert_int_equal(shutdown(pccd_fd(client), SHUT_RDWR), 0);
-    assert_int_equal(test_stat_await(other, "sessions_now", 1), 1);
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(pccd_frame_begin(other, 1, 1, 95u << 20, &frame), PCCD_E_QUOTA);
-        test_sleep_ms(100);
-    }
-    assert_true(test_grid_is_right(&grid, &held));
-    pccd_answer_release(client, &held);
-    test_grid_free(&grid);
-    pccd_close(client);
-    pccd_close(other);
-    assert_true(test_daemon_finish(&daemon));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -525,7 +489,6 @@ int main(void)
         cmocka_unit_test(slots__grow_into_the_memory_that_they_give_back),
         cmocka_unit_test(answers__that_are_held_outlive_their_ring),
         cmocka_unit_test(rings__of_sessions_that_are_over_are_read),
-        cmocka_unit_test(answers__that_are_held_do_not_go_for_want_of_memory),
     };
     return cmocka_run_group_tests_name("int_taken", tests, NULL, NULL);
 }

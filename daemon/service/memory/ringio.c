@@ -557,16 +557,11 @@ void srv_ring_end(struct srv_ring *ring, bool keeps_slots)
     srv_reclaimed_start(&ring->results_unused);
 }
 
-bool srv_ring_holds_pages(const struct srv_ring *ring)
+bool srv_ring_is_needed(const struct srv_ring *ring)
 {
     srv_assert_loop();
     uint64_t head = atomic_load(&ring->shared->result_head.value);
-    return srv_region_used(&ring->region, head) > 0;
-}
-
-bool srv_ring_is_needed(const struct srv_ring *ring)
-{
-    bool is_needed = srv_ring_holds_pages(ring);
+    bool is_needed = srv_region_used(&ring->region, head) > 0;
     for (uint32_t slot = 0; slot < ring->slot_count; slot++) {
         uint64_t memory = atomic_load(&ring->shared->slots[slot].memory);
         is_needed =

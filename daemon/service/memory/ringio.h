@@ -122,8 +122,6 @@ int srv_ring_look(struct srv_ring *ring, struct proto_error *error);
  * that it does not need is given back, now and at each look: slots, but for those that
  * it says it needs if `keeps_slots`, and pages that it has released. [loop] */
 void srv_ring_end(struct srv_ring *ring, bool keeps_slots);
-/* Whether the client has not released all pages. [loop] */
-bool srv_ring_holds_pages(const struct srv_ring *ring);
 /* Whether the client still needs any of a ring that nothing uses. [loop] */
 bool srv_ring_is_needed(const struct srv_ring *ring);
 /* Drop the reference of whoever had the ring. `empties`: its memories are emptied when

@@ -131,7 +131,7 @@ bool srv_linger_make_room(const struct srv_session *session)
     struct srv_service *service = session->service;
     const struct srv_quota_user *user = session->owner.user;
     return !service->quota.is_beyond &&
-           (user->leaving > 0 || srv_stray_evict(service, user, false) ||
+           (user->leaving > 0 || srv_stray_evict(service, user) ||
             srv_linger_evict(service, user));
 }
 
@@ -144,7 +144,7 @@ void srv_linger_end_all(struct srv_service *service)
         }
         session = next;
     }
-    while (srv_stray_evict(service, NULL, true)) {
+    while (srv_stray_evict(service, NULL)) {
     }
 }
 

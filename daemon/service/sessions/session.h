@@ -56,8 +56,8 @@ struct srv_session {
     enum srv_session_state state;
     bool is_stranger;               /* REFUSED for who it is, not for want of a place */
     bool came_when_full;            /* REFUSED for want of a connection */
-    bool is_resumable;              /* its client asked for it, whether it can or not */
     bool is_ending;                 /* must not wait for its client (linger.h) */
+    bool is_resumable;              /* its client asked for it, whether it can or not */
     uint64_t token[2];              /* secret of a resumable session */
     struct srv_replies *replies;    /* NULL: the session cannot be resumed */
     uint64_t lost_ns;               /* WAITING and LEFT: since when */

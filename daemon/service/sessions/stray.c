@@ -88,11 +88,11 @@ void srv_stray_replace(struct srv_session *session, struct srv_ring *ring)
 
 /* ---- sessions that have left a ring ------------------------------------------------ */
 
-/* A client that has not said that it goes may be reading answers; and one that would come
- * back, and does not know yet that it cannot, has the last positions in its slots. */
+/* A client that would come back, and does not know yet that it cannot, has the last
+ * positions in its slots, and answers that it reads. */
 static bool may_leave(const struct srv_session *session)
 {
-    return !session->is_ending && empties(session->service) &&
+    return session->is_resumable && !session->is_ending && empties(session->service) &&
            !srv_session_is_gone(session);
 }
 
@@ -100,7 +100,7 @@ void srv_stray_let_go(struct srv_session *session)
 {
     srv_assert_loop();
     if (session->ring != NULL && may_leave(session)) {
-        srv_ring_end(session->ring, session->is_resumable);
+        srv_ring_end(session->ring, true);
     } else {
         drop_rings(session);
     }
@@ -125,8 +125,8 @@ void srv_stray_leave(struct srv_session *session)
         drop_rings(session);
         return;
     }
-    if (service->left_count >= LEFT_MAX && !srv_stray_evict(service, user, true)) {
-        (void)srv_stray_evict(service, NULL, true);
+    if (service->left_count >= LEFT_MAX && !srv_stray_evict(service, user)) {
+        (void)srv_stray_evict(service, NULL);
     }
     srv_log(SRV_LOG_DEBUG, session->id, "is over; its ring stays while it is needed");
     session->state = SRV_SESSION_LEFT;
@@ -151,23 +151,12 @@ static void end_left(struct srv_session *session)
     drop_rings(session);
 }
 
-static bool holds_pages(const struct srv_session *session)
-{
-    bool holds = false;
-    for (const struct srv_ring *at = session->ring; at != NULL; at = at->older) {
-        holds = holds || srv_ring_holds_pages(at);
-    }
-    return holds;
-}
-
-bool srv_stray_evict(struct srv_service *service, const struct srv_quota_user *user,
-                     bool even_pages)
+bool srv_stray_evict(struct srv_service *service, const struct srv_quota_user *user)
 {
     srv_assert_loop();
     struct srv_session *oldest = NULL;
     for (struct srv_session *at = service->sessions; at != NULL; at = at->next) {
         if (at->state == SRV_SESSION_LEFT && (user == NULL || at->owner.user == user) &&
-            (even_pages || !holds_pages(at)) &&
             (oldest == NULL || at->lost_ns < oldest->lost_ns)) {
             oldest = at;
         }

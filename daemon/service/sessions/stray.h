@@ -42,10 +42,8 @@ void srv_stray_let_go(struct srv_session *session);
 /* Nothing of a CLOSED session is there any more but rings: it is LEFT while its client
  * needs them, or they go. */
 void srv_stray_leave(struct srv_session *session);
-/* End the session that has been LEFT longest, of a user or (NULL) of all; `even_pages`:
- * also one whose client may be reading answers, which become zeros. False: there is none.
- */
-bool srv_stray_evict(struct srv_service *service, const struct srv_quota_user *user,
-                     bool even_pages);
+/* End the session that has been LEFT longest, of a user or (NULL) of all. False: there is
+ * none. */
+bool srv_stray_evict(struct srv_service *service, const struct srv_quota_user *user);
 
 #endif
