@@ -86,7 +86,7 @@ int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t sl
     client->is_attaching = was_attaching;
     if (status == PCCD_E_TIMEOUT) {
         /* It may still be attached: which ring the daemon reads is not known any more. */
-        cli_page_retire(client, &client->ring);
+        cli_page_retire(client, &client->ring.result);
         cli_ring_deinit(&client->ring);
     }
     if (status != 0) {
@@ -100,7 +100,7 @@ int cli_ring_attach(struct pccd_client *client, uint64_t slot_bytes, uint32_t sl
     if (client->unmap.call != NULL) {
         ring.upload.unmap = ring.result.unmap = &client->unmap;
     }
-    cli_page_retire(client, &client->ring);
+    cli_page_retire(client, &client->ring.result);
     cli_ring_deinit(&client->ring);
     if (status != 0) {
         cli_ring_deinit(&ring);

@@ -11,7 +11,6 @@
 
 #include <assert.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial)
 {
@@ -34,57 +33,26 @@ static void drop_retired(struct pccd_client *client)
         struct cli_retired *gone = client->retired;
 
         client->retired = gone->next;
-        if (gone->upload != NULL) {
-            if (!cli_is_copy(client)) {
-                atomic_store(&gone->upload->result_head.value, gone->release);
-            }
-            (void)munmap(gone->upload, PROTO_SHM_PAGE);
-        }
         proto_memory_deinit(&gone->result);
         free(gone);
     }
 }
 
-/* The words of a ring that goes. NULL: they cannot be had, and the daemon is not told. */
-static struct proto_upload *map_words(const struct cli_ring *ring)
+void cli_page_retire(struct pccd_client *client, struct proto_memory *result)
 {
-    void *words = ring->upload.fd < 0
-                      ? MAP_FAILED
-                      : mmap(NULL, PROTO_SHM_PAGE, PROT_READ | PROT_WRITE, MAP_SHARED,
-                             ring->upload.fd, 0);
-
-    return words != MAP_FAILED ? words : NULL;
-}
-
-void cli_page_retire(struct pccd_client *client, struct cli_ring *ring)
-{
-    struct proto_memory *result = &ring->result;
     struct cli_retired **last = &client->retired;
-    struct cli_retired *made;
-    uint64_t page_end = 0;
-    uint64_t release = 0;
+    struct cli_retired *made =
+        cli_page_count(client) > 0 && result->base != NULL ? malloc(sizeof *made) : NULL;
 
-    for (uint64_t at = client->page_first; at < client->page_end; at++) {
-        if (client->pages[at % CLI_PAGES].base == result->base) {
-            release = client->pages[at % CLI_PAGES].release;
-            page_end = at + 1;
-        }
-    }
-    if (result->base == NULL || page_end == 0) {
+    if (cli_page_count(client) == 0 || result->base == NULL) {
         proto_memory_deinit(result);
         return;
     }
-    made = malloc(sizeof *made);
     if (made == NULL) { /* rather a leak than a page that is gone under its reader */
         *result = (struct proto_memory)PROTO_MEMORY_NONE;
         return;
     }
-    *made = (struct cli_retired){
-        .result = *result,
-        .upload = map_words(ring),
-        .page_end = page_end,
-        .release = release,
-    };
+    *made = (struct cli_retired){.result = *result, .page_end = client->page_end};
     *result = (struct proto_memory)PROTO_MEMORY_NONE;
     while (*last != NULL) {
         last = &(*last)->next;

@@ -35,9 +35,9 @@ const uint8_t *cli_page_base(const struct pccd_client *client, uint64_t serial);
 const struct pccd_scene_answer *cli_batch_answers(const struct pccd_client *client,
                                                   const struct cli_call *call);
 
-/* The ring is about to go: keep its result region mapped as long as pages of it are not
- * released, and tell the daemon when they are; or unmap it. Takes that memory over. */
-void cli_page_retire(struct pccd_client *client, struct cli_ring *ring);
+/* The ring is about to go: keep `result` mapped as long as pages of it are not released,
+ * or unmap it. Takes it over. */
+void cli_page_retire(struct pccd_client *client, struct proto_memory *result);
 void cli_page_deinit(struct pccd_client *client);
 
 #endif

@@ -128,13 +128,6 @@ void cli_positions_answered(struct pccd_client *client, uint32_t slot, uint64_t 
     }
 }
 
-int cli_ring_gone(struct pccd_client *client)
-{
-    return cli_fail(client, PCCD_E_STATE,
-                    "the session is over, and its user needed the memory that held the "
-                    "last positions");
-}
-
 int cli_positions_fold(struct pccd_client *client, uint32_t slot)
 {
     struct cli_slot *own = &client->ring.slots[slot];
@@ -152,9 +145,6 @@ int cli_positions_fold(struct pccd_client *client, uint32_t slot)
                             "no memory to keep the positions of object 0x%x",
                             own->segments[walk.at].object);
         }
-    }
-    if (!cli_ring_is_there(&client->ring)) {
-        return cli_ring_gone(client);
     }
     own->state = CLI_SLOT_FREE;
     cli_slot_offer(&client->ring, slot);

@@ -23,11 +23,9 @@ void cli_positions_leave_out(struct pccd_client *client, uint32_t slot,
                              const struct pccd_scene_answer *scenes);
 
 /* Make a KEPT slot free: copy what only it holds. Slots must be taken in the order of
- * their steps. Returns 0, PCCD_E_NOMEM, or PCCD_E_STATE: they are gone. */
+ * their steps. Returns 0 or PCCD_E_NOMEM. */
 int cli_positions_fold(struct pccd_client *client, uint32_t slot);
 /* All of them. */
 int cli_positions_fold_all(struct pccd_client *client);
-/* Fail with PCCD_E_STATE: what was read of the slots are zeros (cli_ring_is_there). */
-int cli_ring_gone(struct pccd_client *client);
 
 #endif

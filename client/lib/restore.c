@@ -288,9 +288,6 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
         atomic_store_explicit(&fresh->slots[i].seq, old->slots[i].seq,
                               memory_order_release);
     }
-    if (!cli_ring_is_there(old)) {
-        return cli_ring_gone(client);
-    }
     /* Nothing else can take the place of the old mapping in between. */
     moved = mremap(ring->upload.base, ring->upload.bytes, ring->upload.bytes,
                    MREMAP_MAYMOVE | MREMAP_FIXED, old->upload.base);
@@ -299,7 +296,7 @@ static int carry_over(struct pccd_client *client, struct cli_ring *old)
     }
     ring->upload.base = moved;
     old->upload.base = NULL;
-    cli_page_retire(client, old);
+    cli_page_retire(client, &old->result);
     memcpy(ring->slots, old->slots, sizeof ring->slots);
     memset(old->slots, 0, sizeof old->slots);
     cli_ring_deinit(old); /* its descriptor */

@@ -26,14 +26,6 @@ void cli_ring_deinit(struct cli_ring *ring)
     ring->upload = ring->result = (struct proto_memory)PROTO_MEMORY_NONE;
 }
 
-bool cli_ring_is_there(const struct cli_ring *ring)
-{
-    const struct proto_upload *upload = ring->upload.base;
-
-    atomic_thread_fence(memory_order_acquire); /* the daemon takes the header first */
-    return *(const volatile uint32_t *)&upload->header.magic == PROTO_UPLOAD_MAGIC;
-}
-
 /* *array with room for `wanted` items, half as many again where it has to grow. */
 static int make_room(void **array, uint32_t *room, uint32_t wanted, size_t item_bytes)
 {

@@ -54,9 +54,7 @@ struct cli_page {
 struct cli_retired {
     struct cli_retired *next;
     struct proto_memory result;
-    struct proto_upload *upload; /* of its ring, the first page; NULL: not mapped */
     uint64_t page_end; /* goes when all pages before this serial are released */
-    uint64_t release;  /* result_head that gives them back */
 };
 
 struct cli_ring {
@@ -71,10 +69,6 @@ struct cli_ring {
 
 /* Unmap; nothing is attached afterwards. */
 void cli_ring_deinit(struct cli_ring *ring);
-
-/* Whether the memory is still there: a daemon whose session is over may have taken it
- * back, and all slots are zeros then. To be asked after they were read. */
-bool cli_ring_is_there(const struct cli_ring *ring);
 
 /* First byte of a slot's payload. */
 uint8_t *cli_slot_payload(const struct cli_ring *ring, uint32_t slot);

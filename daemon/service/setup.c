@@ -35,7 +35,6 @@ int srv_service_init(struct srv_service *service, const struct srv_options *opti
     service->start_options = options;
     service->epoch = make_epoch();
     service->let_go = srv_let_go;
-    service->leave = srv_stray_leave;
     service->refuse = srv_refuse;
     srv_quota_init(&service->quota, options->quota);
     srv_quota_bound_engine(&service->quota, options->engine_bytes_max);

@@ -36,7 +36,6 @@ integration_names = \
     tests/integration/test_int_peer \
     tests/integration/test_int_protocol \
     tests/integration/test_int_quota \
-    tests/integration/test_int_rings \
     tests/integration/test_int_taken \
     tests/integration/test_int_record \
     tests/integration/test_int_record_filter \
@@ -234,10 +233,6 @@ tests_integration_test_int_taken_LDADD = $(integration_libs)
 tests_integration_test_int_quota_SOURCES = tests/integration/test_int_quota.c
 tests_integration_test_int_quota_CPPFLAGS = $(integration_cppflags)
 tests_integration_test_int_quota_LDADD = $(integration_libs)
-
-tests_integration_test_int_rings_SOURCES = tests/integration/test_int_rings.c
-tests_integration_test_int_rings_CPPFLAGS = $(integration_cppflags)
-tests_integration_test_int_rings_LDADD = $(integration_libs)
 
 tests_integration_test_int_record_SOURCES = tests/integration/test_int_record.c
 tests_integration_test_int_record_CPPFLAGS = $(integration_cppflags)

@@ -431,7 +431,6 @@ static void resume__comes_too_late_after_the_linger(void **state)
     struct fixture *f = &fixture;
     (void)state;
     open_scene(f);
-    test_raw_offer(&f->raw.upload, f->raw.ring.slot_count);
     lose(f);
     assert_int_equal(await_counter("sessions_waiting_now", 1), 1);
     assert_int_equal(await_counter("sessions_waiting_now", 0), 0);

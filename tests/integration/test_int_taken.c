@@ -17,7 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 
 #include <cmocka.h>
@@ -408,74 +407,6 @@ static void slots__grow_into_the_memory_that_they_give_back(void **state)
     assert_true(test_daemon_finish(&daemon));
 }
 
-/* If it failed, an answer that is held while frames grow would turn to zeros, or nobody
- * would be charged for it, or be so for ever. */
-static void answers__that_are_held_outlive_their_ring(void **state)
-{
-    struct test_daemon daemon;
-    struct test_grid grid;
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-    struct pccd_frame frame;
-    uint64_t bytes;
-
-    (void)state;
-    assert_true(test_daemon_start(&daemon, NULL));
-    struct pccd_client *client = connect_by_default(daemon.url);
-
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
-    ask(&grid, &answer);
-    assert_int_equal(pccd_frame_begin(client, grid.scene, 1, 20u << 20, &frame), 0);
-    pccd_frame_abort(&frame); /* the ring is another one */
-    bytes = bytes_when_idle(client);
-    assert_true(test_grid_is_right(&grid, &answer));
-    assert_int_equal(test_taken_bytes(), bytes - 4096); /* no descriptor of its words */
-    pccd_answer_release(client, &answer);
-    for (int i = 0; i < 20; i++) {
-        turn(&grid); /* the daemon looks a second later */
-        test_sleep_ms(100);
-    }
-    uint64_t rest = bytes_when_idle(client);
-
-    assert_true(rest + (1u << 20) < bytes);
-    assert_int_equal(test_taken_bytes(), rest);
-    test_grid_free(&grid);
-    pccd_close(client);
-    assert_true(test_daemon_finish(&daemon));
-}
-
-/* If it failed, a client that comes back when its session is over would tell another one
- * zeros for positions that only its slots have; or its answers would turn to zeros. */
-static void rings__of_sessions_that_are_over_are_read(void **state)
-{
-    static const char *const options[] = {"--linger", "0", NULL};
-    struct test_daemon daemon;
-    struct test_grid grid;
-    struct pccd_answer held = PCCD_ANSWER_INIT;
-    struct pccd_answer answer = PCCD_ANSWER_INIT;
-
-    (void)state;
-    assert_true(test_daemon_start(&daemon, options));
-    struct pccd_client *client = connect_by_default(daemon.url);
-    struct pccd_client *other = connect_by_default(daemon.url);
-
-    assert_int_equal(test_grid_make(client, SIDE_LARGE, &grid), 0);
-    for (int round = 0; round < 3; round++) {
-        ask(&grid, &held);
-        assert_int_equal(shutdown(pccd_fd(client), SHUT_RDWR), 0);
-        assert_int_equal(test_stat_await(other, "sessions_now", 1), 1);
-        test_sleep_ms(200); /* what is not needed is freed */
-        ask(&grid, &answer);
-        assert_true(test_grid_is_right(&grid, &answer));
-        assert_true(test_grid_is_right(&grid, &held));
-        pccd_answer_release(client, &held);
-        pccd_answer_release(client, &answer);
-    }
-    test_grid_free(&grid);
-    pccd_close(client);
-    pccd_close(other);
-    assert_true(test_daemon_finish(&daemon));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -487,8 +418,6 @@ int main(void)
         cmocka_unit_test(slots__give_memory_back_when_idle),
         cmocka_unit_test(slots__that_have_memory_do_when_more_is_refused),
         cmocka_unit_test(slots__grow_into_the_memory_that_they_give_back),
-        cmocka_unit_test(answers__that_are_held_outlive_their_ring),
-        cmocka_unit_test(rings__of_sessions_that_are_over_are_read),
     };
     return cmocka_run_group_tests_name("int_taken", tests, NULL, NULL);
 }

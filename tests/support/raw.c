@@ -283,15 +283,6 @@ uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot)
            slot * raw->ring.slot_stride;
 }
 
-void test_raw_offer(const struct proto_memory *upload, uint32_t slot_count)
-{
-    struct proto_upload *words = upload->base;
-
-    for (uint32_t slot = 0; slot < slot_count; slot++) {
-        atomic_store(&words->slots[slot].memory, PROTO_SLOT_FREE);
-    }
-}
-
 uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot)
 {
     struct proto_slot *descriptor = &test_raw_upload(raw)->slots[slot];

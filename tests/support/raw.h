@@ -68,8 +68,6 @@ int test_raw_attach_as(struct test_raw *raw,
 
 struct proto_upload *test_raw_upload(const struct test_raw *raw);
 uint8_t *test_raw_payload(const struct test_raw *raw, uint32_t slot);
-/* Say that what is in the first slots of an upload ring is not needed any more. */
-void test_raw_offer(const struct proto_memory *upload, uint32_t slot_count);
 /* Store the next even sequence number in the slot's descriptor. */
 uint64_t test_raw_publish(const struct test_raw *raw, uint32_t slot);
 

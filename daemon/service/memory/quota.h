@@ -35,7 +35,6 @@ struct srv_quota_user {
     uint32_t hosts_leaving; /* of these, sessions that held a shared scene */
     uint32_t observers;     /* sessions that take no place of a client */
     uint32_t waiting;       /* sessions that wait for their client to come back */
-    uint32_t left;          /* sessions that are over, and have left a ring (stray.h) */
     uint64_t used[SRV_QUOTA_COUNT];
     struct srv_group jobs;      /* of the user's sessions; the compute queue's */
     struct srv_group page_jobs; /* likewise, the pages queue's */

@@ -25,20 +25,15 @@
 
 /* ---- life -------------------------------------------------------------------------- */
 
-/* From its start on: who finds the header gone knows that nothing behind it is there. */
-static void empty(struct proto_memory *memory)
-{
-    if (memory->base != NULL && proto_memory_held(memory) > 0) {
-        (void)proto_memory_give_back(memory, 0, memory->bytes);
-    }
-}
+static bool free_stray_slots(struct srv_ring *ring);
+static bool free_stray_results(struct srv_ring *ring);
 
+/* Of what stays with a client that keeps the memories mapped it was given each page. */
 static void ring_free_memory(struct srv_job *job)
 {
     struct srv_ring *ring = (struct srv_ring *)job;
-    if (ring->is_emptied) {
-        empty(&ring->upload);
-        empty(&ring->results);
+    (void)free_stray_slots(ring);
+    while (free_stray_results(ring)) {
     }
     proto_memory_deinit(&ring->upload);
     proto_memory_deinit(&ring->results);
@@ -304,10 +299,9 @@ static bool give_back_slot(struct srv_ring *ring, uint32_t slot)
     return true;
 }
 
-/* The slot that stays, so that a client that nobody gives memory can go on. */
-static bool is_last_slot(const struct srv_ring *ring, uint32_t slots)
+static bool is_one_slot(uint32_t slots)
 {
-    return (slots & (slots - 1)) == 0 && !atomic_load(&ring->is_over);
+    return (slots & (slots - 1)) == 0;
 }
 
 void srv_ring_give_back_slots(struct srv_ring *ring)
@@ -337,7 +331,8 @@ static bool free_stray_slots(struct srv_ring *ring)
     return true;
 }
 
-/* One slot a call, the last ones first: clients take the first that is free. [pages] */
+/* One slot a call, the last ones first: clients take the first that is free. One slot
+ * stays, so that a client that nobody gives memory can go on. [pages] */
 static void give_back_slots(struct srv_job *job)
 {
     srv_assert_compute();
@@ -346,7 +341,7 @@ static void give_back_slots(struct srv_job *job)
     uint32_t taken = atomic_load_explicit(&ring->slots_taken, memory_order_relaxed);
     job->goes_on = false;
     (void)free_stray_slots(ring);
-    for (uint32_t slot = ring->slot_count; slot-- > 0 && !is_last_slot(ring, taken);) {
+    for (uint32_t slot = ring->slot_count; slot-- > 0 && !is_one_slot(taken);) {
         if ((taken >> slot & 1) != 0 && give_back_slot(ring, slot)) {
             job->goes_on = true;
             return;
@@ -461,7 +456,7 @@ void *srv_ring_next(struct srv_ring *ring, uint32_t item_bytes, uint64_t wanted,
 }
 
 /* Free a part of what the region holds behind what it has taken. Returns whether there is
- * more. [compute] */
+ * more. [compute], or [pages] when nobody computes with it any more */
 static bool free_stray_results(struct srv_ring *ring)
 {
     uint64_t given = PROTO_SHM_PAGE + ring->region.taken;
@@ -488,8 +483,7 @@ static bool give_back_part(struct srv_ring *ring)
     uint64_t head =
         atomic_load_explicit(&ring->shared->result_head.value, memory_order_acquire);
     uint64_t used = round_to_pages(srv_region_used(region, head));
-    bool is_over = atomic_load(&ring->is_over);
-    uint64_t first = is_over ? 0 : taken_first(ring->result_bytes) - PROTO_SHM_PAGE;
+    uint64_t first = taken_first(ring->result_bytes) - PROTO_SHM_PAGE;
     uint64_t kept = used > first ? used : first;
     if (region->taken <= kept) {
         return false;
@@ -539,42 +533,11 @@ int srv_ring_look(struct srv_ring *ring, struct proto_error *error)
         stray > 0 ? srv_quota_charge(user, SRV_QUOTA_SHM_BYTES, stray, error) : 0;
     ring->stray_bytes = status == 0 ? stray : 0;
     ring->was_stray = stray > 0;
-    if (stray > 0 || atomic_load(&ring->is_over)) {
+    if (stray > 0) {
         srv_reclaimed_start(&ring->slots_unused);
         srv_reclaimed_start(&ring->results_unused);
     }
     return was_stray ? status : 0;
-}
-
-void srv_ring_end(struct srv_ring *ring, bool keeps_slots)
-{
-    srv_assert_loop();
-    for (uint32_t slot = 0; slot < ring->slot_count && !keeps_slots; slot++) {
-        atomic_store(&ring->shared->slots[slot].memory, PROTO_SLOT_FREE);
-    }
-    atomic_store(&ring->is_over, true);
-    srv_reclaimed_start(&ring->slots_unused);
-    srv_reclaimed_start(&ring->results_unused);
-}
-
-bool srv_ring_is_needed(const struct srv_ring *ring)
-{
-    srv_assert_loop();
-    uint64_t head = atomic_load(&ring->shared->result_head.value);
-    bool is_needed = srv_region_used(&ring->region, head) > 0;
-    for (uint32_t slot = 0; slot < ring->slot_count; slot++) {
-        uint64_t memory = atomic_load(&ring->shared->slots[slot].memory);
-        is_needed =
-            is_needed || (memory == PROTO_SLOT_NEEDED && srv_ring_has_slot(ring, slot));
-    }
-    return is_needed;
-}
-
-void srv_ring_drop(struct srv_ring *ring, bool empties)
-{
-    srv_assert_loop();
-    ring->is_emptied = empties;
-    srv_resource_drop(&ring->resource);
 }
 
 void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim)
@@ -583,8 +546,7 @@ void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim)
     if (taken > taken_first(ring->result_bytes)) {
         srv_reclaimed_use(&ring->results_unused, reclaim);
     }
-    if (!is_last_slot(ring,
-                      atomic_load_explicit(&ring->slots_taken, memory_order_relaxed))) {
+    if (!is_one_slot(atomic_load_explicit(&ring->slots_taken, memory_order_relaxed))) {
         srv_reclaimed_use(&ring->slots_unused, reclaim);
     }
 }

@@ -44,9 +44,6 @@ struct srv_ring {
      * charged until the next one. */
     uint64_t stray_bytes;
     bool was_stray; /* [loop] at the last look */
-    struct srv_ring *older; /* [loop] replaced by this one, and still needed; or NULL */
-    bool is_emptied;        /* when it is freed; constant from its last reference on */
-    atomic_bool is_over;    /* by srv_ring_end */
 };
 
 /* Bytes that it has taken, and the owner's user is charged for. [loop] */
@@ -117,16 +114,6 @@ void srv_ring_rest(struct srv_ring *ring, struct srv_reclaim *reclaim);
  * next look, and freed. Returns 0, or PCCD_E_QUOTA with *error set: it did so before the
  * last look, too, and the quota does not bear it. [loop] */
 int srv_ring_look(struct srv_ring *ring, struct proto_error *error);
-
-/* No further request will use the ring, but its client may still read it. From now on all
- * that it does not need is given back, now and at each look: slots, but for those that
- * it says it needs if `keeps_slots`, and pages that it has released. [loop] */
-void srv_ring_end(struct srv_ring *ring, bool keeps_slots);
-/* Whether the client still needs any of a ring that nothing uses. [loop] */
-bool srv_ring_is_needed(const struct srv_ring *ring);
-/* Drop the reference of whoever had the ring. `empties`: its memories are emptied when
- * it is freed, whoever has them mapped. [loop] */
-void srv_ring_drop(struct srv_ring *ring, bool empties);
 
 /* A slot has been read, or will not be. [any] */
 void srv_ring_return_slot(struct srv_ring *ring);

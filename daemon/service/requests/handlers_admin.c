@@ -130,7 +130,10 @@ static void finish_attach(struct srv_request *request)
         .slot_stride = ring->slot_stride,
         .inflight_max = ring->inflight_max,
     };
-    srv_stray_replace(session, ring);
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+    }
+    session->ring = ring;
     srv_stray_use(session->service);
 }
 
@@ -147,9 +150,6 @@ int srv_on_SHM_ATTACH(struct srv_call *call)
                                unanswered);
     }
     int status = srv_ring_sizes(&call->params.SHM_ATTACH, &sizes, &call->error);
-    if (status == 0) {
-        status = srv_stray_may_replace(session, &call->error);
-    }
     if (status != 0) {
         return status;
     }
@@ -177,7 +177,7 @@ int srv_on_SHM_ATTACH(struct srv_call *call)
     const struct srv_quota_user *user = session->owner.user;
     status = srv_ring_charge(ring, &call->error);
     if (status != 0 &&
-        (session->ring == NULL || user->waiting + user->leaving + user->left > 0)) {
+        (session->ring == NULL || user->waiting > 0 || user->leaving > 0)) {
         srv_resource_drop(&ring->resource);
         return status;
     }

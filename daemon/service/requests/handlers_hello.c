@@ -62,7 +62,6 @@ static int open_session(struct srv_call *call, uint32_t version)
     if (session->state == SRV_SESSION_REFUSED && !finds_place(session, &call->error)) {
         return srv_dispatch_refuse_quota(session, &call->error);
     }
-    session->is_resumable = request->resumable;
     if (request->resumable && !is_observer) {
         srv_linger_enable(session);
     }

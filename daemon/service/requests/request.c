@@ -302,8 +302,8 @@ void srv_request_conclude(struct srv_request *request)
     }
     session->service->metrics.counters.upload_bytes += request->upload_bytes;
     if (request->status == PCCD_E_QUOTA && session->state == SRV_SESSION_OPEN) {
-        (void)(srv_stray_evict(session->service, session->owner.user) ||
-               srv_linger_evict(session->service, session->owner.user)); /* next try */
+        (void)srv_linger_evict(session->service,
+                               session->owner.user); /* for the next try */
     }
     if (state != SRV_REQUEST_EARLY) {
         answer(request);

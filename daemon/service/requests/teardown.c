@@ -10,10 +10,10 @@
 #include "linger.h"
 #include "meshes.h"
 #include "request.h"
+#include "ringio.h"
 #include "session.h"
 #include "shared.h"
 #include "srv_scene.h"
-#include "stray.h"
 #include "tracing.h"
 #include "watcher.h"
 
@@ -33,7 +33,10 @@ static void drop_everything(struct srv_session *session)
     for (struct srv_mesh *mesh; (mesh = srv_handles_pop(&session->meshes, &cursor));) {
         srv_mesh_free(mesh);
     }
-    srv_stray_let_go(session);
+    if (session->ring != NULL) {
+        srv_resource_drop(&session->ring->resource);
+        session->ring = NULL;
+    }
     srv_tracing_drop(session);
     (void)srv_watcher_stop(session);
 }

@@ -8,6 +8,8 @@
  */
 #include "linger.h"
 
+#include <errno.h>
+#include <signal.h>
 #include <sys/random.h>
 
 #include "host.h"
@@ -17,7 +19,6 @@
 #include "replies.h"
 #include "service.h"
 #include "session.h"
-#include "stray.h"
 
 #define TICK_MS 50u /* between looks at the sessions that wait */
 
@@ -55,6 +56,13 @@ void srv_linger_end(struct srv_session *session, const char *why)
     srv_session_detach(session);
 }
 
+/* Whether nobody can come back: the process has gone. One that is dead and was not waited
+ * for by its parent still counts as there, as does one of another namespace. */
+static bool is_gone(const struct srv_session *session)
+{
+    return session->pid > 0 && kill(session->pid, 0) != 0 && errno == ESRCH;
+}
+
 static void on_tick(void *context)
 {
     struct srv_service *service = context;
@@ -62,7 +70,7 @@ static void on_tick(void *context)
     uint64_t now_ns = common_now_ns();
     for (struct srv_session *session = service->sessions; session != NULL;) {
         struct srv_session *next = session->next; /* one that ends may free itself */
-        if (session->state == SRV_SESSION_WAITING && srv_session_is_gone(session)) {
+        if (session->state == SRV_SESSION_WAITING && is_gone(session)) {
             srv_linger_end(session, "its process is gone");
         } else if (session->state == SRV_SESSION_WAITING &&
                    now_ns - session->lost_ns >= patience_ns) {
@@ -129,10 +137,8 @@ bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *
 bool srv_linger_make_room(const struct srv_session *session)
 {
     struct srv_service *service = session->service;
-    const struct srv_quota_user *user = session->owner.user;
-    return !service->quota.is_beyond &&
-           (user->leaving > 0 || srv_stray_evict(service, user) ||
-            srv_linger_evict(service, user));
+    return !service->quota.is_beyond && (session->owner.user->leaving > 0 ||
+                                         srv_linger_evict(service, session->owner.user));
 }
 
 void srv_linger_end_all(struct srv_service *service)
@@ -143,8 +149,6 @@ void srv_linger_end_all(struct srv_service *service)
             srv_linger_end(session, "the daemon is shutting down");
         }
         session = next;
-    }
-    while (srv_stray_evict(service, NULL)) {
     }
 }
 

@@ -47,13 +47,12 @@ void srv_linger_resume(struct srv_session *session, struct srv_session *fresh);
 /* End the one of the user's sessions that has waited longest. False: none waits. */
 bool srv_linger_evict(struct srv_service *service, const struct srv_quota_user *user);
 /* After a refusal for what the user has: whether there may be more room soon, because a
- * session of the user is over and not freed yet, or because one had left a ring, or
- * waited, and is ended now.
+ * session of the user is over and not freed yet, or because one waited and is ended now.
  * A request that no user may have is no reason to end one. */
 bool srv_linger_make_room(const struct srv_session *session);
 /* End a session that waits; the log says why. */
 void srv_linger_end(struct srv_session *session, const char *why);
-/* End them all, and those that have left a ring. */
+/* End them all. */
 void srv_linger_end_all(struct srv_service *service);
 
 #endif

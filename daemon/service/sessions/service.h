@@ -68,7 +68,6 @@ struct srv_service {
     void *writer;
     struct srv_timer *stray;  /* looks at what rings hold (stray.h); NULL: nobody does */
     bool is_stray_soon;       /* it fires within a second */
-    uint32_t left_count;      /* sessions that are over, and have left a ring */
     struct srv_timer *linger; /* runs while sessions wait for their clients (linger.h) */
     uint32_t waiting_count;   /* of these */
     struct srv_deadlines deadlines; /* of requests */
@@ -94,8 +93,6 @@ struct srv_service {
     /* A session ends: let go of its requests, scenes, meshes, ring and what it watches
      * (requests/teardown.h). Constant. */
     void (*let_go)(struct srv_session *session);
-    /* Nothing of it is there any more but its ring (stray.h). Constant. */
-    void (*leave)(struct srv_session *session);
     /* It may not go on: tell its client, if it has one, and end it. Constant. */
     void (*refuse)(struct srv_session *session, const struct proto_error *error);
 };

@@ -8,20 +8,16 @@
  *       |         | no hello in time     | bye, violation, shutdown           | time
  *       |         v                      v                                    | is up
  *       `--> REFUSED ----- answer -----> CLOSED <-----------------------------'
- *         (quota full)                   |`--> freed
- *                                        `<--> LEFT
- *           Only the session of a client that asked for it waits (linger.c), and is LEFT
- *           while that client needs its ring (stray.c).
+ *         (quota full)                   `--> freed
+ *           Only the session of a client that asked for it waits (linger.c).
  *           CLOSED waits until request_count = 0 (cancelled ones come back) and
  *           keep_count = 0 (scenes, meshes and ring were freed on the compute thread).
  *
- * Does not: decide whether a session waits, or is left.
+ * Does not: decide whether a session waits.
  * Threads:  [loop]
  */
 #include "session.h"
 
-#include <errno.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -183,11 +179,6 @@ void srv_session_detach(struct srv_session *session)
     srv_owner_release(&session->owner);
 }
 
-bool srv_session_is_gone(const struct srv_session *session)
-{
-    return session->pid > 0 && kill(session->pid, 0) != 0 && errno == ESRCH;
-}
-
 static int refuse_handle(const struct srv_handles *handles, const char *what,
                          uint32_t want, int status, struct proto_error *error)
 {
@@ -243,10 +234,6 @@ void srv_session_settle(struct srv_session *session)
         return;
     }
     struct srv_service *service = session->service;
-    if (session->ring != NULL) {
-        service->leave(session);
-        return;
-    }
     PCCD_ASSERT(session->requests == NULL && session->owner.lane.first == NULL);
     PCCD_ASSERT(session->owner.page_lane.first == NULL);
     PCCD_ASSERT(session->scenes.count == 0 && session->meshes.count == 0);

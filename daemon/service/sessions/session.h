@@ -29,8 +29,7 @@ enum srv_session_state {
     SRV_SESSION_OPEN = 2,    /* hello was answered */
     SRV_SESSION_WAITING = 3, /* the connection is gone; the client may come back */
     SRV_SESSION_CLOSED = 4,  /* over; waits for the compute thread */
-    SRV_SESSION_HOST = 5,    /* nobody's: holds a shared scene (shared.h) */
-    SRV_SESSION_LEFT = 6     /* over; its client still needs what is in its ring */
+    SRV_SESSION_HOST = 5     /* nobody's: holds a shared scene (shared.h) */
 };
 
 /* Who is at the other end of a socket. */
@@ -57,10 +56,9 @@ struct srv_session {
     bool is_stranger;               /* REFUSED for who it is, not for want of a place */
     bool came_when_full;            /* REFUSED for want of a connection */
     bool is_ending;                 /* must not wait for its client (linger.h) */
-    bool is_resumable;              /* its client asked for it, whether it can or not */
     uint64_t token[2];              /* secret of a resumable session */
     struct srv_replies *replies;    /* NULL: the session cannot be resumed */
-    uint64_t lost_ns;               /* WAITING and LEFT: since when */
+    uint64_t lost_ns;               /* WAITING: since when */
     bool counted;                   /* charged as a client of its user */
     bool is_observer;               /* takes no place of a client, and makes nothing */
     bool is_host;                   /* it was made to hold a shared scene */
@@ -69,7 +67,7 @@ struct srv_session {
     uint32_t version;               /* of the protocol, after hello */
     struct srv_handles scenes;      /* of struct srv_scene */
     struct srv_handles meshes;      /* of struct srv_mesh */
-    struct srv_ring *ring;          /* NULL: none attached; older ones are behind it */
+    struct srv_ring *ring;          /* NULL: none attached */
     struct srv_laststep *last_step; /* NULL: none yet */
     struct srv_watcher *watcher;    /* NULL: it does not watch */
     uint64_t open_ns;               /* when hello was answered */
@@ -111,10 +109,6 @@ bool srv_session_observe(struct srv_session *session);
 /* The session is over: stop its requests, drop everything it has. The session frees
  * itself as soon as the compute thread has let go of it. */
 void srv_session_detach(struct srv_session *session);
-
-/* Whether nobody can come back: the process has gone. One that is dead and was not waited
- * for by its parent still counts as there, as does one of another namespace. */
-bool srv_session_is_gone(const struct srv_session *session);
 
 /* Hello was answered. */
 void srv_session_open(struct srv_session *session, uint32_t version);
