@@ -500,8 +500,9 @@ struct pccd_step_settings {
                                 if they leave r and come back; 0.1, say */
     bool tells_start;        /* say how the step begins, too: `crossings` and
                                 `start_inside` of the answer. It costs about as much as
-                                the question CROSSINGS of pccd_near.h. Not of a batch
-                                (E_INVAL). E_VERSION: the daemon is older than this */
+                                the question CROSSINGS of pccd_near.h. Not of a batch,
+                                nor with `hold` (E_INVAL). E_VERSION: the daemon is
+                                older than this */
 };
 
 /* All defaults: struct pccd_step_settings settings = PCCD_STEP_SETTINGS_INIT; */

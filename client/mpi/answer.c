@@ -106,7 +106,8 @@ static void write_answer(const struct pccd_mpi *world,
     answer->start_inside = totals->start_inside;
     answer->toi_first = answer->mode == PCCD_MODE_PAIRS ? 2 : sums->toi_first;
     answer->verdict = verdict_of(totals, answer->mode);
-    answer->incomplete = why_incomplete(totals, answer->mode);
+    answer->incomplete =
+        why_incomplete(totals, settings->tells_start ? PCCD_MODE_ALL : answer->mode);
     answer->crowded =
         answer->mode != PCCD_MODE_ANY &&
         sums->initial + sums->inside - (settings->separation > 0 ? 0 : totals->thin) >

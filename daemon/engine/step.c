@@ -242,8 +242,8 @@ static void tell_start(struct eng_scene *scene, const struct eng_step_settings *
         eng_hash_verdict((uint32_t)result->verdict, result->hash);
         result->safe_step = 0;
     }
-    if (result->incomplete == PCCD_COMPLETE && result->verdict != PCCD_VERDICT_YES) {
-        result->incomplete = near.incomplete;
+    if (result->incomplete == PCCD_COMPLETE) {
+        result->incomplete = near.incomplete; /* of the counts, whatever was decided */
     }
     if (near.crossings > 0 || result->incomplete != PCCD_COMPLETE) {
         result->safe_step = 0;

@@ -311,6 +311,11 @@ mkfifo a.pipe.obj
 cat a.obj >a.pipe.obj &
 timeout 10 "$PCCDCTL" check --private a.pipe.obj b.obj >out 2>&1
 [ $? -eq 1 ] && grep -q '^contacts  *1' out || cat out >>"$log"
+# The corners of STL are looked at before its frame is.
+printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' >one.stl
+mkfifo pipe.stl
+cat one.stl >pipe.stl &
+timeout 10 "$PCCDCTL" check --private one.stl pipe.stl >out 2>&1 || cat out >>"$log"
 [ ! -s "$log" ]
 tap_result $? files__a_mesh_is_a_file_or_a_pipe "$log"
 

@@ -38,6 +38,14 @@ for i in {1..12}; do frame $((12 - i)) >"seq$i.obj"; done
 
 # ---- names -----------------------------------------------------------------------------
 
+# If it failed, whoever asks what is near in a bake would hear of its first frame alone, without a
+# word; or the whole of a bake that stands crossed would be taken for free.
+timeout 100 "$PCCDCTL" near --private --distance 1 seq%d.obj >out 2>err &&
+    grep -qx 'pccdctl: warning: seq%d.obj has 12 frames, and the first is read' err &&
+    for i in 0 1 2; do sed 's/ 30$/ -30/' seq1.obj >"crossed$i.obj"; done &&
+    check 1 --json crossed%d.obj && grep -q '^  "crossings": 4' out && grep -q '^  "initial": 0' out
+tap_result $? sequence__whole_is_told "$log"
+
 # If it failed, a bake would be checked in another order than it was made in, without a word.
 check 1 seq1.obj seq10.obj seq12.obj seq2.obj && grep -q '^pccdctl: warning: seq2.obj comes after seq12.obj, ' err &&
     check 1 --json seq?.obj seq1?.obj && [ ! -s err ] && grep -qF '"warnings": []' out &&

@@ -116,6 +116,11 @@ static void shared__held_frames_move_over_the_same_time(void **state)
     open_member(&obstacle, "both", test_floor_x);
     assert_int_not_equal(cloth.object, obstacle.object);
     /* The cloth comes from 1 to 0.5, the obstacle from 0 to 1: they meet at 2/3. */
+    /* Another one's step answers it, which asks for nothing of this. */
+    const struct pccd_step_settings tells = {
+        .struct_bytes = sizeof tells, .hold = true, .tells_start = true};
+    assert_int_equal(submit(&obstacle, obstacle.object, 1, &tells, &step), 0);
+    assert_int_equal(pccd_wait(obstacle.client, step, -1, &held), PCCD_E_INVAL);
     step = hold(&obstacle, 1, 0);
     assert_int_equal(pccd_wait(obstacle.client, step, 0, &held), PCCD_E_AGAIN);
     assert_int_equal(move(&cloth, -0.5f, &answer), 0);

@@ -7,6 +7,7 @@
  */
 #include "player.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,8 +66,14 @@ int player_read(struct player *player, const struct player_settings *settings,
     status = read_frames(player, error);
     for (uint32_t i = 0; status == PCCD_OK && i < settings->still_count; i++) {
         struct ctl_welded welded;
+        uint32_t frame_count;
         status = ctl_frames_read_one(settings->still[i], &how, &player->still[i], &welded,
-                                     error);
+                                     &frame_count, error);
+        if (status == PCCD_OK && frame_count > 1) {
+            status = ctl_error_set(error, PCCD_E_INVAL,
+                                   "%s has %" PRIu32 " frames: what stands has one",
+                                   settings->still[i], frame_count);
+        }
     }
     return status;
 }

@@ -214,6 +214,7 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
                       const struct report_step *steps, uint32_t step_count, bool *ok)
 {
     uint64_t contacts = 0, counts[PCCD_KINDS_MAX] = {0}, possible = 0;
+    uint64_t initial = 0, crossings = 0, start_inside = 0;
     bool is_complete = true;
     json_t *array = json_array();
     for (uint32_t i = 0; i < step_count; i++) {
@@ -227,11 +228,17 @@ static void add_steps(json_t *object, const struct report_mesh *mesh,
             counts[kind] += steps[i].answer.counts[kind];
         }
         possible += steps[i].answer.possible;
+        initial += steps[i].answer.initial;
+        crossings += steps[i].answer.crossings;
+        start_inside += steps[i].answer.start_inside;
         is_complete = is_complete && steps[i].is_complete;
     }
     set_count(object, "contacts", contacts, ok);
     report_kinds(object, counts, ok);
     set_count(object, "possible", possible, ok);
+    set_count(object, "initial", initial, ok);
+    set_count(object, "crossings", crossings, ok);
+    set_count(object, "start_inside", start_inside, ok);
     set(object, "complete", json_boolean(is_complete), ok);
     set(object, "steps", array, ok);
 }

@@ -50,9 +50,8 @@ static int ask(struct near_run *near, const struct near_options *options,
     const struct ask_options *asked = &options->ask;
     int status = near_run_read(near, asked->paths, asked->path_count, 0, 0, error);
     for (uint32_t i = 0; i < asked->path_count && status == PCCD_OK; i++) {
-        uint32_t frames;
-        status = ctl_mesh_count_frames(asked->paths[i], &frames, error);
-        if (status == PCCD_OK && frames > 1) {
+        uint32_t frames = near->objects[i].frame_count;
+        if (frames > 1) {
             (void)ctl_complain("warning: %s has %" PRIu32
                                " frames, and the first is read",
                                asked->paths[i], frames);

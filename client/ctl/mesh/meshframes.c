@@ -186,9 +186,30 @@ static int read_motion(const struct ctl_frames *frames,
 }
 
 /* Three vertices of each triangle, as STL has them. */
-static int read_corners(const struct ctl_frames *frames, const char *path,
-                        struct ctl_mesh *corners, struct ctl_error *error)
+/* Hand over positions that are there already. */
+static void take(struct ctl_mesh *from, struct ctl_mesh *frame)
 {
+    frame->x = from->x;
+    frame->format = from->format;
+    frame->vertex_count = from->vertex_count;
+    from->x = NULL;
+}
+
+static bool is_pipe(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+}
+
+static int read_corners(const struct ctl_frames *frames,
+                        struct ctl_frames_source *source, struct ctl_mesh *corners,
+                        struct ctl_error *error)
+{
+    const char *path = source->path;
+    if (source->corners.x != NULL) {
+        take(&source->corners, corners);
+        return PCCD_OK;
+    }
     int status = ctl_mesh_read_corners(path, corners, error);
     uint32_t ours = frames->shape.triangle_count, its = corners->triangle_count;
     return status == PCCD_OK && its != ours
@@ -197,12 +218,13 @@ static int read_corners(const struct ctl_frames *frames, const char *path,
 }
 
 /* A frame from STL: each vertex is where its corners are. */
-static int read_stl(const struct ctl_frames *frames, const char *path,
+static int read_stl(const struct ctl_frames *frames, struct ctl_frames_source *source,
                     struct ctl_mesh *frame, struct ctl_error *error)
 {
+    const char *path = source->path;
     struct ctl_mesh corners = {0};
     uint32_t count = frames->shape.vertex_count;
-    int status = read_corners(frames, path, &corners, error);
+    int status = read_corners(frames, source, &corners, error);
     float(*x)[3] =
         status == PCCD_OK ? room_for(path, count, PCCD_FORMAT_F32, error) : NULL;
     if (x == NULL) {
@@ -224,7 +246,7 @@ static int read_stl(const struct ctl_frames *frames, const char *path,
 static int read_frame(const struct ctl_frames *frames, uint32_t index,
                       struct ctl_mesh *frame, struct ctl_error *error)
 {
-    const struct ctl_frames_source *source = source_of(frames, index);
+    struct ctl_frames_source *source = source_of(frames, index);
     if (source->motion.read != NULL) {
         bool has_own_shape = index == source->frame_first &&
                              source->path != frames->shape_path &&
@@ -237,21 +259,12 @@ static int read_frame(const struct ctl_frames *frames, uint32_t index,
                                  : status;
     }
     if (source->is_stl && frames->sources[0].is_stl) {
-        return read_stl(frames, source->path, frame, error);
+        return read_stl(frames, source, frame, error);
     }
     int status = ctl_mesh_read_like(source->path, &frames->shape, frames->shape_path,
                                     frame, error);
     ctl_mesh_drop_shape(frame);
     return status;
-}
-
-/* Hand over positions that are there already. */
-static void take(struct ctl_mesh *from, struct ctl_mesh *frame)
-{
-    frame->x = from->x;
-    frame->format = from->format;
-    frame->vertex_count = from->vertex_count;
-    from->x = NULL;
 }
 
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
@@ -292,9 +305,7 @@ static int hold_pipes(struct ctl_frames *frames, struct ctl_error *error)
     int status = PCCD_OK;
     for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
         struct ctl_frames_source *source = &frames->sources[s];
-        struct stat info;
-        if (source->motion.read == NULL && stat(source->path, &info) == 0 &&
-            !S_ISREG(info.st_mode)) {
+        if (source->motion.read == NULL && is_pipe(source->path)) {
             status = read_frame(frames, source->frame_first, &source->held, error);
         }
     }
@@ -351,12 +362,16 @@ static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
         status = ctl_weld_begin_joined(&weld, to, (uint32_t)corner_count, error);
     }
     for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
+        struct ctl_frames_source *source = &frames->sources[s];
         struct ctl_mesh corners = {0};
-        if (frames->sources[s].is_stl) {
-            status = read_corners(frames, frames->sources[s].path, &corners, error);
+        if (source->is_stl) {
+            status = read_corners(frames, source, &corners, error);
             const struct ctl_places places = {corners.format, corners.x,
                                               corners.vertex_count};
             status = status == PCCD_OK ? ctl_weld_frame(&weld, &places, error) : status;
+        }
+        if (status == PCCD_OK && source->is_stl && is_pipe(source->path)) {
+            take(&corners, &source->corners);
         }
         ctl_mesh_deinit(&corners);
     }
@@ -476,7 +491,7 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
 
 int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
                         struct ctl_mesh *mesh, struct ctl_welded *welded,
-                        struct ctl_error *error)
+                        uint32_t *frame_count, struct ctl_error *error)
 {
     struct ctl_frames frames;
     char *const paths[1] = {(char *)(uintptr_t)path};
@@ -486,6 +501,7 @@ int ctl_frames_read_one(const char *path, const struct ctl_frames_options *optio
         struct ctl_mesh *shape = &frames.shape;
         *mesh = frames.mesh;
         *welded = frames.welded;
+        *frame_count = frames.count;
         if (mesh->triangles != shape->triangles) {
             free(shape->triangles);
             free(shape->edges);
@@ -505,6 +521,7 @@ void ctl_frames_close(struct ctl_frames *frames)
             frames->sources[i].motion.close(&frames->sources[i].motion);
         }
         ctl_mesh_deinit(&frames->sources[i].held);
+        ctl_mesh_deinit(&frames->sources[i].corners);
     }
     for (uint32_t i = 0; frames->names != NULL && i < frames->count; i++) {
         free(frames->names[i]);

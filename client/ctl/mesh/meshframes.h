@@ -43,6 +43,7 @@ struct ctl_frames_source {
     struct ctl_motion motion; /* read is NULL: it is a mesh file with one frame */
     bool is_stl;              /* it has corners, which are vertices by their places */
     struct ctl_mesh held;     /* of a pipe, which can be read once */
+    struct ctl_mesh corners;  /* of a pipe of STL, until they are that */
 };
 
 struct ctl_frames {
@@ -72,10 +73,10 @@ int ctl_frames_open(struct ctl_frames *frames, char *const *paths, uint32_t path
 int ctl_frames_read(struct ctl_frames *frames, uint32_t index, struct ctl_mesh *frame,
                     struct ctl_error *error);
 void ctl_frames_close(struct ctl_frames *frames);
-/* The first frame of one file, and what became of its vertices. `mesh` is empty before.
- * Errors: those of ctl_frames_open. */
+/* The first frame of one file or pattern, what became of its vertices, and how many
+ * frames there are. `mesh` is empty before. Errors: those of ctl_frames_open. */
 int ctl_frames_read_one(const char *path, const struct ctl_frames_options *options,
                         struct ctl_mesh *mesh, struct ctl_welded *welded,
-                        struct ctl_error *error);
+                        uint32_t *frame_count, struct ctl_error *error);
 
 #endif

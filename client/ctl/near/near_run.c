@@ -35,7 +35,7 @@ int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count
         status = pieces > 0
                      ? ctl_mesh_read_part(paths[i], number, pieces, &object->mesh, error)
                      : ctl_frames_read_one(paths[i], &how, &object->mesh, &object->welded,
-                                           error);
+                                           &object->frame_count, error);
     }
     return status;
 }

@@ -25,6 +25,7 @@ struct near_object {
     struct pccd_edge *edges; /* ours; NULL unless asked for */
     struct pccd_mesh_info info;
     uint32_t handle;
+    uint32_t frame_count; /* of the file, of which the first is read; 0: not counted */
 };
 
 /* All zero, but for what is the caller's, before near_run_read. */

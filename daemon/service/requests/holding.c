@@ -143,6 +143,10 @@ static int admit(struct srv_call *call, struct srv_plan *plan)
         return proto_error_set(&call->error, PCCD_E_INVAL,
                                "a frame is held, or placed, not both");
     }
+    if (call->params.FRAME_SUBMIT.tells_start) {
+        return proto_error_set(&call->error, PCCD_E_INVAL,
+                               "tells_start: another step answers a frame that is held");
+    }
     if (plan->member->holds) {
         return proto_error_set(&call->error, PCCD_E_BUSY,
                                "the frame held before waits for a step of the scene");
