@@ -11,14 +11,7 @@ set -u
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 
-meshio=
-for candidate in "$python" /usr/bin/python3; do
-    if [ -n "$python" ] && [ -n "$candidate" ] &&
-        "$candidate" -c 'import numpy, meshio' 2>/dev/null; then
-        meshio=$candidate
-        break
-    fi
-done
+meshio=$(python_with 'numpy, meshio')
 if [ -z "$meshio" ]; then
     tap_skip check_files "no python3 with numpy and meshio (Debian: python3-meshio)"
     tap_end

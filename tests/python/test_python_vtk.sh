@@ -11,14 +11,7 @@ set -u
 # shellcheck source=tests/python/find.sh
 . "$top_srcdir/tests/python/find.sh"
 
-vtk=
-for candidate in "$python" /usr/bin/python3; do
-    if [ -n "$python" ] && [ -n "$candidate" ] &&
-        "$candidate" -c 'import numpy, vtkmodules.vtkIOXML' 2>/dev/null; then
-        vtk=$candidate
-        break
-    fi
-done
+vtk=$(python_with 'numpy, vtkmodules.vtkIOXML')
 if [ -z "$vtk" ]; then
     tap_skip check_vtk "no python3 with numpy and vtkmodules (Debian: python3-vtk9)"
     tap_end

@@ -43,7 +43,7 @@ libtestraw_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
 EXTRA_DIST += tests/support/cmocka.sh tests/support/skip.h
 
 # Sourced by the test scripts.
-EXTRA_DIST += tests/support/tap.sh
+EXTRA_DIST += tests/support/check.sh tests/support/tap.sh
 
 # What the leak sanitizer is told not to mind.
 EXTRA_DIST += tests/support/lsan.supp
