@@ -317,7 +317,8 @@ static int judge_order(struct ctl_sequence *sequence, struct ctl_error *error)
 {
     char *const *paths = sequence->paths;
     for (uint32_t i = 1; i < sequence->count; i++) {
-        if (goes_down(paths[i - 1], paths[i]) && !was_named(sequence, i, paths[i])) {
+        if (goes_down(paths[i - 1], paths[i]) && !was_named(sequence, i, paths[i]) &&
+            strncmp(paths[i], "/dev/fd/", 8) != 0) { /* the shell numbers these */
             return warn(sequence, error,
                         "%s comes after %s, as they were named; by their numbers it "
                         "comes before. A name with %%d takes files by their numbers, as "

@@ -7,25 +7,11 @@
 # Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`.
 
 set -u
-: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}" "${top_srcdir:?}"
+: "${top_srcdir:?is set by make check}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
-unset PCCD_URL
-
-work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-objects-XXXXXX") || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-log=$work/log
-
-# check STATUS ARGUMENT...: that exit status; out and err have what it said.
-check() {
-    local status=$1
-    shift
-    timeout 100 "$PCCDCTL" check --private "$@" >out 2>err
-    local is=$?
-    cat out err >"$log"
-    [ $is -eq "$status" ]
-}
+# shellcheck source=tests/support/check.sh
+. "$top_srcdir/tests/support/check.sh"
 
 # A floor; an object of two spikes and another of one, their tips above it; a rod that comes down
 # across its side.
@@ -99,4 +85,33 @@ check 1 --result-bytes 65536 heap0.obj heap1.obj && grep -qx 'between    40 pair
     grep -qx '           and 30 more pairs of objects' out &&
     check 1 --json heap0.obj heap1.obj && [ "$(grep -c '"b": "Needle' out)" -eq 40 ]
 tap_result $? objects__of_a_heap_are_told_in_part "$log"
+
+# If it failed, two bodies that touch corner to corner would be taken for free, without a word; or
+# two names be one.
+cat >touch.obj <<'END'
+o Leg#1 # the left one
+v 0 0 0
+v 1 0 0
+v 0 1 0
+v 0 0 1
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+o Leg#2
+v 0 0 0
+v -1 0 0
+v 0 -1 0
+v 0 0 -1
+f 5 7 6
+f 5 6 8
+f 5 8 7
+f 6 7 8
+END
+check 0 touch.obj touch.obj &&
+    grep -qx '           of these 1 joins two objects, which touch there and do not meet: see --weld off' out &&
+    check 0 --json touch.obj touch.obj && grep -q '^  "welded_between": 1,' out &&
+    check 1 --weld off touch.obj touch.obj && grep -qx '           "Leg#1", "Leg#2": 15' out &&
+    check 0 a.obj a.obj && ! grep -q 'joins two objects' out
+tap_result $? objects__that_are_joined_are_told "$log"
 tap_end

@@ -8,25 +8,11 @@
 # Needs:    PCCDCTL and PCCD_DAEMON, set by `make check`; python3 writes the caches.
 
 set -u
-: "${PCCDCTL:?the program to test}" "${PCCD_DAEMON:?the daemon to start}" "${top_srcdir:?}"
+: "${top_srcdir:?is set by make check}"
 # shellcheck source=tests/support/tap.sh
 . "$top_srcdir/tests/support/tap.sh"
-unset PCCD_URL
-
-work=$(mktemp -d "${TMPDIR:-/tmp}/pccd-sequence-XXXXXX") || exit 99
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 99
-log=$work/log
-
-# check STATUS ARGUMENT...: that exit status; out and err have what it said.
-check() {
-    local status=$1
-    shift
-    timeout 100 "$PCCDCTL" check --private "$@" >out 2>err
-    local is=$?
-    cat out err >"$log"
-    [ $is -eq "$status" ]
-}
+# shellcheck source=tests/support/check.sh
+. "$top_srcdir/tests/support/check.sh"
 
 # The tip of a triangle above another, at this height.
 frame() { # HEIGHT
@@ -157,7 +143,14 @@ check 4 seven.obj made.pc2 &&
     check 4 made.pc2 && grep -q 'made.pc2 has positions alone: name the mesh file' err &&
     check 4 made.pc2 seq1.obj && grep -q 'made.pc2 has positions alone: name the mesh file' err &&
     head -c 100 made.mdd >cut.mdd && check 4 seq1.obj cut.mdd &&
-    grep -qx 'pccdctl: cut.mdd: by its header, 3 frames of 6 vertices, it has 236 bytes; it has 100' err
+    grep -qx 'pccdctl: cut.mdd: by its header, 3 frames of 6 vertices, it has 236 bytes; it has 100' err &&
+    printf 'v %s\n' '0 0 0' '1 0 0' '1 1 0' '0 1 0' >square.obj && echo 'f 1 2 3 4' >>square.obj &&
+    python3 -c '
+import struct, sys
+crossed = 0, 0, 0, 1, 1, 0, 1, 0, 0, 0, 1, 0
+sys.stdout.buffer.write(struct.pack("<12siiffi12f", b"POINTCACHE2", 1, 4, 0, 1, 1, *crossed))
+' >bow.pc2 && check 4 square.obj bow.pc2 &&
+    grep -qx 'pccdctl: square.obj:5: .* crosses itself.*, as bow.pc2 places it' err
 tap_result $? cache__is_named_where_it_does_not_fit "$log"
 
 # If it failed, the answers of a bake would depend on the kind of file that it comes in.

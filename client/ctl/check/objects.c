@@ -1,7 +1,7 @@
 /* client/ctl/check/objects.c - records by the objects of a file.
  *
  * Room:     client/ctl.
- * Does:     number vertices and edges by the object that has them first.
+ * Does:     number edges by the object that has them first.
  * Threads:  one.
  * Source:   objects.h.
  */
@@ -14,91 +14,52 @@
 #include "kinds.h"
 
 #define PAIRS_MIN 64u /* of the table at first; a power of 2 */
-#define NO_OBJECT UINT32_MAX
-
-/* An edge by its two vertices, the lower one first. */
-struct place {
-    uint32_t low, high, number;
-};
 
 /* ---- the object of a feature ------------------------------------------------------- */
-
-/* The object of the triangle, edge or point (3, 2, 1 points) of that number in the
- * file: the last one that begins there or before. */
-static uint32_t object_at(const struct ctl_mesh *mesh, uint32_t points, uint32_t number)
-{
-    uint32_t low = 0, high = mesh->object_count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        const struct ctl_mesh_object *object = &mesh->objects[middle];
-        uint32_t first = points == 3   ? object->triangle_first
-                         : points == 2 ? object->edge_first
-                                       : object->point_first;
-        if (first <= number) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low > 0 ? low - 1 : NO_OBJECT;
-}
 
 uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature)
 {
     return points == 1   ? objects->of_vertex[feature]
            : points == 2 ? objects->of_edge[feature]
-                         : object_at(objects->mesh, 3, feature);
+                         : ctl_mesh_object_at(objects->mesh, 3, feature);
 }
 
-static int compare_places(const void *a, const void *b)
+/* Edges are in this order, as pccd_mesh_edges has them. */
+static int compare_edges(const void *a, const void *b)
 {
-    const struct place *left = a, *right = b;
-    return left->low != right->low     ? (left->low < right->low ? -1 : 1)
-           : left->high != right->high ? (left->high < right->high ? -1 : 1)
-                                       : 0;
+    const struct pccd_edge *left = a, *right = b;
+    return left->b != right->b   ? (left->b < right->b ? -1 : 1)
+           : left->a != right->a ? (left->a < right->a ? -1 : 1)
+                                 : 0;
 }
 
-/* A side from a to b is of this object, unless another one had it before. */
-static void take_side(const struct objects *objects, const struct place *places,
-                      uint32_t edge_count, const uint32_t ends[2], uint32_t object)
+/* A side from p to q is of this object, unless another one had it before. */
+static void take_side(const struct objects *objects, const struct pccd_edge *edges,
+                      uint32_t edge_count, uint32_t p, uint32_t q, uint32_t object)
 {
-    const uint32_t a = ends[0], b = ends[1];
-    const struct place wanted = {.low = a < b ? a : b, .high = a < b ? b : a};
-    const struct place *place =
-        bsearch(&wanted, places, edge_count, sizeof *places, compare_places);
-    if (place != NULL && objects->of_edge[place->number] == NO_OBJECT) {
-        objects->of_edge[place->number] = object;
+    const struct pccd_edge wanted = {.a = p < q ? p : q, .b = p < q ? q : p};
+    const struct pccd_edge *edge =
+        bsearch(&wanted, edges, edge_count, sizeof *edges, compare_edges);
+    if (edge != NULL && objects->of_edge[edge - edges] == CTL_NO_OBJECT) {
+        objects->of_edge[edge - edges] = object;
     }
 }
 
-static void take_vertex(const struct objects *objects, uint32_t vertex, uint32_t object)
-{
-    if (objects->of_vertex[vertex] == NO_OBJECT) {
-        objects->of_vertex[vertex] = object;
-    }
-}
-
-static void number_features(const struct objects *objects, const struct place *places,
-                            uint32_t edge_count)
+static void number_edges(const struct objects *objects, const struct pccd_edge *edges,
+                         uint32_t edge_count)
 {
     const struct ctl_mesh *mesh = objects->mesh;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *corners = mesh->triangles[i];
-        uint32_t object = object_at(mesh, 3, i);
+        uint32_t object = ctl_mesh_object_at(mesh, 3, i);
         for (uint32_t k = 0; k < 3; k++) {
-            const uint32_t side[2] = {corners[k], corners[(k + 1) % 3]};
-            take_side(objects, places, edge_count, side, object);
-            take_vertex(objects, corners[k], object);
+            take_side(objects, edges, edge_count, corners[k], corners[(k + 1) % 3],
+                      object);
         }
     }
     for (uint32_t i = 0; i < mesh->edge_count; i++) {
-        uint32_t object = object_at(mesh, 2, i);
-        take_side(objects, places, edge_count, mesh->edges[i], object);
-        take_vertex(objects, mesh->edges[i][0], object);
-        take_vertex(objects, mesh->edges[i][1], object);
-    }
-    for (uint32_t i = 0; i < mesh->point_count; i++) {
-        take_vertex(objects, mesh->points[i], object_at(mesh, 1, i));
+        take_side(objects, edges, edge_count, mesh->edges[i][0], mesh->edges[i][1],
+                  ctl_mesh_object_at(mesh, 2, i));
     }
 }
 
@@ -106,30 +67,20 @@ int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
                  const struct pccd_edge *edges, uint32_t edge_count,
                  struct ctl_error *error)
 {
-    const size_t vertex_bytes = ((size_t)mesh->vertex_count + 1) * sizeof(uint32_t);
     const size_t edge_bytes = ((size_t)edge_count + 1) * sizeof(uint32_t);
-    struct place *places = malloc(((size_t)edge_count + 1) * sizeof *places);
     *objects = (struct objects){.mesh = mesh,
-                                .of_vertex = malloc(vertex_bytes),
+                                .of_vertex = ctl_mesh_object_of_vertices(mesh),
                                 .of_edge = malloc(edge_bytes),
                                 .pairs = calloc(PAIRS_MIN, sizeof *objects->pairs),
                                 .capacity = PAIRS_MIN};
-    if (places == NULL || objects->of_vertex == NULL || objects->of_edge == NULL ||
+    if (objects->of_vertex == NULL || objects->of_edge == NULL ||
         objects->pairs == NULL) {
-        free(places);
         return ctl_error_set(error, PCCD_E_NOMEM,
                              "no memory for the objects of %" PRIu32 " edges",
                              edge_count);
     }
-    memset(objects->of_vertex, 0xff, vertex_bytes);
     memset(objects->of_edge, 0xff, edge_bytes);
-    for (uint32_t i = 0; i < edge_count; i++) {
-        uint32_t a = edges[i].a, b = edges[i].b;
-        places[i] = (struct place){a < b ? a : b, a < b ? b : a, i};
-    }
-    qsort(places, edge_count, sizeof *places, compare_places);
-    number_features(objects, places, edge_count);
-    free(places);
+    number_edges(objects, edges, edge_count);
     return PCCD_OK;
 }
 

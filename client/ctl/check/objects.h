@@ -30,7 +30,7 @@ int objects_init(struct objects *objects, const struct ctl_mesh *mesh,
                  const struct pccd_edge *edges, uint32_t edge_count,
                  struct ctl_error *error);
 /* The object of a feature of so many points (1 a vertex, 2 an edge, 3 a face): its place
- * in mesh->objects, or UINT32_MAX before the first one. */
+ * in mesh->objects, or CTL_NO_OBJECT before the first one. */
 uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t feature);
 /* Count the records of a page. False: no memory. */
 bool objects_count(struct objects *objects, const struct pccd_answer *page);

@@ -99,6 +99,11 @@ void report_print_welded(FILE *to, const struct ctl_welded *welded)
         print_count(to, welded->joined, "vertex to one", "vertices to others");
         fputs(" at the same place in every frame\n", to);
     }
+    if (welded->between > 0) {
+        fputs("           of these ", to);
+        print_count(to, welded->between, "joins", "join");
+        fputs(" two objects, which touch there and do not meet: see --weld off\n", to);
+    }
     if (welded->flat > 0) {
         fputs("           ", to);
         print_count(to, welded->flat, "triangle has", "triangles have");

@@ -98,6 +98,7 @@ static void add_sources(json_t *object, const struct ctl_frames *files, bool *ok
 void report_welded(json_t *object, const struct ctl_welded *welded, bool *ok)
 {
     set_count(object, "welded", welded->joined, ok);
+    set_count(object, "welded_between", welded->between, ok);
     set_count(object, "welded_apart", welded->apart, ok);
     set_count(object, "welded_flat", welded->flat, ok);
     set_count(object, "weldable", welded->more, ok);

@@ -282,3 +282,46 @@ int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_byt
     mesh->objects[mesh->object_count++] = object;
     return PCCD_OK;
 }
+
+uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, uint32_t points, uint32_t number)
+{
+    uint32_t low = 0, high = mesh->object_count;
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        const struct ctl_mesh_object *object = &mesh->objects[middle];
+        uint32_t first = points == 3   ? object->triangle_first
+                         : points == 2 ? object->edge_first
+                                       : object->point_first;
+        if (first <= number) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low > 0 ? low - 1 : CTL_NO_OBJECT;
+}
+
+uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh)
+{
+    const uint32_t *named[4] = {NULL, mesh->points, (const uint32_t *)mesh->edges,
+                                (const uint32_t *)mesh->triangles};
+    const uint32_t counts[4] = {0, mesh->point_count, mesh->edge_count,
+                                mesh->triangle_count};
+    const size_t bytes = ((size_t)mesh->vertex_count + 1) * sizeof(uint32_t);
+    uint32_t *objects = malloc(bytes);
+    if (objects == NULL) {
+        return NULL;
+    }
+    memset(objects, 0xff, bytes);
+    for (uint32_t points = 3; points > 0; points--) {
+        for (uint32_t i = 0; i < counts[points]; i++) {
+            uint32_t object = ctl_mesh_object_at(mesh, points, i);
+            for (uint32_t k = 0; k < points; k++) {
+                uint32_t vertex = named[points][(size_t)i * points + k];
+                objects[vertex] =
+                    objects[vertex] == CTL_NO_OBJECT ? object : objects[vertex];
+            }
+        }
+    }
+    return objects;
+}

@@ -1,7 +1,6 @@
 /* client/ctl/mesh/meshfile.h - reads a mesh from a PLY, OBJ, STL or glTF file.
  *
- * Room:     client/ctl. May include: error.h, motion.h, text.h,
- *           pccd_types.h.
+ * Room:     client/ctl. May include: error.h, motion.h, text.h, pccd_types.h.
  * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
  *           glTF; polygons are cut into triangles (polygon.h). Edges and points by
  *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
@@ -159,6 +158,15 @@ int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
  * copied; one to which nothing was added is forgotten then. */
 int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes,
                         const char *path, struct ctl_error *error);
+
+#define CTL_NO_OBJECT UINT32_MAX
+
+/* Where in `objects` that of a triangle, edge or point (3, 2 or 1 points) is, by its
+ * number in the file. CTL_NO_OBJECT: it stands before all. */
+uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, uint32_t points,
+                            uint32_t number);
+/* The first object that has each vertex; the caller's to free. NULL: no memory. */
+uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh);
 
 /* The formats. `mesh` is empty before and the caller's to deinit after, also on
  * error. */

@@ -185,7 +185,6 @@ static int read_motion(const struct ctl_frames *frames,
     return PCCD_OK;
 }
 
-/* Three vertices of each triangle, as STL has them. */
 /* Hand over positions that are there already. */
 static void take(struct ctl_mesh *from, struct ctl_mesh *frame)
 {
@@ -201,6 +200,7 @@ static bool is_pipe(const char *path)
     return stat(path, &info) == 0 && !S_ISREG(info.st_mode);
 }
 
+/* Three vertices of each triangle, as STL has them. */
 static int read_corners(const struct ctl_frames *frames,
                         struct ctl_frames_source *source, struct ctl_mesh *corners,
                         struct ctl_error *error)
@@ -294,9 +294,15 @@ static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
     if (status == PCCD_OK) {
         status = read_motion(frames, first, 0, &frames->shape, error);
     }
-    return status == PCCD_OK
-               ? ctl_mesh_cut(&frames->shape, NULL, frames->shape_path, error)
-               : status;
+    if (status == PCCD_OK) {
+        status = ctl_mesh_cut(&frames->shape, NULL, frames->shape_path, error);
+    }
+    if (status == PCCD_E_FORMAT && first->path != frames->shape_path) {
+        const struct ctl_error why = *error;
+        return ctl_error_set(error, status, "%s, as %s places it", why.text,
+                             first->path);
+    }
+    return status;
 }
 
 /* Pipes are read now, as they can be once. */
@@ -410,6 +416,21 @@ static int weld_frames(struct ctl_frames *frames, struct ctl_weld *weld,
     return status;
 }
 
+/* Objects that touch there cannot meet there any more, so that is told. */
+static int count_between(const struct ctl_weld *weld, const struct ctl_mesh *shape,
+                         uint32_t *between, struct ctl_error *error)
+{
+    uint32_t *objects = ctl_mesh_object_of_vertices(shape);
+    if (objects == NULL) {
+        return no_memory(error);
+    }
+    for (uint32_t i = 0; i < shape->vertex_count; i++) {
+        *between += objects[i] != objects[weld->to[i]];
+    }
+    free(objects);
+    return PCCD_OK;
+}
+
 /* Most files have no two vertices that are nearly at one place: one search tells. */
 static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_error *error)
 {
@@ -433,6 +454,9 @@ static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_err
     welded->joined = chosen->joined;
     welded->apart = chosen->first_joined - chosen->joined;
     welded->more = near.joined - chosen->joined;
+    if (status == PCCD_OK && chosen->joined > 0 && shape->object_count > 1) {
+        status = count_between(chosen, shape, &welded->between, error);
+    }
     if (status == PCCD_OK && chosen->joined > 0) {
         status = ctl_weld_apply(chosen, shape, &frames->mesh, &welded->flat, error);
     }

@@ -34,6 +34,7 @@ struct ctl_welded {
     uint32_t more;   /* of weld 0: would be joined at 2^-40 of the size */
     double distance; /* that is */
     uint32_t flat;   /* triangles that have one vertex twice because of that */
+    uint32_t between; /* of those joined: to a vertex of another object of the file */
 };
 
 /* A file, and the frames that come from it. */

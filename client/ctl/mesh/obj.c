@@ -75,6 +75,20 @@ static bool goes_on(const struct ctl_word *line, bool is_first)
            !(is_first && is_name(*line));
 }
 
+/* A comment reaches to the end of the line. Within a word of a name it is none: leg#1. */
+static void end_at_comment(struct ctl_word *statement)
+{
+    const char *end = statement->end;
+    const char *hash = memchr(statement->at, '#', (size_t)(end - statement->at));
+    while (hash != NULL && hash > statement->at && hash[-1] != ' ' && hash[-1] != '\t' &&
+           is_name(*statement)) {
+        hash = memchr(hash + 1, '#', (size_t)(end - hash - 1));
+    }
+    if (hash != NULL) {
+        statement->end = hash;
+    }
+}
+
 /* The next statement: lines that end in a backslash go on in the next one. Its characters
  * stay in place: the backslash and the line end are blanked in our copy of the file. */
 static bool next_statement(struct obj_reader *reader, struct ctl_word *statement)
@@ -99,12 +113,7 @@ static bool next_statement(struct obj_reader *reader, struct ctl_word *statement
         statement->end = line.end;
     }
     reader->text.keep = NULL;
-    /* A comment reaches to the end of the line. */
-    const char *hash =
-        memchr(statement->at, '#', (size_t)(statement->end - statement->at));
-    if (hash != NULL) {
-        statement->end = hash;
-    }
+    end_at_comment(statement);
     return true;
 }
 
