@@ -55,10 +55,15 @@ class Weld(unittest.TestCase):
         welded = pccd.weld([x], [[2, 3, 4], [1, 4, 3]], points=[4])
         self.assertEqual(welded.triangles.tolist(), [[1, 3, 4], [1, 4, 3]])
         self.assertEqual((welded.joined, welded.points.tolist()), (1, [4]))
-        with self.assertRaises(ValueError):
-            pccd.weld([x, x[1:]], [[0, 1, 2]])
-        with self.assertRaises(ValueError):
-            pccd.weld([x], [[0, 1, 5]])
+
+    def test_weld__refuses_what_is_no_mesh(self):
+        x = np.zeros((3, 3))
+        for frames, triangles, distance in (
+                ([], [[0, 1, 2]], 0), ([x, x[1:]], [[0, 1, 2]], 0), ([x[0]], [[0, 1, 2]], 0),
+                ([x], [[0, 1, 3]], 0), ([x], [[0, 1, -1]], 0), ([x], [[0, 1, 0.5]], 0),
+                ([x], [[0, 1]], 0), ([x], [[0, 1, 2]], -1), ([x], [[0, 1, 2]], np.inf)):
+            with self.assertRaises(pccd.PccdError):
+                pccd.weld(frames, triangles, distance=distance)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """weld.py - vertices of arrays that are one, though they are apart.
 
-Room:     client/python. May import: numpy.
+Room:     client/python. May import: numpy, values.
 Does:     what `pccdctl check --weld` does with files.
 """
 
@@ -10,6 +10,9 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from .abi import Status
+from .values import pack_indices, pack_vertices, refusal
 
 _CELLS = 4  # a cell is so many distances wide: most vertices are looked for in one
 
@@ -31,17 +34,18 @@ def weld(frames: Sequence[ArrayLike], triangles: ArrayLike = (), edges: ArrayLik
     """Find the vertices that are at one place in every one of `frames`, each an array
     [vertices, 3]: equal to the last bit, or at most `distance` apart. Vertices are not
     renumbered: the arrays of positions stay as they are, and what is joined is named no
-    more. ValueError: no frame, or arrays of other shapes."""
-    places = [np.asarray(x, np.float64) for x in frames]
-    if not places or any(x.ndim != 2 or x.shape != (len(places[0]), 3) for x in places):
-        raise ValueError("frames: arrays [vertices, 3] of one length, at least one")
-    if not distance >= 0:
-        raise ValueError("distance: 0 and above")
-    named = [np.asarray(numbers, np.uint32).reshape(-1, width)
-             for numbers, width in ((triangles, 3), (edges, 2), (points, 1))]
+    more. PccdError: E_INVAL for no frame or arrays of other shapes, E_INDEX for a vertex that
+    is not there."""
+    places = [pack_vertices("a frame", x).astype(np.float64) for x in frames]
+    if not places or any(x.shape != places[0].shape for x in places):
+        raise refusal(Status.E_INVAL, "frames are not one array (n, 3) or several of one n")
+    if not 0 <= distance < np.inf:
+        raise refusal(Status.E_INVAL, f"distance is {distance}")
+    named = [_indices(name, numbers, width) for name, numbers, width in
+             (("triangles", triangles, 3), ("edges", edges, 2), ("points", points, 1))]
     used = np.unique(np.concatenate([numbers.ravel() for numbers in named]))
     if len(used) > 0 and used[-1] >= len(places[0]):
-        raise ValueError(f"vertex {used[-1]} of {len(places[0])}")
+        raise refusal(Status.E_INDEX, f"vertex {used[-1]} of {len(places[0])}")
     to = np.arange(len(places[0]), dtype=np.uint32)
     group = np.zeros(len(used), np.uint32)
     first = 0
@@ -52,7 +56,14 @@ def weld(frames: Sequence[ArrayLike], triangles: ArrayLike = (), edges: ArrayLik
     to[used] = used[group]
     joined = int(np.count_nonzero(group != np.arange(len(used))))
     three, two, one = (to[numbers] for numbers in named)
-    return Welded(three, two, one.ravel(), to, joined, first - joined)
+    return Welded(three, two, one, to, joined, first - joined)
+
+
+def _indices(name: str, numbers: ArrayLike, width: int) -> NDArray[np.uint32]:
+    """Of `width` vertices each; of a kind that is not there, none."""
+    if np.size(numbers) == 0:
+        return np.empty((0, width) if width > 1 else 0, np.uint32)
+    return pack_indices(name, numbers, width)
 
 
 def _join(x: NDArray[np.float64], group: NDArray[np.uint32],
@@ -61,7 +72,8 @@ def _join(x: NDArray[np.float64], group: NDArray[np.uint32],
     if distance == 0 and len(x) > 0:
         keys = np.column_stack([(x + 0.0).view(np.int64), group.astype(np.int64)])
         _, least, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-        return least.astype(np.uint32)[which.ravel()]
+        found: NDArray[np.uint32] = least.astype(np.uint32)[which.ravel()]
+        return found
     made = np.arange(len(x), dtype=np.uint32)
     cells: Dict[Tuple[float, ...], List[int]] = {}
     for i, place in enumerate(x):
