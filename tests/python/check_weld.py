@@ -56,10 +56,12 @@ class Weld(unittest.TestCase):
         self.assertEqual(welded.triangles.tolist(), [[1, 3, 4], [1, 4, 3]])
         self.assertEqual((welded.joined, welded.points.tolist()), (1, [4]))
 
+    # If this failed, what is no index would be cut to another vertex.
     def test_weld__refuses_what_is_no_mesh(self):
         x = np.zeros((3, 3))
         for frames, triangles, distance in (
-                ([], [[0, 1, 2]], 0), ([x, x[1:]], [[0, 1, 2]], 0), ([x[0]], [[0, 1, 2]], 0),
+                ([], [[0, 1, 2]], 0), ([x, x[1:]], [[0, 1, 2]], 0),
+                ([x[0]], [[0, 1, 2]], 0),
                 ([x], [[0, 1, 3]], 0), ([x], [[0, 1, -1]], 0), ([x], [[0, 1, 0.5]], 0),
                 ([x], [[0, 1]], 0), ([x], [[0, 1, 2]], -1), ([x], [[0, 1, 2]], np.inf)):
             with self.assertRaises(pccd.PccdError):

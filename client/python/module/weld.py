@@ -34,11 +34,12 @@ def weld(frames: Sequence[ArrayLike], triangles: ArrayLike = (), edges: ArrayLik
     """Find the vertices that are at one place in every one of `frames`, each an array
     [vertices, 3]: equal to the last bit, or at most `distance` apart. Vertices are not
     renumbered: the arrays of positions stay as they are, and what is joined is named no
-    more. PccdError: E_INVAL for no frame or arrays of other shapes, E_INDEX for a vertex that
-    is not there."""
+    more. PccdError: E_INVAL for no frame or arrays of other shapes, E_INDEX for
+    a vertex that is not there."""
     places = [pack_vertices("a frame", x).astype(np.float64) for x in frames]
     if not places or any(x.shape != places[0].shape for x in places):
-        raise refusal(Status.E_INVAL, "frames are not one array (n, 3) or several of one n")
+        raise refusal(Status.E_INVAL, "frames are not one array (n, 3) or several of "
+                      "one n")
     if not 0 <= distance < np.inf:
         raise refusal(Status.E_INVAL, f"distance is {distance}")
     named = [_indices(name, numbers, width) for name, numbers, width in
