@@ -1,12 +1,4 @@
-/* codec.c - MessagePack-RPC messages to structs of messages.h; names and errors.
- *
- * Room:     proto. May include: codec.h, utf8.h, msgpack-c.
- * Does:     the envelope, then the body field by field, driven by the tables of
- *           messages.c.
- * Does not: encode (encode.c) or bound the message (prescan.c).
- * Threads:  [any], one decoder per thread at a time.
- * Source:   https://github.com/msgpack-rpc/msgpack-rpc/blob/master/spec.md
- */
+/* codec.c - MessagePack-RPC messages to structs of messages.h; names and errors. */
 #include <assert.h>
 #include <msgpack.h>
 #include <stdarg.h>

@@ -1,13 +1,11 @@
 /* codec.h - encodes and decodes messages (MessagePack-RPC).
  *
- * Room:     proto. May include: messages.h, msgpack-c (in codec.c and encode.c only).
- * Does:     translate [0,id,method,params], [1,id,error,result] and [2,method,params] to
- *           and from the structs of messages.h. params and result are maps from field
- *           name to scalar. Unknown fields are skipped, so that newer peers can add some.
- *           A field that is given twice, of another type or out of its C type's range is
- *           E_BADMSG, with the field's name.
- * Does not: read sockets (seqpacket.h).
- * Threads:  [any], one decoder or encoder per thread at a time.
+ * Translate [0,id,method,params], [1,id,error,result] and [2,method,params] to and from
+ * the structs of messages.h. params and result are maps from field name to scalar.
+ * Unknown fields are skipped, so that newer peers can add some. A field that is given
+ * twice, of another type or out of its C type's range is E_BADMSG, with the field's name.
+ *
+ * Threads: [any], one decoder or encoder per thread at a time.
  */
 #ifndef PROTO_CODEC_H
 #define PROTO_CODEC_H

@@ -1,11 +1,4 @@
-/* encode.c - structs of messages.h to MessagePack-RPC messages.
- *
- * Room:     proto. May include: codec.h, utf8.h, msgpack-c.
- * Does:     the proto_encode functions of codec.h. Optional fields that are zero, false
- *           or "" are left out: the decoder puts that value back.
- * Does not: send (seqpacket.h).
- * Threads:  [any], one encoder per thread at a time.
- */
+/* encode.c - structs of messages.h to MessagePack-RPC messages. */
 #include <assert.h>
 #include <msgpack.h>
 #include <string.h>

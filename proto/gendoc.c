@@ -1,13 +1,9 @@
 /* gendoc.c - the tables of PROTOCOL.md, from the manifest.
  *
- * Room:     proto; a program of the build, not installed. May include: codec.h.
- * Does:     copies standard input to standard output and writes anew what stands between
- *           "<!-- begin: NAME -->" and "<!-- end: NAME -->"; with the argument `manual`
- *           the same for the manual page, between "; begin: NAME" and "; end: NAME"; with
- *           the argument `manifest` prints one line a field, which tests/abi compares
- *           with what was frozen.
- * Does not: write any prose.
- * Threads:  one.
+ * Copies standard input to standard output and writes anew what stands between "<!--
+ * begin: NAME -->" and "<!-- end: NAME -->"; with the argument `manual` the same for the
+ * manual page, between "; begin: NAME" and "; end: NAME"; with the argument `manifest`
+ * prints one line a field, which tests/abi compares with what was frozen.
  */
 #include <ctype.h>
 #include <stdio.h>

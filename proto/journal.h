@@ -1,12 +1,6 @@
 /* journal.h - the layout of a journal, byte by byte: everything that was done to a shared
  * scene.
  *
- * Room:     proto. May include: pccd_types.h.
- * Does:     define the entries that scene.journal returns.
- * Does not: keep or read them (daemon/service/scenes/srv_journal.c,
- *           client/lib/journal.c).
- * Threads:  [any].
- *
  * A run of entries in the order in which the daemon did what they say. Each begins with
  * struct proto_journal_entry and is a multiple of 8 bytes long; a page may end within
  * one. All words are little-endian; positions are double[3]. A reader skips kinds that it

@@ -1,13 +1,4 @@
-/* memfd.c - sealed anonymous memory.
- *
- * Room:     proto. May include: memfd.h, pccd_types.h, the C library.
- * Does:     the system calls behind memfd.h.
- * Does not: write into the memory.
- * Threads:  [any].
- * Source:   seals do not prove the size (fstat does) and do not stop hole punching, so
- *           the daemon copies before it checks. FUTURE_WRITE does stop it, for the daemon
- *           too: memory could not be given back.
- */
+/* memfd.c - sealed anonymous memory. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>

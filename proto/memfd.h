@@ -1,10 +1,4 @@
-/* memfd.h - creates and maps the memory that the daemon and a client share.
- *
- * Room:     proto. May include: shm.h, the C library.
- * Does:     create (daemon) and map (both sides) the upload ring and the result region of
- *           shm.h.
- * Threads:  [any].
- */
+/* memfd.h - creates and maps the memory that the daemon and a client share. */
 #ifndef PROTO_MEMFD_H
 #define PROTO_MEMFD_H
 

@@ -1,11 +1,4 @@
-/* messages.c - the manifest as tables.
- *
- * Room:     proto. May include: messages.h.
- * Does:     one field table per request and result, and the table of all messages; find
- *           the page that a result brings.
- * Does not: encode (codec.c).
- * Threads:  [any], constant data.
- */
+/* messages.c - the manifest as tables. */
 #include "messages.h"
 
 #include <string.h>

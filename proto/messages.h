@@ -1,9 +1,5 @@
-/* messages.h - every message of the protocol as a C struct, generated from messages.def.
- *
- * Room:     proto. May include: messages.def, pccd_types.h, proto_limits.h,
- *           step_numbers.h.
- * Does:     turn messages.def into enums, structs and field tables.
- * Does not: encode or decode (codec.h).
+/* messages.h - every message of the protocol as a C struct, generated from
+ * messages.def.
  */
 #ifndef PROTO_MESSAGES_H
 #define PROTO_MESSAGES_H

@@ -1,12 +1,4 @@
-/* prescan.c - bounds a message before msgpack-c sees it.
- *
- * Room:     proto. May include: codec.h.
- * Does:     walks the headers of one MessagePack object and checks every claim they make
- *           against the bytes that are there.
- * Does not: allocate, recurse, or look at what the message means.
- * Threads:  [any].
- * Source:   msgpack-c 4.0 allocates what a header claims: 8.6 GB for 5 bytes.
- */
+/* prescan.c - bounds a message before msgpack-c sees it. */
 #include "codec.h"
 
 /* What one header says. */

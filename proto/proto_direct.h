@@ -1,11 +1,9 @@
 /* proto_direct.h - the functions of libpccd-direct, by which the client library runs the
  * service in its own process.
  *
- * Room:     proto. May include: seqpacket.h.
- * Does:     declare a way to send messages of the protocol and to receive them, as over a
- *           socket. The two libraries may be of different releases: hello agrees on a
- *           version, as with a daemon.
- * Threads:  functions say.
+ * Declare a way to send messages of the protocol and to receive them, as over a socket.
+ * The two libraries may be of different releases: hello agrees on a version, as with a
+ * daemon.
  */
 #ifndef PROTO_DIRECT_H
 #define PROTO_DIRECT_H

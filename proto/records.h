@@ -1,8 +1,5 @@
-/* records.h - checks, when it is compiled, that the layout of the public records has not
- * changed.
- *
- * Room:     proto. May include: pccd_trace.h, pccd_types.h.
- * Does:     assert the size and every offset of the records that go to the result region.
+/* records.h - checks, when it is compiled, that the layout of the public records has
+ * not changed.
  */
 #ifndef PROTO_RECORDS_H
 #define PROTO_RECORDS_H

@@ -1,10 +1,4 @@
-/* seqpacket.c - one message in, one message out, descriptors beside it.
- *
- * Room:     proto. May include: seqpacket.h, pccd_types.h, the C library.
- * Does:     the system calls behind seqpacket.h; no errno leaves this file except with
- *           PCCD_E_SYSTEM.
- * Threads:  [any], one per socket and direction at a time.
- */
+/* seqpacket.c - one message in, one message out, descriptors beside it. */
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>

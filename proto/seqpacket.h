@@ -1,11 +1,7 @@
 /* seqpacket.h - sends and receives one message at a time over a Unix socket, with file
  * descriptors beside it.
  *
- * Room:     proto. May include: codec.h, the C library.
- * Does:     send and receive whole datagrams of an AF_UNIX SOCK_SEQPACKET socket, with at
- *           most two descriptors; surplus or unwanted descriptors are closed.
- * Does not: poll, or wait but in proto_await.
- * Threads:  [any], one per socket and direction at a time.
+ * Threads: [any], one per socket and direction at a time.
  */
 #ifndef PROTO_SEQPACKET_H
 #define PROTO_SEQPACKET_H

@@ -1,13 +1,8 @@
 /* shm.h - the layout of the memory that a client shares with the daemon: the upload ring
  * and the result region.
  *
- * Room:     proto. May include: proto_limits.h and the C library.
- * Does:     define byte offsets and types of what two processes see, with static asserts
- *           on each.
- * Does not: create or map memory (memfd.h) or follow the slot protocol (the client
- *           library writes, daemon/server/ringio.c reads).
- * Threads:  every word below names its one writer. All are little-endian and naturally
- *           aligned.
+ * Threads: every word below names its one writer. All are little-endian and naturally
+ * aligned.
  *
  * Upload ring (client read-write)             Result region (client read-only)
  *   0x0000 header, daemon-written, never       0x0000 header, daemon-written

@@ -1,11 +1,4 @@
-/* utf8.h - checks that text is well-formed UTF-8.
- *
- * Room:     proto, private. May include: the C library.
- * Does:     measure one sequence after RFC 3629: no overlong forms, no surrogates, no
- *           NUL.
- * Does not: decode to code points.
- * Threads:  [any].
- */
+/* utf8.h - checks that text is well-formed UTF-8. */
 #ifndef PROTO_UTF8_H
 #define PROTO_UTF8_H
 

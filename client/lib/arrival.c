@@ -1,11 +1,4 @@
-/* arrival.c - who is told of what has arrived from the daemon.
- *
- * Room:     client/lib. May include: arrival.h, keep.h, near_number.h, page.h,
- *           positions.h, recorder_events.h, rpc.h, shared.h, watch.h.
- * Does:     the registry first: a recording that begins another segment writes what is
- *           registered by then.
- * Threads:  [owner].
- */
+/* arrival.c - who is told of what has arrived from the daemon. */
 #include "arrival.h"
 
 #include "keep.h"

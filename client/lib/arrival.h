@@ -1,11 +1,4 @@
-/* arrival.h - passes on what has arrived from the daemon: answers and notifications.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     hand an answer to the registry and to the recording, and a notification to
- *           the part that waits for it.
- * Does not: read messages (receive.h).
- * Threads:  [owner].
- */
+/* arrival.h - passes on what has arrived from the daemon: answers and notifications. */
 #ifndef CLI_ARRIVAL_H
 #define CLI_ARRIVAL_H
 

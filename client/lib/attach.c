@@ -1,10 +1,4 @@
-/* attach.c - the upload ring and the result region.
- *
- * Room:     client/lib. May include: attach.h, page.h, rpc.h, proto.
- * Does:     shm.attach, the mappings, and the choice of a slot that can be written.
- * Does not: lay out payloads (frame.c, mesh.c) or release pages (page.c).
- * Threads:  [owner].
- */
+/* attach.c - the upload ring and the result region. */
 #include "attach.h"
 
 #include <assert.h>

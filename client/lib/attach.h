@@ -1,9 +1,4 @@
-/* attach.h - gets the memory shared with the daemon, and free slots in it.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     attach, map and grow that memory; wait for a slot that can be written.
- * Threads:  [owner].
- */
+/* attach.h - gets the memory shared with the daemon, and free slots in it. */
 #ifndef CLI_ATTACH_H
 #define CLI_ATTACH_H
 

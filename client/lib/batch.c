@@ -1,12 +1,8 @@
 /* batch.c - steps of many scenes by one request.
  *
- * Room:     client/lib. May include: batch.h, attach.h, connection.h, page.h, ring.h,
- *           rpc.h, step.h, struct_size.h, submit.h.
- * Does:     lay out the slot once: the table of scenes, the table of segments, the
- *           positions; each step copies the tables there as they are. It is numbered
- *           among the steps, and its answer waits in the table of calls as theirs do.
- * Does not: look at handles: the daemon does.
- * Threads:  [owner].
+ * Lay out the slot once: the table of scenes, the table of segments, the positions; each
+ * step copies the tables there as they are. It is numbered among the steps, and its
+ * answer waits in the table of calls as theirs do.
  */
 #include "batch.h"
 

@@ -1,9 +1,4 @@
-/* batch.h - the batches of a client that ends.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     declare what pccd_close does about batches that are not destroyed (batch.c).
- * Threads:  [owner].
- */
+/* batch.h - the batches of a client that ends. */
 #ifndef CLI_BATCH_H
 #define CLI_BATCH_H
 

@@ -1,10 +1,4 @@
-/* boxes.c - what a scene's hierarchies look like.
- *
- * Room:     client/lib. May include: attach.h, page.h, rpc.h.
- * Does:     fetch the boxes of a level, page by page.
- * Does not: interpret them.
- * Threads:  [owner].
- */
+/* boxes.c - what a scene's hierarchies look like. */
 #include <string.h>
 
 #include "attach.h"

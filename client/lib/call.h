@@ -1,9 +1,5 @@
 /* call.h - a request that was sent, until its answer is taken.
  *
- * Room:     client/lib, private. May include: pccd.h, proto.
- * Does:     hold one entry of the table of calls (rpc.h).
- * Threads:  [owner].
- *
  * Life of a call (one request and its reply), kept in a table of CLI_CALLS:
  *
  *     FREE --send--> SENT --reply, or the end of all patience--> DONE --taken--> FREE

@@ -1,11 +1,4 @@
-/* client.c - what every file of the library uses of a client.
- *
- * Room:     client/lib. May include: client.h.
- * Does:     the text of the last error, the clock, and whether this process is a forked
- *           copy.
- * Does not: make or end a client (connect.c).
- * Threads:  [owner].
- */
+/* client.c - what every file of the library uses of a client. */
 #include "client.h"
 
 #include <assert.h>

@@ -1,9 +1,6 @@
 /* client.h - struct pccd_client: everything that the library knows about one connection.
  *
- * Room:     client/lib, private. May include: call.h, ring.h, pccd.h, proto,
- *           client/registry.
- * Does:     define it, and the helpers that every file of the folder uses.
- * Threads:  [owner]: one thread at a time, the same as for the public functions.
+ * Threads: [owner]: one thread at a time, the same as for the public functions.
  */
 #ifndef CLI_CLIENT_H
 #define CLI_CLIENT_H

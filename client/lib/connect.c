@@ -1,10 +1,4 @@
-/* connect.c - a client: options, connect, close, error text.
- *
- * Room:     client/lib. May include: client.h, rpc.h, attach.h, keep.h, launch.h, link.h.
- * Does:     the public functions of pccd.h that make, describe and end a client.
- * Does not: find daemons (link.c), start them (launch.c) or exchange messages (rpc.c).
- * Threads:  [owner].
- */
+/* connect.c - a client: options, connect, close, error text. */
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>

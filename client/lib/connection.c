@@ -1,11 +1,4 @@
-/* connection.c - the connection to a daemon, until it is lost.
- *
- * Room:     client/lib. May include: connection.h, direct.h, launch.h.
- * Does:     what its end means for the calls that have no answer: each fails, or is held
- *           for another connection.
- * Does not: read (receive.c), write (rpc.c) or make connections (link.c, recover.c).
- * Threads:  [owner].
- */
+/* connection.c - the connection to a daemon, until it is lost. */
 #include "connection.h"
 
 #include <assert.h>

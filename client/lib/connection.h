@@ -1,10 +1,5 @@
-/* connection.h - whether the connection to the daemon works, and what happens when it is
- * lost.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     say whether it can be used, and what its end means for the calls without an
- *           answer.
- * Threads:  [owner].
+/* connection.h - whether the connection to the daemon works, and what happens when it
+ * is lost.
  */
 #ifndef CLI_CONNECTION_H
 #define CLI_CONNECTION_H

@@ -1,11 +1,8 @@
 /* direct.c - the service in this process.
  *
- * Room:     client/lib. See direct.h.
- * Does:     find the library: as $PCCD_DIRECT says, else beside this one or the program,
- *           else where it was installed or the loader finds it. It stays for as long as
- *           the process lives: the threads of its OpenMP runtime do.
- * Does not: bring the engine's libraries into programs that talk to a daemon.
- * Threads:  [owner]; the loader has locks of its own.
+ * Find the library: as $PCCD_DIRECT says, else beside this one or the program, else where
+ * it was installed or the loader finds it. It stays for as long as the process lives: the
+ * threads of its OpenMP runtime do.
  */
 #include "direct.h"
 

@@ -1,9 +1,4 @@
-/* direct.h - runs the service inside this process (the url direct:).
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     load libpccd-direct, and exchange messages with it as with a daemon.
- * Threads:  [owner].
- */
+/* direct.h - runs the service inside this process (the url direct:). */
 #ifndef CLI_DIRECT_H
 #define CLI_DIRECT_H
 

@@ -1,9 +1,4 @@
-/* filter.c - which objects are tested against each other.
- *
- * Room:     client/lib. May include: rpc.h.
- * Does:     one request each; what has been set is kept as all else is (keep.h).
- * Threads:  [owner].
- */
+/* filter.c - which objects are tested against each other. */
 #include <stddef.h>
 #include <string.h>
 

@@ -1,10 +1,4 @@
-/* flight.c - requests that are sent one behind the other, and waited for together.
- *
- * Room:     client/lib. See flight.h.
- * Does:     answers are taken in the order of the requests, so that the first failure is
- *           the one that counts.
- * Threads:  [owner].
- */
+/* flight.c - requests that are sent one behind the other, and waited for together. */
 #include "flight.h"
 
 #include <assert.h>

@@ -1,11 +1,8 @@
 /* flight.h - sends several requests at once and waits for all of their answers, which
  * saves round trips.
  *
- * Room:     client/lib, private. May include: rpc.h.
- * Does:     send requests that do not depend on each other's answers. The daemon computes
- *           those of a session in their order, and answers all others at once, in their
- *           order, too.
- * Threads:  [owner].
+ * Send requests that do not depend on each other's answers. The daemon computes those of
+ * a session in their order, and answers all others at once, in their order, too.
  */
 #ifndef CLI_FLIGHT_H
 #define CLI_FLIGHT_H

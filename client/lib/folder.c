@@ -1,10 +1,4 @@
-/* folder.c - the folders in which what the library needs may lie.
- *
- * Room:     client/lib. See folder.h.
- * Does:     ask the loader for the file that holds this function, and the kernel for the
- *           program. Linked into a program, the library is where that is.
- * Threads:  [any]; the loader has locks of its own.
- */
+/* folder.c - the folders in which what the library needs may lie. */
 #include "folder.h"
 
 #include <dlfcn.h>

@@ -1,10 +1,7 @@
 /* folder.h - the folders in which what the library needs may lie.
  *
- * Room:     client/lib. May include: the C library.
- * Does:     tell the folder of the file that this library is, and of the running program.
- *           A product may bring all of pccd in one folder of its own, as a Python wheel
- *           does.
- * Threads:  [any].
+ * Tell the folder of the file that this library is, and of the running program. A product
+ * may bring all of pccd in one folder of its own, as a Python wheel does.
  */
 #ifndef CLI_FOLDER_H
 #define CLI_FOLDER_H

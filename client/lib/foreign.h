@@ -1,13 +1,10 @@
 /* foreign.h - what libpccd-mpi asks of libpccd, and nobody else does.
  *
- * Room:     client/lib, private but for client/mpi. May include: pccd.h.
- * Does:     tell the service in this process which features of a mesh are its own. All
- *           others are foreign: pairs of which such a one is the first feature are left
- *           out of steps and of what is near, because another process looks for them.
- *           Let that process end a step that this one computes, have its share of the
- *           processors, write positions to where the engine has them, and the records of
- *           an answer.
- * Threads:  [owner].
+ * Tell the service in this process which features of a mesh are its own. All others are
+ * foreign: pairs of which such a one is the first feature are left out of steps and of
+ * what is near, because another process looks for them. Let that process end a step that
+ * this one computes, have its share of the processors, write positions to where the
+ * engine has them, and the records of an answer.
  */
 #ifndef CLI_FOREIGN_H
 #define CLI_FOREIGN_H

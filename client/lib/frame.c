@@ -1,11 +1,4 @@
-/* frame.c - the positions of a step, written into a slot.
- *
- * Room:     client/lib. May include: frame.h, attach.h, connection.h, submit.h.
- * Does:     lay out a slot's payload: the segment table at its start, then the positions,
- *           each range at a multiple of 8 bytes; publish it.
- * Does not: read anything back from the slot, or check what the daemon checks.
- * Threads:  [owner].
- */
+/* frame.c - the positions of a step, written into a slot. */
 #include "frame.h"
 
 #include <assert.h>

@@ -1,8 +1,5 @@
-/* frame.h - positions that are written into a slot, before they are sent with a request.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     declare what the requests that move a scene have in common (frame.c).
- * Threads:  [owner].
+/* frame.h - positions that are written into a slot, before they are sent with a
+ * request.
  */
 #ifndef CLI_FRAME_H
 #define CLI_FRAME_H

@@ -1,11 +1,4 @@
-/* keep.c - what another daemon would have to be told.
- *
- * Room:     client/lib. May include: keep.h, client/registry/registry.h.
- * Does:     follow the answers: what was made is registered, what was destroyed is
- *           forgotten.
- * Does not: know where objects are (positions.c).
- * Threads:  [owner].
- */
+/* keep.c - what another daemon would have to be told. */
 #include "keep.h"
 
 #include <assert.h>

@@ -1,12 +1,5 @@
-/* keep.h - notes what the client has registered, so that another daemon can be told after
- * a crash.
- *
- * Room:     client/lib, private. May include: client.h, client/registry/registry.h.
- * Does:     enter what was made, changed and destroyed into the client's registry, when
- *           the daemon has answered so.
- * Does not: talk to a daemon (restore.c), or keep anything when the user does not want
- *           it.
- * Threads:  [owner].
+/* keep.h - notes what the client has registered, so that another daemon can be told
+ * after a crash.
  */
 #ifndef CLI_KEEP_H
 #define CLI_KEEP_H

@@ -1,12 +1,4 @@
-/* launch.c - daemons that the library starts.
- *
- * Room:     client/lib. May include: launch.h, the C library.
- * Does:     find the program, start it with clean descriptors and signals, wait for the
- *           one byte on its --ready-fd, stop and reap the private one.
- * Does not: decide who serves a path: the daemon's lock file does.
- * Threads:  [owner].
- * Source:   posix_spawn, because fork copies the page tables of a large program.
- */
+/* launch.c - daemons that the library starts. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -1,9 +1,4 @@
-/* launch.h - starts a daemon: the user's, or a private one.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     start it and wait until it listens; stop the private one.
- * Threads:  [owner].
- */
+/* launch.h - starts a daemon: the user's, or a private one. */
 #ifndef CLI_LAUNCH_H
 #define CLI_LAUNCH_H
 

@@ -1,11 +1,4 @@
-/* link.c - the way to a daemon.
- *
- * Room:     client/lib. May include: link.h, connection.h, direct.h, launch.h, rpc.h,
- *           proto.
- * Does:     connect a socket, check who listens, say hello; have daemons started.
- * Does not: decide how often to try after the first time (recover.c).
- * Threads:  [owner].
- */
+/* link.c - the way to a daemon. */
 #include "link.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* link.h - finds or starts a daemon, and connects to it.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     find or start the daemon that link->way names, connect, say hello.
- * Does not: keep the connection (rpc.h), or make it again (recover.h).
- * Threads:  [owner].
- */
+/* link.h - finds or starts a daemon, and connects to it. */
 #ifndef CLI_LINK_H
 #define CLI_LINK_H
 

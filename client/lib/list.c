@@ -1,10 +1,4 @@
-/* list.c - what a daemon tells about itself and about its clients.
- *
- * Room:     client/lib. May include: rpc.h, proto.
- * Does:     lists, one request an entry; settings; histograms.
- * Does not: keep anything of it.
- * Threads:  [owner].
- */
+/* list.c - what a daemon tells about itself and about its clients. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

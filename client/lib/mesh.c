@@ -1,11 +1,4 @@
-/* mesh.c - meshes: upload in chunks, commit, edges.
- *
- * Room:     client/lib. May include: mesh.h, attach.h, flight.h, keep.h, page.h, rpc.h.
- * Does:     copy vertices and triangles into slots, several in flight, and have the
- *           daemon derive the rest.
- * Does not: check the data: the daemon does, once, on its own copy.
- * Threads:  [owner].
- */
+/* mesh.c - meshes: upload in chunks, commit, edges. */
 #include <assert.h>
 #include <string.h>
 

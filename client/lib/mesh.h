@@ -1,9 +1,4 @@
-/* mesh.h - uploads a mesh to the daemon.
- *
- * Room:     client/lib, private. May include: client.h, flight.h.
- * Does:     declare what restore.c needs of mesh.c.
- * Threads:  [owner].
- */
+/* mesh.h - uploads a mesh to the daemon. */
 #ifndef CLI_MESH_H
 #define CLI_MESH_H
 

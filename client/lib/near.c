@@ -1,12 +1,4 @@
-/* near.c - ask what is near.
- *
- * Room:     client/lib. May include: attach.h, connection.h, frame.h, step.h,
- *           struct_size.h, submit.h.
- * Does:     scene.near, with a slot as a step has it, or without. It is numbered among
- *           the steps, and its answer is taken as theirs are (step.c).
- * Does not: look into the question: the daemon checks it.
- * Threads:  [owner].
- */
+/* near.c - ask what is near. */
 #include <string.h>
 
 #include "attach.h"

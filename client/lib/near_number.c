@@ -1,9 +1,4 @@
-/* near_number.c - the numbers of questions about what is near.
- *
- * Room:     client/lib. May include: near_number.h.
- * Does:     keep one for each scene.
- * Threads:  [owner].
- */
+/* near_number.c - the numbers of questions about what is near. */
 #include "near_number.h"
 
 void cli_near_answered(struct pccd_client *client,

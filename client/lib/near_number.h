@@ -1,9 +1,5 @@
 /* near_number.h - tells the number of a question about what is near (pccd_near.h) from
  * that of a step, as both are asked for further pages in the same words.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     remember the last such question of each scene that was answered.
- * Threads:  [owner].
  */
 #ifndef CLI_NEAR_NUMBER_H
 #define CLI_NEAR_NUMBER_H

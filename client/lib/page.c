@@ -1,11 +1,8 @@
 /* page.c - pages of records in the result region.
  *
- * Room:     client/lib. May include: page.h.
- * Does:     a ring of unreleased pages. The daemon writes pages one after the other and
- *           its replies keep their order, so the region is free up to the first page
- *           that is still held; result_head says how far.
- * Does not: read records.
- * Threads:  [owner].
+ * A ring of unreleased pages. The daemon writes pages one after the other and its replies
+ * keep their order, so the region is free up to the first page that is still held;
+ * result_head says how far.
  */
 #include "page.h"
 

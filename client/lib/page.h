@@ -1,10 +1,4 @@
-/* page.h - the pages of records that the user has not released yet.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     keep the pages and give them back to the daemon in the order in which they
- *           came, whatever the order in which the user releases them.
- * Threads:  [owner].
- */
+/* page.h - the pages of records that the user has not released yet. */
 #ifndef CLI_PAGE_H
 #define CLI_PAGE_H
 

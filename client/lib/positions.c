@@ -1,12 +1,4 @@
-/* positions.c - where the objects are that another daemon would have to be told of.
- *
- * Room:     client/lib. May include: positions.h, client/registry.
- * Does:     the segments of answered steps, in the order of the steps, into the client's
- *           registry.
- * Does not: read anything of a slot but ranges that were handed out: lengths come from
- *           the library's own copy of the segment table.
- * Threads:  [owner].
- */
+/* positions.c - where the objects are that another daemon would have to be told of. */
 #include "positions.h"
 
 #include <assert.h>

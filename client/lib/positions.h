@@ -1,10 +1,6 @@
 /* positions.h - remembers the last positions of all objects, in case another daemon must
  * be told.
  *
- * Room:     client/lib, private. May include: client.h.
- * Does:     read the positions of answered steps out of their slots, as late as possible.
- * Threads:  [owner].
- *
  * Positions are not copied when a step is answered: its slot is KEPT, and read only when
  * it is needed for another step and still holds the last positions of some object. A
  * client that has more slots than steps in flight, and moves whole objects, never copies.

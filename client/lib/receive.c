@@ -1,11 +1,4 @@
-/* receive.c - what the daemon says.
- *
- * Room:     client/lib. May include: receive.h, connection.h, direct.h, page.h, proto.
- * Does:     the only place that reads the socket. Replies come in any order and are
- *           matched by id.
- * Does not: know what the methods mean, but for the pages that some replies bring.
- * Threads:  [owner].
- */
+/* receive.c - what the daemon says. */
 #include "receive.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* receive.h - reads a message from the daemon and finds the call that it answers.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     read one message and match it to its call; tell all others through
- *           client->upcalls.
- * Threads:  [owner].
- */
+/* receive.h - reads a message from the daemon and finds the call that it answers. */
 #ifndef CLI_RECEIVE_H
 #define CLI_RECEIVE_H
 

@@ -1,12 +1,4 @@
-/* record.c - when a client is recorded.
- *
- * Room:     client/lib. May include: record.h, recorder.h, recorder_events.h,
- *           recorder_shared.h.
- * Does:     the public functions of pccd.h that start and end a recording, and what the
- *           environment says.
- * Does not: write events (recorder_events.c).
- * Threads:  [owner].
- */
+/* record.c - when a client is recorded. */
 #include "record.h"
 
 #include <stdio.h>

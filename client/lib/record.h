@@ -1,9 +1,4 @@
-/* record.h - starts and ends the recording of a client.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     begin a recording that the environment asks for, and end it at close.
- * Threads:  [owner].
- */
+/* record.h - starts and ends the recording of a client. */
 #ifndef CLI_RECORD_H
 #define CLI_RECORD_H
 

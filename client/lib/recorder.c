@@ -1,11 +1,4 @@
-/* recorder.c - the file that a client is recorded into.
- *
- * Room:     client/lib. May include: recorder.h.
- * Does:     append to the file that is being written, within its bounds, and end it.
- * Does not: know what to write (recorder_events.c, recorder_snapshot.c,
- *           recorder_shared.c), or how it is stored (chunk.h).
- * Threads:  [owner].
- */
+/* recorder.c - the file that a client is recorded into. */
 #include "recorder.h"
 
 #include <assert.h>

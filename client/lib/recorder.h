@@ -1,12 +1,7 @@
 /* recorder.h - the file that a client is recorded into.
  *
- * Room:     client/lib, private. May include: client.h, client/record/chunk.h.
- * Does:     append chunks to the file, within the bounds that were set, and end it when
- *           it is full or cannot be written.
- * Does not: let a call fail because the recording does: the recording ends, and says so
- *           when asked.
- * Threads:  [owner]. There is no other thread, and no buffer that a crash could lose:
- *           each event is one write.
+ * Threads: [owner]. There is no other thread, and no buffer that a crash could lose: each
+ * event is one write.
  */
 #ifndef CLI_RECORDER_H
 #define CLI_RECORDER_H

@@ -1,13 +1,4 @@
-/* recorder_events.c - what a client asks and is answered, as chunks of its recording.
- *
- * Room:     client/lib. May include: recorder_events.h, recorder_shared.h,
- *           recorder_snapshot.h, page.h.
- * Does:     append each event when it has happened; begin another segment when one is
- *           full.
- * Does not: know how a segment begins (recorder_snapshot.c), or when to record
- *           (record.c).
- * Threads:  [owner].
- */
+/* recorder_events.c - what a client asks and is answered, as chunks of its recording. */
 #include "recorder_events.h"
 
 #include <assert.h>

@@ -1,11 +1,11 @@
 /* recorder_events.h - writes each request and answer of a client into its recording.
  *
- * Room:     client/lib, private. May include: client.h.
- * Does:     append an event when it has happened: what was made or destroyed when its
- *           answer comes; a step when it has been sent; its answer when that comes. The
- *           positions of a step are read from its slot then, while the daemon computes.
- * Threads:  [owner]. There is no other thread, and no buffer that a crash could lose:
- *           each event is one write.
+ * Append an event when it has happened: what was made or destroyed when its answer comes;
+ * a step when it has been sent; its answer when that comes. The positions of a step are
+ * read from its slot then, while the daemon computes.
+ *
+ * Threads: [owner]. There is no other thread, and no buffer that a crash could lose: each
+ * event is one write.
  */
 #ifndef CLI_RECORDER_EVENTS_H
 #define CLI_RECORDER_EVENTS_H

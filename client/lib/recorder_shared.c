@@ -1,10 +1,4 @@
-/* recorder_shared.c - shared scenes, in recordings.
- *
- * Room:     client/lib. May include: recorder_shared.h, attach.h, page.h, rpc.h,
- *           proto/journal.h.
- * Does:     see recorder_shared.h. What the daemon says is judged before it is written.
- * Threads:  [owner].
- */
+/* recorder_shared.c - shared scenes, in recordings. */
 #include "recorder_shared.h"
 
 #include <assert.h>

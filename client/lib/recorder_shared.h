@@ -1,12 +1,7 @@
 /* recorder_shared.h - records shared scenes, in which other clients move things, too.
  *
- * Room:     client/lib, private. May include: recorder.h.
- * Does:     fetch the daemon's journals of the shared scenes of a recorded client and
- *           write them into the recording: otherwise the client would not know what
- *           others move.
- * Does not: wait, except where it says so: a page is asked for when there is cause, and
- *           written when it comes.
- * Threads:  [owner].
+ * Fetch the daemon's journals of the shared scenes of a recorded client and write them
+ * into the recording: otherwise the client would not know what others move.
  *
  * What anybody does to a shared scene is in the recording as the journal says, and in its
  * order: objects as GUEST; steps that this client has submitted, or that its frames went

@@ -1,11 +1,4 @@
-/* recorder_snapshot.c - how a segment of a recording begins.
- *
- * Room:     client/lib. May include: recorder_snapshot.h, recorder_shared.h, keep.h,
- *           rpc.h.
- * Does:     write what another daemon would have to be told, from what is kept for that.
- * Does not: follow events (recorder_events.c).
- * Threads:  [owner].
- */
+/* recorder_snapshot.c - how a segment of a recording begins. */
 #include "recorder_snapshot.h"
 
 #include <assert.h>

@@ -1,10 +1,5 @@
-/* recorder_snapshot.h - writes the beginning of a recording's segment: everything that is
- * registered at that time.
- *
- * Room:     client/lib, private. May include: recorder.h.
- * Does:     write what is registered, then the steps without an answer, so that a segment
- *           can be read without those before it.
- * Threads:  [owner].
+/* recorder_snapshot.h - writes the beginning of a recording's segment: everything that
+ * is registered at that time.
  */
 #ifndef CLI_RECORDER_SNAPSHOT_H
 #define CLI_RECORDER_SNAPSHOT_H

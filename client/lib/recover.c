@@ -1,8 +1,6 @@
 /* recover.c - another connection when one is lost.
  *
- * Room:     client/lib. May include: recover.h, connection.h, link.h, recorder_shared.h,
- *           restore.h, rpc.h.
- * Does:     the states of a link:
+ * The states of a link:
  *
  *     UP -- lost (rpc.c) --> DOWN --- try -----> RECOVERING
  *      ^                      |  ^-- failed, pause --'  |
@@ -11,10 +9,8 @@
  *      |                     DEAD                       | all sent again
  *      `------------------------------------------------'
  *
- *           Pauses double from 1 ms to 1 s, with a random part, so that a thousand
- *           clients of one daemon do not come at the same moment.
- * Does not: tell a new daemon what there is (restore.c).
- * Threads:  [owner].
+ * Pauses double from 1 ms to 1 s, with a random part, so that a thousand clients of one
+ * daemon do not come at the same moment.
  */
 #include "recover.h"
 

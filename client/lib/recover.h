@@ -1,10 +1,4 @@
-/* recover.h - reconnects when the connection to the daemon is lost.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     try, pause, try again; go on with the session, or have everything registered
- *           anew; send again what has no answer.
- * Threads:  [owner].
- */
+/* recover.h - reconnects when the connection to the daemon is lost. */
 #ifndef CLI_RECOVER_H
 #define CLI_RECOVER_H
 

@@ -1,12 +1,8 @@
 /* restore.c - tell another daemon what the last one knew.
  *
- * Room:     client/lib. May include: restore.h, attach.h, flight.h, keep.h, mesh.h,
- *           page.h, positions.h, rpc.h.
- * Does:     everything goes through the slots of the new ring, which are all free. Then
- *           the slots of the old one are copied over, and the new memory is mapped where
- *           the old one was: pointers that the user has into it stay valid.
- * Does not: submit what has no answer (recover.c).
- * Threads:  [owner].
+ * Everything goes through the slots of the new ring, which are all free. Then the slots
+ * of the old one are copied over, and the new memory is mapped where the old one was:
+ * pointers that the user has into it stay valid.
  */
 #include "restore.h"
 

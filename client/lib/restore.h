@@ -1,10 +1,4 @@
-/* restore.h - registers everything again with a new daemon after the old one was lost.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     make a ring like the old one, and scenes, meshes and objects under their old
- *           handles, at their last positions.
- * Threads:  [owner].
- */
+/* restore.h - registers everything again with a new daemon after the old one was lost. */
 #ifndef CLI_RESTORE_H
 #define CLI_RESTORE_H
 

@@ -1,10 +1,4 @@
-/* ring.c - the memory that a client shares with its daemon.
- *
- * Room:     client/lib. May include: ring.h.
- * Does:     the writer's side of the slot protocol of shm.h.
- * Does not: wait, or talk to the daemon (attach.c).
- * Threads:  [owner].
- */
+/* ring.c - the memory that a client shares with its daemon. */
 #include "ring.h"
 
 #include <assert.h>

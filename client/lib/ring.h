@@ -1,11 +1,8 @@
 /* ring.h - the memory that a client shares with its daemon: slots for positions, pages of
  * records.
  *
- * Room:     client/lib, private. May include: pccd.h, proto.
- * Does:     hold the upload slots that positions are written into, and the result region
- *           with the pages of records; give a slot to the daemon or back to the library.
- * Does not: attach memory or choose a slot (attach.h), or release pages (page.h).
- * Threads:  [owner].
+ * Hold the upload slots that positions are written into, and the result region with the
+ * pages of records; give a slot to the daemon or back to the library.
  *
  * A slot:  FREE --begin--> BEGUN --publish--> SENT --answer--> KEPT --folded--> FREE
  *                            `--abort--> FREE     `--nothing is kept--> FREE

@@ -1,13 +1,4 @@
-/* rpc.c - requests, and waiting for their replies.
- *
- * Room:     client/lib. May include: rpc.h, connection.h, direct.h, page.h, receive.h,
- *           proto.
- * Does:     the only place that writes the socket. Every wait has a deadline; when the
- *           connection is lost while something waits, another one is asked for
- *           (client->upcalls).
- * Does not: read (receive.c) or make connections (link.c, recover.c).
- * Threads:  [owner].
- */
+/* rpc.c - requests, and waiting for their replies. */
 #include "rpc.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* rpc.h - sends requests and waits for their replies.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     send a request, match replies to calls by id in any order, wait until a
- *           deadline.
- * Threads:  [owner].
- */
+/* rpc.h - sends requests and waits for their replies. */
 #ifndef CLI_RPC_H
 #define CLI_RPC_H
 

@@ -1,11 +1,4 @@
-/* safe.c - go as far as nothing meets.
- *
- * Room:     client/lib. May include: step.h, struct_size.h.
- * Does:     step to the end, then to rounded positions before what meets there, until a
- *           step to such positions is itself free of contacts.
- * Does not: decide anything: every step is an answer of the daemon.
- * Threads:  [owner].
- */
+/* safe.c - go as far as nothing meets. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,4 @@
-/* scene.c - scenes and the objects in them.
- *
- * Room:     client/lib. May include: near_number.h, recorder_shared.h, rpc.h, shared.h.
- * Does:     one request each; nothing about scenes is kept on this side.
- * Threads:  [owner].
- */
+/* scene.c - scenes and the objects in them. */
 #include <string.h>
 
 #include "client.h"

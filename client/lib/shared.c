@@ -1,10 +1,4 @@
-/* shared.c - scenes that clients share.
- *
- * Room:     client/lib. See shared.h. May include: attach.h, recorder_shared.h, rpc.h,
- *           step.h.
- * Does:     take news in, and hand them out once; fetch the answers of others' steps.
- * Threads:  [owner].
- */
+/* shared.c - scenes that clients share. */
 #include "shared.h"
 
 #include <assert.h>

@@ -1,9 +1,4 @@
-/* shared.h - news of shared scenes that the user has not been told yet.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     keep the latest news of each scene.
- * Threads:  [owner].
- */
+/* shared.h - news of shared scenes that the user has not been told yet. */
 #ifndef CLI_SHARED_H
 #define CLI_SHARED_H
 

@@ -1,9 +1,4 @@
-/* slot_layout.h - where things lie in the payload of a slot.
- *
- * Room:     client/lib, private. May include: the C library.
- * Does:     name the alignments that frames and batches keep.
- * Threads:  [any].
- */
+/* slot_layout.h - where things lie in the payload of a slot. */
 #ifndef CLI_SLOT_LAYOUT_H
 #define CLI_SLOT_LAYOUT_H
 

@@ -1,9 +1,4 @@
-/* stats.c - how the daemon is: ping and counters.
- *
- * Room:     client/lib. May include: rpc.h, proto.
- * Does:     a timed round trip; the counters with names and meanings from the manifest.
- * Threads:  [owner].
- */
+/* stats.c - how the daemon is: ping and counters. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,12 +1,8 @@
 /* step.c - steps in flight and their answers.
  *
- * Room:     client/lib. May include: step.h, connection.h, near_number.h, page.h,
- *           receive.h, recorder_events.h, recorder_shared.h, recover.h, rpc.h.
- * Does:     poll, wait, fetch, cancel, release, and the calls that submit and wait at
- *           once. A step is a call of the table (call.h) whose `step` is not 0; it stays
- *           there until its answer is taken.
- * Does not: interpret records: they lie in the daemon's memory, read-only.
- * Threads:  [owner].
+ * Poll, wait, fetch, cancel, release, and the calls that submit and wait at once. A step
+ * is a call of the table (call.h) whose `step` is not 0; it stays there until its answer
+ * is taken.
  *
  * The way of a vertex from the caller's array to the daemon. It is copied once:
  *

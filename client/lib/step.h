@@ -1,9 +1,4 @@
-/* step.h - collects the answers of steps that were submitted.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     take in what has arrived, and fetch pages of answers.
- * Threads:  [owner].
- */
+/* step.h - collects the answers of steps that were submitted. */
 #ifndef CLI_STEP_H
 #define CLI_STEP_H
 

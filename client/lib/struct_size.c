@@ -1,9 +1,4 @@
-/* struct_size.c - structs that begin with struct_bytes, and may be of another release.
- *
- * Room:     client/lib.
- * Does:     struct_size.h.
- * Threads:  [owner].
- */
+/* struct_size.c - structs that begin with struct_bytes, and may be of another release. */
 #include "struct_size.h"
 
 #include <assert.h>

@@ -1,11 +1,9 @@
 /* struct_size.h - lets a program and a library of different releases exchange structs
  * that have grown (struct_bytes).
  *
- * Room:     client/lib. May include: connection.h.
- * Does:     read a struct that a program of another release filled in, and fill in one
- *           that it will read. The program says in struct_bytes how much of the struct it
- *           knows; 0 stands for what this library knows.
- * Threads:  [owner].
+ * Read a struct that a program of another release filled in, and fill in one that it will
+ * read. The program says in struct_bytes how much of the struct it knows; 0 stands for
+ * what this library knows.
  */
 #ifndef CLI_STRUCT_SIZE_H
 #define CLI_STRUCT_SIZE_H

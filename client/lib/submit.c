@@ -1,12 +1,4 @@
-/* submit.c - send a step whose positions, if it has any, are written.
- *
- * Room:     client/lib. May include: submit.h, attach.h, page.h, recorder_events.h,
- *           rpc.h.
- * Does:     frame.submit; a step is a call of the table whose `step` is not 0, as is a
- *           question about what is near (near.c).
- * Does not: write positions (frame.c) or take answers (step.c).
- * Threads:  [owner].
- */
+/* submit.c - send a step whose positions, if it has any, are written. */
 #include "submit.h"
 
 #include <assert.h>

@@ -1,9 +1,4 @@
-/* submit.h - submits a step whose positions are written.
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     declare the last part of frame.c, which writes the positions.
- * Threads:  [owner].
- */
+/* submit.h - submits a step whose positions are written. */
 #ifndef CLI_SUBMIT_H
 #define CLI_SUBMIT_H
 

@@ -1,10 +1,4 @@
-/* trace.c - recordings of what the daemon does.
- *
- * Room:     client/lib. May include: attach.h, page.h, rpc.h.
- * Does:     begin, end, and read a recording page by page.
- * Does not: interpret events.
- * Threads:  [owner].
- */
+/* trace.c - recordings of what the daemon does. */
 #include "attach.h"
 #include "client.h"
 #include "page.h"

@@ -1,11 +1,4 @@
-/* watch.c - steps that a client is told of.
- *
- * Room:     client/lib. May include: watch.h, rpc.h, step.h, proto.
- * Does:     a ring of CLI_WATCH_ROOM steps, allocated when the client begins to watch.
- *           What has no room is counted as lost, as the daemon counts what it has none
- *           for.
- * Threads:  [owner].
- */
+/* watch.c - steps that a client is told of. */
 #include "watch.h"
 
 #include <assert.h>

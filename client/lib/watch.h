@@ -1,9 +1,4 @@
-/* watch.h - news of steps that other clients compute (pccd_watch_next).
- *
- * Room:     client/lib, private. May include: client.h.
- * Does:     keep them until pccd_watch_next takes them.
- * Threads:  [owner].
- */
+/* watch.h - news of steps that other clients compute (pccd_watch_next). */
 #ifndef CLI_WATCH_H
 #define CLI_WATCH_H
 

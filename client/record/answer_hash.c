@@ -1,10 +1,4 @@
-/* answer_hash.c - the hash of an answer, computed anew from its records.
- *
- * Room:     client/record. May include: answer_hash.h, xxhash.
- * Does:     version 1 in one go, version 2 record by record.
- * Threads:  [any].
- * Source:   answer_hash.h.
- */
+/* answer_hash.c - the hash of an answer, computed anew from its records. */
 #include "answer_hash.h"
 
 #include <assert.h>

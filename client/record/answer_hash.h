@@ -1,12 +1,8 @@
 /* answer_hash.h - computes the hash of an answer from its records, to check the hash that
  * the daemon sent.
  *
- * Room:     client/record. May include: pccd_types.h.
- * Does:     compute both versions (proto/PROTOCOL.md, "The hash of an answer"). A
- *           recording is checked by the version that it was made with, whatever version
- *           daemons have today.
- * Does not: share code with the engine.
- * Threads:  [any].
+ * Compute both versions (proto/PROTOCOL.md, "The hash of an answer"). A recording is
+ * checked by the version that it was made with, whatever version daemons have today.
  */
 #ifndef RECORD_ANSWER_HASH_H
 #define RECORD_ANSWER_HASH_H

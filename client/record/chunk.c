@@ -1,10 +1,4 @@
-/* chunk.c - one chunk of a recording, to and from bytes.
- *
- * Room:     client/record. May include: chunk.h, xxhash, zstd.
- * Does:     gather a payload, compress it if that pays, sum it, append it in one write.
- * Does not: judge payloads (judge.c).
- * Threads:  one thread per writer.
- */
+/* chunk.c - one chunk of a recording, to and from bytes. */
 #include "chunk.h"
 
 #include <assert.h>

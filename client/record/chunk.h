@@ -1,10 +1,6 @@
 /* chunk.h - writes and reads one chunk of a recording.
  *
- * Room:     client/record. May include: format.h, payload.h; chunk.c also xxhash, zstd.
- * Does:     compress, checksum, append to a file; check a header, decompress, check a
- *           payload.
- * Does not: know what a session is (client/lib/recorder.c) or walk a file (reader.h).
- * Threads:  one thread per writer.
+ * Threads: one thread per writer.
  */
 #ifndef RECORD_CHUNK_H
 #define RECORD_CHUNK_H

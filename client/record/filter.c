@@ -1,9 +1,4 @@
-/* filter.c - the attributes of an object, as FILTER has them.
- *
- * Room:     client/record. May include: filter.h.
- * Does:     see filter.h.
- * Threads:  [any].
- */
+/* filter.c - the attributes of an object, as FILTER has them. */
 #include "filter.h"
 
 #include <assert.h>

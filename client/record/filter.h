@@ -1,8 +1,5 @@
-/* filter.h - writes and reads the attributes of an object in a recording (chunk FILTER).
- *
- * Room:     client/record. May include: payload.h.
- * Does:     make the payload of FILTER, and read it, from earlier recordings too.
- * Threads:  [any].
+/* filter.h - writes and reads the attributes of an object in a recording (chunk
+ * FILTER).
  */
 #ifndef RECORD_FILTER_H
 #define RECORD_FILTER_H

@@ -1,13 +1,5 @@
 /* format.h - the file format of recordings, byte by byte.
  *
- * Room:     client/record. May include: pccd_types.h.
- * Does:     define the layout of what the library writes and pccdctl reads.
- * Does not: write or read it (chunk.h, reader.h), or say what is in it (payload.h).
- * Threads:  [any].
- *
- *     file     "pccdrec\0" | u32 version | u32 features | chunk | chunk | ...
- *     chunk    struct record_chunk (48 bytes) | stored_bytes | zeros up to 8
- *
  * All words are little-endian. A file is only appended to: whatever ends the writer, the
  * chunks before stay whole. Each chunk can be read by itself: `encoding` says how its
  * payload is stored; the header has a checksum of its own (XXH3-64 over the 40 bytes

@@ -1,8 +1,5 @@
-/* former_tuning.c - the numbers by which earlier recordings say how threads share work.
- *
- * Room:     client/record. May include: former_tuning.h.
- * Does:     see former_tuning.h.
- * Threads:  [any].
+/* former_tuning.c - the numbers by which earlier recordings say how threads share
+ * work.
  */
 #include "former_tuning.h"
 

@@ -1,9 +1,5 @@
 /* former_tuning.h - translates how earlier recordings say how threads share a step:
  * numbers then, a text today.
- *
- * Room:     client/record. May include: payload.h.
- * Does:     make of the numbers the text of pccd_step_settings.tuning.
- * Threads:  [any].
  */
 #ifndef RECORD_FORMER_TUNING_H
 #define RECORD_FORMER_TUNING_H

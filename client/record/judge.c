@@ -1,10 +1,4 @@
-/* judge.c - whether a payload is what its kind says.
- *
- * Room:     client/record. May include: chunk.h, filter.h.
- * Does:     lengths, counts, indices and ranges, on a private copy.
- * Does not: know what other chunks have said: handles are the reader's affair.
- * Threads:  [any].
- */
+/* judge.c - whether a payload is what its kind says. */
 #include <assert.h>
 #include <inttypes.h>
 #include <stddef.h>

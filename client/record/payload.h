@@ -1,13 +1,6 @@
 /* payload.h - the contents of each kind of chunk in a recording, byte by byte.
  *
- * Room:     client/record. May include: object_attributes.h.
- * Does:     define the struct with which the payload of each kind begins.
- * Does not: know chunks (format.h).
- * Threads:  [any].
- *
  * All words are little-endian.
- *
- * More than 200 lines: a struct a kind, to be read beside format.h.
  */
 #ifndef RECORD_PAYLOAD_H
 #define RECORD_PAYLOAD_H

@@ -1,10 +1,4 @@
-/* reader.c - the chunks of a recording, one after the other.
- *
- * Room:     client/record. May include: reader.h.
- * Does:     copy a chunk, judge the copy, show it.
- * Does not: map the file: it may still be written, or cut.
- * Threads:  one thread per reader.
- */
+/* reader.c - the chunks of a recording, one after the other. */
 #include "reader.h"
 
 #include <errno.h>

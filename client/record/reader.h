@@ -1,10 +1,6 @@
 /* reader.h - reads the chunks of a recording, one after the other.
  *
- * Room:     client/record. May include: chunk.h.
- * Does:     read a file or a copy of one in memory; check every byte before it is shown,
- *           and say what is wrong, and where.
- * Does not: interpret the chunks (client/ctl/record/world.h).
- * Threads:  one thread per reader.
+ * Threads: one thread per reader.
  */
 #ifndef RECORD_READER_H
 #define RECORD_READER_H

@@ -1,9 +1,5 @@
-/* registry.c - what a client has told a daemon: meshes, scenes and the objects in them.
- *
- * Room:     client/registry. May include: registry.h, registry_positions.h.
- * Does:     lists of meshes and scenes, which are few; a sorted array of the objects of a
- *           scene, which may be many.
- * Threads:  [owner].
+/* registry.c - what a client has told a daemon: meshes, scenes and the objects in
+ * them.
  */
 #include "registry.h"
 

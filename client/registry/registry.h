@@ -1,12 +1,6 @@
 /* registry.h - remembers what a client has registered with a daemon: meshes, scenes and
  * objects.
  *
- * Room:     client/registry. May include: registry_types.h.
- * Does:     keep everything under its handle, so that another daemon can be told: by
- *           libpccd when the daemon is lost, by pccdctl when it repeats a recording.
- * Does not: talk to a daemon, or read files.
- * Threads:  [owner].
- *
  * A mesh that is destroyed stays for as long as objects are made of it:
  *
  *     registry_put_mesh(7) -> registry_add_object(mesh 7) -> registry_destroy_mesh(7)

@@ -1,9 +1,4 @@
-/* registry_map.c - a hash table of handles.
- *
- * Room:     client/registry. May include: registry_map.h.
- * Does:     open addressing: an entry stands at its place or, one by one, behind it.
- * Threads:  [owner].
- */
+/* registry_map.c - a hash table of handles. */
 #include "registry_map.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* registry_map.h - finds what belongs to a handle, among many.
- *
- * Room:     client/registry. May include: the C library.
- * Does:     keep a 64-bit value for each handle: a client may have as many scenes as a
- *           batch steps.
- * Threads:  [owner].
- */
+/* registry_map.h - finds what belongs to a handle, among many. */
 #ifndef REGISTRY_MAP_H
 #define REGISTRY_MAP_H
 

@@ -1,11 +1,4 @@
-/* registry_pairs.c - pairs of objects that ignore each other.
- *
- * Room:     client/registry.
- * Does:     settle what was told when there is no room for more, and then make room for
- *           as much again: a note costs a comparison or two for each doubling of their
- *           number.
- * Threads:  [owner].
- */
+/* registry_pairs.c - pairs of objects that ignore each other. */
 #include "registry_pairs.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* registry_pairs.h - remembers which pairs of objects ignore each other.
- *
- * Room:     client/registry. May include: the C library.
- * Does:     note each change of a pair, however many, for a few nanoseconds each; work
- *           out the pairs that ignore each other when they are needed.
- * Threads:  [owner].
- */
+/* registry_pairs.h - remembers which pairs of objects ignore each other. */
 #ifndef REGISTRY_PAIRS_H
 #define REGISTRY_PAIRS_H
 

@@ -1,9 +1,4 @@
-/* registry_positions.c - where the objects of a registry are.
- *
- * Room:     client/registry. May include: registry_positions.h.
- * Does:     the arithmetic of the protocol's segments, each operation rounded once.
- * Threads:  [owner].
- */
+/* registry_positions.c - where the objects of a registry are. */
 #include "registry_positions.h"
 
 #include <assert.h>

@@ -1,13 +1,11 @@
 /* registry_positions.h - remembers where the objects of a registry are.
  *
- * Room:     client/registry. May include: registry_types.h.
- * Does:     follow the positions that steps bring, in one of two ways. libpccd wants the
- *           end of the last step in as few bytes as possible (registry_place): a rigid
- *           body is 12 numbers, floats stay floats. pccdctl looks at the steps of a
- *           recording and wants both ends of the last one, in doubles (registry_follow,
- *           registry_begin_step, registry_move).
- * Threads:  [owner].
- * Source:   proto/PROTOCOL.md, "A step".
+ * Follow the positions that steps bring, in one of two ways. libpccd wants the end of the
+ * last step in as few bytes as possible (registry_place): a rigid body is 12 numbers,
+ * floats stay floats. pccdctl looks at the steps of a recording and wants both ends of
+ * the last one, in doubles (registry_follow, registry_begin_step, registry_move).
+ *
+ * Source: proto/PROTOCOL.md, "A step".
  */
 #ifndef REGISTRY_POSITIONS_H
 #define REGISTRY_POSITIONS_H

@@ -1,11 +1,4 @@
-/* registry_types.h - the structs of a registry: meshes, scenes and objects.
- *
- * Room:     client/registry. May include: object_attributes.h, proto_limits.h,
- *           registry_map.h, registry_pairs.h.
- * Does:     be read by the code that tells a daemon of them, or looks at the steps of a
- *           recording; registry.h and registry_positions.h change them.
- * Threads:  [owner].
- */
+/* registry_types.h - the structs of a registry: meshes, scenes and objects. */
 #ifndef REGISTRY_TYPES_H
 #define REGISTRY_TYPES_H
 

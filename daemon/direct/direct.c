@@ -1,12 +1,7 @@
 /* direct.c - the service in the process of its client.
  *
- * Room:     direct. May include: inbox.h, the service's headers, proto/direct.h.
- * Does:     one service for all clients of the process, made with the first and freed
- *           with the last; what a message asks for is computed at once, by the thread
- *           that brings it.
- * Does not: start threads (the engine's OpenMP team is the calling thread's), wait for
- *           anything but its turn, handle signals, or bind the caller to a processor.
- * Threads:  [any]; the turn makes whoever has it [loop] and [compute].
+ * One service for all clients of the process, made with the first and freed with the
+ * last; what a message asks for is computed at once, by the thread that brings it.
  */
 #include <errno.h>
 #include <pthread.h>

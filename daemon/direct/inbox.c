@@ -1,9 +1,4 @@
-/* inbox.c - a client in the process of the service.
- *
- * Room:     direct. See inbox.h.
- * Does:     a queue of messages in one block of memory.
- * Threads:  [owner], and [loop] for what sends.
- */
+/* inbox.c - a client in the process of the service. */
 #include "inbox.h"
 
 #include <stdlib.h>

@@ -1,12 +1,8 @@
 /* inbox.h - the messages that wait for a client which runs the service in its own process
  * (the url direct:).
  *
- * Room:     direct. May include: the service's headers.
- * Does:     keep them until the client takes them, and signal a descriptor where the
- *           client wants one.
- * Does not: allocate for a message, once the queue has grown to its usual size.
- * Threads:  the queue has a lock of its own: a client may look for answers while another
- *           one's step is computed.
+ * Threads: the queue has a lock of its own: a client may look for answers while another
+ * one's step is computed.
  */
 #ifndef DIRECT_INBOX_H
 #define DIRECT_INBOX_H

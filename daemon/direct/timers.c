@@ -1,9 +1,4 @@
-/* timers.c - what is due at a time, without a thread that waits for it.
- *
- * Room:     direct.
- * Does:     what host.h asks of timers: a list, and when the first one is due.
- * Threads:  as timers.h says.
- */
+/* timers.c - what is due at a time, without a thread that waits for it. */
 #include "timers.h"
 
 #include <stdatomic.h>

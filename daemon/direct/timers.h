@@ -1,13 +1,13 @@
 /* timers.h - what is due at a time, without a thread that waits for it.
  *
- * Room:     direct. May include: the service's headers.
- * Does:     keep the service's timers (host.h). Nothing is left undone between two
- *           messages but frames that are held for the step of another session: a step is
- *           computed before its deadline can come in the queue, and no session waits.
- *           When such a frame's deadline has come, the descriptors of all clients are
- *           readable, and who looks for a message first does what is due.
- * Threads:  whoever has the turn; direct_timers_are_due and _due_ns any, which take a
- *           turn to be sure.
+ * Keep the service's timers (host.h). Nothing is left undone between two messages but
+ * frames that are held for the step of another session: a step is computed before its
+ * deadline can come in the queue, and no session waits. When such a frame's deadline has
+ * come, the descriptors of all clients are readable, and who looks for a message first
+ * does what is due.
+ *
+ * Threads: whoever has the turn; direct_timers_are_due and _due_ns any, which take a turn
+ * to be sure.
  */
 #ifndef DIRECT_TIMERS_H
 #define DIRECT_TIMERS_H

@@ -1,9 +1,4 @@
-/* daemon/engine/answer.c - from what the workers found to the answer of a step.
- *
- * Room:     engine.
- * Does:     keep what the mode wants, merge it, decide.
- * Threads:  answer.h.
- */
+/* answer.c - from what the workers found to the answer of a step. */
 #include "answer.h"
 
 #include <assert.h>

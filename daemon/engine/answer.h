@@ -1,11 +1,7 @@
-/* daemon/engine/answer.h - turns what the threads of a step have found into the answer of
- * the step.
+/* answer.h - turns what the threads of a step have found into the answer of the step.
  *
- * Room:     engine. May include: step_memory.h, team.h.
- * Does:     bring the records of all threads into one list in canonical order, hash it
- *           and count it.
- * Threads:  begin: [compute], when the workers are ready; by_team: [team], each thread
- *           when it has searched; end: [compute], after the parallel region or without.
+ * Threads: begin: [compute], when the workers are ready; by_team: [team], each thread
+ * when it has searched; end: [compute], after the parallel region or without.
  */
 #ifndef ENG_ANSWER_H
 #define ENG_ANSWER_H

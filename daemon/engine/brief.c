@@ -1,9 +1,4 @@
-/* daemon/engine/brief.c - steps that are certain to end soon.
- *
- * Room:     engine.
- * Does:     bound what a step's time grows with before it begins.
- * Threads:  [compute].
- */
+/* brief.c - steps that are certain to end soon. */
 #include "brief.h"
 
 #include <assert.h>

@@ -1,9 +1,5 @@
-/* daemon/engine/brief.h - decides whether a step is small enough for the thread that
- * serves sockets to compute it at once, without handing it to another thread.
- *
- * Room:     engine. May include: scene.h, step_settings.h, team.h.
- * Does:     say which steps qualify, and bound their work.
- * Threads:  [compute].
+/* brief.h - decides whether a step is small enough for the thread that serves sockets
+ * to compute it at once, without handing it to another thread.
  */
 #ifndef ENG_BRIEF_H
 #define ENG_BRIEF_H

@@ -1,9 +1,6 @@
-/* daemon/engine/detect.c - the search of a team through the trees of a method.
+/* detect.c - the search of a team through the trees of a method.
  *
- * Room:     engine.
- * Does:     see detect.h.
- * Threads:  detect.h.
- * Source:   paper sections 4 to 6.
+ * Source: paper sections 4 to 6.
  */
 #include "detect.h"
 

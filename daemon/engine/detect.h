@@ -1,11 +1,7 @@
-/* daemon/engine/detect.h - has a team of threads search the trees of a method: for the
- * contacts of a step, or for what is near.
+/* detect.h - has a team of threads search the trees of a method: for the contacts of a
+ * step, or for what is near.
  *
- * Room:     engine. May include: method.h, step_memory.h.
- * Does:     choose how many threads there are, get them ready, make the boxes where they
- *           are not there, share out the search, merge what is found, time it all.
- * Does not: know what is looked for, or what becomes of the answer.
- * Threads:  [compute]; run opens one parallel region.
+ * Threads: [compute]; run opens one parallel region.
  */
 #ifndef ENG_DETECT_H
 #define ENG_DETECT_H

@@ -1,10 +1,8 @@
-/* daemon/engine/effort.c - does a team pay for a step?
+/* effort.c - does a team pay for a step?
  *
- * Room:     engine.
- * Does:     compare the expected work with what it costs to wake a team; where that is
- *           near, go by the clock: beside other processes a team waits for a thread that
- *           has lost its processor, and what it saves is less than that.
- * Threads:  [compute].
+ * Compare the expected work with what it costs to wake a team; where that is near, go by
+ * the clock: beside other processes a team waits for a thread that has lost its
+ * processor, and what it saves is less than that.
  */
 #include "effort.h"
 

@@ -1,10 +1,5 @@
-/* daemon/engine/effort.h - decides whether the next step is computed by one thread or by
- * a team, from how long the last ones took.
- *
- * Room:     engine. May include: step_settings.h.
- * Does:     remember for each scene how much work its last steps were and how long they
- *           took, by one thread and by a team.
- * Threads:  [compute].
+/* effort.h - decides whether the next step is computed by one thread or by a team,
+ * from how long the last ones took.
  */
 #ifndef ENG_EFFORT_H
 #define ENG_EFFORT_H

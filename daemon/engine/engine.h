@@ -1,13 +1,12 @@
-/* daemon/engine/engine.h - everything that other folders use of the engine, in one
- * include.
+/* engine.h - everything that other folders use of the engine, in one include.
  *
- * Room:     engine. May include: the headers below, and no others.
- * Does:     include the headers that make up its interface. A mesh is registered (mesh.h)
- *           and becomes an object of a scene (scene.h). The positions of a step are
- *           staged there. The step is computed, and returns records (step.h). All else in
- *           these folders is private to the engine.
- * Threads:  each header says of each function who may call it: [any] thread, or the one
- *           that computes, [compute].
+ * Include the headers that make up its interface. A mesh is registered (mesh.h) and
+ * becomes an object of a scene (scene.h). The positions of a step are staged there. The
+ * step is computed, and returns records (step.h). All else in these folders is private to
+ * the engine.
+ *
+ * Threads: each header says of each function who may call it: [any] thread, or the one
+ * that computes, [compute].
  */
 #ifndef ENG_ENGINE_H
 #define ENG_ENGINE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/kept.c - records of what stands still, from the last answer.
- *
- * Room:     engine.
- * Does:     see kept.h.
- * Threads:  [compute].
- */
+/* kept.c - records of what stands still, from the last answer. */
 #include "kept.h"
 
 #include <assert.h>

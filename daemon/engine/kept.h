@@ -1,13 +1,8 @@
-/* daemon/engine/kept.h - keeps the records of what stands still from one answer to the
- * next.
+/* kept.h - keeps the records of what stands still from one answer to the next.
  *
- * Room:     engine. May include: merge_data.h, result.h, step_result.h, step_settings.h,
- *           world.h.
- * Does:     know the last complete answer. A pair of features of which neither moves
- *           (moving.h) has the record that it had there, so the methods search for other
- *           pairs only; put both parts together.
- * Does not: search; read positions.
- * Threads:  [compute].
+ * Know the last complete answer. A pair of features of which neither moves (moving.h) has
+ * the record that it had there, so the methods search for other pairs only; put both
+ * parts together.
  *
  * A step: begin says whether the last answer serves; then the records that stand are
  * taken out of it (select), and what the step found is merged into them (merge); finish

@@ -1,11 +1,4 @@
-/* daemon/engine/levels.c - the boxes of one level of a scene's hierarchies.
- *
- * Room:     engine.
- * Does:     find the nodes of a level: a range of blocks, or by walking down to it.
- * Does not: see more of a tree than that level and what is above it.
- * Threads:  [compute].
- * Source:   levels.h; wide.h, build.h for the trees.
- */
+/* levels.c - the boxes of one level of a scene's hierarchies. */
 #include "levels.h"
 
 #include <assert.h>

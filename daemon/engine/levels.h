@@ -1,10 +1,7 @@
-/* daemon/engine/levels.h - copies the boxes of one level of a scene's tree, so that a
- * user can look at them (`scene.boxes`).
+/* levels.h - copies the boxes of one level of a scene's tree, so that a user can look at
+ * them (`scene.boxes`).
  *
- * Room:     engine. May include: pccd_trace.h.
- * Does:     copy the boxes that the last step left.
- * Does not: change anything, or make boxes that no step has made.
- * Threads:  [compute], between steps.
+ * Threads: [compute], between steps.
  */
 #ifndef ENG_LEVELS_H
 #define ENG_LEVELS_H

@@ -1,9 +1,4 @@
-/* daemon/engine/methods.c - the methods that a step can use, by number.
- *
- * Room:     engine.
- * Does:     see methods.h.
- * Threads:  [any]; constant.
- */
+/* methods.c - the methods that a step can use, by number. */
 #include "methods.h"
 
 #include "paper_method.h"

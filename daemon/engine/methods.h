@@ -1,9 +1,7 @@
-/* daemon/engine/methods.h - the list of methods by which a step can find candidates:
- * `paper` and `wide`.
+/* methods.h - the list of methods by which a step can find candidates: `paper` and
+ * `wide`.
  *
- * Room:     engine. May include: method.h, step_settings.h.
- * Does:     be the one list of them: the step finds a method here and nowhere else.
- * Threads:  [any]; constant.
+ * Threads: [any]; constant.
  */
 #ifndef ENG_METHODS_H
 #define ENG_METHODS_H

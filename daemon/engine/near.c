@@ -1,9 +1,4 @@
-/* daemon/engine/near.c - what is near in a scene at one moment.
- *
- * Room:     engine.
- * Does:     move what is staged, have a team search, put the answer together.
- * Threads:  near.h.
- */
+/* near.c - what is near in a scene at one moment. */
 #include "near.h"
 
 #include <assert.h>

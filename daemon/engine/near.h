@@ -1,12 +1,8 @@
-/* daemon/engine/near.h - how near the features of a scene are at one moment: distances,
- * closest features, crossings, depth.
+/* near.h - how near the features of a scene are at one moment: distances, closest
+ * features, crossings, depth.
  *
- * Room:     engine. May include: pccd_types.h, scene.h, step_settings.h, the C library.
- * Does:     answer from the trees of a method, at one end of the step that the scene has
- *           moved on by; boxes are made only where the last step left none. What is
- *           staged is moved first.
- * Does not: touch the last step's answer, or what the next step keeps of it.
- * Threads:  [compute].
+ * Answer from the trees of a method, at one end of the step that the scene has moved on
+ * by; boxes are made only where the last step left none. What is staged is moved first.
  */
 #ifndef ENG_NEAR_H
 #define ENG_NEAR_H

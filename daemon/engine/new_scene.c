@@ -1,9 +1,4 @@
-/* daemon/engine/new_scene.c - a scene is made, and what objects of a mesh share.
- *
- * Room:     engine.
- * Does:     make an empty scene in which each method, and the step, has its slot.
- * Threads:  [compute].
- */
+/* new_scene.c - a scene is made, and what objects of a mesh share. */
 #include "paper.h"
 #include "step.h"
 #include "step_memory.h"

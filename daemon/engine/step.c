@@ -1,9 +1,6 @@
-/* daemon/engine/step.c - one step of a scene.
+/* step.c - one step of a scene.
  *
- * Room:     engine.
- * Does:     put the phases in order, divide them among threads, time them.
- * Threads:  [compute]; it opens one parallel region per step.
- * Source:   paper sections 4 to 6.
+ * Source: paper sections 4 to 6.
  */
 #include "step.h"
 

@@ -1,11 +1,7 @@
-/* daemon/engine/step.h - computes one step of a scene: every contact between the
- * positions at its beginning and at its end.
+/* step.h - computes one step of a scene: every contact between the positions at its
+ * beginning and at its end.
  *
- * Room:     engine. May include: pccd_types.h, scene.h, step_result.h, step_settings.h.
- * Does:     refit, traverse, filter, solve, sort, hash; count and time each phase. It is
- *           the only computation that the service asks for.
- * Threads:  [compute].
- * Source:   paper sections 4-6; the contract of an answer is in README.md.
+ * Source: paper sections 4-6; the contract of an answer is in README.md.
  */
 #ifndef ENG_STEP_H
 #define ENG_STEP_H

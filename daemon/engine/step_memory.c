@@ -1,10 +1,4 @@
-/* daemon/engine/step_memory.c - what one step leaves for the next.
- *
- * Room:     engine.
- * Does:     make workers when a step first needs them, free those that are not needed any
- *           more, and all with the scene.
- * Threads:  [compute].
- */
+/* step_memory.c - what one step leaves for the next. */
 #include "step_memory.h"
 
 #include <assert.h>

@@ -1,10 +1,5 @@
-/* daemon/engine/step_memory.h - the memory that a step leaves for the next one, so that a
- * warm step allocates nothing.
- *
- * Room:     engine. May include: effort.h, kept.h, merge.h, near_objects.h, worker.h,
- *           world.h.
- * Does:     keep threads' workers, queues, records and sort scratch of a scene.
- * Threads:  [compute].
+/* step_memory.h - the memory that a step leaves for the next one, so that a warm step
+ * allocates nothing.
  */
 #ifndef ENG_STEP_MEMORY_H
 #define ENG_STEP_MEMORY_H

@@ -1,9 +1,4 @@
-/* activate.c - a listening socket that somebody else has opened for us.
- *
- * Room:     server. See activate.h.
- * Does:     check what it is before anything relies on it.
- * Threads:  [loop].
- */
+/* activate.c - a listening socket that somebody else has opened for us. */
 #include "activate.h"
 
 #include <errno.h>

@@ -1,12 +1,7 @@
 /* activate.h - takes over a listening socket that systemd, or the supervisor, has opened
  * for the daemon (socket activation).
  *
- * Room:     server. May include: the C library.
- * Does:     read LISTEN_PID and LISTEN_FDS, and take descriptor 3. The supervisor
- *           (supervise.h) speaks the same convention as systemd.
- * Does not: listen or accept (listener.h).
- * Threads:  [loop], before any other thread is started.
- * Source:   sd_listen_fds(3).
+ * Threads: [loop], before any other thread is started.
  */
 #ifndef SRV_ACTIVATE_H
 #define SRV_ACTIVATE_H

@@ -1,9 +1,4 @@
-/* allow.c - which users may be clients.
- *
- * Room:     server. See allow.h.
- * Does:     names are looked up once, at the start: afterwards no file can be opened.
- * Threads:  [loop]
- */
+/* allow.c - which users may be clients. */
 #include "allow.h"
 
 #include <errno.h>

@@ -1,11 +1,4 @@
-/* allow.h - decides which users may connect: the lists of --allow-uid and --allow-gid.
- *
- * Room:     server. May include: the C library.
- * Does:     keep the lists, and judge a client by the credentials that the kernel
- *           recorded when it connected.
- * Does not: say what a client may do (session.h, quota.h).
- * Threads:  [loop]
- */
+/* allow.h - decides which users may connect: the lists of --allow-uid and --allow-gid. */
 #ifndef SRV_ALLOW_H
 #define SRV_ALLOW_H
 

@@ -1,10 +1,4 @@
-/* closer.c - closes descriptors on a thread of its own.
- *
- * Room:     server. See closer.h.
- * Does:     a ring with room for every descriptor that the process may have, so that it
- *           is never full.
- * Threads:  [loop] pushes; the closer's own takes.
- */
+/* closer.c - closes descriptors on a thread of its own. */
 #include "closer.h"
 
 #include <errno.h>

@@ -1,11 +1,8 @@
 /* closer.h - closes descriptors on a thread of its own, because close(2) may block.
  *
- * Room:     server. May include: the C library.
- * Does:     close whatever a client has sent or holds. A client can make close(2) block
- *           for as long as it likes: it can send a socket that lingers, or a file of a
- *           file system that it serves itself, even as an unread message.
- * Does not: ever make the event loop wait for a close.
- * Threads:  functions say.
+ * Close whatever a client has sent or holds. A client can make close(2) block for as long
+ * as it likes: it can send a socket that lingers, or a file of a file system that it
+ * serves itself, even as an unread message.
  */
 #ifndef SRV_CLOSER_H
 #define SRV_CLOSER_H

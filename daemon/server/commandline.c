@@ -1,10 +1,4 @@
-/* commandline.c - what the command line decides.
- *
- * Room:     server. See commandline.h.
- * Does:     one table of options for argp; every number has a named range.
- * Does not: start anything.
- * Threads:  [loop].
- */
+/* commandline.c - what the command line decides. */
 #include "commandline.h"
 
 #include <argp.h>

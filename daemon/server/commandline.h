@@ -1,10 +1,4 @@
-/* commandline.h - reads the command line of pccdd into the struct of options.
- *
- * Room:     server. May include: the service's headers.
- * Does:     parse and check options; every limit has its default here.
- * Does not: read files or the environment beyond the default socket path.
- * Threads:  [loop]
- */
+/* commandline.h - reads the command line of pccdd into the struct of options. */
 #ifndef SRV_COMMANDLINE_H
 #define SRV_COMMANDLINE_H
 

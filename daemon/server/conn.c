@@ -1,7 +1,6 @@
 /* conn.c - the socket of one client.
  *
- * Room:     server. See conn.h.
- * Does:     the life of a connection:
+ * The life of a connection:
  *
  *     OPEN -- fatal error answered --> FLUSHING -- queue empty --> LINGERING --> closed
  *      |                                  `-- peer gone, 1 s --> closed
@@ -11,11 +10,8 @@
  *     OPEN, from the client's end of file or hangup, which is seen when all that it said
  *     before has been read, also where a send has failed meanwhile --> closed
  *
- *           Lingering matters: closing a socket with unread messages makes the peer see a
- *           reset before it sees the last reply.
- * Does not: close inside srv_conn_send: callers up the stack still hold the connection;
- *           it shuts the socket down instead and closes on the event that this raises.
- * Threads:  [loop]
+ * Lingering matters: closing a socket with unread messages makes the peer see a reset
+ * before it sees the last reply.
  */
 #include "conn.h"
 

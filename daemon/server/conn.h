@@ -1,11 +1,4 @@
-/* conn.h - the socket of one client.
- *
- * Room:     server. May include: libuv, the service's headers.
- * Does:     receive messages for dispatch.h and send replies, never waiting for the
- *           client.
- * Does not: know what a message means.
- * Threads:  [loop]
- */
+/* conn.h - the socket of one client. */
 #ifndef SRV_CONN_H
 #define SRV_CONN_H
 

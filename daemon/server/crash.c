@@ -1,10 +1,4 @@
-/* crash.c - what is said before we die of our own fault.
- *
- * Room:     server. See crash.h.
- * Does:     only what a signal handler may: write, and the backtrace of the C library,
- *           which is called once before so that it loads nothing then.
- * Threads:  [any].
- */
+/* crash.c - what is said before we die of our own fault. */
 #include "crash.h"
 
 #include <execinfo.h>

@@ -1,11 +1,8 @@
 /* crash.h - writes a last report when the daemon crashes.
  *
- * Room:     server. May include: the C library.
- * Does:     on a fatal signal, write version, thread, request and a backtrace to standard
- *           error, then die of that signal. The same when a library ends the process:
- *           OpenMP's runtime does so when it gets no memory or no thread.
- * Does not: try to go on, allocate or lock.
- * Threads:  [any].
+ * On a fatal signal, write version, thread, request and a backtrace to standard error,
+ * then die of that signal. The same when a library ends the process: OpenMP's runtime
+ * does so when it gets no memory or no thread.
  */
 #ifndef SRV_CRASH_H
 #define SRV_CRASH_H

@@ -1,9 +1,4 @@
-/* deferred.c - a message that waits for room.
- *
- * Room:     server. See deferred.h.
- * Does:     one copy.
- * Threads:  [loop]
- */
+/* deferred.c - a message that waits for room. */
 #include "deferred.h"
 
 #include <stdlib.h>

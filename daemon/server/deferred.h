@@ -1,10 +1,5 @@
 /* deferred.h - one message of a client that cannot be handled yet because a queue is
  * full.
- *
- * Room:     server. May include: the C library.
- * Does:     keep the message as it came, and bound how often it is tried again.
- * Does not: know when there is room, or handle the message (conn.c).
- * Threads:  [loop]
  */
 #ifndef SRV_DEFERRED_H
 #define SRV_DEFERRED_H

@@ -1,10 +1,8 @@
 /* heartbeat.c - what the service manager is told while the loop turns.
  *
- * Room:     server. See heartbeat.h.
- * Does:     beat twice in the time that the watchdog waits, from the loop itself: when it
- *           is stuck, so are the beats. Nor does it while a thread that computes is
- *           stuck; one that computes for long is not.
- * Threads:  [loop]
+ * Beat twice in the time that the watchdog waits, from the loop itself: when it is stuck,
+ * so are the beats. Nor does it while a thread that computes is stuck; one that computes
+ * for long is not.
  */
 #include "heartbeat.h"
 

@@ -1,10 +1,5 @@
-/* heartbeat.h - tells the service manager (systemd) regularly that the daemon is alive.
- *
- * Room:     server. May include: libuv, notify.h, the service's headers.
- * Does:     report that the daemon serves, how many clients it serves, and that the loop
- *           still turns.
- * Does not: wake an idle daemon, unless the manager has a watchdog.
- * Threads:  [loop]
+/* heartbeat.h - tells the service manager (systemd) regularly that the daemon is
+ * alive.
  */
 #ifndef SRV_HEARTBEAT_H
 #define SRV_HEARTBEAT_H

@@ -1,9 +1,4 @@
-/* kept.c - memory that a supervisor and its workers share.
- *
- * Room:     server. See kept.h.
- * Does:     pass the number of its descriptor in a variable of the environment.
- * Threads:  [main].
- */
+/* kept.c - memory that a supervisor and its workers share. */
 #include "kept.h"
 
 #include <limits.h>

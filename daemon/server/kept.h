@@ -1,10 +1,6 @@
 /* kept.h - settings that were changed while the daemon ran outlive a crash of the worker.
  *
- * Room:     server. May include: config.h, the C library.
- * Does:     let a supervisor and its workers share the memory that config.h keeps changed
- *           settings in.
- * Does not: look at it in the supervisor; a worker checks what another has left there.
- * Threads:  [main] of either process.
+ * Threads: [main] of either process.
  */
 #ifndef SRV_KEPT_H
 #define SRV_KEPT_H

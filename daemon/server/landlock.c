@@ -1,9 +1,4 @@
-/* landlock.c - keeps the daemon from changing and reading files (Landlock).
- *
- * Room:     server. See landlock.h.
- * Does:     three system calls.
- * Threads:  [main].
- */
+/* landlock.c - keeps the daemon from changing and reading files (Landlock). */
 #include "landlock.h"
 
 #include <fcntl.h>

@@ -1,13 +1,11 @@
 /* landlock.h - takes away the daemon's right to read and change files (Landlock).
  *
- * Room:     server. May include: options.h.
- * Does:     ask the kernel to let this process create, write and remove nothing but the
- *           socket and its lock in their folder, and read no file at all. Its own memory
- *           files, which have no path, do not count as files here.
- * Threads:  [main], before there is a second thread: it holds for those that are made
- *           afterwards.
- * Source:   landlock(7). Neither the C library nor the headers of every supported system
- *           know it: the numbers here are those of the kernel's <linux/landlock.h>.
+ * Ask the kernel to let this process create, write and remove nothing but the socket and
+ * its lock in their folder, and read no file at all. Its own memory files, which have no
+ * path, do not count as files here.
+ *
+ * Threads: [main], before there is a second thread: it holds for those that are made
+ * afterwards.
  */
 #ifndef SRV_LANDLOCK_H
 #define SRV_LANDLOCK_H

@@ -1,9 +1,4 @@
-/* lifeline.c - a pair of sockets between a supervisor and its worker.
- *
- * Room:     server. See lifeline.h.
- * Does:     pass the number of the descriptor in a variable of the environment.
- * Threads:  [main].
- */
+/* lifeline.c - a pair of sockets between a supervisor and its worker. */
 #include "lifeline.h"
 
 #include <fcntl.h>

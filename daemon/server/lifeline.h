@@ -1,22 +1,20 @@
 /* lifeline.h - lets the supervisor notice the death of its worker within a fraction of a
  * millisecond.
  *
- * Room:     server. May include: the C library.
- * Does:     give a supervisor one end of a pair of sockets and its worker the other. The
- *           supervisor sees the end of it as soon as no thread of the worker runs any
- *           more, but before the worker's other sockets are closed. With a thousand
- *           clients closing them takes some 50 ms, because each client is woken and takes
- *           the processor away. The supervisor also passes another listening socket to
- *           the worker over it.
- * Does not: tell why the worker died: its exit status does, later.
- * Threads:  [main] of either process.
- * Source:   Linux, kernel/exit.c: do_exit of each thread gives its memory (exit_mm) and
- *           then its part in the table of descriptors (exit_files) up; the last one's
- *           closes them all, so that by then no thread of the process is in user mode
- *           nor ever will be. fs/file.c, close_files goes through them in ascending
- *           order, but fput (fs/file_table.c) leaves each to exit_task_work, whose list
- *           is a stack: the file with the highest number is let go of first. Measured on
- *           6.18 with 1000 sockets: 0.3 ms after the signal the highest, 8 the lowest.
+ * Give a supervisor one end of a pair of sockets and its worker the other. The supervisor
+ * sees the end of it as soon as no thread of the worker runs any more, but before the
+ * worker's other sockets are closed. With a thousand clients closing them takes some 50
+ * ms, because each client is woken and takes the processor away. The supervisor also
+ * passes another listening socket to the worker over it.
+ *
+ * Threads: [main] of either process.
+ * Source: Linux, kernel/exit.c: do_exit of each thread gives its memory (exit_mm) and
+ * then its part in the table of descriptors (exit_files) up; the last one's closes them
+ * all, so that by then no thread of the process is in user mode nor ever will be.
+ * fs/file.c, close_files goes through them in ascending order, but fput (fs/file_table.c)
+ * leaves each to exit_task_work, whose list is a stack: the file with the highest number
+ * is let go of first. Measured on 6.18 with 1000 sockets: 0.3 ms after the signal the
+ * highest, 8 the lowest.
  */
 #ifndef SRV_LIFELINE_H
 #define SRV_LIFELINE_H

@@ -1,12 +1,4 @@
-/* listener.c - the socket that clients connect to.
- *
- * Room:     server. See listener.h.
- * Does:     accept a bounded number of connections per event; put another socket in the
- *           place of one whose file is gone.
- * Does not: watch the socket for RETRY_MS after a refusal of the system. The backlog
- *           waits meanwhile.
- * Threads:  [loop]
- */
+/* listener.c - the socket that clients connect to. */
 #include "listener.h"
 
 #include <errno.h>

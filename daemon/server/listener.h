@@ -1,11 +1,8 @@
 /* listener.h - the socket that clients connect to.
  *
- * Room:     server. May include: libuv, the C library, socketfile.h.
- * Does:     listen and accept; keep within the limit of connections, and survive a lack
- *           of descriptors without spinning; listen again, or give up, when the file of
- *           the socket is gone.
- * Does not: know what a client says (conn.h) or hold the path's lock (lockfile.h).
- * Threads:  [loop]
+ * Listen and accept; keep within the limit of connections, and survive a lack of
+ * descriptors without spinning; listen again, or give up, when the file of the socket is
+ * gone.
  */
 #ifndef SRV_LISTENER_H
 #define SRV_LISTENER_H

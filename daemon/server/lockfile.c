@@ -1,11 +1,4 @@
-/* lockfile.c - one daemon per socket path.
- *
- * Room:     server. See lockfile.h.
- * Does:     flock(2); after locking checks that the file is still the one at the path, so
- *           that a holder may remove it when it goes.
- * Does not: trust the process id in the file for anything but a message.
- * Threads:  [loop].
- */
+/* lockfile.c - one daemon per socket path. */
 #include "lockfile.h"
 
 #include <errno.h>

@@ -1,11 +1,4 @@
-/* lockfile.h - makes sure that only one daemon serves a socket path.
- *
- * Room:     server. May include: the C library.
- * Does:     hold a lock on PATH.lock for as long as the daemon lives. The kernel releases
- *           it when the process ends, for whatever reason.
- * Does not: wait for the lock.
- * Threads:  [loop].
- */
+/* lockfile.h - makes sure that only one daemon serves a socket path. */
 #ifndef SRV_LOCKFILE_H
 #define SRV_LOCKFILE_H
 

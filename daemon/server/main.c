@@ -1,12 +1,4 @@
-/* main.c - program pccdd.
- *
- * Room:     server. May include: every header of the room.
- * Does:     set the environment that the OpenMP runtime reads, parse options, refuse an
- *           instruction set that is not here, take the socket path's lock, serve or
- *           supervise.
- * Does not: daemonize: a supervisor, a shell or a client starts it.
- * Threads:  [loop]
- */
+/* main.c - program pccdd. */
 #include <errno.h>
 #include <malloc.h>
 #include <signal.h>

@@ -1,10 +1,4 @@
-/* notify.c - tell the service manager that started us how we are.
- *
- * Room:     server. See notify.h.
- * Does:     give the address with each datagram: a manager that has made its socket anew
- *           under the same name is told again.
- * Threads:  [main], then [loop].
- */
+/* notify.c - tell the service manager that started us how we are. */
 #include "notify.h"
 
 #include <errno.h>

@@ -1,11 +1,7 @@
 /* notify.h - sends state messages to the service manager (systemd) that started the
  * daemon.
  *
- * Room:     server. May include: the C library.
- * Does:     send datagrams to $NOTIFY_SOCKET, a path or an abstract name.
- * Does not: know what to tell (heartbeat.h), or link libsystemd.
- * Threads:  [main], then [loop].
- * Source:   sd_notify(3), sd_watchdog_enabled(3).
+ * Threads: [main], then [loop].
  */
 #ifndef SRV_NOTIFY_H
 #define SRV_NOTIFY_H

@@ -1,9 +1,4 @@
-/* outbox.c - answers that go out together.
- *
- * Room:     server. See outbox.h.
- * Does:     copy one into the next place, and count.
- * Threads:  [loop]
- */
+/* outbox.c - answers that go out together. */
 #include "outbox.h"
 
 #include <string.h>

@@ -1,13 +1,9 @@
 /* outbox.h - collects small answers, so that a client is woken once for several of them.
  *
- * Room:     server. May include: the C library.
- * Does:     keep small messages until the loop has handled everything that had come, or
- *           until there are as many as there are entries. Sending a message may wake its
- *           client, and a client that wakes too early has to be woken again. For example,
- *           of fifty clients in one process, one wakes once for sixteen answers instead
- *           of once for every few.
- * Does not: send, or keep anything while the loop waits (conn.c sees to both).
- * Threads:  [loop]
+ * Keep small messages until the loop has handled everything that had come, or until there
+ * are as many as there are entries. Sending a message may wake its client, and a client
+ * that wakes too early has to be woken again. For example, of fifty clients in one
+ * process, one wakes once for sixteen answers instead of once for every few.
  */
 #ifndef SRV_OUTBOX_H
 #define SRV_OUTBOX_H

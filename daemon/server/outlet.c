@@ -1,10 +1,4 @@
-/* outlet.c - the way out of a client's socket, for the thread that computes.
- *
- * Room:     server. See outlet.h.
- * Does:     a lock around the descriptor: its number may be another socket's as soon as
- *           it is closed.
- * Threads:  functions say.
- */
+/* outlet.c - the way out of a client's socket, for the thread that computes. */
 #include "outlet.h"
 
 #include <pthread.h>

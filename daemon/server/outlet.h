@@ -1,10 +1,7 @@
 /* outlet.h - lets a thread that computes send an answer itself, while the event loop may
  * be closing the socket.
  *
- * Room:     server. May include: host.h.
- * Does:     guard the socket of a client for such sends.
- * Does not: queue: what the socket does not accept now is left to the loop.
- * Threads:  functions say; host.h declares those that the service calls.
+ * Threads: functions say; host.h declares those that the service calls.
  */
 #ifndef SRV_OUTLET_H
 #define SRV_OUTLET_H

@@ -1,12 +1,4 @@
-/* priority.c - how soon a thread gets a processor.
- *
- * Room:     server. See priority.h.
- * Does:     three system calls, one of which the C library does not know.
- * Threads:  [any].
- * Source:   sched_setattr(2); from Linux 6.12 on the fair scheduler takes sched_runtime
- *           for the length of a slice; one that wakes with a shorter slice runs before
- *           one with a longer slice that is not at its end.
- */
+/* priority.c - how soon a thread gets a processor. */
 #include "priority.h"
 
 #include <stdint.h>

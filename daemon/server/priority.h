@@ -1,10 +1,10 @@
 /* priority.h - sets how soon a thread gets a processor (its scheduling priority).
  *
- * Room:     server. May include: the C library.
- * Does:     set it for the calling thread alone, with no rights beyond those of a user.
- *           Where the system does not know or allow it, nothing is returned: answers come
- *           later, but are right.
- * Threads:  [any]; threads that it makes afterwards begin like it.
+ * Set it for the calling thread alone, with no rights beyond those of a user. Where the
+ * system does not know or allow it, nothing is returned: answers come later, but are
+ * right.
+ *
+ * Threads: [any]; threads that it makes afterwards begin like it.
  */
 #ifndef SRV_PRIORITY_H
 #define SRV_PRIORITY_H

@@ -1,17 +1,15 @@
 /* reactor.c - the event loop, and what the daemon has besides the service.
  *
- * Room:     server. See reactor.h.
- * Does:     start and stop in order:
+ * Start and stop in order:
  *
  *     RUNNING -- signal, idle, private --> DRAINING
  *     DRAINING -- nothing in flight, all replies sent --> CLOSING
  *     CLOSING -- all sessions freed --> CLOSED --> end
  *
- *           When the grace time ends in DRAINING, requests are cancelled; FORCE_MS later
- *           the process just ends.
+ * When the grace time ends in DRAINING, requests are cancelled; FORCE_MS later the
+ * process just ends.
  *
- * Does not: poll: an idle daemon is not woken by anything of its own.
- * Threads:  [loop]; on_enter is called on [compute], on_notify also on [pages].
+ * Threads: [loop]; on_enter is called on [compute], on_notify also on [pages].
  */
 #include "reactor.h"
 

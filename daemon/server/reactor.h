@@ -1,11 +1,4 @@
-/* reactor.h - runs the daemon: its event loop, listening socket and connections.
- *
- * Room:     server. May include: the C library.
- * Does:     own libuv's loop, the socket that listens and the connections; run until told
- *           to stop, then stop in order.
- * Does not: know sockets (listener.h, conn.h) or messages (dispatch.h).
- * Threads:  [loop]
- */
+/* reactor.h - runs the daemon: its event loop, listening socket and connections. */
 #ifndef SRV_REACTOR_H
 #define SRV_REACTOR_H
 

@@ -1,9 +1,4 @@
-/* refused.c - connections of clients that are refused, until they have heard so.
- *
- * Room:     server. See refused.h.
- * Does:     a list through the connections themselves: it asks for no memory.
- * Threads:  [loop]
- */
+/* refused.c - connections of clients that are refused, until they have heard so. */
 #include "refused.h"
 
 #include <stddef.h>

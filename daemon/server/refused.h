@@ -1,11 +1,4 @@
-/* refused.h - the connections of clients that were refused, until each has read why.
- *
- * Room:     server. May include: the C library.
- * Does:     list them, the oldest first. They have places of their own beside those of
- *           clients, and lose these when descriptors are short.
- * Does not: refuse anybody (session.h does), or close one (listener.c, conn.c).
- * Threads:  [loop]
- */
+/* refused.h - the connections of clients that were refused, until each has read why. */
 #ifndef SRV_REFUSED_H
 #define SRV_REFUSED_H
 

@@ -1,9 +1,4 @@
-/* replyqueue.c - replies that wait until their client reads.
- *
- * Room:     server. See replyqueue.h.
- * Does:     a list of copies.
- * Threads:  [loop]
- */
+/* replyqueue.c - replies that wait until their client reads. */
 #include "replyqueue.h"
 
 #include <stdlib.h>

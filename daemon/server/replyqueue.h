@@ -1,10 +1,4 @@
-/* replyqueue.h - the replies that wait until their client reads.
- *
- * Room:     server. May include: seqpacket.h.
- * Does:     keep copies in order, with the descriptors that go with them.
- * Does not: send, or bound how many there are (conn.c).
- * Threads:  [loop]
- */
+/* replyqueue.h - the replies that wait until their client reads. */
 #ifndef SRV_REPLYQUEUE_H
 #define SRV_REPLYQUEUE_H
 

@@ -1,10 +1,4 @@
-/* sandbox.c - give up what a daemon that serves has no use for.
- *
- * Room:     server. See sandbox.h.
- * Does:     one list; what is not on it fails with EPERM. Before that, a filter for what
- *           the event loop's library must not even begin.
- * Threads:  [loop].
- */
+/* sandbox.c - give up what a daemon that serves has no use for. */
 #include "sandbox.h"
 
 #include <errno.h>

@@ -1,13 +1,11 @@
 /* sandbox.h - gives up every right that a serving daemon does not need (seccomp).
  *
- * Room:     server. May include: options.h.
- * Does:     take no new privileges, and allow only a list of system calls: no files
- *           opened but its own memory files again, no programs or processes started, no
- *           executable memory, no sockets but of the kind that listens. Landlock takes
- *           away the rest of the file system (landlock.h).
- * Does not: protect clients from each other: that is what checks and quotas are for.
- * Threads:  [loop]; holds for all threads, those to come too, but for the first step.
- * Source:   seccomp(2), libseccomp.
+ * Take no new privileges, and allow only a list of system calls: no files opened but its
+ * own memory files again, no programs or processes started, no executable memory, no
+ * sockets but of the kind that listens. Landlock takes away the rest of the file system
+ * (landlock.h).
+ *
+ * Threads: [loop]; holds for all threads, those to come too, but for the first step.
  */
 #ifndef SRV_SANDBOX_H
 #define SRV_SANDBOX_H

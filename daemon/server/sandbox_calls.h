@@ -1,9 +1,6 @@
 /* sandbox_calls.h - the system calls that a serving daemon may make, whatever their
  * arguments.
  *
- * Room:     server. May include: nothing.
- * Does:     list them for sandbox.c, and for the test that compares processors.
- *
  * Each call that a processor lacks has the one beside it that the C library makes there:
  * those of AArch64 and of what came after it lack unlink, rmdir, poll and epoll_wait.
  */

@@ -1,10 +1,5 @@
-/* server.h - what the listening socket, the connections and the event loop of the daemon
- * share.
- *
- * Room:     server. May include: libuv, the service's headers, outbox.h, refused.h.
- * Does:     hold the service, libuv's loop and the list of connections.
- * Does not: make or run any of them (reactor.c).
- * Threads:  [loop]
+/* server.h - what the listening socket, the connections and the event loop of the
+ * daemon share.
  */
 #ifndef SRV_SERVER_H
 #define SRV_SERVER_H

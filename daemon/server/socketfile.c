@@ -1,11 +1,4 @@
-/* socketfile.c - the file by which clients find the socket.
- *
- * Room:     server. See socketfile.h.
- * Does:     know our file by its inode, which nobody else can have while our socket is
- *           bound to it; watch it, and each folder on the way to it for being renamed.
- * Does not: notice a file system that is mounted over a folder of the path.
- * Threads:  [loop], or a supervisor's only one.
- */
+/* socketfile.c - the file by which clients find the socket. */
 #include "socketfile.h"
 
 #include <errno.h>

@@ -1,13 +1,6 @@
 /* socketfile.h - the file in the file system by which clients find the daemon's socket.
  *
- * Room:     server. May include: options.h, the C library.
- * Does:     create its folder and bind a listening socket to it; notice when somebody has
- *           removed or replaced it, without waking an idle process.
- * Does not: decide what happens then (listener.c, supervise.c), or hold the path's lock
- *           (lockfile.h).
- * Threads:  [loop], or a supervisor's only one.
- * Source:   inotify(7). To remove a name of a file changes the number of its links, which
- *           is IN_ATTRIB of the file itself, whatever else its folder is used for.
+ * Threads: [loop], or a supervisor's only one.
  */
 #ifndef SRV_SOCKETFILE_H
 #define SRV_SOCKETFILE_H

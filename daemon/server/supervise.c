@@ -1,18 +1,16 @@
 /* supervise.c - a small parent that starts the daemon again when it crashes.
  *
- * Room:     server. See supervise.h.
- * Does:     fork, exec and wait; all signals are taken one by one. A spare worker stands
- *           by, loaded and linked, and is told to go on when the other crashes: clients
- *           wait some milliseconds less. It is made a while after a start, when clients
- *           are served again. What happens to a worker:
+ * Fork, exec and wait; all signals are taken one by one. A spare worker stands by, loaded
+ * and linked, and is told to go on when the other crashes: clients wait some milliseconds
+ * less. It is made a while after a start, when clients are served again. What happens to
+ * a worker:
  *
  *     SERVING -- says that it ends --> reaped: its status is that of the program
  *      |  `-- reaped --> started again, or all is over (on_end)
  *      `-- end of its lifeline --> REPLACED: the next one serves --> reaped: told of
  *
- *           Which of a lifeline's end and SIGCHLD is seen first does not matter. Where it
- *           is the last crash that we bear, the status is waited for.
- * Threads:  one: no OpenMP region ever runs here, so it may fork.
+ * Which of a lifeline's end and SIGCHLD is seen first does not matter. Where it is the
+ * last crash that we bear, the status is waited for.
  */
 #include "supervise.h"
 

@@ -1,12 +1,10 @@
 /* supervise.h - a small parent process that starts the daemon again when it crashes.
  *
- * Room:     server. May include: options.h.
- * Does:     hold the lock and the listening socket, so that clients queue, and are not
- *           refused, while a worker starts; pass signals on; give up when the worker
- *           crashes again and again; listen again, or let go, when the socket's file is
- *           gone.
- * Does not: talk to clients or compute: nothing that a client does can crash it.
- * Threads:  one.
+ * Hold the lock and the listening socket, so that clients queue, and are not refused,
+ * while a worker starts; pass signals on; give up when the worker crashes again and
+ * again; listen again, or let go, when the socket's file is gone.
+ *
+ * Threads: one.
  */
 #ifndef SRV_SUPERVISE_H
 #define SRV_SUPERVISE_H

@@ -1,11 +1,4 @@
-/* threads.c - how many threads the system grants.
- *
- * Room:     server. See threads.h.
- * Does:     make them all, idle, and end them again: some ten microseconds each.
- *           Ask for all processors, and go back to those that it had.
- * Does not: keep them: whoever takes them in between wins.
- * Threads:  [loop]
- */
+/* threads.c - how many threads the system grants. */
 #include "threads.h"
 
 #include <errno.h>

@@ -1,9 +1,6 @@
 /* threads.h - finds out how many threads the system grants this process.
  *
- * Room:     server. May include: the C library, the engine's headers.
- * Does:     try it before anything depends on it: OpenMP's runtime ends the process when
- *           it gets fewer threads than it asks for.
- * Threads:  [loop], before the threads are made.
+ * Threads: [loop], before the threads are made.
  */
 #ifndef SRV_THREADS_H
 #define SRV_THREADS_H

@@ -1,9 +1,4 @@
-/* timer.c - the service's timers, of libuv.
- *
- * Room:     server. See daemon/service/base/host.h.
- * Does:     start them from the time that is now, not from when the loop last looked.
- * Threads:  [loop]
- */
+/* timer.c - the service's timers, of libuv. */
 #include <stdlib.h>
 #include <uv.h>
 

@@ -1,9 +1,4 @@
-/* wakeup.c - how another thread wakes the loop.
- *
- * Room:     server. See wakeup.h.
- * Does:     one write, and one read; neither waits.
- * Threads:  functions say.
- */
+/* wakeup.c - how another thread wakes the loop. */
 #include "wakeup.h"
 
 #include <errno.h>

@@ -1,14 +1,4 @@
-/* wakeup.h - lets another thread wake the event loop.
- *
- * Room:     server. May include: libuv.
- * Does:     own an eventfd that any thread writes to and the loop waits for.
- * Does not: count: several wake-ups before the loop looks are one.
- * Threads:  functions say.
- * Source:   in the place of uv_async_send, which is not safe against being preempted in
- *           it: libuv 1.44's loop, woken, yields its processor until the sender has
- *           returned. Where both share a processor, and the sender goes on with a long
- *           job, the answer waits for that job: 5 ms, seen with the kernel's tracer.
- */
+/* wakeup.h - lets another thread wake the event loop. */
 #ifndef SRV_WAKEUP_H
 #define SRV_WAKEUP_H
 

@@ -1,10 +1,4 @@
-/* watch.c - libuv's polls, without its ways to end the process.
- *
- * Room:     server. See watch.h.
- * Does:     add a descriptor to epoll itself, so that libuv finds it there and changes
- *           the events only, which takes no memory.
- * Threads:  [loop]
- */
+/* watch.c - libuv's polls, without its ways to end the process. */
 #include "watch.h"
 
 #include <errno.h>

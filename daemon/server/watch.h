@@ -1,12 +1,5 @@
 /* watch.h - guards libuv's polling against the cases in which libuv would end the
  * process.
- *
- * Room:     server. May include: libuv.
- * Does:     ask the system beforehand for what libuv needs and aborts without; ask about
- *           one socket without waiting for the loop.
- * Threads:  [loop]
- * Source:   libuv 1.44: uv__io_poll aborts when a descriptor cannot be added to epoll,
- *           maybe_resize when its table of descriptors cannot grow.
  */
 #ifndef SRV_WATCH_H
 #define SRV_WATCH_H

@@ -1,9 +1,4 @@
-/* setup.c - puts a service together, and takes it apart.
- *
- * Room:     service. See setup.h.
- * Does:     make the parts in order; on failure leaves the rest to srv_service_deinit.
- * Threads:  [loop]
- */
+/* setup.c - puts a service together, and takes it apart. */
 #include "setup.h"
 
 #include <stdlib.h>

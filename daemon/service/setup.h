@@ -1,10 +1,4 @@
-/* setup.h - creates a service with all its parts, and frees it.
- *
- * Room:     service. May include: sessions/service.h.
- * Does:     make what every session of the service uses, and free it.
- * Does not: start the queues' threads: the host does (host.h).
- * Threads:  [loop]
- */
+/* setup.h - creates a service with all its parts, and frees it. */
 #ifndef SRV_SETUP_H
 #define SRV_SETUP_H
 

@@ -1,8 +1,6 @@
 /* clock.h - the one clock by which everything is timed.
  *
- * Room:     common. May include: the C library.
- * Does:     read CLOCK_MONOTONIC: nobody can set it, and all processes have the same.
- * Threads:  [any]; about 25 ns a call.
+ * Threads: [any]; about 25 ns a call.
  */
 #ifndef COMMON_CLOCK_H
 #define COMMON_CLOCK_H

@@ -1,10 +1,8 @@
 /* coordinates.h - how coordinates lie in memory, and how a rigid transform moves them.
  *
- * Room:     common. May include: the C library.
- * Does:     give the bytes of a vertex, which numbers are coordinates, and the one
- *           formula of a transform. Daemon, library and replay each compute where a rigid
- *           object is, and must agree bit for bit.
- * Threads:  [any].
+ * Give the bytes of a vertex, which numbers are coordinates, and the one formula of a
+ * transform. Daemon, library and replay each compute where a rigid object is, and must
+ * agree bit for bit.
  */
 #ifndef COMMON_COORDINATES_H
 #define COMMON_COORDINATES_H

@@ -1,11 +1,9 @@
 /* kinds.h - the kinds of contact: which features meet, such as a vertex and a face, and
  * what the kind is called.
  *
- * Room:     common. May include: the C library.
- * Does:     make a table of PCCD_KIND_LIST, so that code can go by the number of points
- *           of a side, without a case for each kind. Where the kind is a constant in the
- *           code, so are the numbers of its row.
- * Threads:  [any].
+ * Make a table of PCCD_KIND_LIST, so that code can go by the number of points of a side,
+ * without a case for each kind. Where the kind is a constant in the code, so are the
+ * numbers of its row.
  */
 #ifndef COMMON_KINDS_H
 #define COMMON_KINDS_H

@@ -1,10 +1,8 @@
 /* last_words.h - what a daemon that a program has started said last.
  *
- * Room:     common. May include: the C library.
- * Does:     name the file that its messages go to unless PCCD_LOG names another: beside
- *           its socket. The daemon keeps it short, and removes it when it ends as it
- *           should. Find the last line of such a file that says something.
- * Threads:  [any].
+ * Name the file that its messages go to unless PCCD_LOG names another: beside its socket.
+ * The daemon keeps it short, and removes it when it ends as it should. Find the last line
+ * of such a file that says something.
  */
 #ifndef COMMON_LAST_WORDS_H
 #define COMMON_LAST_WORDS_H

@@ -1,10 +1,5 @@
 /* names.h - the names of modes, methods and other choices, such as "first", "wide" and
  * "sah".
- *
- * Room:     common. May include: the C library.
- * Does:     hold the names of all values, for the options, reports and recordings of
- *           every tool.
- * Threads:  [any].
  */
 #ifndef COMMON_NAMES_H
 #define COMMON_NAMES_H

@@ -1,10 +1,5 @@
 /* object_attributes.h - the list of what a client can set of an object (group, mask,
  * ...), and the code that copies it.
- *
- * Room:     common. May include: pccd_types.h.
- * Does:     give messages, registry, service, journal and recordings these members, and
- *           copy them from one to the other, so that none of them names an attribute.
- * Threads:  [any].
  */
 #ifndef COMMON_OBJECT_ATTRIBUTES_H
 #define COMMON_OBJECT_ATTRIBUTES_H

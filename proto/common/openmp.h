@@ -1,10 +1,7 @@
 /* openmp.h - the environment variables that OpenMP's runtime must find in a daemon.
  *
- * Room:     common. May include: the C library.
- * Does:     name the variables. The runtime reads them before main, so the program that
- *           starts a daemon sets them; a daemon that finds others executes itself again
- *           with the right ones.
- * Threads:  [any].
+ * Name the variables. The runtime reads them before main, so the program that starts a
+ * daemon sets them; a daemon that finds others executes itself again with the right ones.
  */
 #ifndef COMMON_OPENMP_H
 #define COMMON_OPENMP_H

@@ -1,9 +1,4 @@
-/* process_status.h - what the system says of a process.
- *
- * Room:     common. May include: the C library.
- * Does:     read numbers of /proc/PID/status; begin a new count of the most memory.
- * Threads:  [any].
- */
+/* process_status.h - what the system says of a process. */
 #ifndef COMMON_PROCESS_STATUS_H
 #define COMMON_PROCESS_STATUS_H
 

@@ -1,9 +1,4 @@
-/* proto_limits.h - every limit of the protocol, by name.
- *
- * Room:     common. May include: nothing.
- * Does:     name the bounds of messages, rings and sessions.
- * Does not: decide what happens at the bound: PROTOCOL.md says it, the server does it.
- */
+/* proto_limits.h - every limit of the protocol, by name. */
 #ifndef PROTO_LIMITS_H
 #define PROTO_LIMITS_H
 

@@ -1,15 +1,13 @@
 /* rounding.h - how the processor computes with floats on the calling thread, and how pccd
  * needs it.
  *
- * Room:     common. May include: the C library.
- * Does:     set what everything is proved and tested for: to nearest, subnormal numbers
- *           kept, no traps; give back what a caller had. A program may compute otherwise
- *           (fesetround; a library linked with -ffast-math by gcc 12, which flushes
- *           subnormal numbers of the thread that loads it), and a thread of OpenMP may
- *           keep for ever what the thread that made it had (libgomp).
- * Does not: keep apart what exceptions have been raised: as after any function of a
- *           library, unless something had to be set.
- * Threads:  [any], of itself. Two registers are read and compared, 10 ns.
+ * Set what everything is proved and tested for: to nearest, subnormal numbers kept, no
+ * traps; give back what a caller had. A program may compute otherwise (fesetround; a
+ * library linked with -ffast-math by gcc 12, which flushes subnormal numbers of the
+ * thread that loads it), and a thread of OpenMP may keep for ever what the thread that
+ * made it had (libgomp).
+ *
+ * Threads: [any], of itself. Two registers are read and compared, 10 ns.
  */
 #ifndef COMMON_ROUNDING_H
 #define COMMON_ROUNDING_H

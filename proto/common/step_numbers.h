@@ -1,9 +1,5 @@
-/* step_numbers.h - the list of the times and counters of a step, with their names in an
- * answer.
- *
- * Room:     common. May include: pccd_types.h.
- * Does:     serve the three places that copy them: the message that carries them, the
- *           daemon that fills it in, and the library that reads it.
+/* step_numbers.h - the list of the times and counters of a step, with their names in
+ * an answer.
  */
 #ifndef COMMON_STEP_NUMBERS_H
 #define COMMON_STEP_NUMBERS_H

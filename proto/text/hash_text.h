@@ -1,11 +1,7 @@
 /* hash_text.h - writes a hash as people and scripts read it: "2:" and 32 hexadecimal
  * digits.
  *
- * Room:     proto/text. May include: the C library.
- * Does:     put the version in front, so that hashes that were computed in different ways
- *           never look like different answers.
- * Threads:  [any].
- * Source:   proto/PROTOCOL.md, "The hash of an answer".
+ * Source: proto/PROTOCOL.md, "The hash of an answer".
  */
 #ifndef PROTO_HASH_TEXT_H
 #define PROTO_HASH_TEXT_H

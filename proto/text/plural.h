@@ -1,10 +1,4 @@
-/* plural.h - chooses singular or plural: one contact, two contacts.
- *
- * Room:     proto/text. May include: the C library.
- * Does:     choose the form of a word that goes with a number.
- * Does not: print the number.
- * Threads:  [any].
- */
+/* plural.h - chooses singular or plural: one contact, two contacts. */
 #ifndef PROTO_PLURAL_H
 #define PROTO_PLURAL_H
 

@@ -1,8 +1,5 @@
-/* printable.c - text that was not written by us, before a person reads it on a terminal.
- *
- * Room:     proto/text. See printable.h.
- * Does:     walks over sequences of UTF-8.
- * Threads:  [any].
+/* printable.c - text that was not written by us, before a person reads it on a
+ * terminal.
  */
 #include "printable.h"
 

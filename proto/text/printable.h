@@ -1,12 +1,8 @@
 /* printable.h - makes text from elsewhere safe to print on a terminal.
  *
- * Room:     proto/text. May include: the C library.
- * Does:     write bytes that could control a terminal or its reader as \xNN: control
- *           characters of seven and eight bits, those that turn the direction of text or
- *           are not seen (Unicode's format characters), and whatever is not UTF-8.
- * Does not: change anything else; a backslash stays one, so that doing it twice equals
- *           doing it once.
- * Threads:  [any].
+ * Write bytes that could control a terminal or its reader as \xNN: control characters of
+ * seven and eight bits, those that turn the direction of text or are not seen (Unicode's
+ * format characters), and whatever is not UTF-8.
  */
 #ifndef PROTO_PRINTABLE_H
 #define PROTO_PRINTABLE_H

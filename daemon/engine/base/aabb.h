@@ -1,10 +1,7 @@
-/* daemon/engine/base/aabb.h - bounding boxes of things that move: one axis-aligned box at
- * the beginning of the step and one at its end.
+/* aabb.h - bounding boxes of things that move: one axis-aligned box at the beginning of
+ * the step and one at its end.
  *
- * Room:     engine. May include: box_frame.h, the C library.
- * Does:     round double to float outward, join boxes, and test whether two boxes that
- *           move linearly can meet.
- * Threads:  [any]; inline only.
+ * Threads: [any]; inline only.
  *
  * Every record that has boxes begins with the 64 bytes of struct eng_box: four groups of
  * three floats. The fourth word of each group is free for links of the record. A group is

@@ -1,9 +1,4 @@
-/* daemon/engine/base/array.c - arrays that grow.
- *
- * Room:     engine.
- * Does:     see array.h.
- * Threads:  [any].
- */
+/* array.c - arrays that grow. */
 #include "array.h"
 
 #include <assert.h>

@@ -1,8 +1,6 @@
-/* daemon/engine/base/array.h - arrays that grow: chooses the next capacity.
+/* array.h - arrays that grow: chooses the next capacity.
  *
- * Room:     engine. May include: status.h, the C library.
- * Does:     choose the next capacity, and move an array to it.
- * Threads:  [any]; one thread for one array.
+ * Threads: [any]; one thread for one array.
  */
 #ifndef ENG_ARRAY_H
 #define ENG_ARRAY_H

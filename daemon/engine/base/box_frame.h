@@ -1,10 +1,7 @@
-/* daemon/engine/base/box_frame.h - the local coordinates in which the boxes of an object
- * are stored, so that single precision suffices far from the origin.
+/* box_frame.h - the local coordinates in which the boxes of an object are stored, so that
+ * single precision suffices far from the origin.
  *
- * Room:     engine. May include: the C library.
- * Does:     hold the exact bounds of points, and a frame: an origin at each end of the
- *           step and a scale.
- * Threads:  [any]; inline only.
+ * Threads: [any]; inline only.
  *
  * Example: a car of 5 m stands at x = 10^7 m. Floats are 1 m apart there, so all boxes of
  * the car would be the same box. Measured from an origin near the car, floats are 10^-7 m

@@ -1,10 +1,8 @@
-/* daemon/engine/base/median.c - split a list at its median along an axis.
+/* median.c - split a list at its median along an axis.
  *
- * Room:     engine.
- * Does:     quickselect, with a pivot near the median from a sample; a range that does
- *           not shrink as it should is sorted instead, so that no arrangement of
- *           triangles, chance or malice, costs quadratic time.
- * Threads:  [any].
+ * Quickselect, with a pivot near the median from a sample; a range that does not shrink
+ * as it should is sorted instead, so that no arrangement of triangles, chance or malice,
+ * costs quadratic time.
  */
 #include "median.h"
 

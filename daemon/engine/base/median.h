@@ -1,12 +1,10 @@
-/* daemon/engine/base/median.h - splits a list of items into two halves at the median of
- * one coordinate, as builders of trees do.
+/* median.h - splits a list of items into two halves at the median of one coordinate, as
+ * builders of trees do.
  *
- * Room:     engine. May include: the C library.
- * Does:     partially sort items by one coordinate of their centroids.
- * Threads:  [any]; no allocation.
- * Source:   Hoare 1961 (selection); Floyd, Rivest 1975 (a pivot beside the median of a
- *           sample); Edelkamp, Weiss 2016 (blocks, without branches); Musser 1997 (a
- *           bound for unlucky or hostile input).
+ * Threads: [any]; no allocation.
+ * Source: Hoare 1961 (selection); Floyd, Rivest 1975 (a pivot beside the median of a
+ * sample); Edelkamp, Weiss 2016 (blocks, without branches); Musser 1997 (a bound for
+ * unlucky or hostile input).
  */
 #ifndef ENG_MEDIAN_H
 #define ENG_MEDIAN_H

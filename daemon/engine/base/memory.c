@@ -1,12 +1,9 @@
-/* daemon/engine/base/memory.c - the engine's allocations, counted.
+/* memory.c - the engine's allocations, counted.
  *
- * Room:     engine.
- * Does:     put a 128-byte header with the size before each block, so that bytes can be
- *           counted down when a block goes. Blocks are aligned here: glibc's
- *           aligned_alloc cuts pieces off a larger block on both sides, and up to version
- *           2.37 seldom finds a freed one again (its bug 14581), so that the memory of a
- *           daemon whose clients come and go crept up.
- * Threads:  [any]; counters and limits are atomics.
+ * Put a 128-byte header with the size before each block, so that bytes can be counted
+ * down when a block goes. Blocks are aligned here: glibc's aligned_alloc cuts pieces off
+ * a larger block on both sides, and up to version 2.37 seldom finds a freed one again
+ * (its bug 14581), so that the memory of a daemon whose clients come and go crept up.
  */
 #include "memory.h"
 

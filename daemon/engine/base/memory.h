@@ -1,11 +1,8 @@
-/* daemon/engine/base/memory.h - malloc and free for the engine, which count what is
- * allocated.
+/* memory.h - malloc and free for the engine, which count what is allocated.
  *
- * Room:     engine. May include: the C library.
- * Does:     allocate blocks aligned to 128 bytes, with counts for the whole process: "a
- *           warm step allocates nothing" is a number in `stats`. Charge each block to the
- *           user it serves, because several teams compute at once.
- * Threads:  [any].
+ * Allocate blocks aligned to 128 bytes, with counts for the whole process: "a warm step
+ * allocates nothing" is a number in `stats`. Charge each block to the user it serves,
+ * because several teams compute at once.
  */
 #ifndef ENG_MEMORY_H
 #define ENG_MEMORY_H

@@ -1,10 +1,8 @@
-/* daemon/engine/base/near_query.h - what threads look for that find out what is near, in
- * the place of contacts.
+/* near_query.h - what threads look for that find out what is near, in the place of
+ * contacts.
  *
- * Room:     engine. May include: pccd_types.h, the C library.
- * Does:     define the struct that the settings of a team point to (step_settings.h).
- * Threads:  [any]; but for the bounds and `meets`, nothing changes while the team is at
- *           work.
+ * Threads: [any]; but for the bounds and `meets`, nothing changes while the team is at
+ * work.
  */
 #ifndef ENG_NEAR_QUERY_H
 #define ENG_NEAR_QUERY_H

@@ -1,9 +1,4 @@
-/* daemon/engine/base/nearest.h - what is said of the distance of two features.
- *
- * Room:     engine. May include: the C library.
- * Does:     name what distance.h finds, and define each number of it.
- * Threads:  [any].
- */
+/* nearest.h - what is said of the distance of two features. */
 #ifndef ENG_NEAREST_H
 #define ENG_NEAREST_H
 

@@ -1,9 +1,5 @@
-/* daemon/engine/base/query.h - one elementary test, which asks whether a vertex meets a
- * face or an edge meets an edge, and its result.
- *
- * Room:     engine. May include: pccd_types.h.
- * Does:     name what filter, solver and exact arithmetic pass to each other.
- * Does not: know what a step is, or list the kinds (kinds.h).
+/* query.h - one elementary test, which asks whether a vertex meets a face or an edge
+ * meets an edge, and its result.
  *
  * VF and EE have one form. With difference vectors p, b, c (linear in t):
  *   VF  p = vertex - corner0, b = corner1 - corner0, c = corner2 - corner0

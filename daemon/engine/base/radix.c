@@ -1,10 +1,4 @@
-/* daemon/engine/base/radix.c - a stable radix sort.
- *
- * Room:     engine.
- * Does:     least significant digit first, 8 to 11 bits a pass or a little less; few
- *           items are inserted.
- * Threads:  [any].
- */
+/* radix.c - a stable radix sort. */
 #include "radix.h"
 
 #include <stdbool.h>

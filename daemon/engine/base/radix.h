@@ -1,10 +1,4 @@
-/* daemon/engine/base/radix.h - sorts items by a key of 64 bits (a stable radix sort).
- *
- * Room:     engine. May include: the C library.
- * Does:     skip the passes over digits that are equal in all keys, so that the cost
- *           depends on the bits that differ.
- * Threads:  [any].
- */
+/* radix.h - sorts items by a key of 64 bits (a stable radix sort). */
 #ifndef ENG_RADIX_H
 #define ENG_RADIX_H
 

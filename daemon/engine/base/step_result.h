@@ -1,9 +1,7 @@
-/* daemon/engine/base/step_result.h - what a step returns: the answer, its counters, its
- * times, and what each thread did.
+/* step_result.h - what a step returns: the answer, its counters, its times, and what each
+ * thread did.
  *
- * Room:     engine. May include: pccd_types.h, the C library.
- * Does:     define the structs.
- * Threads:  [any]; types only.
+ * Threads: [any]; types only.
  */
 #ifndef ENG_STEP_RESULT_H
 #define ENG_STEP_RESULT_H

@@ -1,9 +1,7 @@
-/* daemon/engine/base/step_settings.h - the settings of one step, chosen by its caller:
- * mode, threads, method, limits.
+/* step_settings.h - the settings of one step, chosen by its caller: mode, threads,
+ * method, limits.
  *
- * Room:     engine. May include: pccd_types.h, the C library.
- * Does:     define the struct.
- * Threads:  [any]; types only.
+ * Threads: [any]; types only.
  */
 #ifndef ENG_STEP_SETTINGS_H
 #define ENG_STEP_SETTINGS_H

@@ -1,9 +1,5 @@
-/* daemon/engine/base/thick_query.h - one elementary test of thick features, which asks
- * whether two features come within a distance of each other.
- *
- * Room:     engine. May include: query.h.
- * Does:     name what the stages of thick.h pass to each other; that header says what it
- *           means.
+/* thick_query.h - one elementary test of thick features, which asks whether two
+ * features come within a distance of each other.
  */
 #ifndef ENG_THICK_QUERY_H
 #define ENG_THICK_QUERY_H

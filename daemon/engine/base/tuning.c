@@ -1,9 +1,4 @@
-/* daemon/engine/base/tuning.c - how the threads of a step share its work, and its text.
- *
- * Room:     engine. May include: tuning.h.
- * Does:     see tuning.h.
- * Threads:  [any].
- */
+/* tuning.c - how the threads of a step share its work, and its text. */
 #include "tuning.h"
 
 #include <assert.h>

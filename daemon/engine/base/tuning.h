@@ -1,10 +1,5 @@
-/* daemon/engine/base/tuning.h - the text by which a client tunes how threads share a
- * step, and whether it uses what stands still: "scheduler=paper,refit=paper".
- *
- * Room:     engine. May include: pccd_types.h, step_settings.h, step_result.h.
- * Does:     read it, or say what is wrong in it; write what was used.
- * Does not: let other folders know its words: they pass the text on as it is.
- * Threads:  [any].
+/* tuning.h - the text by which a client tunes how threads share a step, and whether it
+ * uses what stands still: "scheduler=paper,refit=paper".
  */
 #ifndef ENG_TUNING_H
 #define ENG_TUNING_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/ball.c - sums and products of rounded integers.
- *
- * Room:     engine.
- * Does:     see ball.h. Errors are powers of two, rounded up: an operation makes them up
- *           to four times as large as they have to be, which a few bits more pay for.
- * Threads:  [any]; a ball belongs to one thread.
- */
+/* ball.c - sums and products of rounded integers. */
 #include "ball.h"
 
 void eng_ball_place(struct eng_ball *ball, struct eng_limbs *limbs, size_t bits)

@@ -1,11 +1,8 @@
-/* daemon/engine/elementary/ball.h - fast arithmetic with long integers: leading bits
- * only, with a bound of the error (ball arithmetic).
+/* ball.h - fast arithmetic with long integers: leading bits only, with a bound of the
+ * error (ball arithmetic).
  *
- * Room:     engine. May include: limbs.h, GMP.
- * Does:     add and multiply. The true number lies in a ball around the rounded one; most
- *           signs are certain then, at a hundredth of the cost of all bits.
- * Threads:  [any]; a ball belongs to one thread.
- * Source:   van der Hoeven: Ball arithmetic, 2009; Johansson: Arb, 2017.
+ * Threads: [any]; a ball belongs to one thread.
+ * Source: van der Hoeven: Ball arithmetic, 2009; Johansson: Arb, 2017.
  */
 #ifndef ENG_BALL_H
 #define ENG_BALL_H

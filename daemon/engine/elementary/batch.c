@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/batch.c - elementary tests of many pairs at once.
- *
- * Room:     engine.
- * Does:     see batch.h.
- * Threads:  one thread for one scratch.
- */
+/* batch.c - elementary tests of many pairs at once. */
 #include "batch.h"
 
 #include <assert.h>

@@ -1,10 +1,7 @@
-/* daemon/engine/elementary/batch.h - does the elementary tests of many candidate pairs at
- * once, with vector instructions.
+/* batch.h - does the elementary tests of many candidate pairs at once, with vector
+ * instructions.
  *
- * Room:     engine. May include: exact.h, kernel.h.
- * Does:     decide a chunk of pairs of one kind. For VF and EE the results equal those of
- *           eng_solve bit for bit, whatever the instruction set.
- * Threads:  one thread for one scratch.
+ * Threads: one thread for one scratch.
  */
 #ifndef ENG_BATCH_H
 #define ENG_BATCH_H

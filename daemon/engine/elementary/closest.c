@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/closest.c - the nearest points of two features at one moment.
- *
- * Room:     engine.
- * Does:     the inside of the domain where the projection falls there, else the nearest
- *           of its sides. Each side is a segment start + s along, 0 <= s <= 1.
- * Threads:  [any].
- */
+/* closest.c - the nearest points of two features at one moment. */
 #include "closest.h"
 
 #include <stdbool.h>

@@ -1,11 +1,8 @@
-/* daemon/engine/elementary/closest.h - finds the nearest points of two features (vertex
- * and face, or two edges) at one moment.
+/* closest.h - finds the nearest points of two features (vertex and face, or two edges) at
+ * one moment.
  *
- * Room:     engine. May include: pose.h, query.h.
- * Does:     find (beta, gamma) in the domain for which p - beta b - gamma c is shortest.
- *           The result is approximate: it proposes directions and describes contacts, and
- *           decides nothing.
- * Threads:  [any].
+ * Find (beta, gamma) in the domain for which p - beta b - gamma c is shortest. The result
+ * is approximate: it proposes directions and describes contacts, and decides nothing.
  */
 #ifndef ENG_CLOSEST_H
 #define ENG_CLOSEST_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/crossing.c - where an edge passes through a face.
- *
- * Room:     engine.
- * Does:     see crossing.h. With the ends A and B away from the plane, on its two sides,
- *           it is A / (A + B).
- * Threads:  one thread for one struct eng_numbers.
- */
+/* crossing.c - where an edge passes through a face. */
 #include "crossing.h"
 
 #include <math.h>

@@ -1,10 +1,7 @@
-/* daemon/engine/elementary/crossing.h - where an edge passes through a face.
+/* crossing.h - where an edge passes through a face.
  *
- * Room:     engine. May include: number.h.
- * Does:     find the position along the edge, exactly rounded, by doubles or by numbers.
- * Does not: decide whether it passes through, or choose the stage (distance.h).
- * Threads:  one thread for one struct eng_numbers. Allocates nothing.
- * Source:   elementary/BOUNDS.md, "Where an edge passes through".
+ * Threads: one thread for one struct eng_numbers. Allocates nothing.
+ * Source: elementary/BOUNDS.md, "Where an edge passes through".
  *
  * x: the ends of an edge, which lie strictly on different sides of the plane of a face,
  * and the corners of that; magnitudes at most 1e18.

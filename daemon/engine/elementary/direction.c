@@ -1,11 +1,9 @@
 /* direction.c - separation along one fixed direction over a span of time.
  *
- * Room:     engine.
- * Does:     with d fixed, d . (p - beta b - gamma c) is linear in beta, gamma and in t,
- *           so its sign over domain and span is decided at the corners of the domain at
- *           both ends.
- * Threads:  [any].
- * Source:   BOUNDS.md for the margin.
+ * With d fixed, d . (p - beta b - gamma c) is linear in beta, gamma and in t, so its sign
+ * over domain and span is decided at the corners of the domain at both ends.
+ *
+ * Source: BOUNDS.md for the margin.
  */
 #include "direction.h"
 

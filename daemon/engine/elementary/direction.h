@@ -1,11 +1,5 @@
-/* daemon/engine/elementary/direction.h - rejects a query by a direction along which the
- * two features stay apart for a span of time.
- *
- * Room:     engine. May include: motion.h.
- * Does:     propose the direction between the nearest points at the middle of the span,
- *           and verify it at both ends of the span.
- * Threads:  [any].
- * Source:   the linear-gap argument of aabb.h, for an arbitrary direction.
+/* direction.h - rejects a query by a direction along which the two features stay apart
+ * for a span of time.
  */
 #ifndef ENG_DIRECTION_H
 #define ENG_DIRECTION_H

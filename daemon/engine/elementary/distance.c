@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/distance.c - exact distances, by the first stage that is sure.
- *
- * Room:     engine.
- * Does:     see distance.h.
- * Threads:  one thread for one struct eng_distances.
- */
+/* distance.c - exact distances, by the first stage that is sure. */
 #include "distance.h"
 
 #include <assert.h>

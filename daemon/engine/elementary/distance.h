@@ -1,16 +1,14 @@
-/* daemon/engine/elementary/distance.h - the exact distance of two features at one moment,
- * for answers about what is near: of a vertex and a face, an edge or a vertex, or of two
- * edges; and whether an edge passes through a face.
+/* distance.h - the exact distance of two features at one moment, for answers about what
+ * is near: of a vertex and a face, an edge or a vertex, or of two edges; and whether an
+ * edge passes through a face.
  *
- * Room:     engine. May include: nearest.h, number.h, pccd_types.h.
- * Does:     decide whether two closed features are within a distance, exactly, and say
- *           between which of their points the distance is, how long, where and in which
- *           direction. Every number is defined by the points alone, so it is the same
- *           whichever stage has found it: doubles with margins, pairs of doubles or
- *           integers.
- * Does not: know objects, radii, or which pairs there are.
- * Threads:  one thread for one struct eng_distances. Decisions allocate nothing.
- * Source:   BOUNDS.md, "Distances".
+ * Decide whether two closed features are within a distance, exactly, and say between
+ * which of their points the distance is, how long, where and in which direction. Every
+ * number is defined by the points alone, so it is the same whichever stage has found it:
+ * doubles with margins, pairs of doubles or integers.
+ *
+ * Threads: one thread for one struct eng_distances. Decisions allocate nothing.
+ * Source: BOUNDS.md, "Distances".
  *
  * Everywhere x are the points of a pair at one moment, finite, of magnitude at most 1e18.
  * VF: the vertex, then the face's corners. EE: the ends of one edge, then of the other.

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/distance_batch.c - distances of many pairs.
- *
- * Room:     engine.
- * Does:     see distance_batch.h. The kernels decide what doubles can, most pairs; the
- *           rest are asked one by one.
- * Threads:  one thread for one scratch.
- */
+/* distance_batch.c - distances of many pairs. */
 #include "distance_batch.h"
 
 #include <assert.h>

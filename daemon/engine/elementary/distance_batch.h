@@ -1,10 +1,9 @@
-/* daemon/engine/elementary/distance_batch.h - the exact distances of many candidate pairs
- * at once.
+/* distance_batch.h - the exact distances of many candidate pairs at once.
  *
- * Room:     engine. May include: batch.h, distance.h, kernel.h.
- * Does:     decide a chunk of pairs of one kind at one end of the step. What it says of a
- *           pair equals what distance.h says, bit for bit, whatever the instruction set.
- * Threads:  one thread for one scratch.
+ * Decide a chunk of pairs of one kind at one end of the step. What it says of a pair
+ * equals what distance.h says, bit for bit, whatever the instruction set.
+ *
+ * Threads: one thread for one scratch.
  */
 #ifndef ENG_DISTANCE_BATCH_H
 #define ENG_DISTANCE_BATCH_H

@@ -1,10 +1,8 @@
-/* daemon/engine/elementary/distance_order.c - which surfaces are less far apart.
+/* distance_order.c - which surfaces are less far apart.
  *
- * Room:     engine.
- * Does:     see distance_order.h. The squares are quotients, which are compared by their
- *           products across: num(a) den(b) with num(b) den(a); with radii, these are
- *           squared once more (BOUNDS.md).
- * Threads:  one thread for one struct eng_distance_order.
+ * See distance_order.h. The squares are quotients, which are compared by their products
+ * across: num(a) den(b) with num(b) den(a); with radii, these are squared once more
+ * (BOUNDS.md).
  */
 #include "distance_order.h"
 

@@ -1,12 +1,11 @@
-/* daemon/engine/elementary/distance_order.h - which surfaces are less far apart, exactly.
+/* distance_order.h - which surfaces are less far apart, exactly.
  *
- * Room:     engine. May include: distance.h.
- * Does:     compare the distances of the surfaces of two pairs of features, or of one and
- *           a number, by the first stage that is sure: pairs of doubles, if their radii
- *           add up to the same; integers. Whoever has bounds of them by doubles looks at
- *           those first.
- * Threads:  one thread for one struct eng_distance_order. Comparing allocates nothing.
- * Source:   elementary/BOUNDS.md, "Which distance is less".
+ * Compare the distances of the surfaces of two pairs of features, or of one and a number,
+ * by the first stage that is sure: pairs of doubles, if their radii add up to the same;
+ * integers. Whoever has bounds of them by doubles looks at those first.
+ *
+ * Threads: one thread for one struct eng_distance_order. Comparing allocates nothing.
+ * Source: elementary/BOUNDS.md, "Which distance is less".
  */
 #ifndef ENG_DISTANCE_ORDER_H
 #define ENG_DISTANCE_ORDER_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/distance_quick.c - distances by doubles, where those are sure.
- *
- * Room:     engine.
- * Does:     ask the questions of distance_rule.c, with margins that BOUNDS.md derives
- *           ("Distances by doubles"). Only strict answers count; ties are for others.
- * Threads:  [any].
- */
+/* distance_quick.c - distances by doubles, where those are sure. */
 #include "distance_quick.h"
 
 #include <math.h>

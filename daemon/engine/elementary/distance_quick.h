@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/distance_quick.h - distances by doubles, where those are sure.
- *
- * Room:     engine. May include: nearest.h, number.h, pccd_types.h.
- * Does:     what distance.h says, or nothing: a hundred nanoseconds for most pairs.
- * Threads:  [any].
- */
+/* distance_quick.h - distances by doubles, where those are sure. */
 #ifndef ENG_DISTANCE_QUICK_H
 #define ENG_DISTANCE_QUICK_H
 

@@ -1,8 +1,4 @@
-/* daemon/engine/elementary/distance_rule.c - what a distance is between.
- *
- * Room:     engine.
- * Does:     see distance_rule.h.
- * Threads:  one thread for one struct eng_numbers.
+/* distance_rule.c - what a distance is between.
  *
  * Two points of convex features are nearest exactly if, seen from each of them, no corner
  * of its own feature lies further on towards the other point. That is asked of all pairs

@@ -1,9 +1,7 @@
-/* daemon/engine/elementary/distance_rule.h - what the distance of two features is
- * between: two vertices, a vertex and an edge, or their insides.
+/* distance_rule.h - what the distance of two features is between: two vertices, a vertex
+ * and an edge, or their insides.
  *
- * Room:     engine. May include: nearest.h, number.h, pccd_types.h.
- * Does:     find that, and the lengths it is made of, by pairs of doubles or by integers.
- * Threads:  one thread for one struct eng_numbers.
+ * Threads: one thread for one struct eng_numbers.
  */
 #ifndef ENG_DISTANCE_RULE_H
 #define ENG_DISTANCE_RULE_H

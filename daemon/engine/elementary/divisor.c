@@ -1,8 +1,4 @@
-/* daemon/engine/elementary/divisor.c - greatest common divisors modulo Mersenne primes.
- *
- * Room:     engine.
- * Does:     see divisor.h. Modulo 2^n - 1, what is above bit n is added below.
- * Threads:  one thread for one struct eng_divisor.
+/* divisor.c - greatest common divisors modulo Mersenne primes.
  *
  * A common divisor modulo the prime has at least the degree of the greatest common
  * divisor, since the prime, being longer than the leading coefficients, divides none of

@@ -1,12 +1,11 @@
-/* daemon/engine/elementary/divisor.h - the greatest common divisor of two polynomials
- * whose coefficients are long.
+/* divisor.h - the greatest common divisor of two polynomials whose coefficients are long.
  *
- * Room:     engine. May include: poly.h.
- * Does:     compute it modulo a prime that is longer than they are, and prove the result
- *           by dividing both. No number becomes longer than twice that prime, where
- *           remainders of integers would be up to 25 times as long.
- * Threads:  one thread for one struct eng_divisor. Nothing is allocated.
- * Source:   Collins 1971; Knuth, The Art of Computer Programming 2, 4.6.1.
+ * Compute it modulo a prime that is longer than they are, and prove the result by
+ * dividing both. No number becomes longer than twice that prime, where remainders of
+ * integers would be up to 25 times as long.
+ *
+ * Threads: one thread for one struct eng_divisor. Nothing is allocated.
+ * Source: Collins 1971; Knuth, The Art of Computer Programming 2, 4.6.1.
  */
 #ifndef ENG_DIVISOR_H
 #define ENG_DIVISOR_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/exact.c - exact answers about one moment.
- *
- * Room:     engine.
- * Does:     scale the coordinates by a common power of two to integers and evaluate the
- *           predicates of query.h without any rounding.
- * Threads:  one thread for one scratch.
- */
+/* exact.c - exact answers about one moment. */
 #include "exact.h"
 
 #include <assert.h>

@@ -1,11 +1,10 @@
-/* daemon/engine/elementary/exact.h - decides an elementary test by exact integer
- * arithmetic, for the cases in which rounding hides the answer.
+/* exact.h - decides an elementary test by exact integer arithmetic, for the cases in
+ * which rounding hides the answer.
  *
- * Room:     engine. May include: poly.h, query.h, residue.h, root_sign.h, GMP.
- * Does:     decide, from the binary inputs, whether two features touch at t = 0 or t = 1,
- *           which side of each other they are on, and whether they meet within a span of
- *           time.
- * Threads:  one thread for one scratch. Decisions allocate nothing.
+ * Decide, from the binary inputs, whether two features touch at t = 0 or t = 1, which
+ * side of each other they are on, and whether they meet within a span of time.
+ *
+ * Threads: one thread for one scratch. Decisions allocate nothing.
  */
 #ifndef ENG_EXACT_H
 #define ENG_EXACT_H

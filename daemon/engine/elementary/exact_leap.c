@@ -1,10 +1,6 @@
-/* daemon/engine/elementary/exact_leap.c - from an interval to a much shorter one.
+/* exact_leap.c - from an interval to a much shorter one.
  *
- * Room:     engine.
- * Does:     guess where in an interval all its roots are, and prove it by counting sign
- *           variations.
- * Threads:  one thread for one scratch.
- * Source:   Abbott: Quadratic interval refinement for real roots, 2006.
+ * Source: Abbott: Quadratic interval refinement for real roots, 2006.
  *
  * Bisection takes a step a bit, and roots that are 2^-1000 from each other or from 0 take
  * a thousand. A leap goes down `stride` bits at a time: to the interval below the present

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/exact_memory.c - the room that exact arithmetic computes in.
- *
- * Room:     engine.
- * Does:     give each number of struct eng_exact as many bits as it can ever take,
- *           whatever the query. BOUNDS.md, "How long numbers become", derives them.
- * Threads:  one thread for one scratch.
- */
+/* exact_memory.c - the room that exact arithmetic computes in. */
 #include <string.h>
 
 #include "exact.h"

@@ -1,11 +1,7 @@
-/* daemon/engine/elementary/exact_roots.c - roots in a span that satisfy conditions.
+/* exact_roots.c - roots in a span that satisfy conditions.
  *
- * Room:     engine.
- * Does:     isolate roots by bisection and Descartes' rule of signs, in leaps where they
- *           are far down, until the signs of all conditions at a root are known.
- * Threads:  one thread for one scratch.
- * Source:   Collins and Akritas 1976; Abbott: Quadratic interval refinement for real
- *           roots, 2006.
+ * Source: Collins and Akritas 1976; Abbott: Quadratic interval refinement for real roots,
+ * 2006.
  */
 #include "exact_roots.h"
 

@@ -1,10 +1,7 @@
-/* daemon/engine/elementary/exact_roots.h - finds, exactly, the first time at which a
- * polynomial is zero while others have given signs: the time of a contact.
+/* exact_roots.h - finds, exactly, the first time at which a polynomial is zero while
+ * others have given signs: the time of a contact.
  *
- * Room:     engine. May include: exact.h.
- * Does:     tell whether a polynomial has a root in [0, 1] at which other polynomials
- *           have the signs that they should, and where the first one is.
- * Threads:  one thread for one scratch.
+ * Threads: one thread for one scratch.
  *
  * An interval [num, num + 1] / 2^k of the span is named by span->num and k.
  */

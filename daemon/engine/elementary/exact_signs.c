@@ -1,10 +1,7 @@
-/* daemon/engine/elementary/exact_signs.c - whether the conditions hold at a root.
+/* exact_signs.c - whether the conditions hold at a root.
  *
- * Room:     engine.
- * Does:     find the signs of the sides at the only root in an interval: those that have
- *           one sign throughout, then with few bits, then in a shorter interval, then
- *           with all bits.
- * Threads:  one thread for one scratch.
+ * Find the signs of the sides at the only root in an interval: those that have one sign
+ * throughout, then with few bits, then in a shorter interval, then with all bits.
  *
  * The sides are parallel to n at the root, so one coordinate tells their signs, where n
  * has one that is not 0.

@@ -1,10 +1,8 @@
-/* daemon/engine/elementary/exact_span.c - exact answers about a span of time.
+/* exact_span.c - exact answers about a span of time.
  *
- * Room:     engine.
- * Does:     write the conditions of query.h as integer polynomials in time, once for all
- *           spans that are asked about, then in the span's own time, and decide whether
- *           some time satisfies them.
- * Threads:  one thread for one scratch.
+ * Write the conditions of query.h as integer polynomials in time, once for all spans that
+ * are asked about, then in the span's own time, and decide whether some time satisfies
+ * them.
  *
  * A contact with independent b, c is a root of det at which every condition polynomial is
  * >= 0 and n.n > 0. Every other contact (a collapsed triangle, parallel or collapsed

@@ -1,12 +1,12 @@
-/* daemon/engine/elementary/limbs.h - gives integers of GMP room of a fixed size in one
- * block of memory, so that computing with them never allocates.
+/* limbs.h - gives integers of GMP room of a fixed size in one block of memory, so that
+ * computing with them never allocates.
  *
- * Room:     engine. May include: GMP.
- * Does:     hand out one part of the block after the other; without a block, add up how
- *           long it has to be; turn doubles into such integers. GMP ends the process when
- *           an allocation fails, so whoever computes with such integers proves that no
- *           result is longer than its room (BOUNDS.md).
- * Threads:  one thread for one block.
+ * Hand out one part of the block after the other; without a block, add up how long it has
+ * to be; turn doubles into such integers. GMP ends the process when an allocation fails,
+ * so whoever computes with such integers proves that no result is longer than its room
+ * (BOUNDS.md).
+ *
+ * Threads: one thread for one block.
  */
 #ifndef ENG_LIMBS_H
 #define ENG_LIMBS_H

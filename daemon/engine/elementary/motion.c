@@ -1,10 +1,6 @@
-/* motion.c - the three difference vectors of a query over time, with
- * bounds.
+/* motion.c - the three difference vectors of a query over time, with bounds.
  *
- * Room:     engine.
- * Does:     the arithmetic whose errors BOUNDS.md adds up.
- * Threads:  [any].
- * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ * Source: every constant times u is derived in BOUNDS.md.
  */
 #include "motion.h"
 

@@ -1,12 +1,11 @@
-/* daemon/engine/elementary/motion.h - the motion of two features over the step, as
- * floating point with error bounds.
+/* motion.h - the motion of two features over the step, as floating point with error
+ * bounds.
  *
- * Room:     engine. May include: pose.h, query.h.
- * Does:     give the difference vectors of a query at a time with bounds of their error,
- *           the cubic in Bernstein form over a span, the region of (beta, gamma) over a
- *           short span, and the description of a contact.
- * Threads:  [any].
- * Source:   query.h; error bounds in BOUNDS.md.
+ * Give the difference vectors of a query at a time with bounds of their error, the cubic
+ * in Bernstein form over a span, the region of (beta, gamma) over a short span, and the
+ * description of a contact.
+ *
+ * Source: error bounds in BOUNDS.md.
  */
 #ifndef ENG_MOTION_H
 #define ENG_MOTION_H

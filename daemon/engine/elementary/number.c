@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/number.c - numbers by pairs of doubles or by integers.
- *
- * Room:     engine.
- * Does:     see number.h. BOUNDS.md, "Pairs of doubles", derives each error.
- * Threads:  one thread for one struct eng_numbers.
- */
+/* number.c - numbers by pairs of doubles or by integers. */
 #include "number.h"
 
 #include <assert.h>

@@ -1,13 +1,9 @@
-/* daemon/engine/elementary/number.h - numbers for a computation that is written once and
- * done twice: in pairs of doubles with a bound of the error, and where that leaves a sign
- * open, in integers.
+/* number.h - numbers for a computation that is written once and done twice: in pairs of
+ * doubles with a bound of the error, and where that leaves a sign open, in integers.
  *
- * Room:     engine. May include: limbs.h, GMP.
- * Does:     add, multiply, tell signs, round quotients and roots. Whatever is answered
- *           without `is_unsure` is the true answer: the same by pairs as by integers.
- * Threads:  one thread for one struct eng_numbers. Only eng_numbers_init allocates.
- * Source:   Dekker: A floating-point technique for extending the available precision,
- *           1971; BOUNDS.md, "Pairs of doubles".
+ * Threads: one thread for one struct eng_numbers. Only eng_numbers_init allocates.
+ * Source: Dekker: A floating-point technique for extending the available precision, 1971;
+ * BOUNDS.md, "Pairs of doubles".
  */
 #ifndef ENG_NUMBER_H
 #define ENG_NUMBER_H

@@ -1,9 +1,6 @@
-/* daemon/engine/elementary/plane.c - contacts within the plane of two axes.
+/* plane.c - contacts within the plane of two axes.
  *
- * Room:     engine.
- * Does:     see plane.h.
- * Threads:  [any].
- * Source:   BOUNDS.md for the margins.
+ * Source: BOUNDS.md for the margins.
  *
  * Let three points have one coordinate in common all the time: a point X of one feature
  * and the ends of an edge of the other (VF: the vertex and two corners; EE: an end and

@@ -1,12 +1,9 @@
-/* daemon/engine/elementary/plane.h - decides queries in which several points share
- * exactly the same x, y or z, as on a table or in a regular mesh.
+/* plane.h - decides queries in which several points share exactly the same x, y or z, as
+ * on a table or in a regular mesh.
  *
- * Room:     engine. May include: query.h.
- * Does:     decide queries in which three or four points have exactly equal x, y or z at
- *           both ends of the step. In that plane a point meets an edge, and rounding
- *           would hide whether the point is inside the domain or the points are coplanar
- *           at all.
- * Threads:  [any].
+ * Decide queries in which three or four points have exactly equal x, y or z at both ends
+ * of the step. In that plane a point meets an edge, and rounding would hide whether the
+ * point is inside the domain or the points are coplanar at all.
  */
 #ifndef ENG_PLANE_H
 #define ENG_PLANE_H

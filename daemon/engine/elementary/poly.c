@@ -1,9 +1,6 @@
-/* daemon/engine/elementary/poly.c - polynomials with integer coefficients, exactly.
+/* poly.c - polynomials with integer coefficients, exactly.
  *
- * Room:     engine.
- * Does:     integers of any length, divided by what is known to divide them.
- * Threads:  [any]; a polynomial belongs to one thread.
- * Source:   Collins and Akritas 1976; Knuth, The Art of Computer Programming 2, 4.6.1.
+ * Source: Collins and Akritas 1976; Knuth, The Art of Computer Programming 2, 4.6.1.
  */
 #include "poly.h"
 

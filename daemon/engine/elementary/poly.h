@@ -1,11 +1,7 @@
-/* daemon/engine/elementary/poly.h - exact arithmetic with polynomials whose coefficients
- * are integers of any size.
+/* poly.h - exact arithmetic with polynomials whose coefficients are integers of any size.
  *
- * Room:     engine. May include: limbs.h, GMP.
- * Does:     compute up to degree 6, find greatest common divisors, and count roots in
- *           dyadic intervals by Descartes' rule of signs.
- * Threads:  [any]; a polynomial belongs to one thread.
- * Source:   Collins and Akritas 1976 (real roots by bisection and sign variations).
+ * Threads: [any]; a polynomial belongs to one thread.
+ * Source: Collins and Akritas 1976 (real roots by bisection and sign variations).
  */
 #ifndef ENG_POLY_H
 #define ENG_POLY_H

@@ -1,8 +1,6 @@
-/* daemon/engine/elementary/pose.h - the difference vectors of two features at one moment.
+/* pose.h - the difference vectors of two features at one moment.
  *
- * Room:     engine. May include: nothing.
- * Does:     name the vectors p, b, c of query.h at a time.
- * Threads:  [any]; types only.
+ * Threads: [any]; types only.
  */
 #ifndef ENG_POSE_H
 #define ENG_POSE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/rebase.c - the corner from which a query is measured.
- *
- * Room:     engine.
- * Does:     compare distances of all pairs of corners; ties go to the first.
- * Threads:  [any].
- */
+/* rebase.c - the corner from which a query is measured. */
 #include "rebase.h"
 
 #include <string.h>

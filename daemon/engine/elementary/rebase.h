@@ -1,12 +1,10 @@
-/* daemon/engine/elementary/rebase.h - chooses from which corner a query is measured, so
- * that its numbers are small and error bounds are tight.
+/* rebase.h - chooses from which corner a query is measured, so that its numbers are small
+ * and error bounds are tight.
  *
- * Room:     engine. May include: query.h.
- * Does:     reorder the points of a query so that the vector p between the features
- *           starts and ends at the points nearest to each other. Every error bound is
- *           proportional to the size of p: a vertex one micrometre from a corner of a
- *           metre-wide face is decided a million times more finely.
- * Threads:  [any].
+ * Reorder the points of a query so that the vector p between the features starts and ends
+ * at the points nearest to each other. Every error bound is proportional to the size of
+ * p: a vertex one micrometre from a corner of a metre-wide face is decided a million
+ * times more finely.
  */
 #ifndef ENG_REBASE_H
 #define ENG_REBASE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/residue.c - polynomials modulo a prime.
- *
- * Room:     engine.
- * Does:     see residue.h.
- * Threads:  [any].
- */
+/* residue.c - polynomials modulo a prime. */
 #include "residue.h"
 
 #define PRIME ((UINT64_C(1) << 61) - 1)

@@ -1,13 +1,8 @@
-/* daemon/engine/elementary/residue.h - shows quickly that two polynomials have no common
- * root, by computing modulo a prime.
+/* residue.h - shows quickly that two polynomials have no common root, by computing modulo
+ * a prime.
  *
- * Room:     engine. May include: poly.h.
- * Does:     tell that two polynomials have no common root, or that one has no double
- *           root, with numbers of 61 bits. This is a hundred times as fast as a greatest
- *           common divisor.
- * Does not: tell that there is a common root; a caller that gets no proof here asks
- *           poly.h.
- * Threads:  [any].
+ * Tell that two polynomials have no common root, or that one has no double root, with
+ * numbers of 61 bits. This is a hundred times as fast as a greatest common divisor.
  *
  * A common divisor of integer polynomials a and b divides them modulo the prime, too. If
  * the prime does not divide the leading coefficient of a, it does not divide that of the

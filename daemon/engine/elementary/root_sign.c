@@ -1,14 +1,11 @@
-/* daemon/engine/elementary/root_sign.c - the sign of a quadratic at a root.
+/* root_sign.c - the sign of a quadratic at a root.
  *
- * Room:     engine.
- * Does:     see root_sign.h. Let f be the polynomial with the root a, and g the
- *           quadratic, with a positive leading coefficient. Where g has roots in the
- *           interval, it is enough to know on which side of a root c of g the root a is:
- *           f(c) has the sign that f has before a, or the other one, or is 0. f(c) is a
- *           positive multiple of r(c), where r is what is left of f after division by g:
- *           a linear polynomial, whose root is a fraction. g at that fraction tells where
- *           it is, seen from c.
- * Threads:  one thread for one scratch.
+ * See root_sign.h. Let f be the polynomial with the root a, and g the quadratic, with a
+ * positive leading coefficient. Where g has roots in the interval, it is enough to know
+ * on which side of a root c of g the root a is: f(c) has the sign that f has before a, or
+ * the other one, or is 0. f(c) is a positive multiple of r(c), where r is what is left of
+ * f after division by g: a linear polynomial, whose root is a fraction. g at that
+ * fraction tells where it is, seen from c.
  */
 #include "root_sign.h"
 

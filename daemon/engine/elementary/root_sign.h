@@ -1,12 +1,11 @@
-/* daemon/engine/elementary/root_sign.h - tells whether a quadratic is positive, negative
- * or zero at a root of another polynomial, exactly.
+/* root_sign.h - tells whether a quadratic is positive, negative or zero at a root of
+ * another polynomial, exactly.
  *
- * Room:     engine. May include: ball.h, poly.h.
- * Does:     take the root as an interval around it, and give the sign of a polynomial of
- *           degree 2 or less there, in a fixed number of operations, even where the roots
- *           of the two nearly or exactly coincide. Where they only nearly do, a shorter
- *           interval may tell sooner.
- * Threads:  one thread for one scratch.
+ * Take the root as an interval around it, and give the sign of a polynomial of degree 2
+ * or less there, in a fixed number of operations, even where the roots of the two nearly
+ * or exactly coincide. Where they only nearly do, a shorter interval may tell sooner.
+ *
+ * Threads: one thread for one scratch.
  */
 #ifndef ENG_ROOT_SIGN_H
 #define ENG_ROOT_SIGN_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/separate.c - fixed directions between two features.
- *
- * Room:     engine.
- * Does:     see separate.h, both ends of the step at a time: a vector holds a number at
- *           t = 0 and the same at t = 1.
- * Threads:  [any].
- */
+/* separate.c - fixed directions between two features. */
 #include "separate.h"
 
 #include "kinds.h"

@@ -1,11 +1,7 @@
-/* daemon/engine/elementary/separate.h - rejects most queries cheaply: along a fixed
- * direction, such as the x axis, the two features stay apart.
+/* separate.h - rejects most queries cheaply: along a fixed direction, such as the x axis,
+ * the two features stay apart.
  *
- * Room:     engine. May include: query.h.
- * Does:     try the three axes and the diagonals of two axes. Of the queries whose boxes
- *           overlap, this rejects most.
- * Threads:  [any].
- * Source:   BOUNDS.md, "Axes" and "Filter, diagonal directions".
+ * Source: BOUNDS.md, "Axes" and "Filter, diagonal directions".
  */
 #ifndef ENG_SEPARATE_H
 #define ENG_SEPARATE_H

@@ -1,10 +1,6 @@
-/* daemon/engine/elementary/side.h - how far a point is on one side of a face, times twice
- * the face's area.
+/* side.h - how far a point is on one side of a face, times twice the face's area.
  *
- * Room:     engine. May include: query.h, vec.h.
- * Does:     compute it by doubles, with a bound of the error.
- * Threads:  [any].
- * Source:   elementary/BOUNDS.md, "Inside".
+ * Source: elementary/BOUNDS.md, "Inside".
  */
 #ifndef ENG_SIDE_H
 #define ENG_SIDE_H

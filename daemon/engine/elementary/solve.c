@@ -1,16 +1,14 @@
-/* daemon/engine/elementary/solve.c - the certified solver of one elementary test.
+/* solve.c - the certified solver of one elementary test.
  *
- * Room:     engine.
- * Does:     walk the step in time order over spans of t. A span is dropped when the cubic
- *           det[p, b, c] is certainly not zero on it, when a fixed direction separates
- *           the features at both its ends, or when it is short and (beta, gamma) is
- *           certainly outside its domain. A short span over which the cubic certainly
- *           changes sign while (beta, gamma) is certainly inside is a proved contact.
- *           Other spans are cut, at a bracket around the cubic's root where there is one,
- *           else in the middle; the short ones that remain are decided by exact
- *           arithmetic.
- * Threads:  one thread for one scratch.
- * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ * Walk the step in time order over spans of t. A span is dropped when the cubic det[p, b,
+ * c] is certainly not zero on it, when a fixed direction separates the features at both
+ * its ends, or when it is short and (beta, gamma) is certainly outside its domain. A
+ * short span over which the cubic certainly changes sign while (beta, gamma) is certainly
+ * inside is a proved contact. Other spans are cut, at a bracket around the cubic's root
+ * where there is one, else in the middle; the short ones that remain are decided by exact
+ * arithmetic.
+ *
+ * Source: every constant times u is derived in BOUNDS.md.
  */
 #include "solve.h"
 

@@ -1,11 +1,7 @@
-/* daemon/engine/elementary/solve.h - decides one elementary test with certainty: contact
- * or no contact, and when.
+/* solve.h - decides one elementary test with certainty: contact or no contact, and when.
  *
- * Room:     engine. May include: exact.h.
- * Does:     decide a query of VF or EE that no filter could reject. A miss is certain, a
- *           contact exists, and exact arithmetic decides what rounding hides.
- * Threads:  one thread for one scratch.
- * Source:   query.h; error bounds are derived in BOUNDS.md.
+ * Threads: one thread for one scratch.
+ * Source: error bounds are derived in BOUNDS.md.
  */
 #ifndef ENG_SOLVE_H
 #define ENG_SOLVE_H

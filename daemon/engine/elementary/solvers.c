@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/solvers.c - how the queries of each kind are decided.
- *
- * Room:     engine.
- * Does:     list them.
- * Threads:  [any].
- */
+/* solvers.c - how the queries of each kind are decided. */
 #include "solvers.h"
 
 #include "solve.h"

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/solvers.h - the table that says how the queries of each kind
- * are decided.
- *
- * Room:     engine. May include: exact.h.
- * Does:     hold a row for each kind of query. Together with the kind's row in
- *           common_kinds (points a side, name) it is all that the engine knows of a kind.
- * Threads:  [any].
+/* solvers.h - the table that says how the queries of each kind are decided.
  *
  * The same for all kinds: features of one mesh that share a vertex are not tested; a pair
  * is a candidate if the moving boxes around its features overlap; the first test is

@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/thick.c - thick features, by the first stage that is sure.
- *
- * Room:     engine.
- * Does:     see thick.h.
- * Threads:  one thread for one scratch.
- */
+/* thick.c - thick features, by the first stage that is sure. */
 #include "thick.h"
 
 #include <assert.h>

@@ -1,15 +1,11 @@
-/* daemon/engine/elementary/thick.h - the elementary test of thickness: do two features
- * come within a distance of each other during the step, and when first?
+/* thick.h - the elementary test of thickness: do two features come within a distance of
+ * each other during the step, and when first?
  *
- * Room:     engine. May include: exact.h, kernel.h, thick_exact.h,
- *           thick_query.h.
- * Does:     decide a query of VF, EE, VE or VV with a distance r: by doubles with
- *           margins, and by integers where they are not sure. A miss is certain, and
- *           every contact is proved.
- * Does not: know objects, which pairs there are, or which of them rest excludes. Steps
- *           ask it through thick_batch.h (near/thick_work.h).
- * Threads:  one thread for one scratch. Decisions allocate nothing.
- * Source:   BOUNDS.md, "Thick features".
+ * Decide a query of VF, EE, VE or VV with a distance r: by doubles with margins, and by
+ * integers where they are not sure. A miss is certain, and every contact is proved.
+ *
+ * Threads: one thread for one scratch. Decisions allocate nothing.
+ * Source: BOUNDS.md, "Thick features".
  *
  * An example: two vertices, 4 m apart, of which one moves onto the other; r = 1 m. They
  * are within r from t = 3/4 on, so toi <= 3/4 <= toi_hi.

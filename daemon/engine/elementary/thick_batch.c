@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/thick_batch.c - many pairs of thick features at once.
- *
- * Room:     engine.
- * Does:     see thick_batch.h. Kernels decide, in lanes; what they leave open, integers.
- * Threads:  one thread for one scratch.
- */
+/* thick_batch.c - many pairs of thick features at once. */
 #include "thick_batch.h"
 
 #include <assert.h>

@@ -1,11 +1,6 @@
-/* daemon/engine/elementary/thick_batch.h - the elementary tests of many pairs of thick
- * features at once.
+/* thick_batch.h - the elementary tests of many pairs of thick features at once.
  *
- * Room:     engine. May include: batch.h, kernel.h, thick.h.
- * Does:     decide a chunk of pairs of one kind. The results equal those of
- *           eng_thick_solve bit for bit, whatever the instruction set.
- * Does not: know radii without a pair.
- * Threads:  one thread for one scratch.
+ * Threads: one thread for one scratch.
  */
 #ifndef ENG_THICK_BATCH_H
 #define ENG_THICK_BATCH_H

@@ -1,13 +1,11 @@
-/* daemon/engine/elementary/thick_exact.c - exact answers about thick features.
+/* thick_exact.c - exact answers about thick features.
  *
- * Room:     engine.
- * Does:     see thick_exact.h. The distance of two features is that of one pair of their
- *           parts: two vertices; a vertex and its foot on an edge; the feet of a vertex
- *           in a face, or of two edges on each other. For each pair of parts the times
- *           at which it is r are roots of a polynomial of degree 2, 4 or 6, and whether
- *           the feet are strictly inside is told by polynomials of degree 2 or 4.
- *           BOUNDS.md says why the first time is the least of these roots.
- * Threads:  one thread for one scratch.
+ * See thick_exact.h. The distance of two features is that of one pair of their parts: two
+ * vertices; a vertex and its foot on an edge; the feet of a vertex in a face, or of two
+ * edges on each other. For each pair of parts the times at which it is r are roots of a
+ * polynomial of degree 2, 4 or 6, and whether the feet are strictly inside is told by
+ * polynomials of degree 2 or 4. BOUNDS.md says why the first time is the least of these
+ * roots.
  */
 #include "thick_exact.h"
 

@@ -1,12 +1,11 @@
-/* daemon/engine/elementary/thick_exact.h - decides a query of thick features by exact
- * integer arithmetic.
+/* thick_exact.h - decides a query of thick features by exact integer arithmetic.
  *
- * Room:     engine. May include: thick_query.h, thick_roots.h, GMP.
- * Does:     decide, from the binary inputs, whether two features are within a distance of
- *           each other at t = 0, and in which cell of time they first are; without
- *           rounding, whatever the inputs.
- * Threads:  one thread for one scratch. Decisions allocate nothing.
- * Source:   BOUNDS.md, "Thick features".
+ * Decide, from the binary inputs, whether two features are within a distance of each
+ * other at t = 0, and in which cell of time they first are; without rounding, whatever
+ * the inputs.
+ *
+ * Threads: one thread for one scratch. Decisions allocate nothing.
+ * Source: BOUNDS.md, "Thick features".
  */
 #ifndef ENG_THICK_EXACT_H
 #define ENG_THICK_EXACT_H

@@ -1,11 +1,9 @@
-/* daemon/engine/elementary/thick_roots.c - roots at which other polynomials are positive.
+/* thick_roots.c - roots at which other polynomials are positive.
  *
- * Room:     engine.
- * Does:     see thick_roots.h. Bisection and Descartes' rule of signs, first on the
- *           polynomial until a root is alone, then until no side has a root beside it. A
- *           side that is 0 at the root is known by a common divisor, which is looked for
- *           when bisection does not end soon.
- * Threads:  one thread for one struct eng_thick_roots.
+ * See thick_roots.h. Bisection and Descartes' rule of signs, first on the polynomial
+ * until a root is alone, then until no side has a root beside it. A side that is 0 at the
+ * root is known by a common divisor, which is looked for when bisection does not end
+ * soon.
  *
  * An interval [num, num + 1] / 2^k is named by num and k.
  */

@@ -1,12 +1,9 @@
-/* daemon/engine/elementary/thick_roots.h - finds, exactly, the first time at which a
- * polynomial is zero while others are positive: when two thick features come within
- * reach of each other by one pair of their parts.
+/* thick_roots.h - finds, exactly, the first time at which a polynomial is zero while
+ * others are positive: when two thick features come within reach of each other by one
+ * pair of their parts.
  *
- * Room:     engine. May include: divisor.h.
- * Does:     isolate roots in (0, 1] from the left, tell whether other polynomials are
- *           positive there, and name the cell of time that the first such root lies in.
- * Threads:  one thread for one struct eng_thick_roots. Nothing is allocated.
- * Source:   Collins and Akritas 1976; BOUNDS.md, "Thick features".
+ * Threads: one thread for one struct eng_thick_roots. Nothing is allocated.
+ * Source: Collins and Akritas 1976; BOUNDS.md, "Thick features".
  */
 #ifndef ENG_THICK_ROOTS_H
 #define ENG_THICK_ROOTS_H

@@ -1,10 +1,4 @@
-/* daemon/engine/elementary/vec.h - vectors of three doubles: add, subtract, dot, cross.
- *
- * Room:     engine. May include: the C library.
- * Does:     define inline operations in which each written operation rounds once
- *           (-ffp-contract=off).
- * Threads:  [any].
- */
+/* vec.h - vectors of three doubles: add, subtract, dot, cross. */
 #ifndef ENG_VEC_H
 #define ENG_VEC_H
 

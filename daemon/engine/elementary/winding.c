@@ -1,9 +1,4 @@
-/* daemon/engine/elementary/winding.c - what one face adds to a winding number.
- *
- * Room:     engine.
- * Does:     see winding.h.
- * Threads:  one thread for one struct eng_numbers.
- */
+/* winding.c - what one face adds to a winding number. */
 #include "winding.h"
 
 #include <assert.h>

@@ -1,15 +1,12 @@
-/* daemon/engine/elementary/winding.h - how often a closed surface winds around a point,
- * face by face.
+/* winding.h - how often a closed surface winds around a point, face by face.
  *
- * Room:     engine. May include: number.h.
- * Does:     say what one face adds to the winding number of a point: the faces that a ray
- *           from the point along +x passes through, each with the side it is passed from.
- *           Exactly, by doubles where they are sure, else by pairs of doubles, else by
- *           integers.
- * Does not: know meshes, or find the faces that the ray may meet.
- * Threads:  one thread for one struct eng_numbers. Allocates nothing.
- * Source:   Edelsbrunner, Mücke: Simulation of Simplicity, 1990; elementary/BOUNDS.md,
- *           "Inside".
+ * Say what one face adds to the winding number of a point: the faces that a ray from the
+ * point along +x passes through, each with the side it is passed from. Exactly, by
+ * doubles where they are sure, else by pairs of doubles, else by integers.
+ *
+ * Threads: one thread for one struct eng_numbers. Allocates nothing.
+ * Source: Edelsbrunner, Mücke: Simulation of Simplicity, 1990; elementary/BOUNDS.md,
+ * "Inside".
  *
  * The ray does not begin at p but at p + (0, e, e^2), for an e > 0 that is less than any
  * number. So it meets no vertex and no edge, whatever their coordinates, and there are no

@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/absent.c - in the place of a set that was not built.
- *
- * Room:     engine.
- * Does:     name none: choose.c then takes the processor for one that lacks the set.
- * Threads:  [any].
- */
+/* absent.c - in the place of a set that was not built. */
 #include "kernel.h"
 
 #define KERNELS2(isa) eng_##isa##_kernels

@@ -1,10 +1,8 @@
-/* daemon/engine/kernel/across.h - products of differences of points, with bounds of their
- * errors, a pair to each lane.
+/* across.h - products of differences of points, with bounds of their errors, a pair to
+ * each lane.
  *
- * Room:     engine. May include: vectors.h, query.h.
- * Does:     what elementary/distance_quick.c computes with, in lanes.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Distances by doubles".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Distances by doubles".
  */
 #ifndef ENG_ACROSS_H
 #define ENG_ACROSS_H

@@ -1,19 +1,16 @@
-/* daemon/engine/kernel/advance.c - thick features come within a distance of each other, a
- * pair to each lane.
+/* advance.c - thick features come within a distance of each other, a pair to each lane.
  *
- * Room:     engine.
- * Does:     see kernel.h. A turn looks at a pair from a time on, up to which its features
- *           are certainly farther apart than r. First it guesses when the planes across
- *           both features will be r apart, and proves that they are farther apart until
- *           shortly before. Then, at the end of the cell of time where that is, it asks
- *           for the nearest points: within r, they are the contact; else the direction
- *           between them keeps the features apart for some more time. Most contacts take
- *           one turn, and most misses two; later turns ask for a direction that turns to
- *           that of the time when they may meet. Between turns the pairs that are left
- *           close ranks, so that few lanes are idle.
- * Threads:  [any].
- * Source:   Mirtich 1996, and Li et al., Codimensional incremental potential contact,
- *           2021, for conservative advancement; BOUNDS.md, "Thick features by doubles".
+ * See kernel.h. A turn looks at a pair from a time on, up to which its features are
+ * certainly farther apart than r. First it guesses when the planes across both features
+ * will be r apart, and proves that they are farther apart until shortly before. Then, at
+ * the end of the cell of time where that is, it asks for the nearest points: within r,
+ * they are the contact; else the direction between them keeps the features apart for some
+ * more time. Most contacts take one turn, and most misses two; later turns ask for a
+ * direction that turns to that of the time when they may meet. Between turns the pairs
+ * that are left close ranks, so that few lanes are idle.
+ *
+ * Source: Mirtich 1996, and Li et al., Codimensional incremental potential contact, 2021,
+ * for conservative advancement; BOUNDS.md, "Thick features by doubles".
  */
 #include "table.h"
 #include "thick_cells.h"

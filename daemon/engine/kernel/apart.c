@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/apart.c - pairs that an axis separates all the time.
- *
- * Room:     engine.
- * Does:     compare coordinates of whole records: a record is loaded as it lies in
- *           memory, so nothing has to be turned for the many pairs that end here.
- * Threads:  [any].
+/* apart.c - pairs that an axis separates all the time.
  *
  * If all points of one feature lie above all points of the other along an axis at t = 0
  * and at t = 1, the differences of their coordinates, linear in t, are positive at every

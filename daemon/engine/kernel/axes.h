@@ -1,12 +1,11 @@
-/* daemon/engine/kernel/axes.h - rejects pairs that lie apart along an axis, by comparing
- * points rounded to a grid of whole numbers.
+/* axes.h - rejects pairs that lie apart along an axis, by comparing points rounded to a
+ * grid of whole numbers.
  *
- * Room:     engine. May include: marks.h.
- * Does:     compare marks in the layout that they have in memory, for the many pairs
- *           whose features an axis separates for the whole step: what apart.c does, from
- *           half the bytes.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md: a gap of two units at both ends is one all the time.
+ * Compare marks in the layout that they have in memory, for the many pairs whose features
+ * an axis separates for the whole step: what apart.c does, from half the bytes.
+ *
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md: a gap of two units at both ends is one all the time.
  */
 #ifndef ENG_AXES_H
 #define ENG_AXES_H

@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/begin.h - compares quantised boxes as they are at the beginning of
- * the step, for a search that ends shortly after t = 0.
+/* begin.h - compares quantised boxes as they are at the beginning of the step, for a
+ * search that ends shortly after t = 0.
  *
- * Room:     engine. May include: quantised.h, overlap.h.
- * Does:     compare boxes in their stored form, up to a time at which hardly anything has
- *           moved, so that nothing has to be prepared.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * A number (quantised.h) grows by at most `farthest` from the one end of the step to the
  * other, so a sum of two by 2 t_end farthest until t_end. Where that and the sum are

@@ -1,8 +1,4 @@
-/* daemon/engine/kernel/bounds.c - the exact bounds of positions.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
+/* bounds.c - the exact bounds of positions.
  *
  * Three vectors hold as many positions as one has lanes, and a lane of each of the three
  * always has the same axis: so nothing is turned until the end.

@@ -1,10 +1,5 @@
-/* daemon/engine/kernel/boxes.h - moving boxes stored sixteen at a time, a row for each
- * bound, ready for vector instructions.
- *
- * Room:     engine. May include: the C library.
- * Does:     name the two forms of a box at both ends of a step, and the parameters of a
- *           join of two blocks of boxes.
- * Threads:  [any].
+/* boxes.h - moving boxes stored sixteen at a time, a row for each bound, ready for vector
+ * instructions.
  *
  * A bound is stored as its distance outward: minus the lower bound, plus the upper. So a
  * union is a maximum everywhere. Two boxes are apart along an axis, one below the other,

@@ -1,11 +1,10 @@
-/* daemon/engine/kernel/bracket.c - the certified solver, a pair to each lane.
+/* bracket.c - the certified solver, a pair to each lane.
  *
- * Room:     engine.
- * Does:     find the roots of the coplanarity cubic, enclose each between two times at
- *           which its sign is certain, and say whether the features certainly meet or
- *           certainly miss there. What is not certain is left to solve.c.
- * Threads:  [any].
- * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ * Find the roots of the coplanarity cubic, enclose each between two times at which its
+ * sign is certain, and say whether the features certainly meet or certainly miss there.
+ * What is not certain is left to solve.c.
+ *
+ * Source: every constant times u is derived in BOUNDS.md.
  *
  * With the cubic turned so that it is positive at t = 0, three shapes are decided here:
  *

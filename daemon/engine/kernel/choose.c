@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/choose.c - which instruction set.
- *
- * Room:     engine.
- * Does:     see isa.h.
- * Threads:  [any]: two threads that choose at a time choose the same.
- */
+/* choose.c - which instruction set. */
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/come_before.c - which items of a list come before one of them.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
- */
+/* come_before.c - which items of a list come before one of them. */
 #include "lanes.h"
 #include "table.h"
 

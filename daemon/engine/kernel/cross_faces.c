@@ -1,11 +1,7 @@
-/* daemon/engine/kernel/cross_faces.c - edges that pass through faces at one end of the
- * step, a pair to each lane.
+/* cross_faces.c - edges that pass through faces at one end of the step, a pair to each
+ * lane.
  *
- * Room:     engine.
- * Does:     decide what eng_quick_crosses of elementary/distance_quick.c decides, by the
- *           same signs. What is not certain is left to distance.c.
- * Threads:  [any].
- * Source:   BOUNDS.md, "Distances by doubles", "An edge through a face".
+ * Source: BOUNDS.md, "Distances by doubles", "An edge through a face".
  */
 #include "across.h"
 #include "points.h"

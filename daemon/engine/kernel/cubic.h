@@ -1,11 +1,8 @@
-/* daemon/engine/kernel/cubic.h - the cubic whose roots are the possible times of contact,
- * for several pairs at once, one in each vector lane.
+/* cubic.h - the cubic whose roots are the possible times of contact, for several pairs at
+ * once, one in each vector lane.
  *
- * Room:     engine. May include: query.h, vectors.h.
- * Does:     compute coefficients with their error, the sign over intervals of time, and
- *           approximate roots, in Bernstein form over the step.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md for every constant times u.
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md for every constant times u.
  *
  * The blossom b(r, s, t) of a cubic is linear in each of its three times, and b(t, t, t)
  * is its value. b(l, l, l), b(l, l, r), b(l, r, r), b(r, r, r) are the coefficients over

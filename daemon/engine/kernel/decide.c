@@ -1,10 +1,6 @@
-/* daemon/engine/kernel/decide.c - the certified solver, of one pair by itself.
+/* decide.c - the certified solver, of one pair by itself.
  *
- * Room:     engine.
- * Does:     the same looks as bracket.c, and the same bytes. What the first look knows
- *           stays in registers, and the second goes on from it.
- * Threads:  [any].
- * Source:   BOUNDS.md. A part of the scalar set alone: other vectors have lanes to spare.
+ * Source: BOUNDS.md. A part of the scalar set alone: other vectors have lanes to spare.
  */
 #include "enclose.h"
 #include "pieces.h"

@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/directions.h - the nine directions along which filters look: axes
- * and face diagonals.
+/* directions.h - the nine directions along which filters look: axes and face diagonals.
  *
- * Room:     engine. May include: vectors.h.
- * Does:     project a vector.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_DIRECTIONS_H
 #define ENG_DIRECTIONS_H

@@ -1,11 +1,8 @@
-/* daemon/engine/kernel/enclose.h - finds the time of a contact: encloses a root of a
- * cubic between two times, and describes the contact there.
+/* enclose.h - finds the time of a contact: encloses a root of a cubic between two times,
+ * and describes the contact there.
  *
- * Room:     engine. May include: interval.h.
- * Does:     approach the root in the current interval, enclose it between two times at
- *           which the sign is certain, and describe a contact there.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md.
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md.
  */
 #ifndef ENG_ENCLOSE_H
 #define ENG_ENCLOSE_H

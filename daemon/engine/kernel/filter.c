@@ -1,12 +1,11 @@
-/* daemon/engine/kernel/filter.c - cheap certain rejections, a pair to each lane.
+/* filter.c - cheap certain rejections, a pair to each lane.
  *
- * Room:     engine.
- * Does:     reject pairs that x, y and z together never let meet, those whose coplanarity
- *           cubic certainly has one sign, and those that a face diagonal separates all
- *           the time. The cubic is computed from differences to one vertex: VF the
- *           vertex, EE the first end of edge a.
- * Threads:  [any].
- * Source:   query.h; the margins are derived in BOUNDS.md.
+ * Reject pairs that x, y and z together never let meet, those whose coplanarity cubic
+ * certainly has one sign, and those that a face diagonal separates all the time. The
+ * cubic is computed from differences to one vertex: VF the vertex, EE the first end of
+ * edge a.
+ *
+ * Source: the margins are derived in BOUNDS.md.
  */
 #include "directions.h"
 #include "points.h"

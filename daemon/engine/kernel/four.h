@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/four.h - a vector of four floats on every instruction set: one
- * side of one box.
+/* four.h - a vector of four floats on every instruction set: one side of one box.
  *
- * Room:     engine. May include: the C library.
- * Does:     define the vector, and the maximum of two.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_FOUR_H
 #define ENG_FOUR_H

@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/gaps.c - how far one box is from sixteen.
+/* gaps.c - how far one box is from sixteen.
  *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
- * Source:   elementary/BOUNDS.md, "Distances of boxes".
+ * Source: elementary/BOUNDS.md, "Distances of boxes".
  */
 #include "table.h"
 

@@ -1,9 +1,7 @@
-/* daemon/engine/kernel/halves.h - vector arithmetic on pairs of 16-bit numbers that share
- * a 32-bit lane, for quantised boxes.
+/* halves.h - vector arithmetic on pairs of 16-bit numbers that share a 32-bit lane, for
+ * quantised boxes.
  *
- * Room:     engine. May include: lanes_pack.h, arm_neon.h.
- * Does:     compute with numbers of 16 bits, two to a lane of 32.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_HALVES_H
 #define ENG_HALVES_H

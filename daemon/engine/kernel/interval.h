@@ -1,11 +1,11 @@
-/* daemon/engine/kernel/interval.h - intervals of the step in which a cubic has at most
- * one root, and those without a root, which are dropped.
+/* interval.h - intervals of the step in which a cubic has at most one root, and those
+ * without a root, which are dropped.
  *
- * Room:     engine. May include: cubic.h, spot.h.
- * Does:     name what is known of the pairs in the lanes; set up their cubics; find the
- *           cubics that certainly have no root, and those that only fall, which have one.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md.
+ * Name what is known of the pairs in the lanes; set up their cubics; find the cubics that
+ * certainly have no root, and those that only fall, which have one.
+ *
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md.
  */
 #ifndef ENG_INTERVAL_H
 #define ENG_INTERVAL_H

@@ -1,9 +1,5 @@
-/* daemon/engine/kernel/isa.h - the instruction sets that the engine can use, from
- * `scalar` to `avx512`, and which one it uses.
- *
- * Room:     engine. May include: nothing.
- * Does:     name them, and say which one is used.
- * Threads:  [any].
+/* isa.h - the instruction sets that the engine can use, from `scalar` to `avx512`, and
+ * which one it uses.
  */
 #ifndef ENG_ISA_H
 #define ENG_ISA_H

@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/join.h - finds the overlapping pairs between blocks of sixteen
- * boxes: parameters and results of that inner loop.
+/* join.h - finds the overlapping pairs between blocks of sixteen boxes: parameters and
+ * results of that inner loop.
  *
- * Room:     engine. May include: boxes.h, the C library.
- * Does:     describe which blocks are joined, and hold the pairs found until there is
- *           room for them.
- * Threads:  one thread for one round; the blocks are only read.
+ * Threads: one thread for one round; the blocks are only read.
  *
  * Many pairs of blocks are joined in one loop over all of them. So each pair costs as few
  * mispredicted branches as a single one: the end of its loop.

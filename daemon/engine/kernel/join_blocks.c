@@ -1,8 +1,4 @@
-/* daemon/engine/kernel/join_blocks.c - the boxes of two blocks against each other.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
+/* join_blocks.c - the boxes of two blocks against each other.
  *
  * By rounds of pairs of blocks. How many lanes of the first the box around the second
  * meets cannot be foreseen, nor which of them have any pair: a branch on either would be

@@ -1,13 +1,4 @@
-/* daemon/engine/kernel/kernel.h - the inner loops of the engine, one version for every
- * instruction set.
- *
- * Room:     engine. May include: box_frame.h, isa.h, join.h, kinds.h, median.h,
- *           nearest.h, query.h, sieve.h.
- * Does:     name the functions that each instruction set has (isa.h chooses the set).
- * Does not: know meshes, scenes or threads.
- * Threads:  [any].
- *
- * More than 200 lines: it is one table.
+/* kernel.h - the inner loops of the engine, one version for every instruction set.
  *
  * Every file of this folder but choose.c is compiled once for each instruction set, with
  * its flags and with ENG_ISA and ENG_VECTOR_BYTES set (local.mk). lanes.h hides how wide

@@ -1,9 +1,7 @@
-/* daemon/engine/kernel/lane_types.h - the vector types that the kernels compute with, and
- * how they are loaded and stored.
+/* lane_types.h - the vector types that the kernels compute with, and how they are loaded
+ * and stored.
  *
- * Room:     engine. May include: immintrin.h.
- * Does:     name the vectors that lanes.h computes with, read and write them.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_LANE_TYPES_H
 #define ENG_LANE_TYPES_H

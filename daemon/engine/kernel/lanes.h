@@ -1,11 +1,7 @@
-/* daemon/engine/kernel/lanes.h - arithmetic on vectors as wide as the instruction set
- * allows, with the same result in each lane whatever the width.
+/* lanes.h - arithmetic on vectors as wide as the instruction set allows, with the same
+ * result in each lane whatever the width.
  *
- * Room:     engine. May include: lane_types.h, lanes_avx512.h, lanes_scalar.h,
- *           lanes_vector.h.
- * Does:     give operations on doubles, floats and masks, lane by lane; + - * / are the
- *           compiler's operators on vectors.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * eng_d: ENG_D_LANES doubles, eng_f: ENG_F_LANES floats. A mask, eng_dm or eng_fm, is a
  * register of bits with AVX-512 and a vector of all-ones and zeros elsewhere: only the

@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/lanes_avx512.h - the AVX-512 version of lanes.h: a mask is a
- * register of bits.
+/* lanes_avx512.h - the AVX-512 version of lanes.h: a mask is a register of bits.
  *
- * Room:     engine. May include: lane_types.h.
- * Does:     define the masks and comparisons that lanes.h promises.
- * Threads:  [any]; inline only.
+ * Threads: [any]; inline only.
  */
 #ifndef ENG_LANES_AVX512_H
 #define ENG_LANES_AVX512_H

@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/lanes_pack.h - moves the results of vector comparisons into lists:
- * signs become bits, and set bits become numbers.
+/* lanes_pack.h - moves the results of vector comparisons into lists: signs become bits,
+ * and set bits become numbers.
  *
- * Room:     engine. May include: lanes.h, immintrin.h.
- * Does:     turn signs and equality into bits; write the numbers of the set bits one
- *           after the other.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_LANES_PACK_H
 #define ENG_LANES_PACK_H

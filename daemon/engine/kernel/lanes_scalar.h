@@ -1,11 +1,10 @@
-/* daemon/engine/kernel/lanes_scalar.h - the version of lanes.h without vectors: one
- * number at a time, the reference for all others.
+/* lanes_scalar.h - the version of lanes.h without vectors: one number at a time, the
+ * reference for all others.
  *
- * Room:     engine. May include: lane_types.h, immintrin.h.
- * Does:     define what lanes.h promises. Numbers stay in the registers for numbers,
- *           masks included: vectors of one integer would travel to the other registers
- *           and back.
- * Threads:  [any]; inline only.
+ * Define what lanes.h promises. Numbers stay in the registers for numbers, masks
+ * included: vectors of one integer would travel to the other registers and back.
+ *
+ * Threads: [any]; inline only.
  */
 #ifndef ENG_LANES_SCALAR_H
 #define ENG_LANES_SCALAR_H

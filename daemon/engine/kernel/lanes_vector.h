@@ -1,11 +1,7 @@
-/* daemon/engine/kernel/lanes_vector.h - the version of lanes.h for SSE 4.2, AVX2 and
- * NEON: a mask is a vector of all-ones and zeros.
+/* lanes_vector.h - the version of lanes.h for SSE 4.2, AVX2 and NEON: a mask is a vector
+ * of all-ones and zeros.
  *
- * Room:     engine. May include: lane_types.h.
- * Does:     define the masks and comparisons that lanes.h promises.
- * Threads:  [any]; inline only.
- *
- * More than 200 lines: it is one list of operations, for three sets.
+ * Threads: [any]; inline only.
  */
 #ifndef ENG_LANES_VECTOR_H
 #define ENG_LANES_VECTOR_H

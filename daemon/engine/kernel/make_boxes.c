@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/make_boxes.c - boxes of points, features and blocks.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
- */
+/* make_boxes.c - boxes of points, features and blocks. */
 #include "four.h"
 #include "table.h"
 

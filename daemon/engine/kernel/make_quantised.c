@@ -1,8 +1,4 @@
-/* daemon/engine/kernel/make_quantised.c - blocks of boxes in whole numbers of 16 bits.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
+/* make_quantised.c - blocks of boxes in whole numbers of 16 bits.
  *
  * x scale is exact, or below the normal range, where it is off by 2^-150. The sum with
  * the origin is off by 2^-24 of itself, 2^-9 at most where it is at most 2^15; the sum

@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/marks.c - points onto the grid.
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
- */
+/* marks.c - points onto the grid. */
 #include "table.h"
 
 typedef int32_t half_bits __attribute__((vector_size(ENG_D_LANES * 4), may_alias));

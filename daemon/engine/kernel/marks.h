@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/marks.h - loads points that were rounded to a grid (marks),
- * several at once, for the sieve.
+/* marks.h - loads points that were rounded to a grid (marks), several at once, for the
+ * sieve.
  *
- * Room:     engine. May include: marks_turn.h.
- * Does:     subtract the marks of as many pairs as a vector has floats, in memory order,
- *           then transpose the three differences, which is less than four points.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_MARKS_H
 #define ENG_MARKS_H

@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/marks_end.h - loads points that were rounded to a grid (marks), as
- * they are at one end of the step, for the sieve of what is near.
+/* marks_end.h - loads points that were rounded to a grid (marks), as they are at one end
+ * of the step, for the sieve of what is near.
  *
- * Room:     engine. May include: marks.h.
- * Does:     what marks.h does at both ends, of half the bytes; of an edge and a face,
- *           too.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_MARKS_END_H
 #define ENG_MARKS_END_H

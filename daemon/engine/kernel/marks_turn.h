@@ -1,9 +1,7 @@
-/* daemon/engine/kernel/marks_turn.h - turns points that were rounded to a grid (marks),
- * as they lie in memory, to a vector for each coordinate.
+/* marks_turn.h - turns points that were rounded to a grid (marks), as they lie in memory,
+ * to a vector for each coordinate.
  *
- * Room:     engine. May include: lanes_pack.h, query.h, sieve.h.
- * Does:     load marks of several pairs side by side, and transpose them.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_MARKS_TURN_H
 #define ENG_MARKS_TURN_H

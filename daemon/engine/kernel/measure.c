@@ -1,12 +1,10 @@
-/* daemon/engine/kernel/measure.c - distances of pairs at one end of the step, a pair to
- * each lane.
+/* measure.c - distances of pairs at one end of the step, a pair to each lane.
  *
- * Room:     engine.
- * Does:     leave out pairs that are certainly farther apart than d, and write the
- *           distances of those that are certainly within, where every rounded number is
- *           sure. What is not certain is left to distance.c.
- * Threads:  [any].
- * Source:   BOUNDS.md, "Distances in lanes".
+ * Leave out pairs that are certainly farther apart than d, and write the distances of
+ * those that are certainly within, where every rounded number is sure. What is not
+ * certain is left to distance.c.
+ *
+ * Source: BOUNDS.md, "Distances in lanes".
  */
 #include "place_edges.h"
 #include "place_face.h"

@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/meeting.h - rejects pairs of moving boxes that overlap along each
- * axis at some time, but never along all axes at the same time.
+/* meeting.h - rejects pairs of moving boxes that overlap along each axis at some time,
+ * but never along all axes at the same time.
  *
- * Room:     engine. May include: halves.h, lanes_pack.h, overlap.h.
- * Does:     compute for each axis the span of time in which the boxes overlap, and reject
- *           pairs whose spans have no common time.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * What moving boxes let through may be apart along x up to some time and along y from an
  * earlier one on. With h0, h1 as in overlap.h boxes can meet along an axis, one way,

@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/movers.h - leaves out boxes and pairs of which nothing moves, or
- * all is foreign.
+/* movers.h - leaves out boxes and pairs of which nothing moves, or all is foreign.
  *
- * Room:     engine. May include: join.h, lanes.h.
- * Does:     leave out of a round what stands, and what is foreign (join.h).
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * Boxes are left out where they are bits: one by one they would take a tenth of what
  * it is to compare them. Lanes are by a pass over the list, which is in the first cache.

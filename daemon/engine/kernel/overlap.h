@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/overlap.h - compares one box with sixteen others at once.
+/* overlap.h - compares one box with sixteen others at once.
  *
- * Room:     engine. May include: boxes.h, lanes_pack.h, quantised.h.
- * Does:     say which of them it may meet, for moving boxes, swept boxes, quantised
- *           boxes, and for boxes up to a given time.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * One box against sixteen takes, a register of sixteen lanes wide: per axis four sums and
  * two ands of sign bits, 18 operations in all, 9 cycles where two are done at a time (12

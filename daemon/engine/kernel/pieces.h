@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/pieces.h - cuts the step where a cubic turns, so that each piece
- * has at most one root.
+/* pieces.h - cuts the step where a cubic turns, so that each piece has at most one root.
  *
- * Room:     engine. May include: interval.h.
- * Does:     find where the cubics turn, and go on from one interval to the next.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md.
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md.
  */
 #ifndef ENG_PIECES_H
 #define ENG_PIECES_H

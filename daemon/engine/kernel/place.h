@@ -1,11 +1,7 @@
-/* daemon/engine/kernel/place.h - what is known of where two features are nearest, a pair
- * to each lane.
+/* place.h - what is known of where two features are nearest, a pair to each lane.
  *
- * Room:     engine. May include: across.h, nearest.h, the C library.
- * Does:     name the vertices, the foot on an edge or the insides; place_face.h and
- *           place_edges.h find them.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Distances in lanes".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Distances in lanes".
  */
 #ifndef ENG_PLACE_H
 #define ENG_PLACE_H

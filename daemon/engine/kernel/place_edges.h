@@ -1,10 +1,8 @@
-/* daemon/engine/kernel/place_edges.h - between which of their points two edges are
- * nearest, a pair to each lane, where doubles are sure.
+/* place_edges.h - between which of their points two edges are nearest, a pair to each
+ * lane, where doubles are sure.
  *
- * Room:     engine. May include: place.h.
- * Does:     ask the questions of elementary/distance_quick.c, with its margins.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Distances in lanes".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Distances in lanes".
  */
 #ifndef ENG_PLACE_EDGES_H
 #define ENG_PLACE_EDGES_H

@@ -1,11 +1,9 @@
-/* daemon/engine/kernel/points.h - loads the points of several pairs into vectors, one
- * pair in each lane.
+/* points.h - loads the points of several pairs into vectors, one pair in each lane.
  *
- * Room:     engine. May include: kernel.h, vectors.h.
- * Does:     load the same point of as many pairs as there are lanes. A record is one
- *           cache line; loading lines and transposing them takes half the time of
- *           gathering single numbers.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Load the same point of as many pairs as there are lanes. A record is one cache line;
+ * loading lines and transposing them takes half the time of gathering single numbers.
+ *
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_POINTS_H
 #define ENG_POINTS_H

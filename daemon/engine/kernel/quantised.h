@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/quantised.h - quantised boxes: moving boxes whose bounds are whole
- * numbers of 16 bits, half as large as floats and twice as fast to compare.
+/* quantised.h - quantised boxes: moving boxes whose bounds are whole numbers of 16 bits,
+ * half as large as floats and twice as fast to compare.
  *
- * Room:     engine. May include: boxes.h, halves.h.
- * Does:     compare two distances in the place of one float: the lower and the upper
- *           bound of a box along an axis are the two halves of a lane.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * make_quantised.c writes q >= x scale + c, where the two c of an axis, for what is below
  * and above, make up for the rounding of both: a sum of two q is at least the gap's other

@@ -1,11 +1,7 @@
-/* daemon/engine/kernel/reach.h - makes one box that stands still of a moving one: around
- * its way from t = 0 to a time t_end, or as it is at one end of the step, grown by a
- * distance.
+/* reach.h - makes one box that stands still of a moving one: around its way from t = 0 to
+ * a time t_end, or as it is at one end of the step, grown by a distance.
  *
- * Room:     engine. May include: four.h, join.h, lanes.h.
- * Does:     write that box. Two of them are compared with half the work of two moving
- *           ones, and up to a near time they are hardly larger.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  *
  * A bound's outward distance goes from x0 to x1: up to t_end it is at most x0 + p with
  * p = t_end (x1 - x0), or x0 if that is less. Difference and product are off by

@@ -1,11 +1,8 @@
-/* daemon/engine/kernel/rims.h - bounds of the distance of two features without knowing
- * what it is between, a pair to each lane.
+/* rims.h - bounds of the distance of two features without knowing what it is between, a
+ * pair to each lane.
  *
- * Room:     engine. May include: across.h, pccd_types.h, the C library.
- * Does:     find the shortest way from a corner of one feature to the rim of the other,
- *           about; and by that way, how near the features are at most and at least.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Distances in lanes".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Distances in lanes".
  *
  * Edges that are parallel, feet that are at a corner: of such pairs lanes do not know
  * where they are nearest, and meshes at rest have many. Most are farther apart than d.

@@ -1,10 +1,5 @@
-/* daemon/engine/kernel/sieve.h - points rounded to a grid of whole numbers, by which most
- * pairs are rejected before doubles are read.
- *
- * Room:     engine. May include: the C library.
- * Does:     name a grid over a scene, the points on it (marks), and what the sieve works
- *           on.
- * Threads:  [any].
+/* sieve.h - points rounded to a grid of whole numbers, by which most pairs are rejected
+ * before doubles are read.
  *
  * Marks take half the bytes of the points themselves, so a vector holds twice as many.
  * Differences of whole numbers are exact, so what the sieve may reject depends on the

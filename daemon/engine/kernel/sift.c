@@ -1,11 +1,10 @@
-/* daemon/engine/kernel/sift.c - cheap certain rejections in floats, a pair to each lane.
+/* sift.c - cheap certain rejections in floats, a pair to each lane.
  *
- * Room:     engine.
- * Does:     what filter.c does, from points on a grid: twice as many pairs at a time, at
- *           margins that hold what the grid and the floats round off. Leaves in a while
- *           only where features are small beside the grid.
- * Threads:  [any].
- * Source:   query.h; the margins are derived in BOUNDS.md.
+ * What filter.c does, from points on a grid: twice as many pairs at a time, at margins
+ * that hold what the grid and the floats round off. Leaves in a while only where features
+ * are small beside the grid.
+ *
+ * Source: the margins are derived in BOUNDS.md.
  */
 #include "sift.h"
 #include "axes.h"

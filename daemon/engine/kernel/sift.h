@@ -1,10 +1,6 @@
-/* daemon/engine/kernel/sift.h - what sieves compute with: floats made of marks, a pair
- * to each lane.
+/* sift.h - what sieves compute with: floats made of marks, a pair to each lane.
  *
- * Room:     engine. May include: marks.h.
- * Does:     load groups of pairs, add and multiply their vectors, find gaps along an axis
- *           and the times that these leave.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_SIFT_H
 #define ENG_SIFT_H

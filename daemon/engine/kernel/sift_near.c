@@ -1,10 +1,6 @@
-/* daemon/engine/kernel/sift_near.c - what is certainly not near at an end of the step.
+/* sift_near.c - what is certainly not near at an end of the step.
  *
- * Room:     engine.
- * Does:     see kernel.h: in floats, a pair to each lane, from points on a grid; of edges
- *           and faces those that certainly do not cross.
- * Threads:  [any].
- * Source:   BOUNDS.md, "The sieve: what is near".
+ * Source: BOUNDS.md, "The sieve: what is near".
  */
 #include "marks_end.h"
 #include "sift.h"

@@ -1,14 +1,7 @@
-/* daemon/engine/kernel/sift_thick.c - pairs that stay farther apart than a distance all
- * over the step, by their marks, a pair to each lane.
+/* sift_thick.c - pairs that stay farther apart than a distance all over the step, by
+ * their marks, a pair to each lane.
  *
- * Room:     engine.
- * Does:     reject what stay_beyond.c would, by axes and time, planes and face diagonals,
- *           from points on a grid: twice as many pairs at a time, before doubles are
- *           read.
- * Does not: look up to a part of the step: what integers give up must not depend on who
- *           rejects (thick.h).
- * Threads:  [any].
- * Source:   BOUNDS.md, "The sieve: thick features".
+ * Source: BOUNDS.md, "The sieve: thick features".
  */
 #include "directions.h"
 #include "sift.h"

@@ -1,12 +1,12 @@
-/* daemon/engine/kernel/spot.h - where two features are relative to each other at one
- * time, several pairs at once.
+/* spot.h - where two features are relative to each other at one time, several pairs at
+ * once.
  *
- * Room:     engine. May include: points.h.
- * Does:     load the motion of pairs. For a short span of time, say whether the point in
- *           which a feature crosses the other's plane is certainly inside or certainly
- *           outside the features, and describe it.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   query.h; every constant times u is derived in BOUNDS.md.
+ * Load the motion of pairs. For a short span of time, say whether the point in which a
+ * feature crosses the other's plane is certainly inside or certainly outside the
+ * features, and describe it.
+ *
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: every constant times u is derived in BOUNDS.md.
  */
 #ifndef ENG_SPOT_H
 #define ENG_SPOT_H

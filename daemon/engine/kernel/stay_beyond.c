@@ -1,14 +1,12 @@
-/* daemon/engine/kernel/stay_beyond.c - thick features that stay farther apart than they
- * reach, a pair to each lane.
+/* stay_beyond.c - thick features that stay farther apart than they reach, a pair to each
+ * lane.
  *
- * Room:     engine.
- * Does:     reject pairs of which some direction certainly keeps all points of the one
- *           more than r beyond all points of the other, at both ends and so all over the
- *           step: the axes, the face diagonals, across both features and between their
- *           middles as they lie half way, or planes that turn with them; or of which no
- *           time is left when all axes are asked.
- * Threads:  [any].
- * Source:   BOUNDS.md, "Thick features in lanes".
+ * Reject pairs of which some direction certainly keeps all points of the one more than r
+ * beyond all points of the other, at both ends and so all over the step: the axes, the
+ * face diagonals, across both features and between their middles as they lie half way, or
+ * planes that turn with them; or of which no time is left when all axes are asked.
+ *
+ * Source: BOUNDS.md, "Thick features in lanes".
  */
 #include "across.h"
 #include "directions.h"

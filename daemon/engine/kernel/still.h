@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/still.h - sixteen boxes that stand still, kept in registers while
- * many other boxes are compared with them.
+/* still.h - sixteen boxes that stand still, kept in registers while many other boxes are
+ * compared with them.
  *
- * Room:     engine. May include: overlap.h.
- * Does:     keep a block's rows where they are not read again for each box that is
- *           compared with them.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_STILL_H
 #define ENG_STILL_H

@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/table.c - the kernels of one instruction set, for kernel.h.
- *
- * Room:     engine.
- * Does:     list them.
- * Threads:  [any].
- */
+/* table.c - the kernels of one instruction set, for kernel.h. */
 #include "table.h"
 
 #define TEXT2(x) #x

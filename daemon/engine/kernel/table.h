@@ -1,10 +1,4 @@
-/* daemon/engine/kernel/table.h - the list of kernels that each instruction set must
- * define.
- *
- * Room:     engine. May include: kernel.h, lanes.h.
- * Does:     declare what the files of this folder define and table.c lists.
- * Threads:  [any].
- */
+/* table.h - the list of kernels that each instruction set must define. */
 #ifndef ENG_TABLE_H
 #define ENG_TABLE_H
 

@@ -1,9 +1,6 @@
-/* daemon/engine/kernel/thick_cells.h - the cells of time of thick contacts, a pair to
- * each lane.
+/* thick_cells.h - the cells of time of thick contacts, a pair to each lane.
  *
- * Room:     engine. May include: lanes.h.
- * Does:     what elementary/thick_roots.h says of cells, lane by lane, and exactly.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_THICK_CELLS_H
 #define ENG_THICK_CELLS_H

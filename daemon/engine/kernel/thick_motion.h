@@ -1,10 +1,7 @@
-/* daemon/engine/kernel/thick_motion.h - how two thick features move, a pair to each lane.
+/* thick_motion.h - how two thick features move, a pair to each lane.
  *
- * Room:     engine. May include: points.h.
- * Does:     load the differences of their points, scaled by a power of two of each pair's
- *           own so that the largest is between 1/2 and 1.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Thick features by doubles".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Thick features by doubles".
  */
 #ifndef ENG_THICK_MOTION_H
 #define ENG_THICK_MOTION_H

@@ -1,11 +1,8 @@
-/* daemon/engine/kernel/thick_way.h - the way between the nearest points of two thick
- * features, a pair to each lane.
+/* thick_way.h - the way between the nearest points of two thick features, a pair to each
+ * lane.
  *
- * Room:     engine. May include: thick_motion.h.
- * Does:     find about the nearest points at a time, as elementary/closest.c does. That
- *           proposes directions and describes contacts, and decides nothing.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Thick features by doubles".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Thick features by doubles".
  */
 #ifndef ENG_THICK_WAY_H
 #define ENG_THICK_WAY_H

@@ -1,10 +1,8 @@
-/* daemon/engine/kernel/times.h - when two features can meet, as far as gaps along axes
- * say, a pair to each lane.
+/* times.h - when two features can meet, as far as gaps along axes say, a pair to each
+ * lane.
  *
- * Room:     engine. May include: lanes.h, query.h.
- * Does:     keep the first and the last time as fractions, so that nothing is divided.
- * Threads:  [any]; inline only. Included by files of this folder alone.
- * Source:   BOUNDS.md, "Axes and time".
+ * Threads: [any]; inline only. Included by files of this folder alone.
+ * Source: BOUNDS.md, "Axes and time".
  */
 #ifndef ENG_TIMES_H
 #define ENG_TIMES_H

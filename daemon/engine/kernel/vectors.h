@@ -1,10 +1,6 @@
-/* daemon/engine/kernel/vectors.h - vectors of three coordinates, several at once, one in
- * each lane.
+/* vectors.h - vectors of three coordinates, several at once, one in each lane.
  *
- * Room:     engine. May include: lanes.h.
- * Does:     the operations of elementary/vec.h, lane by lane; each written operation is
- *           one rounding.
- * Threads:  [any]; inline only. Included by files of this folder alone.
+ * Threads: [any]; inline only. Included by files of this folder alone.
  */
 #ifndef ENG_VECTORS_H
 #define ENG_VECTORS_H

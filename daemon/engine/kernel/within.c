@@ -1,9 +1,4 @@
-/* daemon/engine/kernel/within.c - are coordinates numbers, and in range?
- *
- * Room:     engine.
- * Does:     see kernel.h.
- * Threads:  [any].
- */
+/* within.c - are coordinates numbers, and in range? */
 #include <math.h>
 
 #include "table.h"

@@ -1,10 +1,4 @@
-/* daemon/engine/near/closest_features.c - the features between which a distance is.
- *
- * Room:     engine.
- * Does:     see closest_features.h. What a distance is between cannot be foreseen, so
- *           pairs are told apart first, then those of a sort are named in one loop.
- * Threads:  [team].
- */
+/* closest_features.c - the features between which a distance is. */
 #include "closest_features.h"
 
 #include <assert.h>

@@ -1,10 +1,5 @@
-/* daemon/engine/near/closest_features.h - from a pair that is near to the two features
- * between which its distance is.
- *
- * Room:     engine. May include: batch.h, kernel.h, nearest.h, world.h.
- * Does:     name them as records do: a vertex and a face, two edges, a vertex and an
- *           edge, or two vertices; and say of these what is said of the pair.
- * Threads:  [team].
+/* closest_features.h - from a pair that is near to the two features between which its
+ * distance is.
  *
  * Example: an edge that ends above a face is near the face. The distance is between the
  * edge's end and the face, so the vertex and the face are the closest features. Each

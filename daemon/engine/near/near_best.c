@@ -1,11 +1,4 @@
-/* daemon/engine/near/near_best.c - the nearest pair so far.
- *
- * Room:     engine.
- * Does:     see near_best.h. Doubles with bounds decide most; pairs that have their
- *           distance between the same points are equally near; the rest are compared
- *           exactly.
- * Threads:  one thread for one struct eng_near_best.
- */
+/* near_best.c - the nearest pair so far. */
 #include "near_best.h"
 
 #include <assert.h>

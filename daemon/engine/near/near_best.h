@@ -1,13 +1,10 @@
-/* daemon/engine/near/near_best.h - the nearest of the pairs of features that were
- * looked at so far.
+/* near_best.h - the nearest of the pairs of features that were looked at so far.
  *
- * Room:     engine. May include: distance_order.h, world.h.
- * Does:     take a pair whose surfaces are nearer, exactly, or as near and before in
- *           canonical order; say how far away a pair may be and still matter; describe
- *           the pair.
- * Does not: know where pairs come from (near_search.h).
- * Threads:  one thread for one struct eng_near_best.
- * Source:   elementary/BOUNDS.md, "Which distance is less".
+ * Take a pair whose surfaces are nearer, exactly, or as near and before in canonical
+ * order; say how far away a pair may be and still matter; describe the pair.
+ *
+ * Threads: one thread for one struct eng_near_best.
+ * Source: elementary/BOUNDS.md, "Which distance is less".
  */
 #ifndef ENG_NEAR_BEST_H
 #define ENG_NEAR_BEST_H

@@ -1,9 +1,4 @@
-/* daemon/engine/near/near_objects.c - what is asked of objects two by two.
- *
- * Room:     engine.
- * Does:     see near_objects.h.
- * Threads:  near_objects.h.
- */
+/* near_objects.c - what is asked of objects two by two. */
 #include "near_objects.h"
 
 #include <assert.h>

@@ -1,11 +1,5 @@
-/* daemon/engine/near/near_objects.h - what is asked of objects two by two: which of their
- * features are nearest, and how deep one is in the other.
- *
- * Room:     engine. May include: closed.h, near_search.h, near_warm.h.
- * Does:     list the objects that are asked for; share them out among the threads, which
- *           write their records to worker->found.
- * Does not: bring the records of all threads together (near.c).
- * Threads:  functions say.
+/* near_objects.h - what is asked of objects two by two: which of their features are
+ * nearest, and how deep one is in the other.
  */
 #ifndef ENG_NEAR_OBJECTS_H
 #define ENG_NEAR_OBJECTS_H

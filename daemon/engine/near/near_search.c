@@ -1,10 +1,4 @@
-/* daemon/engine/near/near_search.c - finds what is nearest in the trees of a method.
- *
- * Room:     engine.
- * Does:     see near_search.h. What waits lies in a stack, of what was opened last the
- *           nearest on top.
- * Threads:  one thread for one struct eng_near_search.
- */
+/* near_search.c - finds what is nearest in the trees of a method. */
 #include "near_search.h"
 
 #include <assert.h>

@@ -1,14 +1,12 @@
-/* daemon/engine/near/near_search.h - finds what is nearest in the trees of a
- * method: of two objects, or of a point and an object; and how often a surface winds
- * around a point.
+/* near_search.h - finds what is nearest in the trees of a method: of two objects, or of a
+ * point and an object; and how often a surface winds around a point.
  *
- * Room:     engine. May include: method.h, near_best.h.
- * Does:     descend from the roots of two objects, the nearest boxes first, and leave out
- *           what is certainly farther than the best pair so far. So the pair that is
- *           found is the same for every tree, and wherever the search begins.
- * Does not: make boxes: they are those of the last refit.
- * Threads:  one thread for one struct eng_near_search; the trees are only read.
- * Source:   elementary/BOUNDS.md, "Distances of boxes".
+ * Descend from the roots of two objects, the nearest boxes first, and leave out what is
+ * certainly farther than the best pair so far. So the pair that is found is the same for
+ * every tree, and wherever the search begins.
+ *
+ * Threads: one thread for one struct eng_near_search; the trees are only read.
+ * Source: elementary/BOUNDS.md, "Distances of boxes".
  */
 #ifndef ENG_NEAR_SEARCH_H
 #define ENG_NEAR_SEARCH_H

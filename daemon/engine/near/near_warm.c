@@ -1,9 +1,4 @@
-/* daemon/engine/near/near_warm.c - where the search for the nearest begins.
- *
- * Room:     engine.
- * Does:     see near_warm.h. A table with open addresses, at most half full.
- * Threads:  near_warm.h.
- */
+/* near_warm.c - where the search for the nearest begins. */
 #include "near_warm.h"
 
 #include <assert.h>

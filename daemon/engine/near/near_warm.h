@@ -1,11 +1,11 @@
-/* daemon/engine/near/near_warm.h - which features of two objects were the nearest
- * last time: where the next search begins.
+/* near_warm.h - which features of two objects were the nearest last time: where the next
+ * search begins.
  *
- * Room:     engine. May include: near_best.h.
- * Does:     keep the pairs of an answer by their objects. Whoever uses one looks at it
- *           first, so that all that is farther is left out from the beginning: what is
- *           nearest does not depend on it.
- * Threads:  learn, forget: [compute]; find: [team].
+ * Keep the pairs of an answer by their objects. Whoever uses one looks at it first, so
+ * that all that is farther is left out from the beginning: what is nearest does not
+ * depend on it.
+ *
+ * Threads: learn, forget: [compute]; find: [team].
  */
 #ifndef ENG_NEAR_WARM_H
 #define ENG_NEAR_WARM_H

@@ -1,9 +1,4 @@
-/* daemon/engine/near/near_work.c - pairs that are near, as they were asked for.
- *
- * Room:     engine.
- * Does:     see near_work.h.
- * Threads:  near_work.h.
- */
+/* near_work.c - pairs that are near, as they were asked for. */
 #include "near_work.h"
 
 #include <assert.h>

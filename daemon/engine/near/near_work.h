@@ -1,11 +1,6 @@
-/* daemon/engine/near/near_work.h - what one thread needs to find out what is near.
+/* near_work.h - what one thread needs to find out what is near.
  *
- * Room:     engine. May include: closest_features.h, distance_batch.h, finding.h,
- *           near_query.h, worker.h, world.h.
- * Does:     hold the scratch of distances and what the thread has found so far, besides
- *           its records; make records of pairs that are near, as they were asked for.
- * Does not: know how pairs are found: both methods hand them over.
- * Threads:  [team]; it belongs to one thread.
+ * Threads: [team]; it belongs to one thread.
  */
 #ifndef ENG_NEAR_WORK_H
 #define ENG_NEAR_WORK_H

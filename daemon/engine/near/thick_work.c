@@ -1,9 +1,4 @@
-/* daemon/engine/near/thick_work.c - pairs that meet at a distance.
- *
- * Room:     engine.
- * Does:     see thick_work.h.
- * Threads:  thick_work.h.
- */
+/* thick_work.c - pairs that meet at a distance. */
 #include "thick_work.h"
 
 #include <assert.h>

@@ -1,13 +1,9 @@
-/* daemon/engine/near/thick_work.h - what one thread needs to test pairs that meet at a
- * distance.
+/* thick_work.h - what one thread needs to test pairs that meet at a distance.
  *
- * Room:     engine. May include: distance.h, finding.h, thick_batch.h,
- *           thickness.h.
- * Does:     of a chunk of candidates test those whose features have a distance
- *           (thickness.h) and are not left thin by rest, and keep what the mode of the
- *           step wants; leave the others.
- * Does not: know how pairs are found: both methods hand them over.
- * Threads:  [team]; it belongs to one thread.
+ * Of a chunk of candidates test those whose features have a distance (thickness.h) and
+ * are not left thin by rest, and keep what the mode of the step wants; leave the others.
+ *
+ * Threads: [team]; it belongs to one thread.
  */
 #ifndef ENG_THICK_WORK_H
 #define ENG_THICK_WORK_H

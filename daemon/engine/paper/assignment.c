@@ -1,9 +1,4 @@
-/* daemon/engine/paper/assignment.c - what the paper's dynamic task assignment shares.
- *
- * Room:     engine.
- * Does:     make and free locks and lists; they stay from step to step. Sleep and wake.
- * Threads:  assignment.h.
- */
+/* assignment.c - what the paper's dynamic task assignment shares. */
 #include "assignment.h"
 
 #include <assert.h>

@@ -1,12 +1,9 @@
-/* daemon/engine/paper/assignment.h - how the threads of the method `paper` ask each other
- * for work: queues, requests, sleep and wake-up.
+/* assignment.h - how the threads of the method `paper` ask each other for work: queues,
+ * requests, sleep and wake-up.
  *
- * Room:     engine. May include: trees.h, the C library, POSIX threads.
- * Does:     define the place (seat) of each thread, its scheduling queue and the
- *           high-level nodes; put threads without work to sleep, and wake them.
- * Threads:  filled in by [compute] before the region; each field says who writes it
- *           inside.
- * Source:   paper sections 4.2, 4.3 and 5.1.
+ * Threads: filled in by [compute] before the region; each field says who writes it
+ * inside.
+ * Source: paper sections 4.2, 4.3 and 5.1.
  */
 #ifndef ENG_ASSIGNMENT_H
 #define ENG_ASSIGNMENT_H

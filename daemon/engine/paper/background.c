@@ -1,11 +1,4 @@
-/* daemon/engine/paper/background.c - large subtrees, built in the background and swapped
- * in.
- *
- * Room:     engine.
- * Does:     keep a batch of poor subtrees; list, build and swap them one after the other.
- * Threads:  background.h.
- * Source:   background.h.
- */
+/* background.c - large subtrees, built in the background and swapped in. */
 #include "background.h"
 
 #include <assert.h>

@@ -1,13 +1,11 @@
-/* daemon/engine/paper/background.h - rebuilds a large subtree bit by bit over several
- * steps, so that no single step pays for it.
+/* background.h - rebuilds a large subtree bit by bit over several steps, so that no
+ * single step pays for it.
  *
- * Room:     engine. May include: grow.h, worker.h.
- * Does:     find what is poor above the regions (rebuild.h), rebuild it over several
- *           steps, a bounded share in each, and put it in place at the start of the next
- *           step. Without this the frame rate drops whenever a large subtree is rebuilt,
- *           as in the paper.
- * Threads:  functions say.
- * Source:   paper sections 6.2 and 7.1; Ize et al. 2007 (asynchronous construction).
+ * Find what is poor above the regions (rebuild.h), rebuild it over several steps, a
+ * bounded share in each, and put it in place at the start of the next step. Without this
+ * the frame rate drops whenever a large subtree is rebuilt, as in the paper.
+ *
+ * Source: paper sections 6.2 and 7.1; Ize et al. 2007 (asynchronous construction).
  *
  * A subtree is built from the positions that its triangles had when the build began, in
  * an array of its own that no traversal reads. It holds the same triangles when it is

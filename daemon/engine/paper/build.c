@@ -1,9 +1,6 @@
 /* build.c - the hierarchy of one object, and the tree over the objects.
  *
- * Room:     engine.
- * Does:     make lists of triangles and of objects, for grow.c to split.
- * Threads:  [compute].
- * Source:   paper sections 6.2 and 7.
+ * Source: paper sections 6.2 and 7.
  */
 #include "build.h"
 

@@ -1,13 +1,7 @@
-/* daemon/engine/paper/build.h - builds the tree of boxes over each object's triangles,
- * and one tree over all objects.
+/* build.h - builds the tree of boxes over each object's triangles, and one tree over all
+ * objects.
  *
- * Room:     engine. May include: trees.h.
- * Does:     split at the median of the centroids along the longest axis, or by the
- *           surface area heuristic; nodes are stored in pre-order.
- * Does not: keep boxes up to date (refit.h), or the tree good (rebuild.h, background.h).
- * Threads:  [compute].
- * Source:   paper sections 6.2 (median partition) and 7 (merging the objects'
- *           hierarchies).
+ * Source: paper sections 6.2 (median partition) and 7 (merging the objects' hierarchies).
  */
 #ifndef ENG_BUILD_H
 #define ENG_BUILD_H

@@ -1,10 +1,4 @@
-/* daemon/engine/paper/grow.c - a hierarchy from the top down, in pieces.
- *
- * Room:     engine.
- * Does:     take a job from the stack, split its items, leave two jobs.
- * Threads:  [any].
- * Source:   grow.h.
- */
+/* grow.c - a hierarchy from the top down, in pieces. */
 #include "grow.h"
 
 #include <assert.h>

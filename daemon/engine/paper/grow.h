@@ -1,13 +1,10 @@
-/* daemon/engine/paper/grow.h - builds a tree from the top down, in pieces that can be
- * interrupted.
+/* grow.h - builds a tree from the top down, in pieces that can be interrupted.
  *
- * Room:     engine. May include: sah.h, trees.h.
- * Does:     split a list of items until each is alone, in place among the nodes of a
- *           scene or into an array of a background rebuild; stop after any piece and go
- *           on later.
- * Does not: compute boxes (refit.h).
- * Threads:  [any]; one thread at a time for one grower; no allocation.
- * Source:   paper section 6.2 (median partition); sah.h for the other build quality.
+ * Split a list of items until each is alone, in place among the nodes of a scene or into
+ * an array of a background rebuild; stop after any piece and go on later.
+ *
+ * Threads: [any]; one thread at a time for one grower; no allocation.
+ * Source: paper section 6.2 (median partition); sah.h for the other build quality.
  *
  * A subtree of n triangles takes the 2n - 1 nodes that follow each other in pre-order, so
  * the place of every node is known before it is built, and a subtree can be built again

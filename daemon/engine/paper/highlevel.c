@@ -1,9 +1,6 @@
-/* daemon/engine/paper/highlevel.c - the task units of high-level nodes.
+/* highlevel.c - the task units of high-level nodes.
  *
- * Room:     engine.
- * Does:     share the pairs of one task unit among all threads, in one of two ways.
- * Threads:  [team].
- * Source:   paper section 5.1.
+ * Source: paper section 5.1.
  *
  * Above the low-level nodes there are fewer task units than threads, so all threads work
  * on the same one, unit after unit.

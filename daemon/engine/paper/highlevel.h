@@ -1,10 +1,7 @@
-/* daemon/engine/paper/highlevel.h - one task unit near the top of the tree, shared out
- * among all threads.
+/* highlevel.h - one task unit near the top of the tree, shared out among all threads.
  *
- * Room:     engine. May include: team.h.
- * Does:     find the pairs below one high-level node, with every thread of the team.
- * Threads:  [team]: every thread of the region calls it.
- * Source:   paper section 5.1.
+ * Threads: [team]: every thread of the region calls it.
+ * Source: paper section 5.1.
  */
 #ifndef ENG_HIGHLEVEL_H
 #define ENG_HIGHLEVEL_H

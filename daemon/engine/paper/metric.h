@@ -1,10 +1,8 @@
-/* daemon/engine/paper/metric.h - measures how good a node of the tree is: a poor node has
- * children that overlap much.
+/* metric.h - measures how good a node of the tree is: a poor node has children that
+ * overlap much.
  *
- * Room:     engine. May include: trees.h.
- * Does:     give the ratio of a node's volume to the sum of its children's.
- * Threads:  [any]; inline only.
- * Source:   paper section 6.2; Larsson and Akenine-Moeller 2006.
+ * Threads: [any]; inline only.
+ * Source: paper section 6.2; Larsson and Akenine-Moeller 2006.
  *
  * A moving box has a volume at each end of the step; they are added. Boxes of a flat
  * sheet have none: where one of the three is zero, half of the surface takes its place.

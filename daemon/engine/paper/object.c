@@ -1,11 +1,4 @@
-/* daemon/engine/paper/object.c - the binary hierarchy of an object comes and goes.
- *
- * Room:     engine.
- * Does:     give an object its ranges of the flat arrays, copy its topology there with
- *           global indices, have its hierarchy built; take it all back.
- * Does not: build (build.c).
- * Threads:  [compute].
- */
+/* object.c - the binary hierarchy of an object comes and goes. */
 #include <assert.h>
 #include <string.h>
 

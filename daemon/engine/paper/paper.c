@@ -1,9 +1,4 @@
-/* daemon/engine/paper/paper.c - what the method `paper` keeps of a scene.
- *
- * Room:     engine.
- * Does:     make it with the scene, free it with it, give up what an object had.
- * Threads:  [compute].
- */
+/* paper.c - what the method `paper` keeps of a scene. */
 #include "paper.h"
 
 #include <assert.h>

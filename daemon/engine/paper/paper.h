@@ -1,9 +1,6 @@
-/* daemon/engine/paper/paper.h - everything that the method `paper` keeps for a scene.
+/* paper.h - everything that the method `paper` keeps for a scene.
  *
- * Room:     engine. May include: background.h, assignment.h, refit_plan.h, trees.h.
- * Does:     put the parts together: the trees, the plan of their refit, the background
- *           rebuild, and the queues of its scheduler.
- * Threads:  [compute]; inside a step as each part says.
+ * Threads: [compute]; inside a step as each part says.
  */
 #ifndef ENG_PAPER_H
 #define ENG_PAPER_H

@@ -1,9 +1,4 @@
-/* daemon/engine/paper/paper_faces.c - the faces of one object in the binary tree.
- *
- * Room:     engine.
- * Does:     see paper_faces.h.
- * Threads:  paper_faces.h.
- */
+/* paper_faces.c - the faces of one object in the binary tree. */
 #include "paper_faces.h"
 
 #include <string.h>

@@ -1,10 +1,6 @@
-/* daemon/engine/paper/paper_faces.h - the faces of one object in the binary tree of the
- * method `paper`.
+/* paper_faces.h - the faces of one object in the binary tree of the method `paper`.
  *
- * Room:     engine. May include: faces.h, trees.h.
- * Does:     what method.h says of faces_of, faces_open and faces_index: below a node are
- *           those four levels down, or the leaves before.
- * Threads:  [any] while nothing is refitted or rebuilt.
+ * Threads: [any] while nothing is refitted or rebuilt.
  */
 #ifndef ENG_PAPER_FACES_H
 #define ENG_PAPER_FACES_H

@@ -1,11 +1,11 @@
-/* daemon/engine/paper/paper_features.h - looks up the vertices and the object of a
- * vertex, edge or face, for the method `paper`.
+/* paper_features.h - looks up the vertices and the object of a vertex, edge or face, for
+ * the method `paper`.
  *
- * Room:     engine. May include: kinds.h, trees.h.
- * Does:     say of a vertex (1 point), an edge (2) or a face (3) where it is stored, and
- *           which vertices and object it has. The number of points is a constant in the
- *           calling code, so no branch is left.
- * Threads:  [team]; what it reads does not change within a step.
+ * Say of a vertex (1 point), an edge (2) or a face (3) where it is stored, and which
+ * vertices and object it has. The number of points is a constant in the calling code, so
+ * no branch is left.
+ *
+ * Threads: [team]; what it reads does not change within a step.
  */
 #ifndef ENG_PAPER_FEATURES_H
 #define ENG_PAPER_FEATURES_H

@@ -1,9 +1,4 @@
-/* daemon/engine/paper/paper_method.c - the method paper, as a step sees it.
- *
- * Room:     engine.
- * Does:     keep the binary tree and what repairs it. For stealing, a task is a node (its
- *           self-CD task unit and those below it) or a pair of nodes.
- * Threads:  method.h.
+/* paper_method.c - the method paper, as a step sees it.
  *
  * Any pair may go to any thread because gates guard what reconstruction changes
  * (rebuild.h). A worker splits depth first, so its deque holds at most three siblings for

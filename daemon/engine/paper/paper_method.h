@@ -1,10 +1,4 @@
-/* daemon/engine/paper/paper_method.h - the functions of the method `paper` that a step
- * calls.
- *
- * Room:     engine. May include: method.h.
- * Does:     declare the method's table for methods.h.
- * Threads:  method.h.
- */
+/* paper_method.h - the functions of the method `paper` that a step calls. */
 #ifndef ENG_PAPER_METHOD_H
 #define ENG_PAPER_METHOD_H
 

@@ -1,9 +1,4 @@
-/* daemon/engine/paper/paper_work.c - what the method `paper` keeps of each thread.
- *
- * Room:     engine.
- * Does:     make it when a step first needs it, and free it with the worker.
- * Threads:  paper_work.h.
- */
+/* paper_work.c - what the method `paper` keeps of each thread. */
 #include "paper_work.h"
 
 #include <assert.h>

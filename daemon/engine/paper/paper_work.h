@@ -1,10 +1,6 @@
-/* daemon/engine/paper/paper_work.h - what one thread needs while it works for the method
- * `paper`.
+/* paper_work.h - what one thread needs while it works for the method `paper`.
  *
- * Room:     engine. May include: batch.h, median.h, trees.h, worker.h.
- * Does:     hold the pairs of nodes that wait, the chunks of candidates between traversal
- *           and tests, and the scratch of reconstruction.
- * Threads:  [team]; it belongs to one thread.
+ * Threads: [team]; it belongs to one thread.
  */
 #ifndef ENG_PAPER_WORK_H
 #define ENG_PAPER_WORK_H

@@ -1,11 +1,4 @@
-/* daemon/engine/paper/rebuild.c - selective, lazy reconstruction.
- *
- * Room:     engine.
- * Does:     walk a region in pre-order, skipping what is small or was just built; split
- *           the triangles of a poor subtree at medians of their boxes' centres, in place.
- * Threads:  [team].
- * Source:   rebuild.h.
- */
+/* rebuild.c - selective, lazy reconstruction. */
 #include "rebuild.h"
 
 #include <assert.h>

@@ -1,13 +1,11 @@
-/* daemon/engine/paper/rebuild.h - rebuilds a small subtree that has become poor, when a
- * traversal is about to enter it (selective, lazy reconstruction).
+/* rebuild.h - rebuilds a small subtree that has become poor, when a traversal is about to
+ * enter it (selective, lazy reconstruction).
  *
- * Room:     engine. May include: trees.h, worker.h.
- * Does:     examine the nodes below the one that a traversal is about to open, and
- *           rebuild those that have become poor; the same for the tree over the objects,
- *           after the refit.
- * Does not: rebuild what is too large for one go (background.h).
- * Threads:  [team] where it says so.
- * Source:   paper sections 6.2 (selective, lazy reconstruction) and 5.1 (lock); metric.h.
+ * Examine the nodes below the one that a traversal is about to open, and rebuild those
+ * that have become poor; the same for the tree over the objects, after the refit.
+ *
+ * Threads: [team] where it says so.
+ * Source: paper sections 6.2 (selective, lazy reconstruction) and 5.1 (lock); metric.h.
  *
  * Regions. A region is a largest subtree of an object with at most
  * settings.rebuild_triangles_max triangles: every node is in one region, or is a high

@@ -1,11 +1,10 @@
-/* daemon/engine/paper/refit.c - bottom-up update of every box.
+/* refit.c - bottom-up update of every box.
  *
- * Room:     engine.
- * Does:     vertices from positions with directed rounding, edges and leaves from
- *           vertices, inner nodes from children: pre-order means that walking a node
- *           range backwards meets children before parents.
- * Threads:  refit.h.
- * Source:   paper section 6.1.
+ * Vertices from positions with directed rounding, edges and leaves from vertices, inner
+ * nodes from children: pre-order means that walking a node range backwards meets children
+ * before parents.
+ *
+ * Source: paper section 6.1.
  *
  * By a team: chunks of vertices on demand; when all are done, which need not mean that
  * all threads are there, subtrees, then chunks of edges, which fill the gaps. Leaves

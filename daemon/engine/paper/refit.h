@@ -1,12 +1,7 @@
-/* daemon/engine/paper/refit.h - updates every box of the trees to the new positions, from
- * the leaves up.
+/* refit.h - updates every box of the trees to the new positions, from the leaves up.
  *
- * Room:     engine. May include: refit_box.h, refit_plan.h, team.h.
- * Does:     make every box of vertices, edges and nodes contain what it stands for at t =
- *           0 and at t = 1.
- * Does not: change the shape of a tree (build.h) or allocate inside a region.
- * Threads:  [compute], [team] where it says so.
- * Source:   paper section 6.1.
+ * Threads: [compute], [team] where it says so.
+ * Source: paper section 6.1.
  */
 #ifndef ENG_REFIT_H
 #define ENG_REFIT_H

@@ -1,12 +1,8 @@
-/* daemon/engine/paper/refit_box.h - the box of one edge or node of the trees, and
- * the frame that a vertex is measured in.
+/* refit_box.h - the box of one edge or node of the trees, and the frame that a vertex is
+ * measured in.
  *
- * Room:     engine. May include: aabb.h, thickness.h, trees.h.
- * Does:     make one box anew: of an edge or a leaf from vertices, of an inner node from
- *           its children.
- * Does not: choose which, or in which order (refit.h, refit_still.h).
- * Threads:  [team]; inline only. A box is written by one thread.
- * Source:   paper section 6.1.
+ * Threads: [team]; inline only. A box is written by one thread.
+ * Source: paper section 6.1.
  */
 #ifndef ENG_REFIT_BOX_H
 #define ENG_REFIT_BOX_H

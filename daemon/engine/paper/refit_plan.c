@@ -1,9 +1,6 @@
-/* daemon/engine/paper/refit_plan.c - how a team divides the refit.
+/* refit_plan.c - how a team divides the refit.
  *
- * Room:     engine.
- * Does:     join neighbouring objects into chunks; open nodes breadth-first.
- * Threads:  [compute].
- * Source:   paper section 6.1.
+ * Source: paper section 6.1.
  */
 #include "refit_plan.h"
 

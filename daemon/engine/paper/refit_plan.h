@@ -1,10 +1,7 @@
-/* daemon/engine/paper/refit_plan.h - divides the refit among the threads of a team.
+/* refit_plan.h - divides the refit among the threads of a team.
  *
- * Room:     engine. May include: step_settings.h, trees.h.
- * Does:     cut the features of all objects into chunks, and the merged tree into
- *           subtrees with the nodes above them.
- * Threads:  [compute]; the team changes `unfinished`.
- * Source:   paper section 6.1.
+ * Threads: [compute]; the team changes `unfinished`.
+ * Source: paper section 6.1.
  */
 #ifndef ENG_REFIT_PLAN_H
 #define ENG_REFIT_PLAN_H

@@ -1,10 +1,4 @@
-/* daemon/engine/paper/refit_still.c - marks of what moves, and boxes of that alone.
- *
- * Room:     engine.
- * Does:     see refit_still.h. Which objects stand is known before; of others each record
- *           is looked at, from the vertices up.
- * Threads:  refit_still.h.
- */
+/* refit_still.c - marks of what moves, and boxes of that alone. */
 #include "refit_still.h"
 
 #include "moving.h"

@@ -1,11 +1,10 @@
-/* daemon/engine/paper/refit_still.h - the refit of a step in which most stands still.
+/* refit_still.h - the refit of a step in which most stands still.
  *
- * Room:     engine. May include: trees.h.
- * Does:     mark what moves (moving.h) in the trees while their boxes are made, so that
- *           pairs of nodes or features of which neither moves can be left out; keep boxes
- *           of the last step where nothing moves.
- * Does not: leave anything out: that is for the traversal (taskunit.h).
- * Threads:  as marked.
+ * Mark what moves (moving.h) in the trees while their boxes are made, so that pairs of
+ * nodes or features of which neither moves can be left out; keep boxes of the last step
+ * where nothing moves.
+ *
+ * Threads: as marked.
  *
  * A record moves if `moved` in it is the mark of this step: a vertex that moves, an edge
  * or a triangle with such a vertex, a node above such a triangle. Each step that marks

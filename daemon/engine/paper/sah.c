@@ -1,10 +1,4 @@
-/* daemon/engine/paper/sah.c - split a list where the surface area heuristic says.
- *
- * Room:     engine.
- * Does:     three passes over the items: bounds of the centroids, bins, division.
- * Threads:  [any].
- * Source:   sah.h.
- */
+/* sah.c - split a list where the surface area heuristic says. */
 #include "sah.h"
 
 #include <assert.h>

@@ -1,12 +1,8 @@
-/* daemon/engine/paper/sah.h - splits a list of items where the surface area heuristic
- * (SAH) expects the least work.
+/* sah.h - splits a list of items where the surface area heuristic (SAH) expects the least
+ * work.
  *
- * Room:     engine. May include: median.h.
- * Does:     choose, among planes between equal bins along the three axes, the one for
- *           which the sum over both sides of area times number of items is least.
- * Does not: bound the depth of a tree (grow.h).
- * Threads:  [any]; no allocation.
- * Source:   MacDonald and Booth 1990 (the heuristic); Wald 2007 (bins).
+ * Threads: [any]; no allocation.
+ * Source: MacDonald and Booth 1990 (the heuristic); Wald 2007 (bins).
  */
 #ifndef ENG_SAH_H
 #define ENG_SAH_H

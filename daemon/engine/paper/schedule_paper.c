@@ -1,12 +1,11 @@
-/* daemon/engine/paper/schedule_paper.c - the paper's own scheduler.
+/* schedule_paper.c - the paper's own scheduler.
  *
- * Room:     engine.
- * Does:     deal out task units, of the method paper one low-level node to each thread;
- *           a thread that runs out asks another for its front unit and sleeps until it is
- *           answered; when all are done, what all threads do together follows: the
- *           high-level nodes of the method paper (highlevel.c).
- * Threads:  [team].
- * Source:   paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
+ * Deal out task units, of the method paper one low-level node to each thread; a thread
+ * that runs out asks another for its front unit and sleeps until it is answered; when all
+ * are done, what all threads do together follows: the high-level nodes of the method
+ * paper (highlevel.c).
+ *
+ * Source: paper sections 4.2 (initial assignment), 4.3 (dynamic assignment).
  *
  * A unit is only ever one thread's (and, of the method paper, disjoint from the others'
  * units), so the main loop takes no lock: after each task unit a thread looks at the

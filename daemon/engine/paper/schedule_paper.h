@@ -1,11 +1,8 @@
-/* daemon/engine/paper/schedule_paper.h - the paper's schedulers, which decide which
- * thread does which task of a step.
+/* schedule_paper.h - the paper's schedulers, which decide which thread does which task of
+ * a step.
  *
- * Room:     engine. May include: team.h.
- * Does:     run every task of a step, by one thread or by the dynamic assignment of the
- *           paper. Any method can use them.
- * Threads:  [team]: every thread of the region calls the same scheduler.
- * Source:   paper sections 4.1 (serial) and 4.3.
+ * Threads: [team]: every thread of the region calls the same scheduler.
+ * Source: paper sections 4.1 (serial) and 4.3.
  */
 #ifndef ENG_SCHEDULE_PAPER_H
 #define ENG_SCHEDULE_PAPER_H

@@ -1,9 +1,6 @@
-/* daemon/engine/paper/schedule_serial.c - all task units by one thread.
+/* schedule_serial.c - all task units by one thread.
  *
- * Room:     engine.
- * Does:     fetch nodes from the task unit queue until it is empty.
- * Threads:  [compute].
- * Source:   paper section 4.1, "Serial CCD method".
+ * Source: paper section 4.1, "Serial CCD method".
  */
 #include "schedule_paper.h"
 

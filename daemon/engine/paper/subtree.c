@@ -1,9 +1,4 @@
-/* daemon/engine/paper/subtree.c - which nodes are below which.
- *
- * Room:     engine.
- * Does:     find the end of a subtree; look for an object's root in it.
- * Threads:  [any].
- */
+/* subtree.c - which nodes are below which. */
 #include "subtree.h"
 
 #include <assert.h>

@@ -1,11 +1,8 @@
-/* daemon/engine/paper/subtree.h - tells which nodes lie below a node, by their places in
- * pre-order.
+/* subtree.h - tells which nodes lie below a node, by their places in pre-order.
  *
- * Room:     engine. May include: trees.h.
- * Does:     compare places in the pre-order of the nodes. A subtree of an object with n
- *           triangles is 2 n - 1 consecutive nodes; in a subtree of the tree over the
- *           objects, the nodes above objects are consecutive.
- * Threads:  [any].
+ * Compare places in the pre-order of the nodes. A subtree of an object with n triangles
+ * is 2 n - 1 consecutive nodes; in a subtree of the tree over the objects, the nodes
+ * above objects are consecutive.
  */
 #ifndef ENG_SUBTREE_H
 #define ENG_SUBTREE_H

@@ -1,12 +1,7 @@
-/* daemon/engine/paper/taskunit.c - the self-CD task unit.
+/* taskunit.c - the self-CD task unit.
  *
- * Room:     engine.
- * Does:     fetch a pair of overlapping nodes, refine both into up to four pairs, test
- *           their boxes; two leaves become candidates through the features they own.
- * Threads:  [team].
- * Source:   paper section 4.1. The pair queue is taken from the end (the paper allows a
- *           queue or a stack, section 3.2), which bounds its length by the depth of the
- *           trees.
+ * Source: paper section 4.1. The pair queue is taken from the end (the paper allows a
+ * queue or a stack, section 3.2), which bounds its length by the depth of the trees.
  */
 #include "taskunit.h"
 

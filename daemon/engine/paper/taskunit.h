@@ -1,10 +1,7 @@
-/* daemon/engine/paper/taskunit.h - one self-collision task unit: all pairs between the
- * two children of one node.
+/* taskunit.h - one self-collision task unit: all pairs between the two children of one
+ * node.
  *
- * Room:     engine. May include: worker.h.
- * Does:     find the collision test pairs below one node, between its two children.
- * Threads:  [team].
- * Source:   paper section 4.1.
+ * Source: paper section 4.1.
  */
 #ifndef ENG_TASKUNIT_H
 #define ENG_TASKUNIT_H

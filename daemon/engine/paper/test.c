@@ -1,9 +1,4 @@
-/* daemon/engine/paper/test.c - elementary tests of a chunk of candidates.
- *
- * Room:     engine.
- * Does:     copy the points of a few pairs at a time, test them, keep the contacts.
- * Threads:  [team].
- */
+/* test.c - elementary tests of a chunk of candidates. */
 #include "test.h"
 
 #include <assert.h>

@@ -1,9 +1,4 @@
-/* daemon/engine/paper/test.h - tests the pairs of features that a traversal has found.
- *
- * Room:     engine. May include: paper_work.h, solve.h, worker.h.
- * Does:     filter, solve, record; in mode pairs, record the candidates themselves.
- * Threads:  [team].
- */
+/* test.h - tests the pairs of features that a traversal has found. */
 #ifndef ENG_TEST_H
 #define ENG_TEST_H
 

@@ -1,9 +1,4 @@
-/* daemon/engine/paper/trees.c - the binary hierarchies over the triangles of a scene.
- *
- * Room:     engine.
- * Does:     begin with none; free all.
- * Threads:  [compute].
- */
+/* trees.c - the binary hierarchies over the triangles of a scene. */
 #include "trees.h"
 
 #include <string.h>

@@ -1,9 +1,6 @@
-/* daemon/engine/paper/trees.h - the binary trees of boxes over the triangles of a scene.
+/* trees.h - the binary trees of boxes over the triangles of a scene.
  *
- * Room:     engine. May include: aabb.h, median.h, range.h, world.h, the C library.
- * Does:     define what the method `paper` keeps of a scene: boxes of vertices and edges,
- *           triangles, and the nodes of all trees.
- * Threads:  [compute]; inside a step the team reads it, and writes only boxes of its own.
+ * Threads: [compute]; inside a step the team reads it, and writes only boxes of its own.
  *
  * The vertices of all objects lie in one array, as do edges, triangles and nodes; an
  * object owns one range of each. Indices into these arrays ("global") name features. So

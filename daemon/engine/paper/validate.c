@@ -1,10 +1,4 @@
-/* validate.c - checks of whole hierarchies.
- *
- * Room:     engine.
- * Does:     look at every node of a scene.
- * Threads:  [compute], between steps.
- * Source:   build.h, rebuild.h.
- */
+/* validate.c - checks of whole hierarchies. */
 #include "build.h"
 #include "rebuild.h"
 #include "refit.h"

@@ -1,10 +1,4 @@
-/* daemon/engine/result/bucket.c - one bucket of an answer.
- *
- * Room:     engine.
- * Does:     radix sort of (key, address) within the cache, then one copy of each record;
- *           counts the records and hashes them while they are in the cache.
- * Threads:  bucket.h.
- */
+/* bucket.c - one bucket of an answer. */
 #include "bucket.h"
 
 #include <assert.h>

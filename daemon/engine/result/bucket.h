@@ -1,10 +1,7 @@
-/* daemon/engine/result/bucket.h - one bucket of the sort that brings an answer into
- * order: gather, sort, copy, hash.
+/* bucket.h - one bucket of the sort that brings an answer into order: gather, sort, copy,
+ * hash.
  *
- * Room:     engine. May include: merge_data.h.
- * Does:     handle the records whose keys lie between two splitters: gather them, sort
- *           them, copy them to their places, count and hash them.
- * Threads:  [team], after all lists are divided; a bucket is one thread's.
+ * Threads: [team], after all lists are divided; a bucket is one thread's.
  */
 #ifndef ENG_BUCKET_H
 #define ENG_BUCKET_H

@@ -1,9 +1,4 @@
-/* daemon/engine/result/found.c - the records of a step, as they are found.
- *
- * Room:     engine.
- * Does:     fill blocks; cut a list that is too long.
- * Threads:  one thread for one list.
- */
+/* found.c - the records of a step, as they are found. */
 #include "result.h"
 
 #include <assert.h>

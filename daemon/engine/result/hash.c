@@ -1,10 +1,4 @@
-/* daemon/engine/result/hash.c - the hash of an answer.
- *
- * Room:     engine.
- * Does:     leave the bytes of a record to the library, and add up.
- * Threads:  [any].
- * Source:   hash.h.
- */
+/* hash.c - the hash of an answer. */
 #include "hash.h"
 
 #include <assert.h>

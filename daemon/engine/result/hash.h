@@ -1,13 +1,9 @@
-/* daemon/engine/result/hash.h - the hash of an answer: one number that differs when any
- * record differs.
+/* hash.h - the hash of an answer: one number that differs when any record differs.
  *
- * Room:     engine. May include: the C library; hash.c: pccd_types.h.
- * Does:     version 2 of the hash (proto/PROTOCOL.md, "The hash of an answer"): the sum,
- *           modulo 2^128, of the XXH3-128 of each record and of the number of records. A
- *           sum does not ask for an order, so each thread adds up the records at hand,
- *           and pages or parts of a scene add up as well. Whether the order is canonical
- *           is for tests to check.
- * Threads:  [any].
+ * Version 2 of the hash (proto/PROTOCOL.md, "The hash of an answer"): the sum, modulo
+ * 2^128, of the XXH3-128 of each record and of the number of records. A sum does not ask
+ * for an order, so each thread adds up the records at hand, and pages or parts of a scene
+ * add up as well. Whether the order is canonical is for tests to check.
  */
 #ifndef ENG_HASH_H
 #define ENG_HASH_H

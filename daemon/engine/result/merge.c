@@ -1,9 +1,7 @@
-/* daemon/engine/result/merge.c - from the lists of all threads to one canonical answer.
+/* merge.c - from the lists of all threads to one canonical answer.
  *
- * Room:     engine.
- * Does:     sample sort of (key, address of the record), then one copy of each record.
- * Threads:  merge.h; a share is its thread's up to the first barrier, between the
- *           barriers others read it, but not `begin`; after the second they read that.
+ * Threads: merge.h; a share is its thread's up to the first barrier, between the barriers
+ * others read it, but not `begin`; after the second they read that.
  */
 #include "merge.h"
 

@@ -1,14 +1,13 @@
-/* daemon/engine/result/merge.h - sorts what all threads have found into one answer, the
- * same for any number of threads.
+/* merge.h - sorts what all threads have found into one answer, the same for any number of
+ * threads.
  *
- * Room:     engine. May include: merge_data.h, result.h.
- * Does:     sort the records of all lists together, into one piece, by (kind, object a,
- *           feature a, object b, feature b); count and hash them. All threads of a step
- *           do it together, inside its parallel region, with two barriers; one thread
- *           does it alone where there is only one, or little to sort. The sort is stable:
- *           equal names stay in the order of lists and arrival.
- * Threads:  begin, end: [compute]; survey, divide, finish: [team].
- * Source:   sample sort; bytes moved and times in bench/kernels.c.
+ * Sort the records of all lists together, into one piece, by (kind, object a, feature a,
+ * object b, feature b); count and hash them. All threads of a step do it together, inside
+ * its parallel region, with two barriers; one thread does it alone where there is only
+ * one, or little to sort. The sort is stable: equal names stay in the order of lists and
+ * arrival.
+ *
+ * Threads: begin, end: [compute]; survey, divide, finish: [team].
  *
  * Each thread takes a sample of its own list, whoever comes last
  * chooses keys and buckets | barrier | each divides its list into the buckets | barrier |

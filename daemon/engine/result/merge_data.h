@@ -1,9 +1,5 @@
-/* daemon/engine/result/merge_data.h - what the threads of a merge share: lists,
- * splitters, buckets and scratch.
- *
- * Room:     engine. May include: hash.h, order.h, radix.h, result.h, split.h.
- * Does:     define these for merge.c and bucket.c.
- * Threads:  merge.h.
+/* merge_data.h - what the threads of a merge share: lists, splitters, buckets and
+ * scratch.
  */
 #ifndef ENG_MERGE_DATA_H
 #define ENG_MERGE_DATA_H

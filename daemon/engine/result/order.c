@@ -1,9 +1,4 @@
-/* daemon/engine/result/order.c - the canonical order of records, in few bits.
- *
- * Room:     engine.
- * Does:     give each of the five words the bits that its range needs.
- * Threads:  [any].
- */
+/* order.c - the canonical order of records, in few bits. */
 #include "order.h"
 
 #define WORD_BITS 64u

@@ -1,11 +1,9 @@
-/* daemon/engine/result/order.h - packs the canonical order of a record into one 64-bit
- * key, so that sorting compares single words.
+/* order.h - packs the canonical order of a record into one 64-bit key, so that sorting
+ * compares single words.
  *
- * Room:     engine. May include: pccd_types.h.
- * Does:     read the five words that order a record, and pack them into as many bits as
- *           their ranges need, most significant first. One 64-bit word is usually enough:
- *           two kinds, a few objects and 2^20 features a side take 46 bits.
- * Threads:  [any].
+ * Read the five words that order a record, and pack them into as many bits as their
+ * ranges need, most significant first. One 64-bit word is usually enough: two kinds, a
+ * few objects and 2^20 features a side take 46 bits.
  */
 #ifndef ENG_ORDER_H
 #define ENG_ORDER_H

@@ -1,9 +1,4 @@
-/* daemon/engine/result/pool.c - blocks of memory shared by the workers of a step.
- *
- * Room:     engine.
- * Does:     two arrays and a counter; what these cannot give comes one by one.
- * Threads:  take: any worker; the rest: [compute], between steps.
- */
+/* pool.c - blocks of memory shared by the workers of a step. */
 #include "pool.h"
 
 #include <assert.h>

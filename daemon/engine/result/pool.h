@@ -1,11 +1,10 @@
-/* daemon/engine/result/pool.h - blocks of memory that the threads of a step take for
- * their results.
+/* pool.h - blocks of memory that the threads of a step take for their results.
  *
- * Room:     engine. May include: the C library.
- * Does:     hand out blocks of a fixed size without a lock. The pool is as large as the
- *           last step needed, so a warm step takes nothing from the system, whichever
- *           thread finds most. A step that needs more gets it, block by block.
- * Threads:  take: any worker; the rest: [compute], between steps.
+ * Hand out blocks of a fixed size without a lock. The pool is as large as the last step
+ * needed, so a warm step takes nothing from the system, whichever thread finds most. A
+ * step that needs more gets it, block by block.
+ *
+ * Threads: take: any worker; the rest: [compute], between steps.
  */
 #ifndef ENG_POOL_H
 #define ENG_POOL_H

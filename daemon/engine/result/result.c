@@ -1,9 +1,4 @@
-/* daemon/engine/result/result.c - the memory of an answer.
- *
- * Room:     engine.
- * Does:     grow it, and free it.
- * Threads:  [compute].
- */
+/* result.c - the memory of an answer. */
 #include "result.h"
 
 #include <assert.h>

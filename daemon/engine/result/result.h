@@ -1,9 +1,6 @@
-/* daemon/engine/result/result.h - the list in which one thread collects the records that
- * it finds.
+/* result.h - the list in which one thread collects the records that it finds.
  *
- * Room:     engine. May include: order.h, pool.h.
- * Does:     append records in any order; hold the merged list (merge.h).
- * Threads:  one thread for one list.
+ * Threads: one thread for one list.
  */
 #ifndef ENG_RESULT_H
 #define ENG_RESULT_H

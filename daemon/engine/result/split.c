@@ -1,10 +1,4 @@
-/* daemon/engine/result/split.c - buckets of about the same size for any keys.
- *
- * Room:     engine.
- * Does:     a search tree in an array; several keys go down it at a time, because each
- *           step waits for the one before it.
- * Threads:  split.h.
- */
+/* split.c - buckets of about the same size for any keys. */
 #include "split.h"
 
 #include <assert.h>

@@ -1,13 +1,11 @@
-/* daemon/engine/result/split.h - divides keys into buckets of about equal size, for a
- * sort by several threads.
+/* split.h - divides keys into buckets of about equal size, for a sort by several threads.
  *
- * Room:     engine. May include: radix.h.
- * Does:     choose keys that divide a sample evenly, and find the bucket of a key. Where
- *           keys are dense the buckets are narrow, so that none is much larger than the
- *           others.
- * Threads:  set: one thread; find: [any] after it.
- * Source:   Frazer, McKellar: Samplesort (1970); Sanders, Winkel: Super scalar sample
- *           sort (2004) for the tree without branches.
+ * Choose keys that divide a sample evenly, and find the bucket of a key. Where keys are
+ * dense the buckets are narrow, so that none is much larger than the others.
+ *
+ * Threads: set: one thread; find: [any] after it.
+ * Source: Frazer, McKellar: Samplesort (1970); Sanders, Winkel: Super scalar sample sort
+ * (2004) for the tree without branches.
  */
 #ifndef ENG_SPLIT_H
 #define ENG_SPLIT_H

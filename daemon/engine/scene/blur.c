@@ -1,11 +1,7 @@
-/* daemon/engine/scene/blur.c - what rounding may bring together while an object moves by
- * two poses.
+/* blur.c - what rounding may bring together while an object moves by two poses.
  *
- * Room:     engine.
- * Does:     bound from below how much the object shrinks, and from above by how much its
- *           vertices are off. Every margin is derived in elementary/BOUNDS.md, "Objects
- *           that move by poses".
- * Threads:  [any].
+ * Bound from below how much the object shrinks, and from above by how much its vertices
+ * are off. Every margin is derived in elementary/BOUNDS.md, "Objects that move by poses".
  */
 #include "blur.h"
 

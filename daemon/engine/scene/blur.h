@@ -1,10 +1,7 @@
-/* daemon/engine/scene/blur.h - how near to each other points of a mesh must lie so that
- * an object which moves by two poses might bring them together.
+/* blur.h - how near to each other points of a mesh must lie so that an object which moves
+ * by two poses might bring them together.
  *
- * Room:     engine. May include: box_frame.h.
- * Does:     bound it, for any two poses: rotations, but also scales and shears.
- * Threads:  [any].
- * Source:   elementary/BOUNDS.md, "Objects that move by poses".
+ * Source: elementary/BOUNDS.md, "Objects that move by poses".
  *
  * A vertex p of such an object goes on a straight line from A0 p + c0 to A1 p + c1, both
  * rounded. Between the two the object is not rigid: it shrinks, for a turn by an angle a

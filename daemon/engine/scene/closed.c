@@ -1,9 +1,4 @@
-/* daemon/engine/scene/closed.c - is a mesh closed?
- *
- * Room:     engine.
- * Does:     see closed.h.
- * Threads:  closed.h.
- */
+/* closed.c - is a mesh closed? */
 #include "closed.h"
 
 #include <assert.h>

@@ -1,10 +1,10 @@
-/* daemon/engine/scene/closed.h - is a mesh closed, so that it has an inside?
+/* closed.h - is a mesh closed, so that it has an inside?
  *
- * Room:     engine. May include: topology.h.
- * Does:     count how often the faces of a mesh run through each edge, from the one end
- *           to the other and back: it is closed if that is equal for every edge. By
- *           indices: where vertices are does not matter. Found out once for a mesh.
- * Threads:  [any], of a committed mesh.
+ * Count how often the faces of a mesh run through each edge, from the one end to the
+ * other and back: it is closed if that is equal for every edge. By indices: where
+ * vertices are does not matter. Found out once for a mesh.
+ *
+ * Threads: [any], of a committed mesh.
  */
 #ifndef ENG_CLOSED_H
 #define ENG_CLOSED_H

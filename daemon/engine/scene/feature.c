@@ -1,12 +1,11 @@
-/* daemon/engine/scene/feature.c - unique edges and who owns which feature.
+/* feature.c - unique edges and who owns which feature.
  *
- * Room:     engine.
- * Does:     sort the sides of all that is named by (higher, lower) vertex; runs of equal
- *           sides are one edge, owned by the first of the run. Sides are dealt
- *           out to their higher vertices, each of which has a few: linear time, where
- *           sorting all of them takes a pass more for each byte of a vertex's number.
- * Threads:  one thread for one mesh.
- * Source:   paper section 3.1; Curtis 2008 (representative triangles).
+ * Sort the sides of all that is named by (higher, lower) vertex; runs of equal sides are
+ * one edge, owned by the first of the run. Sides are dealt out to their higher vertices,
+ * each of which has a few: linear time, where sorting all of them takes a pass more for
+ * each byte of a vertex's number.
+ *
+ * Source: paper section 3.1; Curtis 2008 (representative triangles).
  */
 #include "feature.h"
 

@@ -1,11 +1,8 @@
-/* daemon/engine/scene/feature.h - derives the unique edges of a mesh, and assigns each
- * vertex and edge to one leaf, as a rule a triangle.
+/* feature.h - derives the unique edges of a mesh, and assigns each vertex and edge to one
+ * leaf, as a rule a triangle.
  *
- * Room:     engine. May include: topology.h.
- * Does:     do so once per mesh, so that each feature is tested through exactly one
- *           leaf; find out which edges and points are free (mesh.h).
- * Threads:  one thread for one mesh.
- * Source:   paper section 3.1; Curtis 2008 (representative triangles).
+ * Threads: one thread for one mesh.
+ * Source: paper section 3.1; Curtis 2008 (representative triangles).
  */
 #ifndef ENG_FEATURE_H
 #define ENG_FEATURE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/frames.c - where the boxes of a scene's objects are measured from.
- *
- * Room:     engine.
- * Does:     see frames.h.
- * Threads:  [compute].
- */
+/* frames.c - where the boxes of a scene's objects are measured from. */
 #include "frames.h"
 
 #include <assert.h>

@@ -1,11 +1,5 @@
-/* daemon/engine/scene/frames.h - chooses the frame of each object: the local coordinates
- * in which its boxes are stored.
- *
- * Room:     engine. May include: world.h.
- * Does:     choose them before a step, so that single precision is fine enough for the
- *           boxes of every object, however far away and however small.
- * Does not: touch what is decided exactly: elementary tests read the coordinates.
- * Threads:  [compute].
+/* frames.h - chooses the frame of each object: the local coordinates in which its boxes
+ * are stored.
  *
  * Frames move whole objects closer together without changing what meets what. Along one
  * axis the objects fall into groups such that at both ends of the step all of one group

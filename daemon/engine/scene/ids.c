@@ -1,9 +1,4 @@
-/* daemon/engine/scene/ids.c - which object of a scene has an id.
- *
- * Room:     engine.
- * Does:     see ids.h. What is removed leaves no mark: those behind it move up.
- * Threads:  ids.h.
- */
+/* ids.c - which object of a scene has an id. */
 #include "ids.h"
 
 #include <assert.h>

@@ -1,9 +1,6 @@
-/* daemon/engine/scene/ids.h - which object of a scene has an id.
+/* ids.h - which object of a scene has an id.
  *
- * Room:     engine. May include: the C library.
- * Does:     find it in a hash table with open addressing, in the same time however many
- *           there are.
- * Threads:  changed by [compute] between steps; read by the [team].
+ * Threads: changed by [compute] between steps; read by the [team].
  */
 #ifndef ENG_IDS_H
 #define ENG_IDS_H

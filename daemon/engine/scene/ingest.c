@@ -1,11 +1,4 @@
-/* daemon/engine/scene/ingest.c - copy and check what another process may be writing.
- *
- * Room:     engine.
- * Does:     memcpy a block into cache-resident private memory, then convert and check
- *           that copy. The compiler barrier after the memcpy forbids re-reading the
- *           source.
- * Threads:  [any]; by a team: [compute].
- */
+/* ingest.c - copy and check what another process may be writing. */
 #include "ingest.h"
 
 #include <assert.h>

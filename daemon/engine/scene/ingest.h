@@ -1,10 +1,5 @@
-/* daemon/engine/scene/ingest.h - copies positions and triangles out of memory that
- * another process may be changing, and checks the copy.
- *
- * Room:     engine. May include: box_frame.h, mesh.h, processors.h.
- * Does:     copy coordinates and indices to private memory in blocks and check the
- *           private copy: each foreign byte is read exactly once.
- * Threads:  [any].
+/* ingest.h - copies positions and triangles out of memory that another process may be
+ * changing, and checks the copy.
  */
 #ifndef ENG_INGEST_H
 #define ENG_INGEST_H

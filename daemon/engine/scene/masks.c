@@ -1,9 +1,4 @@
-/* daemon/engine/scene/masks.c - which objects of a scene are tested against each other.
- *
- * Room:     engine.
- * Does:     see masks.h.
- * Threads:  masks.h.
- */
+/* masks.c - which objects of a scene are tested against each other. */
 #include "masks.h"
 
 #include <assert.h>

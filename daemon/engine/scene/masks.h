@@ -1,11 +1,7 @@
-/* daemon/engine/scene/masks.h - decides which objects of a scene are tested against each
- * other: groups, masks and ignored pairs.
+/* masks.h - decides which objects of a scene are tested against each other: groups, masks
+ * and ignored pairs.
  *
- * Room:     engine. May include: pairset.h, scene.h, the C library.
- * Does:     keep the bits of every object and the pairs that are ignored; say of two
- *           objects whether they may meet.
- * Does not: skip anything itself: wide_owner.h and taskunit.c do.
- * Threads:  changed by [compute] between steps; read by the [team].
+ * Threads: changed by [compute] between steps; read by the [team].
  *
  * Two objects may meet if a.group & b.mask and b.group & a.mask, and the pair is not
  * ignored. An object may meet itself if its self-collision is on. This takes two ands of

@@ -1,13 +1,12 @@
-/* daemon/engine/scene/mesh.h - a mesh as it was registered: triangles, edges, points and
- * first positions, which never change.
+/* mesh.h - a mesh as it was registered: triangles, edges, points and first positions,
+ * which never change.
  *
- * Room:     engine. May include: the C library.
- * Does:     take vertices, triangles, and edges and points by themselves in chunks, check
- *           them, derive the unique edges and the ownership of features once. A mesh
- *           cannot be changed after its commit.
- * Does not: move (scene.h) or build hierarchies (build.h).
- * Threads:  a mesh is used by one thread at a time until commit; afterwards by any.
- * Source:   paper section 3.1 (representative triangles, Curtis 2008).
+ * Take vertices, triangles, and edges and points by themselves in chunks, check them,
+ * derive the unique edges and the ownership of features once. A mesh cannot be changed
+ * after its commit.
+ *
+ * Threads: a mesh is used by one thread at a time until commit; afterwards by any.
+ * Source: paper section 3.1 (representative triangles, Curtis 2008).
  *
  * Edges and points are *named* by themselves, those of rods and of clouds. A named edge
  * that a triangle has is just that one; any other is *free*. One whose ends are the same

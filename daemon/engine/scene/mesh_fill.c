@@ -1,9 +1,6 @@
-/* daemon/engine/scene/mesh_fill.c - registration of a mesh.
+/* mesh_fill.c - registration of a mesh.
  *
- * Room:     engine.
- * Does:     hold what arrives in chunks until commit, then hand it to feature.c.
- * Does not: derive topology (feature.c).
- * Threads:  one thread until commit, any afterwards; the reference count is atomic.
+ * Threads: one thread until commit, any afterwards; the reference count is atomic.
  */
 #include "mesh.h"
 

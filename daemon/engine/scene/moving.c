@@ -1,10 +1,4 @@
-/* daemon/engine/scene/moving.c - which vertices move, from what was staged.
- *
- * Room:     engine.
- * Does:     compare bit for bit. Most of what a client sends that stands is passed over
- *           by blocks; of an object that moves as a whole a sample is enough.
- * Threads:  [compute].
- */
+/* moving.c - which vertices move, from what was staged. */
 #include "moving.h"
 
 #include <assert.h>

@@ -1,11 +1,7 @@
-/* daemon/engine/scene/moving.h - knows which vertices move in a step, so that what stands
- * still costs nothing.
+/* moving.h - knows which vertices move in a step, so that what stands still costs
+ * nothing.
  *
- * Room:     engine. May include: world.h.
- * Does:     compare, when a step is committed, the positions that it wrote with those
- *           that they replace.
- * Does not: decide what is left out for it: that is the methods' and the answer's.
- * Threads:  made by [compute]; inside a step the team reads it.
+ * Threads: made by [compute]; inside a step the team reads it.
  *
  * A vertex *moves* in a step if, bit for bit, its x0 or x1 is not what it was in the step
  * before. So one that has just stopped still moves for one step: where it came to rest

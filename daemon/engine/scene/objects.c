@@ -1,11 +1,4 @@
-/* daemon/engine/scene/objects.c - objects come and go.
- *
- * Room:     engine.
- * Does:     give every object its range of vertices, where it stands; tell the owners of
- *           the slots.
- * Does not: stage positions (stage.c) or step (step.c).
- * Threads:  [compute].
- */
+/* objects.c - objects come and go. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/pairset.c - a set of unordered pairs of numbers.
- *
- * Room:     engine.
- * Does:     see pairset.h.
- * Threads:  pairset.h.
- */
+/* pairset.c - a set of unordered pairs of numbers. */
 #include "pairset.h"
 
 #include <assert.h>

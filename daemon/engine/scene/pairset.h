@@ -1,10 +1,7 @@
-/* daemon/engine/scene/pairset.h - a hash set of pairs of numbers in which (a, b) and (b,
- * a) are the same pair.
+/* pairset.h - a hash set of pairs of numbers in which (a, b) and (b, a) are the same
+ * pair.
  *
- * Room:     engine. May include: the C library.
- * Does:     add, remove and find a pair in O(1); remove all pairs that hold a number in
- *           O(capacity).
- * Threads:  changed by one thread at a time, while nobody reads; reads: [any].
+ * Threads: changed by one thread at a time, while nobody reads; reads: [any].
  */
 #ifndef ENG_PAIRSET_H
 #define ENG_PAIRSET_H

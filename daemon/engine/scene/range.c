@@ -1,10 +1,8 @@
-/* daemon/engine/scene/range.c - ranges of consecutive indices in growing arrays.
+/* range.c - ranges of consecutive indices in growing arrays.
  *
- * Room:     engine.
- * Does:     keep the holes sorted. A range handed out lies behind every hole but one that
- *           is just being made, so there are never more holes than ranges were out
- *           before: `take` grows the list to that number and `give` cannot fail.
- * Threads:  one thread for one allocator.
+ * Keep the holes sorted. A range handed out lies behind every hole but one that is just
+ * being made, so there are never more holes than ranges were out before: `take` grows the
+ * list to that number and `give` cannot fail.
  */
 #include "range.h"
 

@@ -1,10 +1,7 @@
-/* daemon/engine/scene/range.h - hands out ranges of consecutive indices in an array, so
- * that objects come and go without moving others.
+/* range.h - hands out ranges of consecutive indices in an array, so that objects come and
+ * go without moving others.
  *
- * Room:     engine. May include: the C library.
- * Does:     hand out and take back [first, first + count). The owner of the arrays grows
- *           them when `end` passes their capacity.
- * Threads:  one thread for one allocator.
+ * Threads: one thread for one allocator.
  */
 #ifndef ENG_RANGE_H
 #define ENG_RANGE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/rigid.c - objects that poses keep from meeting themselves.
- *
- * Room:     engine.
- * Does:     see rigid.h.
- * Threads:  rigid.h.
- */
+/* rigid.c - objects that poses keep from meeting themselves. */
 #include "rigid.h"
 
 #include <assert.h>

@@ -1,12 +1,9 @@
-/* daemon/engine/scene/rigid.h - which objects need not be tested against themselves in a
- * step, because the poses that move them prove that they do not meet themselves.
+/* rigid.h - which objects need not be tested against themselves in a step, because the
+ * poses that move them prove that they do not meet themselves.
  *
- * Room:     engine. May include: world.h.
- * Does:     compare, for each object, what rounding can bring together in this step
- *           (blur.h) with how near its features lie to each other (spacing.h), and enter
- *           in the masks what follows. Have spacings found out that are missing.
- * Does not: leave anything out itself: who asks the masks does.
- * Threads:  functions say.
+ * Compare, for each object, what rounding can bring together in this step (blur.h) with
+ * how near its features lie to each other (spacing.h), and enter in the masks what
+ * follows. Have spacings found out that are missing.
  *
  * An object is eligible while nothing but poses, each of all its vertices, has moved it:
  * both ends of the step are such poses; or it stands where the last one took it; or it

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/rings.c - vertices that few edges join.
- *
- * Room:     engine.
- * Does:     search breadth first from each vertex, and keep what it finds in order.
- * Threads:  rings.h.
- */
+/* rings.c - vertices that few edges join. */
 #include "rings.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* daemon/engine/scene/rings.h - which vertices of a mesh few edges join.
- *
- * Room:     engine. May include: mesh.h.
- * Does:     list the vertices that at most n edges lead to from each vertex, once for
- *           each mesh and n, however many objects use it.
- * Threads:  functions say.
- */
+/* rings.h - which vertices of a mesh few edges join. */
 #ifndef ENG_RINGS_H
 #define ENG_RINGS_H
 

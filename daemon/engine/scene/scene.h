@@ -1,13 +1,8 @@
-/* daemon/engine/scene/scene.h - a scene: its objects, where they are, and where the next
- * step moves them.
+/* scene.h - a scene: its objects, where they are, and where the next step moves them.
  *
- * Room:     engine. May include: mesh.h.
- * Does:     hold any number of objects; add and remove objects between steps; stage the
- *           positions of a step, so that a step that fails changes nothing.
- * Does not: detect collisions (step.h).
- * Threads:  [compute]; one thread at a time for one scene.
- * Source:   paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every
- *           byte of a foreign memory is read once, the copy is checked.
+ * Threads: [compute]; one thread at a time for one scene.
+ * Source: paper sections 3.2 and 7 (merged hierarchies), design of the ingest: every byte
+ * of a foreign memory is read once, the copy is checked.
  */
 #ifndef ENG_SCENE_H
 #define ENG_SCENE_H

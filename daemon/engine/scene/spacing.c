@@ -1,12 +1,9 @@
-/* daemon/engine/scene/spacing.c - near features of a mesh.
+/* spacing.c - near features of a mesh.
  *
- * Room:     engine.
- * Does:     sort the triangles along a curve that fills space (Morton), make boxes around
- *           four of them, four of these, and so on; look for each triangle at all behind
- *           it whose boxes are within the spacing; and try to separate the features that
- *           the two own (feature.h), so that each pair of features is seen once.
- * Does not: decide exactly: what it cannot separate is near.
- * Threads:  spacing.h.
+ * Sort the triangles along a curve that fills space (Morton), make boxes around four of
+ * them, four of these, and so on; look for each triangle at all behind it whose boxes are
+ * within the spacing; and try to separate the features that the two own (feature.h), so
+ * that each pair of features is seen once.
  */
 #include "spacing.h"
 

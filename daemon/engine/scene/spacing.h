@@ -1,12 +1,7 @@
-/* daemon/engine/scene/spacing.h - finds out which features of a mesh lie near each other
- * as registered, bit by bit over several steps.
+/* spacing.h - finds out which features of a mesh lie near each other as registered, bit
+ * by bit over several steps.
  *
- * Room:     engine. May include: mesh.h.
- * Does:     prove of as many features as possible that they are apart from all others
- *           that they could ever meet, which are those without a common vertex.
- * Does not: begin by itself: most meshes deform, and nobody asks (rigid.h does).
- * Threads:  functions say.
- * Source:   elementary/BOUNDS.md, "Objects that move by poses".
+ * Source: elementary/BOUNDS.md, "Objects that move by poses".
  *
  * A mesh has a *spacing*, a length far below the size of its triangles. Two features of
  * it without a common vertex are farther apart than that, unless both are *near*: some

@@ -1,11 +1,9 @@
-/* daemon/engine/scene/stage.c - the positions of a step, one copy from foreign memory.
+/* stage.c - the positions of a step, one copy from foreign memory.
  *
- * Room:     engine.
- * Does:     end positions go straight into the buffer that becomes t = 1; the buffer that
- *           holds the current positions is not touched before commit, so an aborted step
- *           leaves a trace only in where the last one began. Given start positions wait
- *           in a third buffer for the commit.
- * Threads:  [compute], which copies many positions with a team.
+ * End positions go straight into the buffer that becomes t = 1; the buffer that holds the
+ * current positions is not touched before commit, so an aborted step leaves a trace only
+ * in where the last one began. Given start positions wait in a third buffer for the
+ * commit.
  */
 #include "stage.h"
 

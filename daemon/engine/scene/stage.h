@@ -1,9 +1,4 @@
-/* daemon/engine/scene/stage.h - makes the staged positions those of the step that begins.
- *
- * Room:     engine. May include: world.h.
- * Does:     end the staging, for step.c; scene.h declares the writes themselves.
- * Threads:  [compute].
- */
+/* stage.h - makes the staged positions those of the step that begins. */
 #ifndef ENG_STAGE_H
 #define ENG_STAGE_H
 

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/thickness.c - how thick objects are.
- *
- * Room:     engine.
- * Does:     see thickness.h.
- * Threads:  thickness.h.
- */
+/* thickness.c - how thick objects are. */
 #include "thickness.h"
 
 #include "rings.h"

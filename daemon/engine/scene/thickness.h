@@ -1,11 +1,6 @@
-/* daemon/engine/scene/thickness.h - how thick objects are, and by how much their boxes
- * grow for it.
+/* thickness.h - how thick objects are, and by how much their boxes grow for it.
  *
- * Room:     engine. May include: near_query.h, world.h.
- * Does:     know whether any pair of a step has a distance; tell the radius of a feature,
- *           and how far the box of a vertex reaches beyond it.
- * Does not: test pairs (thick_work.h).
- * Threads:  choose: [compute]; the rest [any], inside a step.
+ * Threads: choose: [compute]; the rest [any], inside a step.
  *
  * A pair meets within r = radius of a + radius of b + separation. So the box of each
  * vertex is larger by half of the separation and the largest radius of the features that

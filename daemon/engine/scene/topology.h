@@ -1,10 +1,6 @@
-/* daemon/engine/scene/topology.h - the fields of a mesh, for the files that fill, derive
- * or read it.
+/* topology.h - the fields of a mesh, for the files that fill, derive or read it.
  *
- * Room:     engine. May include: box_frame.h, mesh.h, pccd_trace.h.
- * Does:     define struct eng_mesh. But for its spacing it does not change after commit,
- *           so any thread may read it then.
- * Source:   paper section 3.1; Curtis 2008 (representative triangles).
+ * Source: paper section 3.1; Curtis 2008 (representative triangles).
  */
 #ifndef ENG_TOPOLOGY_H
 #define ENG_TOPOLOGY_H

@@ -1,9 +1,4 @@
-/* daemon/engine/scene/world.c - the positions of a scene, and its objects by index.
- *
- * Room:     engine.
- * Does:     grow the positions with the ranges that are handed out.
- * Threads:  [compute].
- */
+/* world.c - the positions of a scene, and its objects by index. */
 #include "world.h"
 
 #include "array.h"

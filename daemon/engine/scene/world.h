@@ -1,17 +1,10 @@
-/* daemon/engine/scene/world.h - the fields of a scene: its objects and where they are.
+/* world.h - the fields of a scene: its objects and where they are.
  *
- * Room:     engine. May include: box_frame.h, ingest.h, masks.h, range.h, scene.h,
- *           topology.h.
- * Does:     define struct eng_scene for the phases of a step: positions, frames, masks,
- *           what is staged, and a slot for the state of each method.
- * Does not: know trees or boxes: they belong to the methods.
- * Threads:  [compute]; inside a step the team reads it.
+ * Threads: [compute]; inside a step the team reads it.
  *
  * The vertices of all objects lie in one array; an object owns a range of it. Indices
  * into this array ("global") name vertices inside the engine; records carry object id and
  * local index. So an object comes or goes without touching the others.
- *
- * More than 200 lines: all that a scene is, phase by phase, in one place.
  */
 #ifndef ENG_WORLD_H
 #define ENG_WORLD_H

@@ -1,9 +1,4 @@
-/* daemon/engine/team/affinity.c - where the threads of a team run.
- *
- * Room:     engine.
- * Does:     say where each thread belongs; a thread knows where it was put.
- * Threads:  affinity.h.
- */
+/* affinity.c - where the threads of a team run. */
 #include "affinity.h"
 
 #include <assert.h>

@@ -1,11 +1,8 @@
-/* daemon/engine/team/affinity.h - binds each thread of a team to a processor of its own
- * (thread affinity).
+/* affinity.h - binds each thread of a team to a processor of its own (thread affinity).
  *
- * Room:     engine. May include: processors.h, the C library.
- * Does:     choose among the processors that the process may use. Without this, the
- *           kernel was seen to leave two threads on one processor. The OpenMP runtime's
- *           own binding would bind the other threads too.
- * Threads:  functions say.
+ * Choose among the processors that the process may use. Without this, the kernel was seen
+ * to leave two threads on one processor. The OpenMP runtime's own binding would bind the
+ * other threads too.
  */
 #ifndef ENG_AFFINITY_H
 #define ENG_AFFINITY_H

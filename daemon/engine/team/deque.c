@@ -1,10 +1,4 @@
-/* daemon/engine/team/deque.c - a bounded work-stealing deque.
- *
- * Room:     engine.
- * Does:     grow two counters; the difference is what the deque holds.
- * Threads:  push and pop: the owner; steal: any thread of the team.
- * Source:   deque.h.
- */
+/* deque.c - a bounded work-stealing deque. */
 #include "deque.h"
 
 void eng_deque_init(struct eng_deque *deque)

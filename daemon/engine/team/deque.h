@@ -1,14 +1,14 @@
-/* daemon/engine/team/deque.h - a queue of tasks from which idle threads steal.
+/* deque.h - a queue of tasks from which idle threads steal.
  *
- * Room:     engine. May include: the C library.
- * Does:     let the owner push and pop tasks at the bottom, and anyone take them from the
- *           top. The owner works depth first on what is in its cache; a thief gets the
- *           oldest task, which is the largest.
- * Threads:  push and pop: the owner, or one thread while the owner waits; steal: any
- *           thread of the team.
- * Source:   Chase and Lev 2005; the C11 form of Le, Pop, Cohen and Zappa Nardelli 2013,
- *           with sequentially consistent accesses in place of its fences (tasks are
- *           coarse, and thread sanitizers do not model fences).
+ * Let the owner push and pop tasks at the bottom, and anyone take them from the top. The
+ * owner works depth first on what is in its cache; a thief gets the oldest task, which is
+ * the largest.
+ *
+ * Threads: push and pop: the owner, or one thread while the owner waits; steal: any
+ * thread of the team.
+ * Source: Chase and Lev 2005; the C11 form of Le, Pop, Cohen and Zappa Nardelli 2013,
+ * with sequentially consistent accesses in place of its fences (tasks are coarse, and
+ * thread sanitizers do not model fences).
  */
 #ifndef ENG_DEQUE_H
 #define ENG_DEQUE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/team/each.c - many items, dealt out to several threads.
- *
- * Room:     engine.
- * Does:     a counter that all threads take from.
- * Threads:  each.h.
- */
+/* each.c - many items, dealt out to several threads. */
 #include "each.h"
 
 #include <assert.h>

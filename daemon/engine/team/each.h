@@ -1,11 +1,7 @@
-/* daemon/engine/team/each.h - does something with each of many items, by several threads:
- * of a batch, a step with each scene.
+/* each.h - does something with each of many items, by several threads: of a batch, a step
+ * with each scene.
  *
- * Room:     engine. May include: affinity.h.
- * Does:     hand out the items one at a time, in their order, to whichever thread is
- *           free.
- * Does not: know what an item is, or let two threads have one.
- * Threads:  [compute]; it opens one parallel region.
+ * Threads: [compute]; it opens one parallel region.
  */
 #ifndef ENG_EACH_H
 #define ENG_EACH_H

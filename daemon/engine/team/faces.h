@@ -1,11 +1,7 @@
-/* daemon/engine/team/faces.h - the faces of one object in the tree of a method, as a
- * search for what is near sees them: sixteen boxes at a time.
+/* faces.h - the faces of one object in the tree of a method, as a search for what is near
+ * sees them: sixteen boxes at a time.
  *
- * Room:     engine. May include: boxes.h.
- * Does:     define what a method's functions faces_of and faces_open (method.h) fill in.
- *           The tree may hold other objects, too; their faces are left out.
- * Does not: make boxes: they are those of the last refit.
- * Threads:  [any] while nothing is refitted; types only.
+ * Threads: [any] while nothing is refitted; types only.
  */
 #ifndef ENG_FACES_H
 #define ENG_FACES_H

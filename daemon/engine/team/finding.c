@@ -1,9 +1,4 @@
-/* daemon/engine/team/finding.c - what a thread does with what its tests find.
- *
- * Room:     engine.
- * Does:     see finding.h.
- * Threads:  [team].
- */
+/* finding.c - what a thread does with what its tests find. */
 #include "finding.h"
 
 #include <assert.h>

@@ -1,10 +1,4 @@
-/* daemon/engine/team/finding.h - what a thread does with a contact that it has found.
- *
- * Room:     engine. May include: query.h, worker.h.
- * Does:     keep a contact as the mode of the step wants it, count candidates, add up the
- *           time of tests. Both methods use it.
- * Threads:  [team].
- */
+/* finding.h - what a thread does with a contact that it has found. */
 #ifndef ENG_FINDING_H
 #define ENG_FINDING_H
 

@@ -1,10 +1,8 @@
-/* daemon/engine/team/method.h - what a method must provide so that a step can use it.
+/* method.h - what a method must provide so that a step can use it.
  *
- * Room:     engine. May include: faces.h, team.h.
- * Does:     define the table of functions that differ between the methods: trees, boxes,
- *           tasks. A task is a 64-bit word whose meaning belongs to the method, so that
- *           one scheduler serves both.
- * Threads:  functions say.
+ * Define the table of functions that differ between the methods: trees, boxes, tasks. A
+ * task is a 64-bit word whose meaning belongs to the method, so that one scheduler serves
+ * both.
  */
 #ifndef ENG_METHOD_H
 #define ENG_METHOD_H

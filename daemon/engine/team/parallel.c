@@ -1,9 +1,4 @@
-/* daemon/engine/team/parallel.c - the begin and the end of parallel regions.
- *
- * Room:     engine.
- * Does:     keep for each thread that is a guest how it rounded when it came.
- * Threads:  parallel.h.
- */
+/* parallel.c - the begin and the end of parallel regions. */
 #include "parallel.h"
 
 #include <assert.h>

@@ -1,19 +1,9 @@
-/* daemon/engine/team/parallel.h - what every parallel region begins and ends with.
+/* parallel.h - what every parallel region begins and ends with.
  *
- * Room:     engine. May include: memory.h, proto/common.
- * Does:     let the threads of a region pay as the one that opens it, and round as the
- *           engine needs it (rounding.h). In a process that is not ours give each of them
- *           back what it had, and let those that the runtime makes for the region begin
- *           with what the caller has, as if it had opened the region itself.
- * Threads:  functions say.
- *
- *     struct eng_parallel region = eng_parallel_open();
- *     #pragma omp parallel
- *     {
- *         ENG_PARALLEL_JOIN(region);
- *         ...
- *     }
- *     eng_parallel_close();
+ * Let the threads of a region pay as the one that opens it, and round as the engine needs
+ * it (rounding.h). In a process that is not ours give each of them back what it had, and
+ * let those that the runtime makes for the region begin with what the caller has, as if
+ * it had opened the region itself.
  */
 #ifndef ENG_PARALLEL_H
 #define ENG_PARALLEL_H

@@ -1,10 +1,4 @@
-/* daemon/engine/team/processors.c - the processors that threads of a team can be bound
- * to.
- *
- * Room:     engine.
- * Does:     ask the system which they are; sched_setaffinity.
- * Threads:  processors.h.
- */
+/* processors.c - the processors that threads of a team can be bound to. */
 #include "processors.h"
 
 #include <assert.h>

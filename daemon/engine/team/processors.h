@@ -1,10 +1,5 @@
-/* daemon/engine/team/processors.h - which processors this process may use, and how to
- * bind a thread to some of them.
- *
- * Room:     engine. May include: the C library.
- * Does:     find them, and bind a thread.
- * Does not: choose for a thread (affinity.h).
- * Threads:  functions say.
+/* processors.h - which processors this process may use, and how to bind a thread to
+ * some of them.
  */
 #ifndef ENG_PROCESSORS_H
 #define ENG_PROCESSORS_H

@@ -1,11 +1,4 @@
-/* daemon/engine/team/relax.h - the pause instruction, for a loop that waits for another
- * thread.
- *
- * Room:     engine. May include: nothing.
- * Does:     tell the processor that the loop only waits, so that the other hardware
- *           thread of its core gets the execution units.
- * Threads:  [any].
- */
+/* relax.h - the pause instruction, for a loop that waits for another thread. */
 #ifndef ENG_RELAX_H
 #define ENG_RELAX_H
 

@@ -1,10 +1,8 @@
-/* daemon/engine/team/schedule_steal.c - work stealing.
+/* schedule_steal.c - work stealing.
  *
- * Room:     engine.
- * Does:     the method deals out the first tasks, to one worker or to several; large
- *           ones are split and the parts pushed to the worker's own deque; small ones are
- *           worked through at once. A worker without tasks takes the oldest of another.
- * Threads:  [team].
+ * The method deals out the first tasks, to one worker or to several; large ones are split
+ * and the parts pushed to the worker's own deque; small ones are worked through at once.
+ * A worker without tasks takes the oldest of another.
  *
  * The end. `active` counts the workers that have tasks; nothing else is written by more
  * than one worker as long as each has tasks of its own. A worker leaves when its deque is

@@ -1,9 +1,6 @@
-/* daemon/engine/team/schedule_steal.h - shares out the tasks of a step by work stealing.
+/* schedule_steal.h - shares out the tasks of a step by work stealing.
  *
- * Room:     engine. May include: team.h.
- * Does:     run every task of a step: a thread without tasks takes one from another
- *           thread. The set of pairs tested is the same as for any other scheduler.
- * Threads:  [team]: every thread of the region calls it.
+ * Threads: [team]: every thread of the region calls it.
  */
 #ifndef ENG_SCHEDULE_STEAL_H
 #define ENG_SCHEDULE_STEAL_H

@@ -1,10 +1,8 @@
-/* daemon/engine/team/seat.c - the threads of a team, as they see each other.
+/* seat.c - the threads of a team, as they see each other.
  *
- * Room:     engine.
- * Does:     see seat.h.
- * Threads:  seat.h. There is one table for the process, with a row for each team: a
- *           runtime may end its threads after everything else of theirs is gone. Teams
- *           with the same number would take each other's seats, and lend nothing.
+ * Threads: seat.h. There is one table for the process, with a row for each team: a
+ * runtime may end its threads after everything else of theirs is gone. Teams with the
+ * same number would take each other's seats, and lend nothing.
  */
 #include "seat.h"
 

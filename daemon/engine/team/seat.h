@@ -1,10 +1,5 @@
-/* daemon/engine/team/seat.h - lends the processor of a waiting thread to a thread of the
- * team that has lost its own to another program.
- *
- * Room:     engine. May include: processors.h.
- * Does:     let a thread that waits for another lend it its processor. Otherwise the
- *           other would run again only at the next tick of the kernel, up to 4 ms later.
- * Threads:  functions say.
+/* seat.h - lends the processor of a waiting thread to a thread of the team that has
+ * lost its own to another program.
  */
 #ifndef ENG_SEAT_H
 #define ENG_SEAT_H

@@ -1,11 +1,8 @@
-/* daemon/engine/team/share.h - divides a loop into equal parts, one for each thread.
+/* share.h - divides a loop into equal parts, one for each thread.
  *
- * Room:     engine. May include: the C library.
- * Does:     divide items 0 .. count - 1 into one run for each thread of a team. A thread
- *           takes its own run first, then what others have left. So it finds in its cache
- *           what it wrote a step before, and threads compete for a counter only at the
- *           end.
- * Threads:  functions say.
+ * Divide items 0 .. count - 1 into one run for each thread of a team. A thread takes its
+ * own run first, then what others have left. So it finds in its cache what it wrote a
+ * step before, and threads compete for a counter only at the end.
  */
 #ifndef ENG_SHARE_H
 #define ENG_SHARE_H

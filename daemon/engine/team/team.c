@@ -1,9 +1,4 @@
-/* daemon/engine/team/team.c - the threads of one step.
- *
- * Room:     engine.
- * Does:     count what the refit has done, and hold threads until it has ended.
- * Threads:  team.h.
- */
+/* team.c - the threads of one step. */
 #include "team.h"
 
 #include <assert.h>

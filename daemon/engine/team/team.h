@@ -1,10 +1,7 @@
-/* daemon/engine/team/team.h - what the threads that compute one step share.
+/* team.h - what the threads that compute one step share.
  *
- * Room:     engine. May include: worker.h.
- * Does:     define the list of workers, the progress of the refit, and the count of
- *           unfinished tasks.
- * Threads:  filled in by [compute] before the region; each field says who writes it
- *           inside.
+ * Threads: filled in by [compute] before the region; each field says who writes it
+ * inside.
  */
 #ifndef ENG_TEAM_H
 #define ENG_TEAM_H

@@ -1,9 +1,4 @@
-/* trace.c - what the threads of a step did, when.
- *
- * Room:     engine.
- * Does:     write to a ring; count what was overwritten.
- * Threads:  trace.h.
- */
+/* trace.c - what the threads of a step did, when. */
 #include "trace.h"
 
 #include <assert.h>

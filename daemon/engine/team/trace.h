@@ -1,11 +1,9 @@
-/* daemon/engine/team/trace.h - records what each thread of a step did, and when.
+/* trace.h - records what each thread of a step did, and when.
  *
- * Room:     engine. May include: pccd_trace.h.
- * Does:     keep the newest events of every thread in a ring of its own, so that
- *           recording takes no lock. Without a trace it costs one test of a pointer for
- *           each task.
- * Does not: write files or know a format: the reader of the events does.
- * Threads:  add: the thread whose lane it is; the rest: [compute], between steps.
+ * Keep the newest events of every thread in a ring of its own, so that recording takes no
+ * lock. Without a trace it costs one test of a pointer for each task.
+ *
+ * Threads: add: the thread whose lane it is; the rest: [compute], between steps.
  */
 #ifndef ENG_TRACE_H
 #define ENG_TRACE_H

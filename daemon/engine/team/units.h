@@ -1,11 +1,7 @@
-/* daemon/engine/team/units.h - a bounded queue of task units that one thread has still to
- * do.
+/* units.h - a bounded queue of task units that one thread has still to do.
  *
- * Room:     engine. May include: the C library.
- * Does:     let the owner take the newest unit, and give the front one, which is the
- *           largest, to others.
- * Threads:  one.
- * Source:   paper section 4.3.
+ * Threads: one.
+ * Source: paper section 4.3.
  */
 #ifndef ENG_UNITS_H
 #define ENG_UNITS_H

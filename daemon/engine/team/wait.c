@@ -1,9 +1,4 @@
-/* daemon/engine/team/wait.c - a thread without work, until others are done.
- *
- * Room:     engine. See wait.h.
- * Does:     spin, look, sleep; a barrier that waits so.
- * Threads:  [team].
- */
+/* wait.c - a thread without work, until others are done. */
 #include "wait.h"
 
 #include <assert.h>

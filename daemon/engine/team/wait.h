@@ -1,14 +1,11 @@
-/* daemon/engine/team/wait.h - what a thread without work does until the others are done:
- * spin, then look after them, then sleep.
+/* wait.h - what a thread without work does until the others are done: spin, then look
+ * after them, then sleep.
  *
- * Room:     engine. May include: affinity.h, seat.h, worker.h.
- * Does:     spend the time between two looks at what is waited for. First it spins,
- *           because the others usually end within microseconds; then it also looks
- *           whether they run at all (seat.h); then it sleeps, longer each time.
- * Does not: yield: next to another program's thread that never sleeps, this kernel gives
- *           the processor back only at a tick (3.4 ms), while a thread that wakes gets it
- *           at once.
- * Threads:  [team]; a wait belongs to one thread.
+ * Spend the time between two looks at what is waited for. First it spins, because the
+ * others usually end within microseconds; then it also looks whether they run at all
+ * (seat.h); then it sleeps, longer each time.
+ *
+ * Threads: [team]; a wait belongs to one thread.
  */
 #ifndef ENG_WAIT_H
 #define ENG_WAIT_H

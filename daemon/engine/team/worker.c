@@ -1,10 +1,4 @@
-/* daemon/engine/team/worker.c - what one thread of a step owns.
- *
- * Room:     engine.
- * Does:     begin a step, watch clock and cancel flag, ask the caller, share the bound on
- *           time, account for time without work.
- * Threads:  [team]; a worker belongs to one thread.
- */
+/* worker.c - what one thread of a step owns. */
 #include "worker.h"
 
 #include <assert.h>

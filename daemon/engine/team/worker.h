@@ -1,13 +1,10 @@
-/* daemon/engine/team/worker.h - what one thread needs to compute its part of a step,
- * whatever the method.
+/* worker.h - what one thread needs to compute its part of a step, whatever the method.
  *
- * Room:     engine. May include: clock.h, deque.h, exact.h, result.h, step_result.h,
- *           step_settings.h, trace.h, units.h.
- * Does:     hold its tasks, the records that it has found, its counters and times, the
- *           scratch of exact arithmetic, and a slot for the state of the method. The
- *           workers of a step share nothing but the scene and struct eng_stop.
- * Does not: know what a scene is: methods do.
- * Threads:  [team]; a worker belongs to one thread.
+ * Hold its tasks, the records that it has found, its counters and times, the scratch of
+ * exact arithmetic, and a slot for the state of the method. The workers of a step share
+ * nothing but the scene and struct eng_stop.
+ *
+ * Threads: [team]; a worker belongs to one thread.
  */
 #ifndef ENG_WORKER_H
 #define ENG_WORKER_H

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide.c - the trees of the method `wide`, put together.
- *
- * Room:     engine.
- * Does:     order the objects in space, give each its slots, copy what the features are.
- * Threads:  [compute].
- */
+/* wide.c - the trees of the method `wide`, put together. */
 #include "wide.h"
 
 #include <string.h>

@@ -1,19 +1,15 @@
-/* daemon/engine/wide/wide.h - the trees of the method `wide`: sixteen children a node,
- * without pointers, one tree each for vertices, edges and faces.
+/* wide.h - the trees of the method `wide`: sixteen children a node, without pointers, one
+ * tree each for vertices, edges and faces.
  *
- * Room:     engine. May include: kernel.h, wide_order.h, world.h, the C library.
- * Does:     hold three trees over all objects of a scene. Slot i of a tree is one
- *           feature, in an order in which neighbours are near. Block i of level 0 holds
- *           the boxes of slots 16 i .. 16 i + 15; block i of level k those of blocks 16 i
- *           .. 16 i + 15 of level k - 1.
- * Does not: change within a step, except for the boxes.
- * Threads:  [compute]; inside a step the team reads it, and writes boxes of its own.
+ * Hold three trees over all objects of a scene. Slot i of a tree is one feature, in an
+ * order in which neighbours are near. Block i of level 0 holds the boxes of slots 16 i ..
+ * 16 i + 15; block i of level k those of blocks 16 i .. 16 i + 15 of level k - 1.
+ *
+ * Threads: [compute]; inside a step the team reads it, and writes boxes of its own.
  *
  * An object starts at a multiple of 16 slots, a large one at a multiple of 256 or more,
  * so that its groups stay together. Slots between objects are empty. All trees have the
  * same number of levels; the highest has one block.
- *
- * More than 200 lines: short functions that every file of the method uses.
  */
 #ifndef ENG_WIDE_TREES_H
 #define ENG_WIDE_TREES_H

@@ -1,10 +1,4 @@
-/* daemon/engine/wide/wide_faces.c - the faces of one object in the wide trees.
- *
- * Room:     engine.
- * Does:     see wide_faces.h. A node is a block: its level in the highest bits, its
- *           number in the lower ones. A face is a slot.
- * Threads:  wide_faces.h.
- */
+/* wide_faces.c - the faces of one object in the wide trees. */
 #include "wide_faces.h"
 
 #include "wide_quantised.h"

@@ -1,11 +1,9 @@
-/* daemon/engine/wide/wide_faces.h - the faces of one object in the tree of faces of the
- * method `wide`.
+/* wide_faces.h - the faces of one object in the tree of faces of the method `wide`.
  *
- * Room:     engine. May include: faces.h, wide.h.
- * Does:     what method.h says of faces_of, faces_open and faces_index. All objects have
- *           the root of the tree; what is not in the object's slots is left out on the
- *           way down.
- * Threads:  [any] while nothing is refitted.
+ * What method.h says of faces_of, faces_open and faces_index. All objects have the root
+ * of the tree; what is not in the object's slots is left out on the way down.
+ *
+ * Threads: [any] while nothing is refitted.
  */
 #ifndef ENG_WIDE_FACES_H
 #define ENG_WIDE_FACES_H

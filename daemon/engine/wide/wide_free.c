@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_free.c - which features of the wide trees are free.
- *
- * Room:     engine.
- * Does:     see wide_free.h.
- * Threads:  wide_free.h.
- */
+/* wide_free.c - which features of the wide trees are free. */
 #include "wide_free.h"
 
 uint32_t eng_wide_kinds(const struct eng_wide *wide, bool thick)

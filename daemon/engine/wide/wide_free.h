@@ -1,11 +1,11 @@
-/* daemon/engine/wide/wide_free.h - which features of the wide trees are free: points and
- * edges that no triangle has (mesh.h).
+/* wide_free.h - which features of the wide trees are free: points and edges that no
+ * triangle has (mesh.h).
  *
- * Room:     engine. May include: wide.h, the C library.
- * Does:     say of pairs which are of two such, by the marks in the trees. Features of
- *           all sorts are in one tree, so pairs of kinds that ask for free ones alone are
- *           sifted by these marks at each level.
- * Threads:  [any]: the trees are only read.
+ * Say of pairs which are of two such, by the marks in the trees. Features of all sorts
+ * are in one tree, so pairs of kinds that ask for free ones alone are sifted by these
+ * marks at each level.
+ *
+ * Threads: [any]: the trees are only read.
  */
 #ifndef ENG_WIDE_FREE_H
 #define ENG_WIDE_FREE_H

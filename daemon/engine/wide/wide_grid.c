@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_grid.c - the grid of the sieve, from where the scene was.
- *
- * Room:     engine.
- * Does:     see wide_grid.h.
- * Threads:  [compute].
- */
+/* wide_grid.c - the grid of the sieve, from where the scene was. */
 #include "wide_grid.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
-/* daemon/engine/wide/wide_grid.h - chooses the grid of the sieve (sieve.h) from where the
- * scene was in the last step.
+/* wide_grid.h - chooses the grid of the sieve (sieve.h) from where the scene was in the
+ * last step.
  *
- * Room:     engine. May include: wide.h.
- * Does:     lay the grid over the scene before its vertices are placed on it: by the
- *           boxes of the last step, because those of this step are made together with the
- *           marks. A step that leaves the grid does without the sieve.
- * Threads:  as marked.
+ * Lay the grid over the scene before its vertices are placed on it: by the boxes of the
+ * last step, because those of this step are made together with the marks. A step that
+ * leaves the grid does without the sieve.
+ *
+ * Threads: as marked.
  */
 #ifndef ENG_WIDE_GRID_H
 #define ENG_WIDE_GRID_H

@@ -1,10 +1,8 @@
-/* daemon/engine/wide/wide_join.c - from two nodes to the pairs of features below them.
+/* wide_join.c - from two nodes to the pairs of features below them.
  *
- * Room:     engine.
- * Does:     see wide_join.h. Each level has a list of pairs that wait; one is refined
- *           into the list of the level below, at most 256, before the next is taken. The
- *           blocks of features that two nodes lead to are joined all at a time.
- * Threads:  wide_join.h.
+ * See wide_join.h. Each level has a list of pairs that wait; one is refined into the list
+ * of the level below, at most 256, before the next is taken. The blocks of features that
+ * two nodes lead to are joined all at a time.
  */
 #include "wide_join.h"
 

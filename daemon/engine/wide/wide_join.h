@@ -1,11 +1,6 @@
-/* daemon/engine/wide/wide_join.h - finds the pairs of features that may meet below two
- * nodes.
+/* wide_join.h - finds the pairs of features that may meet below two nodes.
  *
- * Room:     engine. May include: batch.h, near_query.h, wide.h.
- * Does:     descend two trees together, depth first, and collect the pairs of features
- *           whose moving boxes overlap, in chunks that the caller empties.
- * Does not: know what becomes of a pair (wide_test.h), or who does what (wide_task.h).
- * Threads:  one thread for one join; the trees are only read.
+ * Threads: one thread for one join; the trees are only read.
  */
 #ifndef ENG_WIDE_JOIN_H
 #define ENG_WIDE_JOIN_H

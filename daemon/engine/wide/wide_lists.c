@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_lists.c - splits of lists that are sorted along each axis.
- *
- * Room:     engine.
- * Does:     see wide_lists.h. Of a range that is split along one axis the two other lists
- *           are divided, each half in its order.
- * Threads:  wide_lists.h.
+/* wide_lists.c - splits of lists that are sorted along each axis.
  *
  * To sort an item along three axes takes some 150 instructions, and 25 for each time that
  * its range is halved. To look for medians among items that are not sorted takes 75 for

@@ -1,11 +1,7 @@
-/* daemon/engine/wide/wide_lists.h - sorts many items once along each axis, and splits
- * them by that.
+/* wide_lists.h - sorts many items once along each axis, and splits them by that.
  *
- * Room:     engine. May include: median.h, wide_range.h.
- * Does:     what eng_wide_sort does, from three sorted lists: a split is then a pass over
- *           two of them, and no median is looked for. Less work, for more memory.
- * Threads:  [any]; the memory is one caller's.
- * Source:   Bentley 1975 (k-d trees); Vaidya 1989 (lists that stay sorted).
+ * Threads: [any]; the memory is one caller's.
+ * Source: Bentley 1975 (k-d trees); Vaidya 1989 (lists that stay sorted).
  */
 #ifndef ENG_WIDE_LISTS_H
 #define ENG_WIDE_LISTS_H

@@ -1,11 +1,9 @@
-/* daemon/engine/wide/wide_method.c - the method wide, as a step sees it.
+/* wide_method.c - the method wide, as a step sees it.
  *
- * Room:     engine.
- * Does:     keep the wide trees. A task, for stealing and as a unit of the dynamic
- *           assignment, is a pair of nodes of one level, of the trees of one kind of
- *           pair; a node with itself, of one tree, stands for all pairs below it. Tasks
- *           are divided down to nodes of 256 features.
- * Threads:  method.h.
+ * Keep the wide trees. A task, for stealing and as a unit of the dynamic assignment, is a
+ * pair of nodes of one level, of the trees of one kind of pair; a node with itself, of
+ * one tree, stands for all pairs below it. Tasks are divided down to nodes of 256
+ * features.
  *
  * Trees do not change while they are searched, so any task may go to any thread. A worker
  * divides depth first, and what finds no room in its deque is done at once.

@@ -1,10 +1,4 @@
-/* daemon/engine/wide/wide_method.h - the functions of the method `wide` that a step
- * calls.
- *
- * Room:     engine. May include: method.h.
- * Does:     declare the method's table for methods.h.
- * Threads:  method.h.
- */
+/* wide_method.h - the functions of the method `wide` that a step calls. */
 #ifndef ENG_WIDE_METHOD_H
 #define ENG_WIDE_METHOD_H
 

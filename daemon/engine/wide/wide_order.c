@@ -1,10 +1,7 @@
-/* daemon/engine/wide/wide_order.c - the order in which an object's features are stored.
+/* wide_order.c - the order in which an object's features are stored.
  *
- * Room:     engine.
- * Does:     median splits of the centroids, the first ones of them until there is a part
- *           for every thread, and then the parts.
- * Threads:  [any]; opens parallel regions if it is told to. The order does not depend on
- *           how many threads made it: each split is of a list that they do not change.
+ * Threads: [any]; opens parallel regions if it is told to. The order does not depend on
+ * how many threads made it: each split is of a list that they do not change.
  */
 #include "wide_order.h"
 

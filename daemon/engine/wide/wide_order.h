@@ -1,11 +1,7 @@
-/* daemon/engine/wide/wide_order.h - chooses the order in which the features of an object
- * are stored, so that neighbours share a small box.
+/* wide_order.h - chooses the order in which the features of an object are stored, so that
+ * neighbours share a small box.
  *
- * Room:     engine. May include: box_frame.h, median.h, mesh.h,
- *           wide_range.h.
- * Does:     put features that are near each other next to each other, so that every
- *           aligned group of 16, 256, ... of them has a tight box.
- * Threads:  [any]; one caller for one order.
+ * Threads: [any]; one caller for one order.
  *
  * Separate pieces of a mesh (those that share no vertex) may fly apart, and a group with
  * features of two of them would soon be as large as the scene. So a mesh of many pieces

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_owner.c - whose features are below a node of the wide trees.
- *
- * Room:     engine.
- * Does:     see wide_owner.h.
- * Threads:  wide_owner.h.
- */
+/* wide_owner.c - whose features are below a node of the wide trees. */
 #include "wide_owner.h"
 
 #include <assert.h>

@@ -1,11 +1,10 @@
-/* daemon/engine/wide/wide_owner.h - knows which objects lie below each node of the wide
- * trees, so that pairs that may not meet are culled high in the tree.
+/* wide_owner.h - knows which objects lie below each node of the wide trees, so that pairs
+ * that may not meet are culled high in the tree.
  *
- * Room:     engine. May include: wide.h, the C library.
- * Does:     know for every node which objects are below it and what these may meet; cull
- *           the pairs of nodes that may not meet (masks.h) before their boxes are
- *           compared any further.
- * Threads:  made by [compute]; read by the [team].
+ * Know for every node which objects are below it and what these may meet; cull the pairs
+ * of nodes that may not meet (masks.h) before their boxes are compared any further.
+ *
+ * Threads: made by [compute]; read by the [team].
  *
  * A block of features belongs to one object, because objects begin at multiples of 16
  * slots. So what is culled there is exactly what may not meet, and nothing is left to

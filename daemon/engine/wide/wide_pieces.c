@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_pieces.c - the pieces that a mesh consists of.
- *
- * Room:     engine.
- * Does:     see wide_pieces.h.
- * Threads:  [any].
- */
+/* wide_pieces.c - the pieces that a mesh consists of. */
 #include "wide_pieces.h"
 
 #include "topology.h"

@@ -1,10 +1,8 @@
-/* daemon/engine/wide/wide_pieces.h - finds the separate pieces of a mesh: triangles that
- * are connected by shared vertices.
+/* wide_pieces.h - finds the separate pieces of a mesh: triangles that are connected by
+ * shared vertices.
  *
- * Room:     engine. May include: mesh.h.
- * Does:     find the connected components.
- * Threads:  [any]; no allocation.
- * Source:   Tarjan 1975 (union-find); van Leeuwen, van der Weide 1977 (halving of paths).
+ * Threads: [any]; no allocation.
+ * Source: Tarjan 1975 (union-find); van Leeuwen, van der Weide 1977 (halving of paths).
  */
 #ifndef ENG_WIDE_PIECES_H
 #define ENG_WIDE_PIECES_H

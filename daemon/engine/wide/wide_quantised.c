@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_quantised.c - the cells of boxes in whole numbers.
- *
- * Room:     engine.
- * Does:     see wide_quantised.h.
- * Threads:  [compute].
- */
+/* wide_quantised.c - the cells of boxes in whole numbers. */
 #include "wide_quantised.h"
 
 #include <float.h>

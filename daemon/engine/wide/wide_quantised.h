@@ -1,11 +1,11 @@
-/* daemon/engine/wide/wide_quantised.h - decides whether a step compares quantised boxes
- * (quantised.h), and how large a cell is.
+/* wide_quantised.h - decides whether a step compares quantised boxes (quantised.h), and
+ * how large a cell is.
  *
- * Room:     engine. May include: wide.h.
- * Does:     decide from the boxes of the last step, or from where a scene without such
- *           boxes begins, whether the boxes of its features are compared as numbers of 16
- *           bits, and what a number stands for.
- * Threads:  as marked.
+ * Decide from the boxes of the last step, or from where a scene without such boxes
+ * begins, whether the boxes of its features are compared as numbers of 16 bits, and what
+ * a number stands for.
+ *
+ * Threads: as marked.
  */
 #ifndef ENG_WIDE_QUANTISED_H
 #define ENG_WIDE_QUANTISED_H

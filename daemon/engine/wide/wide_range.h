@@ -1,8 +1,6 @@
-/* daemon/engine/wide/wide_range.h - where a range of slots is split.
+/* wide_range.h - where a range of slots is split.
  *
- * Room:     engine. May include: boxes.h, the C library.
- * Does:     say whether a range is across a multiple of slots, and where its middle is.
- * Threads:  [any]; inline only.
+ * Threads: [any]; inline only.
  */
 #ifndef ENG_WIDE_RANGE_H
 #define ENG_WIDE_RANGE_H

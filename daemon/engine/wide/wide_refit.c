@@ -1,8 +1,4 @@
-/* daemon/engine/wide/wide_refit.c - the boxes of the trees of the method `wide`.
- *
- * Room:     engine.
- * Does:     copy the positions to the slots, let the kernels make boxes of them.
- * Threads:  wide.h.
+/* wide_refit.c - the boxes of the trees of the method `wide`.
  *
  * A chunk is a few whole nodes of level 1: their boxes are made while those of their
  * features are in the first cache.

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_resort.c - features put in order again, aside.
- *
- * Room:     engine.
- * Does:     see wide_resort.h.
- * Threads:  wide_resort.h.
- */
+/* wide_resort.c - features put in order again, aside. */
 #include "wide_resort.h"
 
 #include <assert.h>

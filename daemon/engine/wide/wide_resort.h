@@ -1,12 +1,5 @@
-/* daemon/engine/wide/wide_resort.h - finds a better order for the features of a scene
- * after they have moved, bit by bit over several steps.
- *
- * Room:     engine. May include: step_settings.h, wide_order.h.
- * Does:     see by the number of box tests that the stored order no longer fits; find a
- *           new order over several steps, a bounded share in each; have the trees rebuilt
- *           in that order before a later step. So no single step pays for a sort.
- * Does not: change an answer: answers do not depend on the order.
- * Threads:  functions say.
+/* wide_resort.h - finds a better order for the features of a scene after they have moved,
+ * bit by bit over several steps.
  *
  * The parts of an order, one for each tree of each object, are sorted one after the
  * other, from where the features are in the step at hand (wide_order.h says how). Where

@@ -1,10 +1,4 @@
-/* daemon/engine/wide/wide_state.c - what the method `wide` keeps of a scene.
- *
- * Room:     engine.
- * Does:     make it with the scene and free it with it; find the order of each object's
- *           features when it is added, unless its mesh has one for all its objects.
- * Threads:  [compute].
- */
+/* wide_state.c - what the method `wide` keeps of a scene. */
 #include "wide_state.h"
 
 #include <assert.h>

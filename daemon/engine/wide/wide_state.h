@@ -1,9 +1,6 @@
-/* daemon/engine/wide/wide_state.h - everything that the method `wide` keeps for a scene.
+/* wide_state.h - everything that the method `wide` keeps for a scene.
  *
- * Room:     engine. May include: wide.h, wide_owner.h, wide_resort.h.
- * Does:     put the parts together: the trees, the owners of their nodes, and the search
- *           for a better order.
- * Threads:  [compute]; inside a step as each part says.
+ * Threads: [compute]; inside a step as each part says.
  */
 #ifndef ENG_WIDE_STATE_H
 #define ENG_WIDE_STATE_H

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_still.c - marks of what moves in the wide trees.
- *
- * Room:     engine.
- * Does:     see wide_still.h.
- * Threads:  wide_still.h.
- */
+/* wide_still.c - marks of what moves in the wide trees. */
 #include "wide_still.h"
 
 #include <assert.h>

@@ -1,10 +1,10 @@
-/* daemon/engine/wide/wide_still.h - what moves in the trees of the method `wide`.
+/* wide_still.h - what moves in the trees of the method `wide`.
  *
- * Room:     engine. May include: wide.h.
- * Does:     mark the features that move (moving.h) and fold the marks up the trees, so
- *           that boxes of what stands are kept from the last step, and pairs of nodes of
- *           which neither moves are left out.
- * Threads:  as marked.
+ * Mark the features that move (moving.h) and fold the marks up the trees, so that boxes
+ * of what stands are kept from the last step, and pairs of nodes of which neither moves
+ * are left out.
+ *
+ * Threads: as marked.
  *
  * Block i of a level has a mask of 16 bits: bit k is set if something below its child k
  * moves. Those of vertices are set before the refit; those of edges and faces by whoever

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_sweep.c - the candidate pairs of plain swept boxes.
- *
- * Room:     engine.
- * Does:     refit with both ends' boxes united, go through all pairs.
- * Threads:  wide_sweep.h.
- */
+/* wide_sweep.c - the candidate pairs of plain swept boxes. */
 #include "wide_sweep.h"
 
 #include <assert.h>

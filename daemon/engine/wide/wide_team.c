@@ -1,11 +1,8 @@
-/* daemon/engine/wide/wide_team.c - the boxes of wide trees by all threads of a step.
+/* wide_team.c - the boxes of wide trees by all threads of a step.
  *
- * Room:     engine.
- * Does:     chunks of vertices, each thread its share and then what others have left;
- *           when all are done, which need not mean that all threads are there, chunks of
- *           edges and of faces with the first level above them; whoever ends last makes
- *           the few boxes above those.
- * Threads:  [team].
+ * Chunks of vertices, each thread its share and then what others have left; when all are
+ * done, which need not mean that all threads are there, chunks of edges and of faces with
+ * the first level above them; whoever ends last makes the few boxes above those.
  */
 #include "wide_team.h"
 

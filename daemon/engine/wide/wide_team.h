@@ -1,10 +1,4 @@
-/* daemon/engine/wide/wide_team.h - updates the boxes of the wide trees by all threads of
- * a step.
- *
- * Room:     engine. May include: team.h.
- * Does:     divide the refit into chunks, a run of them for each thread.
- * Threads:  [team].
- */
+/* wide_team.h - updates the boxes of the wide trees by all threads of a step. */
 #ifndef ENG_WIDE_TEAM_H
 #define ENG_WIDE_TEAM_H
 

@@ -1,9 +1,4 @@
-/* daemon/engine/wide/wide_test.c - what a worker needs to find contacts in wide trees.
- *
- * Room:     engine.
- * Does:     name pairs, gather the vertices of their features, test them.
- * Threads:  [team].
- */
+/* wide_test.c - what a worker needs to find contacts in wide trees. */
 #include "wide_test.h"
 
 #include <assert.h>

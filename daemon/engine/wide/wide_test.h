@@ -1,11 +1,4 @@
-/* daemon/engine/wide/wide_test.h - tests the pairs that a join of the wide trees has
- * found.
- *
- * Room:     engine. May include: share.h, wide_join.h, worker.h.
- * Does:     pass the chunks of a join to the elementary tests, and keep what they find
- *           under the caller's names; in mode pairs, keep the candidates themselves.
- * Threads:  [team].
- */
+/* wide_test.h - tests the pairs that a join of the wide trees has found. */
 #ifndef ENG_WIDE_TEST_H
 #define ENG_WIDE_TEST_H
 

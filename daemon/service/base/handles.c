@@ -1,10 +1,4 @@
-/* handles.c - numbers that stand for things, safe against reuse.
- *
- * Room:     service. See handles.h.
- * Does:     an array of slots with a first-in first-out list of free ones in it.
- * Does not: shrink: a session's tables go with the session.
- * Threads:  one at a time.
- */
+/* handles.c - numbers that stand for things, safe against reuse. */
 #include "handles.h"
 
 #include <stdbool.h>

@@ -1,12 +1,11 @@
 /* handles.h - handles: the 32-bit numbers by which clients name their scenes, meshes and
  * objects.
  *
- * Room:     service. May include: the protocol's headers.
- * Does:     map u32 handles to pointers: index in the low 20 bits, generation (1 .. 4095)
- *           in the high 12. A handle is never 0; a removed one stays unknown until its
- *           index has been reused 4095 times.
- * Does not: own what the pointers lead to, or allocate: somebody pays for the places.
- * Threads:  one at a time.
+ * Map u32 handles to pointers: index in the low 20 bits, generation (1 .. 4095) in the
+ * high 12. A handle is never 0; a removed one stays unknown until its index has been
+ * reused 4095 times.
+ *
+ * Threads: one at a time.
  */
 #ifndef SRV_HANDLES_H
 #define SRV_HANDLES_H

@@ -1,10 +1,5 @@
 /* host.h - what the service needs from the program around it: sending to a client, and
  * timers.
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     declare these functions. The daemon (daemon/server) implements them with
- *           sockets and libuv, the library libpccd-direct (daemon/direct) without either.
- * Threads:  [loop]
  */
 #ifndef SRV_HOST_H
 #define SRV_HOST_H

@@ -1,10 +1,4 @@
-/* invariant.c - asserts on our own invariants, and which thread we are on.
- *
- * Room:     service. See invariant.h.
- * Does:     writes one line to stderr and aborts; a supervisor restarts the daemon.
- * Does not: allocate or lock.
- * Threads:  [any]; the kind of a thread is thread-local.
- */
+/* invariant.c - asserts on our own invariants, and which thread we are on. */
 #include "invariant.h"
 
 #include <stdio.h>

@@ -1,11 +1,4 @@
-/* invariant.h - asserts about the daemon's own state, which stay on in every build.
- *
- * Room:     service. May include: the C library.
- * Does:     abort with file, line and condition when the daemon itself is wrong; say
- *           which thread may call a function.
- * Does not: judge what a peer sent: that is answered, never asserted.
- * Threads:  [any].
- */
+/* invariant.h - asserts about the daemon's own state, which stay on in every build. */
 #ifndef SRV_INVARIANT_H
 #define SRV_INVARIANT_H
 

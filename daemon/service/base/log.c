@@ -1,11 +1,4 @@
-/* log.c - what the daemon says about itself.
- *
- * Room:     service. See log.h.
- * Does:     formats into a buffer on the stack and writes it with one call; counts, for
- *           each kind of line, when its next one would come if they came evenly.
- * Does not: allocate or lock.
- * Threads:  [any].
- */
+/* log.c - what the daemon says about itself. */
 #include "log.h"
 
 #include <poll.h>

@@ -1,11 +1,10 @@
 /* log.h - the daemon's log.
  *
- * Room:     service. May include: the C library.
- * Does:     write one line to stderr per event: ISO time, level, session, text. Limit
- *           each kind of line that clients can cause as often as they like: a number at
- *           once, then some a second; say how many were left out.
- * Does not: buffer or wait: what stderr has no room for is lost.
- * Threads:  [any]; a line is one write, so lines never mix.
+ * Write one line to stderr per event: ISO time, level, session, text. Limit each kind of
+ * line that clients can cause as often as they like: a number at once, then some a
+ * second; say how many were left out.
+ *
+ * Threads: [any]; a line is one write, so lines never mix.
  */
 #ifndef SRV_LOG_H
 #define SRV_LOG_H

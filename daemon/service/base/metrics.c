@@ -1,10 +1,4 @@
-/* metrics.c - the counters of `stats`.
- *
- * Room:     service. See metrics.h.
- * Does:     sums.
- * Does not: lock.
- * Threads:  [loop].
- */
+/* metrics.c - the counters of `stats`. */
 #include "metrics.h"
 
 #include <assert.h>

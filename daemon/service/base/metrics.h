@@ -1,12 +1,4 @@
-/* metrics.h - the counters that `stats` reports.
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     keep every counter in the struct that goes over the wire, so that none is
- *           listed twice.
- * Does not: count anything on the compute thread: results are added when they come back
- *           to the loop.
- * Threads:  [loop].
- */
+/* metrics.h - the counters that `stats` reports. */
 #ifndef SRV_METRICS_H
 #define SRV_METRICS_H
 

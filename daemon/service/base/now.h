@@ -1,9 +1,4 @@
-/* now.h - how much processor time the calling thread has used.
- *
- * Room:     service. May include: the C library.
- * Does:     read the clock of the thread.
- * Threads:  [any].
- */
+/* now.h - how much processor time the calling thread has used. */
 #ifndef SRV_NOW_H
 #define SRV_NOW_H
 

@@ -1,10 +1,7 @@
 /* options.h - the settings of a daemon: limits, thread counts, paths.
  *
- * Room:     service. May include: the protocol's headers.
- * Does:     hold them, for the service and for the program around it.
- * Does not: have defaults or a command line (daemon/server/commandline.h).
- * Threads:  [loop]; what is atomic is read on [compute], too, while config.c changes it:
- *           each value by itself, in no order with anything else.
+ * Threads: [loop]; what is atomic is read on [compute], too, while config.c changes it:
+ * each value by itself, in no order with anything else.
  */
 #ifndef SRV_OPTIONS_H
 #define SRV_OPTIONS_H

@@ -1,9 +1,4 @@
-/* enginemem.c - the engine's memory, charged to the user it is for.
- *
- * Room:     service. See enginemem.h.
- * Does:     let the thread and its team charge the user's account.
- * Threads:  [compute].
- */
+/* enginemem.c - the engine's memory, charged to the user it is for. */
 #include "enginemem.h"
 
 #include <string.h>

@@ -1,11 +1,11 @@
 /* enginemem.h - charges the engine's memory to the user whose work needs it, and stops at
  * the user's quota.
  *
- * Room:     service. May include: quota.h, the engine's headers.
- * Does:     wrap everything that allocates or frees in the engine for a session: meshes,
- *           trees, scratch of steps, records of answers. Beyond the user's quota the
- *           engine gets no memory.
- * Threads:  [compute]; several, for one user or for more.
+ * Wrap everything that allocates or frees in the engine for a session: meshes, trees,
+ * scratch of steps, records of answers. Beyond the user's quota the engine gets no
+ * memory.
+ *
+ * Threads: [compute]; several, for one user or for more.
  */
 #ifndef SRV_ENGINEMEM_H
 #define SRV_ENGINEMEM_H

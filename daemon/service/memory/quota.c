@@ -1,11 +1,8 @@
 /* quota.c - what one user may take, and all of them together.
  *
- * Room:     service. See quota.h.
- * Does:     a short list of users, searched once per connection. What is left of the
- *           memory of all users beside what is shared is the engine's ceiling: of two
- *           that ask at once, on two threads, no more than there is gets any.
- * Does not: forgive: a refund of more than was charged is our bug.
- * Threads:  see quota.h.
+ * A short list of users, searched once per connection. What is left of the memory of all
+ * users beside what is shared is the engine's ceiling: of two that ask at once, on two
+ * threads, no more than there is gets any.
  */
 #include "quota.h"
 

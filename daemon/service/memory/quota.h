@@ -1,14 +1,12 @@
 /* quota.h - quotas: how much memory, how many clients and triangles one user may have,
  * and all users together.
  *
- * Room:     service. May include: engine.h, compute.h, the protocol's headers.
- * Does:     count clients, shared memory, meshes and triangles per user id. Every amount
- *           is charged before it is allocated, and released after it is freed. Bound the
- *           memory of all users: what is shared and what the engine holds.
- * Does not: allocate anything but its own entries, one for each user with a charge; bound
- *           the engine's memory of one user (enginemem.h).
- * Threads:  [loop], but for shared memory, which [compute] charges and refunds as well:
- *           one lock for all amounts.
+ * Count clients, shared memory, meshes and triangles per user id. Every amount is charged
+ * before it is allocated, and released after it is freed. Bound the memory of all users:
+ * what is shared and what the engine holds.
+ *
+ * Threads: [loop], but for shared memory, which [compute] charges and refunds as well:
+ * one lock for all amounts.
  */
 #ifndef SRV_QUOTA_H
 #define SRV_QUOTA_H

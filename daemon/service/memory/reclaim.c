@@ -1,9 +1,5 @@
-/* reclaim.c - memory that answers have needed goes back to the system when the client is
- * idle.
- *
- * Room:     service. See reclaim.h.
- * Does:     one timer for all. What was not used between two times that it fires is idle.
- * Threads:  [loop], but for give_back of others.
+/* reclaim.c - memory that answers have needed goes back to the system when the client
+ * is idle.
  */
 #include "reclaim.h"
 

@@ -1,12 +1,7 @@
 /* reclaim.h - gives the memory of large answers back to the system when the client is
  * idle.
  *
- * Room:     service. May include: compute.h, resource.h.
- * Does:     find memory that was not used for a while, and have the compute thread
- *           release it. The next large answer takes it again.
- * Does not: wake a daemon whose clients are all idle: the timer stops when there is
- *           nothing left to give back.
- * Threads:  [loop], but for the jobs.
+ * Threads: [loop], but for the jobs.
  *
  * For example, an answer of 6 MiB is followed by silence: half a second to a second
  * later the result region (ringio.h) is back at its first 64 KiB, the slots that the

@@ -1,11 +1,4 @@
-/* region.c - pages of records in the result region.
- *
- * Room:     service. See region.h.
- * Does:     chooses between the stretch before the end of the ring and the one at its
- *           start.
- * Does not: touch shared memory.
- * Threads:  [compute].
- */
+/* region.c - pages of records in the result region. */
 #include "region.h"
 
 #include "invariant.h"

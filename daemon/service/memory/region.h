@@ -1,12 +1,8 @@
 /* region.h - chooses where in the result region, a ring buffer in shared memory, the next
  * page of records goes.
  *
- * Room:     service. May include: the C library.
- * Does:     hand out contiguous pages of a ring of bytes. Positions are counters that
- *           never wrap, so that their difference is the fill; a page never wraps around
- *           the end of the ring.
- * Does not: touch shared memory (ringio.h) or wait for a client that does not release.
- * Threads:  [compute].
+ * Hand out contiguous pages of a ring of bytes. Positions are counters that never wrap,
+ * so that their difference is the fill; a page never wraps around the end of the ring.
  */
 #ifndef SRV_REGION_H
 #define SRV_REGION_H

@@ -1,11 +1,4 @@
-/* resource.c - what a session holds and the compute thread uses, until nobody does.
- *
- * Room:     service. See resource.h.
- * Does:     reference counts on [loop]; the last reference queues the resource itself as
- *           a job in its owner's lane, behind every job that still uses it.
- * Does not: free anything large on [loop]: returning pages takes milliseconds.
- * Threads:  [loop] and [compute], as marked.
- */
+/* resource.c - what a session holds and the compute thread uses, until nobody does. */
 #include "resource.h"
 
 #include "enginemem.h"

@@ -1,11 +1,8 @@
 /* resource.h - reference counts for what a session owns while the compute thread uses it.
  *
- * Room:     service. May include: compute.h, quota.h.
- * Does:     count the references of meshes' shapes, scenes, rings and recordings. When
- *           the last one goes, free the engine's part on the compute thread and the rest
- *           on the loop, in the turn of its owner.
- * Does not: look anything up for a client (session.h).
- * Threads:  members and functions say.
+ * Count the references of meshes' shapes, scenes, rings and recordings. When the last one
+ * goes, free the engine's part on the compute thread and the rest on the loop, in the
+ * turn of its owner.
  */
 #ifndef SRV_RESOURCE_H
 #define SRV_RESOURCE_H

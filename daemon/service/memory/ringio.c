@@ -1,11 +1,7 @@
 /* ringio.c - the daemon's side of the upload ring and of the result region.
  *
- * Room:     service. See ringio.h.
- * Does:     bounds checks on values that were copied out of the shared memory first.
- * Does not: lock or wait on anything in shared memory.
- * Threads:  [compute], but for the memory of slots, which is [pages], and the two
- *           counters.
- * Source:   the slot protocol is written at the top of proto/shm.h.
+ * Threads: [compute], but for the memory of slots, which is [pages], and the two
+ * counters.
  */
 #include "ringio.h"
 

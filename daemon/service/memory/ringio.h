@@ -1,13 +1,9 @@
 /* ringio.h - the daemon's side of the memory shared with a client: positions come in,
  * records go out.
  *
- * Room:     service. May include: resource.h, region.h, the protocol's headers.
- * Does:     create the upload ring and the result region; read the positions in a slot as
- *           shm.h says (sequence check, one copy by the caller, second sequence check);
- *           hand out result pages; tell the client what is done.
- * Does not: know what lies in a slot (staging.h), or trust a number in shared memory:
- *           sizes come with the message.
- * Threads:  functions say.
+ * Create the upload ring and the result region; read the positions in a slot as shm.h
+ * says (sequence check, one copy by the caller, second sequence check); hand out result
+ * pages; tell the client what is done.
  */
 #ifndef SRV_RINGIO_H
 #define SRV_RINGIO_H

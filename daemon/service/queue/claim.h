@@ -1,9 +1,7 @@
 /* claim.h - makes two jobs that use the same thing, such as a shared scene, run one after
  * the other.
  *
- * Room:     service. May include: the C library.
- * Does:     say whether everything that a job uses is free, and claim it or give it back.
- * Threads:  [any], one at a time; the compute queue's lock.
+ * Threads: [any], one at a time; the compute queue's lock.
  */
 #ifndef SRV_CLAIM_H
 #define SRV_CLAIM_H

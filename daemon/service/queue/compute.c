@@ -1,11 +1,6 @@
 /* compute.c - the threads that compute.
  *
- * Room:     service. See compute.h.
- * Does:     a mutex, a condition for each runner, lanes that wait for their turn, and a
- *           list of finished jobs.
- * Does not: hold the lock while a job runs or while `done`, `notify` or `crowded` are
- *           called; `change` takes no other.
- * Threads:  [loop] and [compute]; no other lock of the server is taken under this one.
+ * Threads: [loop] and [compute]; no other lock of the server is taken under this one.
  */
 #include "compute.h"
 

@@ -1,14 +1,13 @@
 /* compute.h - the queue of work, and the threads that compute it, with fair turns for all
  * users.
  *
- * Room:     service. May include: the C library.
- * Does:     run jobs one after another on a thread of its own; beside a job that takes
- *           long, run the next ones on another thread. Hand finished jobs back in
- *           batches, one notification per batch.
- * Does not: know what a job computes, or own jobs: they are part of larger structs.
- * Threads:  functions say; `run` is called on [compute], `done` on [loop]. There are two
- *           queues: one for the engine and its teams; the other, [pages], makes and frees
- *           rings, which takes 2 us a page and would hold up steps for as long.
+ * Run jobs one after another on a thread of its own; beside a job that takes long, run
+ * the next ones on another thread. Hand finished jobs back in batches, one notification
+ * per batch.
+ *
+ * Threads: functions say; `run` is called on [compute], `done` on [loop]. There are two
+ * queues: one for the engine and its teams; the other, [pages], makes and frees rings,
+ * which takes 2 us a page and would hold up steps for as long.
  *
  * Jobs wait in lanes, one lane per session, and lanes in groups, one group per user.
  * Within a lane the order is first in, first out, and one job runs at a time. Users get

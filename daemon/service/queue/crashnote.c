@@ -1,10 +1,4 @@
-/* crashnote.c - what is being worked on, for whoever reports a crash.
- *
- * Room:     service. See crashnote.h.
- * Does:     keep both, thread by thread.
- * Does not: allocate or lock.
- * Threads:  [any]
- */
+/* crashnote.c - what is being worked on, for whoever reports a crash. */
 #include "crashnote.h"
 
 #include "compute.h"

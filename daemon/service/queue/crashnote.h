@@ -1,10 +1,7 @@
 /* crashnote.h - notes which request each thread is working on, so that a crash report can
  * name it.
  *
- * Room:     service. May include: the C library.
- * Does:     keep one note for the event loop, and one for each thread that computes and
- *           its team.
- * Threads:  [any]; a note is written by one thread.
+ * Threads: [any]; a note is written by one thread.
  */
 #ifndef SRV_CRASHNOTE_H
 #define SRV_CRASHNOTE_H

@@ -1,9 +1,4 @@
-/* deadlines.c - what has to happen at a time, the earliest first.
- *
- * Room:     service. See deadlines.h.
- * Does:     a binary heap, whose members know their places, and one timer.
- * Threads:  [loop]
- */
+/* deadlines.c - what has to happen at a time, the earliest first. */
 #include "deadlines.h"
 
 #include <stdlib.h>

@@ -1,10 +1,4 @@
-/* deadlines.h - a list of deadlines, the earliest first.
- *
- * Room:     service. May include: host.h.
- * Does:     keep them, and say when one has come.
- * Does not: know what happens then: a deadline is part of a larger struct.
- * Threads:  [loop]
- */
+/* deadlines.h - a list of deadlines, the earliest first. */
 #ifndef SRV_DEADLINES_H
 #define SRV_DEADLINES_H
 

@@ -1,9 +1,4 @@
-/* fairqueue.c - whose turn it is: weighted by what each has had.
- *
- * Room:     service. See fairqueue.h.
- * Does:     a pairing heap without recursion, and a clock.
- * Threads:  [any], one at a time.
- */
+/* fairqueue.c - whose turn it is: weighted by what each has had. */
 #include "fairqueue.h"
 
 #include <stddef.h>

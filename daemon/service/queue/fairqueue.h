@@ -1,15 +1,13 @@
 /* fairqueue.h - a queue that gives every user an equal share of computing time, however
  * long each request takes.
  *
- * Room:     service. May include: the C library.
- * Does:     order entries by virtual time. Entries that always have work get equal
- *           shares, whatever a single piece of it costs; an entry that asks for little is
- *           next when it asks.
- * Does not: allocate, lock, or know what is served.
- * Threads:  [any], one at a time; the caller's lock.
- * Source:   start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996), where a service
- *           is charged when it has ended, with what it took: there is no estimate that
- *           could be wrong, or lied about.
+ * Order entries by virtual time. Entries that always have work get equal shares, whatever
+ * a single piece of it costs; an entry that asks for little is next when it asks.
+ *
+ * Threads: [any], one at a time; the caller's lock.
+ * Source: start-time fair queueing (Goyal, Vin, Cheng, SIGCOMM 1996), where a service is
+ * charged when it has ended, with what it took: there is no estimate that could be wrong,
+ * or lied about.
  *
  * Compared with deficit round robin, the shares are the same. But there an entry that has
  * just got work waits for the rest of a round; here it usually waits only for the one

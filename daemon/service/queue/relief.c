@@ -1,9 +1,4 @@
-/* relief.c - another thread computes while a job takes long.
- *
- * Room:     service. See relief.h.
- * Does:     one timer, which is set only while a job waits for another.
- * Threads:  [loop]
- */
+/* relief.c - another thread computes while a job takes long. */
 #include "relief.h"
 
 #include "compute.h"

@@ -1,11 +1,5 @@
 /* relief.h - starts another computing thread when a job takes long and others wait for
  * it.
- *
- * Room:     service. May include: the C library.
- * Does:     check, as long as jobs wait, whether the job that runs has become long
- *           (compute.h), and start a runner with a team when all are busy.
- * Does not: wake up while nobody waits.
- * Threads:  [loop]
  */
 #ifndef SRV_RELIEF_H
 #define SRV_RELIEF_H

@@ -1,10 +1,4 @@
-/* stuck.c - whether a thread that computes is stuck.
- *
- * Room:     service. See stuck.h.
- * Does:     compare what each runner does, and the time that it has had, with the look
- *           before.
- * Threads:  [loop]; the queue's lock for what its runners do.
- */
+/* stuck.c - whether a thread that computes is stuck. */
 #include "stuck.h"
 
 #include <time.h>

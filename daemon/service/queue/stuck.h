@@ -1,13 +1,9 @@
 /* stuck.h - a watchdog that detects a computing thread which is stuck.
  *
- * Room:     service. May include: compute.h.
- * Does:     look at each thread from time to time. A thread is stuck if its job goes on,
- *           but it has had no processor time since the look before last: it waits for
- *           something that does not come. It is stuck, too, if its step should have ended
- *           two looks ago, by its deadline or because it was cancelled.
- * Does not: report a job that merely computes for long. It does not notice a job that
- *           computes for ever and was never told to end: commits and adds are not.
- * Threads:  [loop]
+ * Look at each thread from time to time. A thread is stuck if its job goes on, but it has
+ * had no processor time since the look before last: it waits for something that does not
+ * come. It is stuck, too, if its step should have ended two looks ago, by its deadline or
+ * because it was cancelled.
  */
 #ifndef SRV_STUCK_H
 #define SRV_STUCK_H

@@ -1,10 +1,4 @@
-/* turns.c - whose job runs next.
- *
- * Room:     service. See turns.h.
- * Does:     keep the lanes that wait in fair queues, and those aside that wait for a
- *           claim.
- * Threads:  [any], one at a time.
- */
+/* turns.c - whose job runs next. */
 #include "turns.h"
 
 #include <stddef.h>

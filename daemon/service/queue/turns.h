@@ -1,10 +1,6 @@
 /* turns.h - whose job runs next: users by turns, and the sessions of each.
  *
- * Room:     service. May include: claim.h, fairqueue.h.
- * Does:     say what jobs, lanes and groups are, and choose the lane whose first job is
- *           next.
- * Does not: run jobs, or know threads (compute.h).
- * Threads:  [any], one at a time; the compute queue's lock.
+ * Threads: [any], one at a time; the compute queue's lock.
  */
 #ifndef SRV_TURNS_H
 #define SRV_TURNS_H

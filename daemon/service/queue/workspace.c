@@ -1,9 +1,4 @@
-/* workspace.c - what each thread that computes has for itself.
- *
- * Room:     service. See workspace.h.
- * Does:     allocate it when a thread is started, not before.
- * Threads:  [loop]
- */
+/* workspace.c - what each thread that computes has for itself. */
 #include "workspace.h"
 
 #include <stdlib.h>

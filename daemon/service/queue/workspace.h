@@ -1,10 +1,7 @@
 /* workspace.h - the scratch memory of each thread that computes.
  *
- * Room:     service. May include: engine.h, compute.h, the protocol's headers.
- * Does:     keep what one job at a time needs: the table of a step's segments, the
- *           encoder of its answer, the processors of its team.
- * Threads:  made and freed on [loop]; each belongs to one thread that computes, or to
- *           [loop] while nothing is computed.
+ * Threads: made and freed on [loop]; each belongs to one thread that computes, or to
+ * [loop] while nothing is computed.
  */
 #ifndef SRV_WORKSPACE_H
 #define SRV_WORKSPACE_H

@@ -1,9 +1,4 @@
-/* admission.c - what every request that uses the ring is asked for first.
- *
- * Room:     service. See admission.h.
- * Does:     say which call is missing, or which number is wrong.
- * Threads:  [loop]
- */
+/* admission.c - what every request that uses the ring is asked for first. */
 #include "admission.h"
 
 #include "session.h"

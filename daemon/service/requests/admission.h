@@ -1,11 +1,5 @@
-/* admission.h - the checks that every request with positions in shared memory must pass
- * before it is queued.
- *
- * Room:     service. May include: call.h, ringio.h.
- * Does:     find the session's ring; refuse a slot that the ring does not have, or that
- *           has no memory.
- * Does not: look into the slot: this happens when the request is computed.
- * Threads:  [loop]
+/* admission.h - the checks that every request with positions in shared memory must
+ * pass before it is queued.
  */
 #ifndef SRV_ADMISSION_H
 #define SRV_ADMISSION_H

@@ -1,10 +1,4 @@
-/* answer.c - an answer on its way to a client.
- *
- * Room:     service. See answer.h.
- * Does:     encode into the service's one encoder, keep a copy where the session can be
- *           resumed, send, count.
- * Threads:  [loop]
- */
+/* answer.c - an answer on its way to a client. */
 #include "answer.h"
 
 #include <unistd.h>

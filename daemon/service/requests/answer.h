@@ -1,11 +1,4 @@
-/* answer.h - sends the answer of a request to its client.
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     encode an answer once, send it, keep a copy where its client may reconnect
- *           and ask again, and count how long it took.
- * Does not: know what was asked for, or where it was computed (request.h).
- * Threads:  [loop]
- */
+/* answer.h - sends the answer of a request to its client. */
 #ifndef SRV_ANSWER_H
 #define SRV_ANSWER_H
 

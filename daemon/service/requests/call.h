@@ -1,10 +1,4 @@
-/* call.h - one decoded request while it is being answered.
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     hold the decoded parameters and the handler's answer; declare a handler for
- *           every method of messages.def.
- * Threads:  [loop].
- */
+/* call.h - one decoded request while it is being answered. */
 #ifndef SRV_CALL_H
 #define SRV_CALL_H
 

@@ -1,9 +1,6 @@
 /* config.c - settings of a daemon that may change while it runs.
  *
- * Room:     service. See config.h.
- * Does:     one table: name, range and meaning; a number each, log-level a name.
- * Does not: know options that are only looked at when the daemon starts.
- * Threads:  [loop]. Threads that compute read some of the values: those are atomic.
+ * Threads: [loop]. Threads that compute read some of the values: those are atomic.
  */
 #include "config.h"
 

@@ -1,12 +1,9 @@
 /* config.h - the settings that an operator may change while the daemon runs (`pccdctl
  * config`).
  *
- * Room:     service. May include: the protocol's headers.
- * Does:     read them by the names of pccdd's options, and change them. A change holds
- *           for everything that comes later, until the daemon ends; what is kept is
- *           there for one that takes its place.
- * Does not: decide who may change them (handlers_config.c).
- * Threads:  [loop]
+ * Read them by the names of pccdd's options, and change them. A change holds for
+ * everything that comes later, until the daemon ends; what is kept is there for one that
+ * takes its place.
  */
 #ifndef SRV_CONFIG_H
 #define SRV_CONFIG_H

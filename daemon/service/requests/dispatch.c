@@ -1,11 +1,4 @@
-/* dispatch.c - from a message to an answer.
- *
- * Room:     service. See dispatch.h.
- * Does:     an ordered list of refusals, then a table of handlers generated from the
- *           manifest. Every refusal says what was wrong.
- * Does not: touch payload.
- * Threads:  [loop]
- */
+/* dispatch.c - from a message to an answer. */
 #include "dispatch.h"
 
 #include "answer.h"

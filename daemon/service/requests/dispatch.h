@@ -1,10 +1,5 @@
 /* dispatch.h - takes a message from a client, checks it and calls the handler of its
  * method.
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     decode, refuse in a fixed order, call the handler, send its answer.
- * Does not: know any method: the table comes from messages.def.
- * Threads:  [loop]
  */
 #ifndef SRV_DISPATCH_H
 #define SRV_DISPATCH_H

@@ -1,10 +1,4 @@
-/* frame.h - builds the answer to a step, or to a question about what is near.
- *
- * Room:     service. May include: engine.h, the protocol's headers.
- * Does:     declare the answer of a step that did not run, and the pages of records of
- *           one that did.
- * Threads:  functions say.
- */
+/* frame.h - builds the answer to a step, or to a question about what is near. */
 #ifndef SRV_FRAME_H
 #define SRV_FRAME_H
 

@@ -1,11 +1,4 @@
-/* handlers_admin.c - ping, stats, stats.histogram, cancel, shm.attach and
- * shm.take.
- *
- * Room:     service. See call.h.
- * Does:     what concerns the session and the daemon rather than geometry.
- * Does not: send: dispatch.c does.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_admin.c - ping, stats, stats.histogram, cancel, shm.attach and shm.take. */
 #include <string.h>
 #include <unistd.h>
 

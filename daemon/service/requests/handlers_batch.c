@@ -1,15 +1,10 @@
 /* handlers_batch.c - batch.submit: a step of each of many scenes.
  *
- * Room:     service. See call.h.
- * Does:     check on [loop] what all scenes have in common. Then, on [compute], step the
- *           scenes: first those that are shared, and those that are a large part of the
- *           work, by the whole team, as by itself; then the others by one thread each,
- *           whichever is free. What each scene does is what frame.submit does (frame.h).
- *           A scene that fails says why in its own answer.
- * Does not: answer before its turn.
- * Threads:  [loop], but for functions named work_ and their helpers.
- *
- * More than 600 lines: one request, from its tables to what lists say of it.
+ * Check on [loop] what all scenes have in common. Then, on [compute], step the scenes:
+ * first those that are shared, and those that are a large part of the work, by the whole
+ * team, as by itself; then the others by one thread each, whichever is free. What each
+ * scene does is what frame.submit does (frame.h). A scene that fails says why in its own
+ * answer.
  */
 #include <assert.h>
 #include <stdio.h>

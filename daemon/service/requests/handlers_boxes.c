@@ -1,10 +1,4 @@
-/* handlers_boxes.c - scene.boxes: what a scene's hierarchies look like.
- *
- * Room:     service. See call.h.
- * Does:     admission on [loop]; the copy on [compute], between steps.
- * Does not: make a tree that no step has made.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_boxes.c - scene.boxes: what a scene's hierarchies look like. */
 #include "admission.h"
 #include "call.h"
 #include "engine.h"

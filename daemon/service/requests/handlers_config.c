@@ -1,10 +1,4 @@
-/* handlers_config.c - config.get and config.set.
- *
- * Room:     service. See call.h.
- * Does:     let everybody who may be a client read the settings, and the daemon's own
- *           user and root change them.
- * Threads:  [loop].
- */
+/* handlers_config.c - config.get and config.set. */
 #include <string.h>
 
 #include "call.h"

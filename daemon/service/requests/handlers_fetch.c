@@ -1,11 +1,6 @@
 /* handlers_fetch.c - frame.fetch and near.fetch, and the pages of an answer.
  *
- * Room:     service. See call.h, frame.h.
- * Does:     copy records of a scene's last answers, to a step and about what is near,
- *           into the result region.
- * Does not: hold back an answer that does not fit: a page is returned and a cursor.
- * Threads:  functions say; [loop] else, but for functions named work_ and
- *           their helpers.
+ * Threads: functions say; [loop] else, but for functions named work_ and their helpers.
  */
 #include <string.h>
 

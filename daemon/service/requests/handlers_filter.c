@@ -1,10 +1,5 @@
 /* handlers_filter.c - object.set and scene.ignore: which objects are tested, and how
  * thick they are.
- *
- * Room:     service. See call.h.
- * Does:     admission on [loop]; the change on [compute], between the steps that were
- *           submitted before and after it.
- * Threads:  [loop], but for functions named work_.
  */
 #include <inttypes.h>
 

@@ -1,9 +1,4 @@
-/* handlers_frame.c - frame.submit.
- *
- * Room:     service. See call.h.
- * Does:     check a step's settings on [loop]; stage and compute on [compute].
- * Threads:  [loop], but for functions named work_ and their helpers.
- */
+/* handlers_frame.c - frame.submit. */
 #include "call.h"
 #include "engine.h"
 #include "frame.h"

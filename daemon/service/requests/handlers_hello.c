@@ -1,10 +1,4 @@
-/* handlers_hello.c - hello and bye: how a session begins, goes on and ends.
- *
- * Room:     service. See call.h.
- * Does:     agree on a version; open a session, or give an older one its client back.
- * Does not: keep sessions (linger.h) or send: dispatch.c does.
- * Threads:  [loop].
- */
+/* handlers_hello.c - hello and bye: how a session begins, goes on and ends. */
 #include <string.h>
 #include <unistd.h>
 

@@ -1,9 +1,4 @@
-/* handlers_journal.c - scene.journal.
- *
- * Room:     service. See call.h.
- * Does:     charge what a journal may keep, begin it, hand it out page by page, end it.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_journal.c - scene.journal. */
 #include "admission.h"
 #include "call.h"
 #include "request.h"

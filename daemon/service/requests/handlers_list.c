@@ -1,10 +1,4 @@
-/* handlers_list.c - list.session, .scene, .object, .pair and .mesh.
- *
- * Room:     service. See call.h.
- * Does:     tell what there is, one thing a request, so that no answer is ever long.
- * Does not: show a client what another user has, but to the daemon's own user and root.
- * Threads:  [loop], but for work_pair.
- */
+/* handlers_list.c - list.session, .scene, .object, .pair and .mesh. */
 #include "call.h"
 #include "meshes.h"
 #include "request.h"

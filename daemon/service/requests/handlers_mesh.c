@@ -1,10 +1,4 @@
-/* handlers_mesh.c - mesh.create, replace, data, commit, edges and destroy.
- *
- * Room:     service. See call.h.
- * Does:     admission on [loop]; everything that touches vertices on [compute].
- * Does not: allocate what the quota has not been charged for.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_mesh.c - mesh.create, replace, data, commit, edges and destroy. */
 #include <string.h>
 
 #include "admission.h"

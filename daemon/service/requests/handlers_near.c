@@ -1,11 +1,4 @@
-/* handlers_near.c - scene.near.
- *
- * Room:     service. See call.h, stepping.h, frame.h.
- * Does:     check what is asked on [loop]; move what the request moves, and ask the
- *           engine, on [compute].
- * Does not: take held frames along, or count as a step of its scene: nobody is told.
- * Threads:  [loop], but for functions named work_ and their helpers.
- */
+/* handlers_near.c - scene.near. */
 #include <math.h>
 #include <string.h>
 

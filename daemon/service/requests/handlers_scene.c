@@ -1,10 +1,4 @@
-/* handlers_scene.c - scene.create, destroy, add and remove.
- *
- * Room:     service. See call.h.
- * Does:     admission on [loop]; hierarchies are built on [compute].
- * Does not: allocate what the quota has not been charged for.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_scene.c - scene.create, destroy, add and remove. */
 #include "call.h"
 #include "invariant.h"
 #include "meshes.h"

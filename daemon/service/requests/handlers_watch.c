@@ -1,10 +1,4 @@
-/* handlers_watch.c - stats.thread, watch, and trace.start, stop and dump.
- *
- * Room:     service. See call.h.
- * Does:     let clients watch their own steps, and the daemon's user anybody's.
- * Does not: show a client what another user does.
- * Threads:  [loop], but for functions named work_.
- */
+/* handlers_watch.c - stats.thread, watch, and trace.start, stop and dump. */
 #include <string.h>
 
 #include "admission.h"

@@ -1,9 +1,4 @@
-/* holding.c - requests that wait for the step of another session.
- *
- * Room:     service. See holding.h.
- * Does:     tell a client what became of its frame: it went along, or nothing has come.
- * Threads:  [loop], but for work_hold.
- */
+/* holding.c - requests that wait for the step of another session. */
 #include "holding.h"
 
 #include <stdlib.h>

@@ -1,15 +1,7 @@
 /* holding.h - frames that a client of a shared scene submits with `hold`: they wait for
  * the next step of any client.
  *
- * Room:     service. May include: request.h.
- * Does:     copy the frame and keep the request until a step takes the frame along, or
- *           until none can; then answer it.
- * Does not: keep the frame (scenes/held.h).
- * Threads:  [loop], but for the work.
- *
- *     frame.submit (hold) --copied, checked--> waits --a step, anybody's--> answered
- *                                                `--deadline, cancel--> answered; what it
- *                                                   moves still goes along
+ * Threads: [loop], but for the work.
  */
 #ifndef SRV_HOLDING_H
 #define SRV_HOLDING_H

@@ -1,8 +1,5 @@
-/* plan.c - what a handler asks for: what a request will do, and what it uses meanwhile.
- *
- * Room:     service. See plan.h.
- * Does:     count references, so that nothing is freed while a request uses it.
- * Threads:  [loop]
+/* plan.c - what a handler asks for: what a request will do, and what it uses
+ * meanwhile.
  */
 #include "plan.h"
 

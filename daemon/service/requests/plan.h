@@ -1,11 +1,5 @@
-/* plan.h - what a request will do when it is its turn, and everything that it uses until
- * then.
- *
- * Room:     service. May include: srv_scene.h, ringio.h, the protocol's headers.
- * Does:     name the functions that compute a request and end it, and what must stay
- *           alive until then; take and drop the references.
- * Does not: run anything (request.h).
- * Threads:  functions say.
+/* plan.h - what a request will do when it is its turn, and everything that it uses
+ * until then.
  */
 #ifndef SRV_PLAN_H
 #define SRV_PLAN_H

@@ -1,10 +1,4 @@
-/* request.c - a request on its way through the compute thread.
- *
- * Room:     service. See request.h.
- * Does:     create, run, answer and free requests; each is answered exactly once.
- * Does not: keep any longer than its client asked: at most SRV_REQUESTS_MAX per session.
- * Threads:  [loop], but for `run` and srv_request_return_slot.
- */
+/* request.c - a request on its way through the compute thread. */
 #include "request.h"
 
 #include <sched.h>

@@ -1,11 +1,5 @@
 /* request.h - a request that has to be computed, from its message to its answer.
  *
- * Room:     service. May include: call.h, plan.h, deadlines.h, replies.h.
- * Does:     keep the parameters of a request and everything it uses, until its answer is
- *           sent or its client is gone.
- * Does not: know any method: handlers supply the functions.
- * Threads:  functions say.
- *
  * The life of a request, from left to right:
  *
  *              pushed                 its work is done

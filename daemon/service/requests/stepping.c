@@ -1,9 +1,4 @@
-/* stepping.c - what steps and questions about what is near have in common.
- *
- * Room:     service. See stepping.h.
- * Does:     read the two messages alike, by the fields that both have.
- * Threads:  as marked in stepping.h.
- */
+/* stepping.c - what steps and questions about what is near have in common. */
 #include "stepping.h"
 
 #include <math.h>

@@ -1,11 +1,5 @@
-/* stepping.h - what the requests have in common that move a scene, or ask about it at one
- * moment: frame.submit, scene.near and batch.submit.
- *
- * Room:     service. May include: call.h, request.h, staging.h, engine.h.
- * Does:     check their choices; say how long they may compute, by how many threads;
- *           stage what they move; answer them before their turn.
- * Does not: compute (handlers_frame.c, handlers_near.c, handlers_batch.c).
- * Threads:  functions say.
+/* stepping.h - what the requests have in common that move a scene, or ask about it at
+ * one moment: frame.submit, scene.near and batch.submit.
  */
 #ifndef SRV_STEPPING_H
 #define SRV_STEPPING_H

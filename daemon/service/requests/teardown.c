@@ -1,9 +1,4 @@
-/* teardown.c - what a session that ends lets go of.
- *
- * Room:     service. See teardown.h.
- * Does:     take back what is queued; give back references and members.
- * Threads:  [loop]
- */
+/* teardown.c - what a session that ends lets go of. */
 #include "teardown.h"
 
 #include "dispatch.h"

@@ -1,10 +1,8 @@
 /* teardown.h - frees everything that a session had when it ends.
  *
- * Room:     service. May include: the C library.
- * Does:     stop its requests and drop its scenes, meshes and ring; or have it end.
- *           What is below calls it through srv_service.let_go and srv_service.refuse,
- *           because it knows neither requests nor scenes.
- * Threads:  [loop]
+ * Stop its requests and drop its scenes, meshes and ring; or have it end. What is below
+ * calls it through srv_service.let_go and srv_service.refuse, because it knows neither
+ * requests nor scenes.
  */
 #ifndef SRV_TEARDOWN_H
 #define SRV_TEARDOWN_H

@@ -1,10 +1,4 @@
-/* held.c - frames that wait for the next step of their scene.
- *
- * Room:     service. See held.h.
- * Does:     what is held was staged once when it came, and taken back: so that a step by
- *           somebody else does not fail for it.
- * Threads:  as marked in held.h.
- */
+/* held.c - frames that wait for the next step of their scene. */
 #include "held.h"
 
 #include <stdlib.h>

@@ -1,15 +1,5 @@
 /* held.h - held frames: movements of one client that go along with the next step of a
  * shared scene, whoever submits it.
- *
- * Room:     service. May include: srv_scene.h, member.h, the protocol's headers.
- * Does:     keep what a held frame moves, copied and checked, until a step of its scene
- *           takes it along.
- * Does not: know the request that waits for that (requests/holding.h), or outlive the
- *           session that holds it (shared.h).
- * Threads:  functions say.
- *
- *     a copy --srv_held_add--> waits --a step, anybody's--> taken --srv_held_free
- *                                 `--its session leaves: srv_held_remove--^
  */
 #ifndef SRV_HELD_H
 #define SRV_HELD_H

@@ -1,10 +1,6 @@
 /* member.h - one client's part in a shared scene (a member).
  *
- * Room:     service. May include: compute.h, the protocol's headers.
- * Does:     hold what the scene knows of the member's session: its rights, the errors
- *           still to be told, its held frames, its objects to be removed.
- * Does not: take or give back a member (shared.h).
- * Threads:  [loop], but for members marked otherwise.
+ * Threads: [loop], but for members marked otherwise.
  */
 #ifndef SRV_MEMBER_H
 #define SRV_MEMBER_H

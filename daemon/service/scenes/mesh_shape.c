@@ -1,9 +1,4 @@
-/* mesh_shape.c - the vertices of a mesh and what is made of them, as it was announced.
- *
- * Room:     service. See mesh_shape.h.
- * Does:     admission on [loop]; the engine's part comes and goes on [compute].
- * Threads:  [loop] and [compute], as marked.
- */
+/* mesh_shape.c - the vertices of a mesh and what is made of them, as it was announced. */
 #include "mesh_shape.h"
 
 #include "enginemem.h"

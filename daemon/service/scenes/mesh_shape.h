@@ -1,11 +1,5 @@
 /* mesh_shape.h - the vertices of a mesh, and what is made of them, while they are
  * uploaded, and their copy in the engine.
- *
- * Room:     service. May include: engine.h, resource.h, the engine's headers.
- * Does:     charge for a shape before it exists; make the engine's mesh with its first
- *           data.
- * Does not: know the handle that stands for it (meshes.h).
- * Threads:  functions say.
  */
 #ifndef SRV_MESH_SHAPE_H
 #define SRV_MESH_SHAPE_H

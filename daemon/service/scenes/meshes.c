@@ -1,9 +1,4 @@
-/* meshes.c - what the handle of a mesh stands for.
- *
- * Room:     service. See meshes.h.
- * Does:     a list of objects for each mesh.
- * Threads:  [loop]
- */
+/* meshes.c - what the handle of a mesh stands for. */
 #include "meshes.h"
 
 #include "enginemem.h"

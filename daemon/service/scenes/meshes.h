@@ -1,16 +1,7 @@
 /* meshes.h - a mesh as clients see it: a handle, its current shape, and perhaps one that
  * is replacing it.
  *
- * Room:     service. May include: mesh_shape.h.
- * Does:     know the current shape, the one that will replace it, and the objects made of
- *           the mesh.
- * Does not: hold vertices: shapes do, on the compute thread.
- * Threads:  [loop], but for functions marked otherwise.
- *
- *     current --mesh.replace--> current and next --mesh.commit--> next becomes current
- *                               ^    mesh.replace (again, or with counts 0): next is
- *                               |    dropped
- *                               `--- mesh.commit failed
+ * Threads: [loop], but for functions marked otherwise.
  *
  * While the commit of a replacement runs, the mesh is busy: requests that name it are
  * refused, because it is not decided yet which shape they would use.

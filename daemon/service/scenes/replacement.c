@@ -1,11 +1,4 @@
-/* replacement.c - another shape in the place of a mesh's, in every object made of it.
- *
- * Room:     service. See replacement.h.
- * Does:     take it back in every scene when one object cannot follow. The shape was
- *           charged when it was announced; what objects of it take more, the engine is
- *           charged.
- * Threads:  [loop], but for srv_replacement_work.
- */
+/* replacement.c - another shape in the place of a mesh's, in every object made of it. */
 #include "replacement.h"
 
 #include <stdlib.h>

@@ -1,10 +1,7 @@
 /* replacement.h - replaces the shape of a mesh in every object made of it, in all of them
  * or in none.
  *
- * Room:     service. May include: meshes.h, srv_scene.h.
- * Does:     begin, compute and finish a replacement.
- * Does not: decide whether a request may replace (handlers_mesh.c).
- * Threads:  [loop], but for functions marked otherwise.
+ * Threads: [loop], but for functions marked otherwise.
  */
 #ifndef SRV_REPLACEMENT_H
 #define SRV_REPLACEMENT_H

@@ -1,10 +1,4 @@
-/* shared.c - scenes that sessions share.
- *
- * Room:     service. See shared.h.
- * Does:     take a session in, let it leave, tell it of steps.
- * Does not: let more than the scenes of a session's table wait to be freed.
- * Threads:  [loop], but for run_leave.
- */
+/* shared.c - scenes that sessions share. */
 #include "shared.h"
 
 #include <stdio.h>

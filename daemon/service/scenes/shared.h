@@ -1,11 +1,7 @@
 /* shared.h - shared scenes: scenes with a name, in which several clients put their
  * objects.
  *
- * Room:     service. May include: srv_scene.h, member.h, the protocol's headers.
- * Does:     know shared scenes by name, who may take part, and who does; tell members of
- *           each step; remove the objects of a session when it leaves.
- * Does not: compute (handlers_frame.c), or keep what a held frame moves (held.h).
- * Threads:  [loop], but for functions marked otherwise.
+ * Threads: [loop], but for functions marked otherwise.
  *
  * A shared scene belongs to no client. A session without a connection, its host, holds
  * it, so that it outlives the client that created it; it ends when its last member has

@@ -1,9 +1,4 @@
-/* srv_batch.c - the scenes of a batch.
- *
- * Room:     service. See srv_batch.h.
- * Does:     one look at each entry of the table, which the client may be writing to.
- * Threads:  [loop]
- */
+/* srv_batch.c - the scenes of a batch. */
 #include "srv_batch.h"
 
 #include <stdlib.h>

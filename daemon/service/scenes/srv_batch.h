@@ -1,10 +1,6 @@
 /* srv_batch.h - the scenes of a batch: which ones a request names, and what came of each.
  *
- * Room:     service. May include: srv_scene.h, ringio.h, the protocol's headers.
- * Does:     read the table of scenes out of the slot, take a reference to each scene, and
- *           keep what the loop is to tell of it when the batch is done.
- * Does not: compute (requests/handlers_batch.c).
- * Threads:  [loop], but for members marked otherwise.
+ * Threads: [loop], but for members marked otherwise.
  */
 #ifndef SRV_BATCH_H
 #define SRV_BATCH_H

@@ -1,10 +1,4 @@
-/* srv_journal.c - what is done to a shared scene, written down for a session.
- *
- * Room:     service. See srv_journal.h.
- * Does:     positions are the engine's own, of both ends of the step: exact, whatever
- *           they came as.
- * Threads:  [compute].
- */
+/* srv_journal.c - what is done to a shared scene, written down for a session. */
 #include "srv_journal.h"
 
 #include <stdlib.h>

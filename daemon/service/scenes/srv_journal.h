@@ -1,14 +1,11 @@
 /* srv_journal.h - the journal of a shared scene: everything that any client does to it,
  * for a member that records it.
  *
- * Room:     service. May include: resource.h, proto/journal.h.
- * Does:     note each object that comes, goes or changes, and each step with what moved,
- *           in the order in which it was done; keep the notes until the member has
- *           fetched them.
- * Does not: keep more bytes than were asked for: from then on nothing more is noted, and
- *           the member is told.
- * Threads:  [compute]. The memory is the C library's, charged before it is taken
- *           (handlers_journal.c).
+ * Note each object that comes, goes or changes, and each step with what moved, in the
+ * order in which it was done; keep the notes until the member has fetched them.
+ *
+ * Threads: [compute]. The memory is the C library's, charged before it is taken
+ * (handlers_journal.c).
  */
 #ifndef SRV_JOURNAL_H
 #define SRV_JOURNAL_H

@@ -1,10 +1,8 @@
 /* srv_scene.c - what the handle of a scene stands for.
  *
- * Room:     service. See srv_scene.h.
- * Does:     charge for each object before it exists, and refund it when it has left. An
- *           object costs the memory that it takes, here and in the engine. In a scene of
- *           another user, whose memory that is, its triangles are charged, too.
- * Threads:  [loop] and [compute], as marked.
+ * Charge for each object before it exists, and refund it when it has left. An object
+ * costs the memory that it takes, here and in the engine. In a scene of another user,
+ * whose memory that is, its triangles are charged, too.
  */
 #include "srv_scene.h"
 

@@ -1,12 +1,5 @@
-/* srv_scene.h - a scene as the service sees it: the engine's scene, its objects and their
- * handles.
- *
- * Room:     service. May include: engine.h, resource.h, meshes.h, handles.h, the
- *           protocol's headers.
- * Does:     know the objects of a scene twice: by handle, for the loop; and by their
- *           places in the engine's scene, for the compute thread.
- * Does not: know who shares it (shared.h), or look it up for a client (session.h).
- * Threads:  members and functions say.
+/* srv_scene.h - a scene as the service sees it: the engine's scene, its objects and
+ * their handles.
  */
 #ifndef SRV_SCENE_H
 #define SRV_SCENE_H

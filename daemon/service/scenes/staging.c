@@ -1,10 +1,4 @@
-/* staging.c - the positions of a step, from a slot to its scene.
- *
- * Room:     service. See staging.h.
- * Does:     bounds checks on values that were copied out of the shared memory first.
- * Does not: lock or wait on anything in shared memory.
- * Threads:  [compute], but for srv_stage_keep.
- */
+/* staging.c - the positions of a step, from a slot to its scene. */
 #include "staging.h"
 
 #include <stdlib.h>

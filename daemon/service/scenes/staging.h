@@ -1,12 +1,4 @@
-/* staging.h - reads the positions of a step from shared memory into its scene.
- *
- * Room:     service. May include: srv_scene.h, ringio.h, the protocol's headers.
- * Does:     read the table of segments and the positions, from a slot or a copy of it,
- *           into the open staging of the scene.
- * Does not: trust an offset or a count in shared memory: the table is copied once, and
- *           then checked.
- * Threads:  functions say.
- */
+/* staging.h - reads the positions of a step from shared memory into its scene. */
 #ifndef SRV_STAGING_H
 #define SRV_STAGING_H
 

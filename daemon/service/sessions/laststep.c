@@ -1,10 +1,4 @@
-/* laststep.c - what the threads of the last step did.
- *
- * Room:     service. See laststep.h.
- * Does:     one block a step, counted by those who keep it.
- * Does not: keep more than one for each session.
- * Threads:  as marked.
- */
+/* laststep.c - what the threads of the last step did. */
 #include "laststep.h"
 
 #include <stdlib.h>

@@ -1,11 +1,5 @@
 /* laststep.h - what each thread did in the last step, or batch, for `pccdctl stats
  * --threads`.
- *
- * Room:     service. May include: engine.h, the protocol's headers.
- * Does:     keep the records of the last step of a session, and of the daemon, until the
- *           next one.
- * Does not: decide who may look (handlers_watch.c).
- * Threads:  functions say.
  */
 #ifndef SRV_LASTSTEP_H
 #define SRV_LASTSTEP_H

@@ -1,11 +1,4 @@
-/* linger.c - sessions that wait for their client to come back.
- *
- * Room:     service. See linger.h.
- * Does:     one timer for all sessions that wait, stopped while none does: an idle daemon
- *           is not woken.
- * Does not: tell a wrong secret from a session that is over: both get a new session.
- * Threads:  [loop]
- */
+/* linger.c - sessions that wait for their client to come back. */
 #include "linger.h"
 
 #include <errno.h>

@@ -1,12 +1,6 @@
 /* linger.h - keeps a session after its connection is lost, so that the client can come
  * back (resume).
  *
- * Room:     service. May include: session.h.
- * Does:     let a session outlive its connection for a while, find it again by its
- *           secret, give it another connection, or end it when nobody comes.
- * Does not: keep a session whose client said bye, broke the rules, or never asked for it.
- * Threads:  [loop]
- *
  * A waiting session keeps all it has, and stays charged for it. Requests in flight are
  * computed, and their answers are kept (replies.h). The session ends after
  * options->linger_s; as soon as the client's process is seen to be gone; at shutdown; or

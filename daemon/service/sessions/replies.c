@@ -1,9 +1,4 @@
-/* replies.c - answers that may have to be sent once more.
- *
- * Room:     service. See replies.h.
- * Does:     a ring of PROTO_REPLIES_KEPT encoded messages, about 1 KiB each.
- * Threads:  [loop].
- */
+/* replies.c - answers that may have to be sent once more. */
 #include "replies.h"
 
 #include <stdlib.h>

@@ -1,13 +1,7 @@
 /* replies.h - the last answers of a session, kept in case the connection is lost and they
  * must be sent again.
  *
- * Room:     service. May include: the protocol's headers.
- * Does:     keep the last answers of a resumable session, encoded, until newer ones
- *           replace them; tell a repeated request from a new one.
- * Does not: send, or know who acknowledged what: a client has no more than
- *           PROTO_REPLIES_KEPT requests without an answer, and answers go out in order,
- *           so one that was not received is always among the last.
- * Threads:  [loop], but for functions marked otherwise.
+ * Threads: [loop], but for functions marked otherwise.
  */
 #ifndef SRV_REPLIES_H
 #define SRV_REPLIES_H

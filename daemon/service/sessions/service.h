@@ -1,11 +1,6 @@
 /* service.h - what all sessions of a daemon share: queues, quotas, counters, lists.
  *
- * Room:     service. May include: the headers of base, queue and memory, and laststep.h.
- * Does:     hold the queues of jobs, quotas, counters, the shared buffers and the lists
- *           of sessions and shared scenes.
- * Does not: make or free them (setup.h), wait for anything or talk to anybody: the host
- *           does (host.h).
- * Threads:  [loop], but for the desks and what says otherwise.
+ * Threads: [loop], but for the desks and what says otherwise.
  */
 #ifndef SRV_SERVICE_H
 #define SRV_SERVICE_H

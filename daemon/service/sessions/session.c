@@ -1,7 +1,6 @@
 /* session.c - what one client has here.
  *
- * Room:     service. See session.h.
- * Does:     the life of a session:
+ * The life of a session:
  *
  *     accept --> NEW ----- hello -----> OPEN <-- hello with its secret -- WAITING
  *       |         |                      |  `------ end of file ------------^ |
@@ -12,9 +11,6 @@
  *           Only the session of a client that asked for it waits (linger.c).
  *           CLOSED waits until request_count = 0 (cancelled ones come back) and
  *           keep_count = 0 (scenes, meshes and ring were freed on the compute thread).
- *
- * Does not: decide whether a session waits.
- * Threads:  [loop]
  */
 #include "session.h"
 

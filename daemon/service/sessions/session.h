@@ -1,11 +1,4 @@
-/* session.h - a session: everything that the daemon keeps for one client.
- *
- * Room:     service. May include: the headers of base, queue and memory.
- * Does:     know the client's scenes, meshes, ring and requests in flight, and when the
- *           session is over.
- * Does not: read or write its socket (conn.h) or know methods (dispatch.h).
- * Threads:  [loop]
- */
+/* session.h - a session: everything that the daemon keeps for one client. */
 #ifndef SRV_SESSION_H
 #define SRV_SESSION_H
 

@@ -1,10 +1,4 @@
-/* stray.c - memory that clients take without having been given it.
- *
- * Room:     service. See stray.h.
- * Does:     one timer. Nothing tells when a client touches a page, so it is looked; a
- *           microsecond for each session.
- * Threads:  [loop]
- */
+/* stray.c - memory that clients take without having been given it. */
 #include "stray.h"
 
 #include <stddef.h>

@@ -1,11 +1,8 @@
 /* stray.h - finds memory that clients take without having been given it.
  *
- * Room:     service. May include: the headers of base, queue and memory.
- * Does:     look at what the rings of all sessions hold (ringio.h), a second after a
- *           client has asked for something, and every half a minute otherwise; end a
- *           session that goes on to take what its user's quota does not bear.
- * Does not: look before srv_stray_init, nor while there are no rings.
- * Threads:  [loop]
+ * Look at what the rings of all sessions hold (ringio.h), a second after a client has
+ * asked for something, and every half a minute otherwise; end a session that goes on to
+ * take what its user's quota does not bear.
  */
 #ifndef SRV_STRAY_H
 #define SRV_STRAY_H

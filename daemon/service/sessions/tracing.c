@@ -1,10 +1,4 @@
-/* tracing.c - a recording of what the daemon does.
- *
- * Room:     service. See tracing.h.
- * Does:     one ring of its own beside the engine's.
- * Does not: format anything: the reader does.
- * Threads:  as marked.
- */
+/* tracing.c - a recording of what the daemon does. */
 #include "tracing.h"
 
 #include <pthread.h>

@@ -1,14 +1,6 @@
 /* tracing.h - a trace: a recording of what the daemon's threads do, and when (`pccdctl
  * trace`).
  *
- * Room:     service. May include: engine.h, resource.h, the protocol's headers.
- * Does:     own the engine's trace and a ring for events of the loop. There is one trace
- *           at a time; it belongs to the session that started it.
- * Does not: decide who may trace (handlers_watch.c).
- * Threads:  functions say.
- *
- *     start --> recording --stop--> at rest: pages can be read
- *
  * While the trace records, the loop writes its ring; the first thread that computes, or
  * its team, writes the engine's. At rest only the thread that computes reads both.
  */

@@ -1,10 +1,4 @@
-/* watcher.c - clients that are told of steps.
- *
- * Room:     service. See watcher.h.
- * Does:     a ring for each session that watches, and a list of them: when nobody does, a
- *           step pays for one look at a pointer.
- * Threads:  [loop]
- */
+/* watcher.c - clients that are told of steps. */
 #include "watcher.h"
 
 #include <stdlib.h>

@@ -1,12 +1,5 @@
 /* watcher.h - tells clients that asked for it of each step that the daemon computes
  * (`pccdctl watch`).
- *
- * Room:     service. May include: the protocol's headers.
- * Does:     keep, for each session that watches, the steps that its client has not been
- *           sent yet: PROTO_WATCH_ROOM of them. More are lost, and counted.
- * Does not: let a watcher that does not read hold anything up. A step is sent only when
- *           nothing else waits to be sent, so a slow watcher is not dropped either.
- * Threads:  [loop]
  */
 #ifndef SRV_WATCHER_H
 #define SRV_WATCHER_H
