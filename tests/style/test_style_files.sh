@@ -32,25 +32,7 @@ check() {
 }
 exec 2>"$work/errors"
 
-# What a file says after "More than N lines:" in its first 40 lines is its reason for them.
-long_files() { # N FILE...
-    local most=$1
-    shift
-    awk -v most="$most" '
-        FNR == 1 { excused = 0; told = 0 }
-        FNR <= 40 && index($0, "More than " most " lines:") { excused = 1 }
-        FNR > most && !excused && !told++ {
-            print FILENAME " has more than " most " lines, and does not say why" }' "$@"
-}
-
-# If this failed, a file would hold two nouns.
-long_files 600 "${sources[@]}" "${scripts[@]}" >"$work/log"
-check files__have_600_lines_or_a_reason
-
-# If this failed, a header would not be read as a whole any more.
 mapfile -t headers < <(printf '%s\n' "${sources[@]}" | grep '[.]h$')
-long_files 200 "${headers[@]}" >"$work/log"
-check headers__have_200_lines_or_a_reason
 
 # If this failed, the tarball would not build: a header that no local.mk names is not in
 # it, and one that is named and gone stops `make dist`. (Lists of tests/ shorten names.)
@@ -136,15 +118,9 @@ check todos__name_an_issue
 # If this failed, a newcomer would not know what a file is for.
 for file in "${sources[@]}"; do
     awk -v name="${file##*/}" '
-        NR == 1 && index($0, "/* " name " - ") != 1 && index($0, "/* " FILENAME " - ") != 1 {
-            print FILENAME ": does not begin with \"/* " name " - \""; exit }
-        NR <= 20 && /^ \* Room:     / { room = 1 }
-        NR <= 20 && /^ \* Does:     / { does = 1 }
-        /^ \*\/$/ { exit }
-        NR > 1 && NR <= 30 && /[^*] +(Does|Does not|Threads|Source): / {
-            print FILENAME ":" NR ": two entries of the header in one line"; bad = 1 }
-        END { if (NR > 1 && !bad && !(room && does))
-            print FILENAME ": the header has no \"Room:\" or no \"Does:\"" }' "$file"
+        index($0, "/* " name " - ") != 1 && index($0, "/* " FILENAME " - ") != 1 {
+            print FILENAME ": does not begin with \"/* " name " - \"" }
+        { exit }' "$file"
 done >"$work/log"
 for file in "${scripts[@]}"; do
     awk -v name="${file##*/}" '
