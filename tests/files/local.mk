@@ -7,6 +7,7 @@ dist_check_SCRIPTS += tests/files/make_files.sh tests/files/write_tools.sh
 EXTRA_DIST += \
     tests/files/judge_files.py \
     tests/files/package.json \
+    tests/files/read_table.py \
     tests/files/scenes.py \
     tests/files/write_blender.py \
     tests/files/write_gltf.mjs \
@@ -22,3 +23,16 @@ files-table: all
 	    python3 $(srcdir)/tests/files/judge_files.py --table "$$files/scenes/scenes.json" \
 	    $$(ls -d "$$files"/*-[0-9]*)
 .PHONY: files-table
+
+check_PROGRAMS += tests/files/read_mesh
+tests_files_read_mesh_SOURCES = tests/files/read_mesh.c
+tests_files_read_mesh_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags)
+tests_files_read_mesh_LDADD = libctl.la $(JANSSON_LIBS) $(LIBM)
+
+# Times and memory of the readers, beside meshio, trimesh and $OLD_READ_MESH, that program of
+# another build.
+read-table: tests/files/read_mesh
+	folder=$$(mktemp -d) && trap 'rm -r "$$folder"' EXIT && \
+	python3 $(srcdir)/tests/files/read_table.py "$$folder" $(abs_builddir)/tests/files/read_mesh \
+	    $$OLD_READ_MESH
+.PHONY: read-table
