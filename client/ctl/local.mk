@@ -67,9 +67,8 @@ libctl_la_SOURCES = \
     client/ctl/mesh/gltf_motion.c \
     client/ctl/mesh/gltf_node.c client/ctl/mesh/gltf_node.h \
     client/ctl/mesh/gltf_scene.c client/ctl/mesh/gltf_scene.h \
-    client/ctl/mesh/meshcut.c client/ctl/mesh/meshcut.h \
+    client/ctl/mesh/meshcut.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \
-    client/ctl/mesh/meshmatch.c \
     client/ctl/mesh/meshread.c \
     client/ctl/mesh/motion.h \
     client/ctl/mesh/obj.c \

@@ -24,11 +24,12 @@ static void check_mesh(const struct ctl_mesh *mesh)
         double value = mesh->format == PCCD_FORMAT_F32
                            ? (double)((const float *)mesh->x)[i]
                            : ((const double *)mesh->x)[i];
-        FUZZ_CHECK(ctl_mesh_coordinate_ok(value));
+        FUZZ_CHECK(common_is_coordinate(value));
     }
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        for (int corner = 0; corner < 3; corner++) {
-            FUZZ_CHECK(mesh->triangles[i][corner] < mesh->vertex_count);
+    for (uint32_t i = 0; i < mesh->triangles.count; i++) {
+        for (size_t corner = 0; corner < 3; corner++) {
+            FUZZ_CHECK(mesh->triangles.vertices[3 * (size_t)i + corner] <
+                       mesh->vertex_count);
         }
     }
 }
@@ -37,7 +38,7 @@ static void check_mesh(const struct ctl_mesh *mesh)
  * glTF. */
 static const struct reader {
     const char *path;
-    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
+    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
 } readers[2][2] = {{{"fuzz.ply", ctl_ply_parse}, {"fuzz.obj", ctl_obj_parse}},
                    {{"fuzz.stl", ctl_stl_parse}, {"fuzz.glb", ctl_gltf_parse}}};
 
@@ -45,9 +46,9 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
 {
     struct fuzz_input input = {data, bytes};
     struct ctl_error error = {0};
-    struct ctl_mesh mesh = {0};
     uint8_t choice = fuzz_take_u8(&input);
     const struct reader *reader = &readers[choice >= 240][choice % 2];
+    struct ctl_mesh mesh = {.path = reader->path, .error = &error};
     fuzz_scarcity_pause();
     struct ctl_file file = {
         .path = reader->path, .data = malloc(input.left + 1), .bytes = input.left};
@@ -57,7 +58,7 @@ void fuzz_reader(const uint8_t *data, size_t bytes)
     fuzz_scarcity_resume();
     atomic_store(&fault_page->refused, 0);
     atomic_store(&fault_page->bytes_max, BYTES_AT_FIRST + input.left * BYTES_A_CHARACTER);
-    int status = reader->parse(&file, &mesh, &error);
+    int status = reader->parse(&file, &mesh);
     atomic_store(&fault_page->bytes_max, 0);
     /* A glTF may show one mesh in many places, and is refused more than it is worth. */
     bool is_glb = reader->parse == ctl_gltf_parse;

@@ -28,13 +28,14 @@ static void check_pyramid(const struct ctl_mesh *mesh, enum pccd_format format)
 {
     assert_int_equal(mesh->format, format);
     assert_int_equal(mesh->vertex_count, KIT_VERTICES);
-    assert_int_equal(mesh->triangle_count, KIT_TRIANGLES);
+    assert_int_equal(mesh->triangles.count, KIT_TRIANGLES);
     for (int i = 0; i < KIT_VERTICES * 3; i++) {
         double x = format == PCCD_FORMAT_F32 ? (double)((const float *)mesh->x)[i]
                                              : ((const double *)mesh->x)[i];
         assert_true(x == kit_x[i / 3][i % 3]);
     }
-    assert_memory_equal(mesh->triangles, expected_triangles, sizeof expected_triangles);
+    assert_memory_equal(mesh->triangles.vertices, expected_triangles,
+                        sizeof expected_triangles);
 }
 
 static const struct kit_variant variants[] = {
@@ -163,14 +164,15 @@ static void meshfile__reads_edges_and_points_by_themselves(void **state)
         if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
             fail_msg("%s", error.text);
         }
-        assert_int_equal(mesh.triangle_count, file->triangles);
-        assert_int_equal(mesh.edge_count, file->edges);
-        assert_int_equal(mesh.point_count, file->points);
+        assert_int_equal(mesh.triangles.count, file->triangles);
+        assert_int_equal(mesh.edges.count, file->edges);
+        assert_int_equal(mesh.points.count, file->points);
         for (uint32_t k = 0; k < file->edges; k++) {
-            assert_memory_equal(mesh.edges[k], file->ends[k], sizeof file->ends[k]);
+            assert_memory_equal(mesh.edges.vertices + 2 * k, file->ends[k],
+                                sizeof file->ends[k]);
         }
         for (uint32_t k = 0; k < file->points; k++) {
-            assert_int_equal(mesh.points[k], file->point[k]);
+            assert_int_equal(mesh.points.vertices[k], file->point[k]);
         }
         ctl_mesh_deinit(&mesh);
     }
@@ -207,35 +209,39 @@ static void meshfile__match_names_the_first_difference(void **state)
 {
     uint32_t a_triangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
     uint32_t b_triangles[2][3] = {{0, 1, 2}, {0, 3, 2}};
-    struct ctl_mesh a = {
-        .vertex_count = 4, .triangle_count = 2, .triangles = a_triangles};
-    struct ctl_mesh b = {
-        .vertex_count = 4, .triangle_count = 2, .triangles = b_triangles};
+    struct ctl_mesh a = {.path = "a",
+                         .vertex_count = 4,
+                         .triangles = {.count = 2, .vertices = a_triangles[0]}};
+    struct ctl_mesh b = {.path = "b",
+                         .vertex_count = 4,
+                         .triangles = {.count = 2, .vertices = b_triangles[0]}};
     struct ctl_error error = {.text = ""};
     (void)state;
-    assert_int_equal(ctl_mesh_match(&a, "a", &a, "b", &error), PCCD_OK);
-    assert_int_equal(ctl_mesh_match(&a, "a", &b, "b", &error), PCCD_E_INVAL);
+    assert_int_equal(ctl_mesh_match(&a, &a, &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_match(&a, &b, &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
                         "triangle 1 is (0 2 3) in a and (0 3 2) in b: not two "
                         "frames of one mesh");
     uint32_t a_edges[1][2] = {{0, 1}};
     uint32_t b_edges[1][2] = {{1, 0}};
     struct ctl_mesh with_a = a, with_b = a;
-    with_a.edges = a_edges;
-    with_b.edges = b_edges;
-    with_a.edge_count = with_b.edge_count = 1;
-    assert_int_equal(ctl_mesh_match(&with_a, "a", &with_b, "b", &error), PCCD_E_INVAL);
+    with_b.path = "b";
+    with_a.edges.vertices = a_edges[0];
+    with_b.edges.vertices = b_edges[0];
+    with_a.edges.count = with_b.edges.count = 1;
+    assert_int_equal(ctl_mesh_match(&with_a, &with_b, &error), PCCD_E_INVAL);
     assert_string_equal(
         error.text, "edge 0 has vertex 0 in a and 1 in b: not two frames of one mesh");
-    assert_int_equal(ctl_mesh_match(&with_a, "a", &a, "b", &error), PCCD_E_INVAL);
+    with_b.edges.count = 0;
+    assert_int_equal(ctl_mesh_match(&with_a, &with_b, &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
                         "a has 1 edges and b has 0: not two frames of one mesh");
-    b.triangle_count = 1;
-    assert_int_equal(ctl_mesh_match(&a, "a", &b, "b", &error), PCCD_E_INVAL);
+    b.triangles.count = 1;
+    assert_int_equal(ctl_mesh_match(&a, &b, &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
                         "a has 2 triangles and b has 1: not two frames of one mesh");
     b.vertex_count = 5;
-    assert_int_equal(ctl_mesh_match(&a, "a", &b, "b", &error), PCCD_E_INVAL);
+    assert_int_equal(ctl_mesh_match(&a, &b, &error), PCCD_E_INVAL);
     assert_string_equal(error.text,
                         "a has 4 vertices and b has 5: not two frames of one mesh");
 }
@@ -243,21 +249,21 @@ static void meshfile__match_names_the_first_difference(void **state)
 /* If it failed: what belongs to an object of a file would be told of another. */
 static void meshfile__objects_begin_where_the_one_before_ends(void **state)
 {
-    struct ctl_mesh mesh = {0};
     struct ctl_error error = {.text = ""};
+    struct ctl_mesh mesh = {.path = "a", .error = &error};
     const uint32_t corners[3] = {0, 1, 2};
     (void)state;
-    assert_int_equal(ctl_mesh_add_object(&mesh, "empty", 5, "a", &error), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_object(&mesh, "body of", 4, "a", &error), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_triangle(&mesh, corners, "a", &error), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_object(&mesh, "rod", 3, "a", &error), PCCD_OK);
-    assert_int_equal(ctl_mesh_add_edge(&mesh, corners, "a", &error), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_object(&mesh, "empty", 5), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_object(&mesh, "body of", 4), PCCD_OK);
+    assert_int_equal(ctl_mesh_add(&mesh, CTL_TRIANGLES, corners), PCCD_OK);
+    assert_int_equal(ctl_mesh_add_object(&mesh, "rod", 3), PCCD_OK);
+    assert_int_equal(ctl_mesh_add(&mesh, CTL_EDGES, corners), PCCD_OK);
     assert_int_equal(mesh.object_count, 2);
     assert_string_equal(mesh.objects[0].name, "body");
-    assert_int_equal(mesh.objects[0].triangle_first, 0);
+    assert_int_equal(mesh.objects[0].first[CTL_TRIANGLES], 0);
     assert_string_equal(mesh.objects[1].name, "rod");
-    assert_int_equal(mesh.objects[1].triangle_first, 1);
-    assert_int_equal(mesh.objects[1].edge_first, 0);
+    assert_int_equal(mesh.objects[1].first[CTL_TRIANGLES], 1);
+    assert_int_equal(mesh.objects[1].first[CTL_EDGES], 0);
     ctl_mesh_deinit(&mesh);
     assert_int_equal(mesh.object_count, 0);
 }
@@ -289,7 +295,7 @@ static void meshfile__reads_the_real_frames(void **state)
         }
         assert_int_equal(mesh.format, frames[i].format);
         assert_int_equal(mesh.vertex_count, frames[i].vertices);
-        assert_int_equal(mesh.triangle_count, frames[i].triangles);
+        assert_int_equal(mesh.triangles.count, frames[i].triangles);
         ctl_mesh_deinit(&mesh);
     }
 }

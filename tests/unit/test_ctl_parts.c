@@ -150,26 +150,28 @@ static void check_piece(const struct ctl_mesh *piece, struct ctl_mesh *first,
         assert_true(place(piece, i) ==
                     (double)coordinate((uint32_t)(all / 3), (uint32_t)(all % 3)));
     }
-    for (uint32_t i = 0; i < piece->triangle_count; i++) {
+    for (uint32_t i = 0; i < piece->triangles.count; i++) {
         const uint32_t expected[3] = {corner(*face, 0), corner(*face, 1 + *fan),
                                       corner(*face, 2 + *fan)};
-        assert_memory_equal(piece->triangles[i], expected, sizeof expected);
+        assert_memory_equal(piece->triangles.vertices + 3 * i, expected, sizeof expected);
         if (++*fan + 2 == corner_count(*face)) {
             *fan = 0;
             ++*face;
         }
     }
-    for (uint32_t i = 0; i < piece->edge_count; i++) {
-        assert_int_equal(piece->edges[i][0], corner(2 * (first->edge_count + i), 0));
-        assert_int_equal(piece->edges[i][1], corner(2 * (first->edge_count + i), 1));
+    for (uint32_t i = 0; i < piece->edges.count; i++) {
+        assert_int_equal(piece->edges.vertices[2 * i],
+                         corner(2 * (first->edges.count + i), 0));
+        assert_int_equal(piece->edges.vertices[2 * i + 1],
+                         corner(2 * (first->edges.count + i), 1));
     }
-    for (uint32_t i = 0; i < piece->point_count; i++) {
-        assert_int_equal(piece->points[i], 7 * (first->point_count + i));
+    for (uint32_t i = 0; i < piece->points.count; i++) {
+        assert_int_equal(piece->points.vertices[i], 7 * (first->points.count + i));
     }
     first->vertex_count += piece->vertex_count;
-    first->triangle_count += piece->triangle_count;
-    first->edge_count += piece->edge_count;
-    first->point_count += piece->point_count;
+    first->triangles.count += piece->triangles.count;
+    first->edges.count += piece->edges.count;
+    first->points.count += piece->points.count;
 }
 
 static void check_pieces(enum kind kind, const char *path, uint32_t pieces)
@@ -179,23 +181,24 @@ static void check_pieces(enum kind kind, const char *path, uint32_t pieces)
     for (uint32_t i = 0; i < (pieces > 0 ? pieces : 1); i++) {
         struct ctl_mesh piece;
         struct ctl_error error = {.text = ""};
-        if (ctl_mesh_read_part(path, i, pieces, &piece, &error) != PCCD_OK) {
+        if (ctl_mesh_read_as(path, &(struct ctl_reading){.number = i, .count = pieces},
+                             &piece, &error) != PCCD_OK) {
             fail_msg("piece %u of %u: %s", i, pieces, error.text);
         }
         if (pieces > 0) {
             assert_true(piece.vertex_count <= VERTICES / pieces + 1);
-            assert_true(piece.triangle_count <= 2 * (FACES / pieces + 1));
+            assert_true(piece.triangles.count <= 2 * (FACES / pieces + 1));
             assert_int_equal(piece.part.vertex_first, all.vertex_count);
         }
         assert_int_equal(piece.part.vertex_total, VERTICES);
-        assert_int_equal(piece.part.triangle_total, FACES + FACES / 7);
+        assert_int_equal(piece.triangles.total, FACES + FACES / 7);
         check_piece(&piece, &all, &face, &fan);
         ctl_mesh_deinit(&piece);
     }
     assert_int_equal(all.vertex_count, VERTICES);
     assert_int_equal(face, FACES);
-    assert_int_equal(all.edge_count, EDGES);
-    assert_int_equal(all.point_count, kind == OBJ ? POINTS : 0);
+    assert_int_equal(all.edges.count, EDGES);
+    assert_int_equal(all.points.count, kind == OBJ ? POINTS : 0);
 }
 
 /* If it failed: what lies where one window of a large file ends and the next begins would
@@ -234,15 +237,18 @@ static void parts__of_small_files_are_together_what_they_have(void **state)
         for (uint32_t i = 0; i < 3; i++) {
             struct ctl_mesh piece;
             struct ctl_error error = {.text = ""};
-            assert_int_equal(ctl_mesh_read_part(path, i, 3, &piece, &error), PCCD_OK);
+            assert_int_equal(
+                ctl_mesh_read_as(path, &(struct ctl_reading){.number = i, .count = 3},
+                                 &piece, &error),
+                PCCD_OK);
             assert_int_equal(piece.part.vertex_first, vertices);
             assert_int_equal(piece.part.vertex_total, 4);
-            for (uint32_t k = 0; k < piece.point_count; k++) {
-                assert_int_equal(piece.points[k], points + k);
+            for (uint32_t k = 0; k < piece.points.count; k++) {
+                assert_int_equal(piece.points.vertices[k], points + k);
             }
             vertices += piece.vertex_count;
-            triangles += piece.triangle_count;
-            points += piece.point_count;
+            triangles += piece.triangles.count;
+            points += piece.points.count;
             ctl_mesh_deinit(&piece);
         }
         assert_int_equal(vertices, 4);
@@ -272,18 +278,27 @@ static void parts__mistakes_are_told_by_all_of_them(void **state)
         char expected[128];
         snprintf(expected, sizeof expected, ": byte %ld: edge %u: %u is not a vertex",
                  bytes, EDGES - 1, VERTICES);
-        assert_int_equal(ctl_mesh_read_part(path, i, 2, &piece, &error), PCCD_E_INDEX);
+        assert_int_equal(ctl_mesh_read_as(path,
+                                          &(struct ctl_reading){.number = i, .count = 2},
+                                          &piece, &error),
+                         PCCD_E_INDEX);
         assert_non_null(strstr(error.text, expected));
     }
     assert_int_equal(truncate(path, bytes - 6), 0);
-    assert_int_equal(ctl_mesh_read_part(path, 0, 2, &piece, &error), PCCD_E_FORMAT);
+    assert_int_equal(ctl_mesh_read_as(path,
+                                      &(struct ctl_reading){.number = 0, .count = 2},
+                                      &piece, &error),
+                     PCCD_E_FORMAT);
     write_mesh(PLY_TEXT, path);
     file = fopen(path, "r+b");
     assert_non_null(file);
     fseek(file, 3 << 19, SEEK_SET);
     fputc(0, file);
     fclose(file);
-    assert_int_equal(ctl_mesh_read_part(path, 0, 2, &piece, &error), PCCD_E_FORMAT);
+    assert_int_equal(ctl_mesh_read_as(path,
+                                      &(struct ctl_reading){.number = 0, .count = 2},
+                                      &piece, &error),
+                     PCCD_E_FORMAT);
     assert_non_null(strstr(error.text, ": byte 1572864 is zero, which no text has"));
 }
 
@@ -299,7 +314,8 @@ static long growth(const char *path, uint32_t pieces)
         struct ctl_error error;
         struct ctl_mesh piece;
         getrusage(RUSAGE_SELF, &before);
-        int status = ctl_mesh_read_part(path, 0, pieces, &piece, &error);
+        int status = ctl_mesh_read_as(
+            path, &(struct ctl_reading){.number = 0, .count = pieces}, &piece, &error);
         getrusage(RUSAGE_SELF, &after);
         kib = status == PCCD_OK ? after.ru_maxrss - before.ru_maxrss : -1;
         _exit(write(ends[1], &kib, sizeof kib) == (ssize_t)sizeof kib ? 0 : 1);

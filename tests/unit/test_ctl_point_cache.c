@@ -79,8 +79,8 @@ static void make(bool is_mdd, uint32_t frames, uint32_t vertices)
 static int open_as(bool is_mdd, const char *path, struct ctl_motion *motion,
                    struct ctl_error *error)
 {
-    return is_mdd ? ctl_mdd_open(path, 0, NULL, motion, error)
-                  : ctl_pc2_open(path, 0, NULL, motion, error);
+    return is_mdd ? ctl_mdd_open(path, NULL, motion, error)
+                  : ctl_pc2_open(path, NULL, motion, error);
 }
 
 static int open_data(bool is_mdd, struct ctl_motion *motion, struct ctl_error *error)
@@ -218,8 +218,7 @@ static const struct broken {
      ": by its header, 3 frames of 4 vertices, it has 176 bytes; it has 175"},
     {false, -1, "", 0, 177, PCCD_E_FORMAT,
      ": by its header, 3 frames of 4 vertices, it has 176 bytes; it has 177"},
-    {false, -1, "", 0, 31, PCCD_E_FORMAT,
-     ": a header has 32 bytes; the file has 31"},
+    {false, -1, "", 0, 31, PCCD_E_FORMAT, ": a header has 32 bytes; the file has 31"},
     {true, -1, "", 0, 7, PCCD_E_FORMAT, ": a header has 8 bytes; the file has 7"},
     {true, 3, "\4", 1, 0, PCCD_E_FORMAT,
      ": by its header, 4 frames of 4 vertices, it has 216 bytes; it has 164"},
@@ -274,7 +273,7 @@ static void cache__is_no_device(void **state)
     (void)state;
     struct ctl_motion motion;
     struct ctl_error error;
-    assert_int_equal(ctl_pc2_open("/dev/zero", 0, NULL, &motion, &error), PCCD_E_FORMAT);
+    assert_int_equal(ctl_pc2_open("/dev/zero", NULL, &motion, &error), PCCD_E_FORMAT);
     assert_string_equal(error.text, "/dev/zero: a device, neither file nor pipe");
 }
 

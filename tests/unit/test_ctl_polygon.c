@@ -296,12 +296,16 @@ static void polygon__is_cut_as_in_the_first_frame(void **state)
     write_frame("first.obj", 1, path);
     write_frame("later.obj", .2, other); /* concave the other way */
     assert_int_equal(ctl_mesh_read(path, &first, &error), PCCD_OK);
-    assert_memory_equal(first.triangles, cut_first, sizeof cut_first);
-    assert_int_equal(ctl_mesh_read_like(other, &first, path, &later, &error), PCCD_OK);
-    assert_memory_equal(later.triangles, cut_first, sizeof cut_first);
+    assert_memory_equal(first.triangles.vertices, cut_first, sizeof cut_first);
+    assert_int_equal(
+        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error),
+        PCCD_OK);
+    assert_memory_equal(later.triangles.vertices, cut_first, sizeof cut_first);
     ctl_mesh_deinit(&later);
     write_frame("crossed.obj", -1, other);
-    assert_int_equal(ctl_mesh_read_like(other, &first, path, &later, &error), PCCD_OK);
+    assert_int_equal(
+        ctl_mesh_read_as(other, &(struct ctl_reading){.like = &first}, &later, &error),
+        PCCD_OK);
     ctl_mesh_deinit(&later);
     assert_int_equal(ctl_mesh_read(other, &later, &error), PCCD_OK); /* a dart */
     ctl_mesh_deinit(&later);
@@ -338,7 +342,9 @@ static void polygon__of_another_topology_is_named(void **state)
         assert_int_equal(ctl_mesh_read(path, &first, &error), PCCD_OK);
         snprintf(text, sizeof text, "%s%s", vertices, cases[i].later);
         write_text("b.obj", text, path);
-        int status = ctl_mesh_read_like(path, &first, "a.obj", &later, &error);
+        first.path = "a.obj";
+        int status =
+            ctl_mesh_read_as(path, &(struct ctl_reading){.like = &first}, &later, &error);
         if (cases[i].message == NULL) {
             assert_int_equal(status, PCCD_OK);
         } else {
@@ -380,22 +386,27 @@ static void polygon__is_cut_alike_in_any_parts(void **state)
     }
     write_text("parts.obj", text, path);
     assert_int_equal(ctl_mesh_read(path, &whole, &error), PCCD_OK);
-    assert_int_equal(whole.triangle_count, 4 * FACES);
+    assert_int_equal(whole.triangles.count, 4 * FACES);
     for (uint32_t pieces = 1; pieces <= 7; pieces += 3) {
         uint32_t seen = 0;
         for (uint32_t i = 0; i < pieces; i++) {
             struct ctl_mesh piece = {0}, later = {0};
-            assert_int_equal(ctl_mesh_read_part(path, i, pieces, &piece, &error),
-                             PCCD_OK);
-            assert_memory_equal(whole.triangles + seen, piece.triangles,
-                                piece.triangle_count * sizeof *piece.triangles);
-            seen += piece.triangle_count;
-            assert_int_equal(ctl_mesh_read_like(path, &piece, path, &later, &error),
+            assert_int_equal(
+                ctl_mesh_read_as(path,
+                                 &(struct ctl_reading){.number = i, .count = pieces},
+                                 &piece, &error),
+                PCCD_OK);
+            assert_memory_equal(whole.triangles.vertices + 3 * (size_t)seen,
+                                piece.triangles.vertices,
+                                piece.triangles.count * sizeof(uint32_t[3]));
+            seen += piece.triangles.count;
+            assert_int_equal(ctl_mesh_read_as(path, &(struct ctl_reading){.like = &piece},
+                                              &later, &error),
                              PCCD_OK);
             ctl_mesh_deinit(&piece);
             ctl_mesh_deinit(&later);
         }
-        assert_int_equal(seen, whole.triangle_count);
+        assert_int_equal(seen, whole.triangles.count);
     }
     ctl_mesh_deinit(&whole);
 }

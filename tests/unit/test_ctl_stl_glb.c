@@ -78,8 +78,8 @@ static void check_joined(const struct ctl_mesh *mesh)
     const float(*x)[3] = mesh->x;
     assert_int_equal(mesh->format, PCCD_FORMAT_F32);
     assert_int_equal(mesh->vertex_count, 4);
-    assert_int_equal(mesh->triangle_count, 2);
-    assert_memory_equal(mesh->triangles, joined, sizeof joined);
+    assert_int_equal(mesh->triangles.count, 2);
+    assert_memory_equal(mesh->triangles.vertices, joined, sizeof joined);
     assert_true(x[2][2] == .1f && x[3][2] == 5.0f && x[1][0] == 1.0f);
 }
 
@@ -123,8 +123,8 @@ static void stl__joins_many_corners(void **state)
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
     assert_int_equal(mesh.vertex_count, FACETS + 2);
     for (uint32_t i = 0; i < FACETS; i++) {
-        assert_int_equal(mesh.triangles[i][0], i);
-        assert_int_equal(mesh.triangles[i][2], i + 2);
+        assert_int_equal(mesh.triangles.vertices[3 * i], i);
+        assert_int_equal(mesh.triangles.vertices[3 * i + 2], i + 2);
     }
     ctl_mesh_deinit(&mesh);
 }
@@ -218,23 +218,23 @@ static void glb__reads_what_a_node_shows(void **state)
     assert_int_equal(read_bytes("quad.glb", &mesh, &error), PCCD_OK);
     assert_int_equal(mesh.format, PCCD_FORMAT_F32);
     assert_int_equal(mesh.vertex_count, 4);
-    assert_int_equal(mesh.triangle_count, 1);
+    assert_int_equal(mesh.triangles.count, 1);
     assert_memory_equal(mesh.x, quad, sizeof quad);
-    assert_memory_equal(mesh.triangles[0], ((uint32_t[]){2, 0, 3}), 12);
+    assert_memory_equal(mesh.triangles.vertices, ((uint32_t[]){2, 0, 3}), 12);
     ctl_mesh_deinit(&mesh);
 
     put_glb(FILE_OF(",\"translation\":[0,0,0.5]", ",\"mode\":1", "4"));
     assert_int_equal(read_bytes("by its first bytes", &mesh, &error), PCCD_OK);
     const double(*x)[3] = mesh.x;
     assert_int_equal(mesh.format, PCCD_FORMAT_F64);
-    assert_int_equal(mesh.edge_count, 2);
+    assert_int_equal(mesh.edges.count, 2);
     assert_true(x[2][2] == (double).1f + .5 && x[3][2] == .5);
     ctl_mesh_deinit(&mesh);
 
     put_glb(
         FILE_OF(",\"weights\":[0.5]", ",\"mode\":0,\"targets\":[{\"POSITION\":0}]", "4"));
     assert_int_equal(read_bytes("moved.glb", &mesh, &error), PCCD_OK);
-    assert_int_equal(mesh.point_count, 4);
+    assert_int_equal(mesh.points.count, 4);
     x = mesh.x; /* not rounded to floats */
     assert_true(x[1][0] == 1.5 && x[2][2] == (double).1f + .5 * (double).1f);
     ctl_mesh_deinit(&mesh);

@@ -60,14 +60,14 @@ static void weld__joins_what_is_at_one_place_in_each_frame(void **state)
     assert_int_equal(frames.welded.joined, 2);
     assert_int_equal(frames.welded.apart + frames.welded.more + frames.welded.flat, 0);
     assert_int_equal(frames.mesh.vertex_count, 7);
-    assert_memory_equal(frames.mesh.triangles[1], ((uint32_t[]){1, 6, 2}), 12);
+    assert_memory_equal(frames.mesh.triangles.vertices + 3, ((uint32_t[]){1, 6, 2}), 12);
     assert_int_equal(ctl_frames_read(&frames, 1, &frame, &error), PCCD_OK);
     assert_int_equal(frame.vertex_count, 7);
     ctl_frames_close(&frames);
     open_frames(&frames, (char *[]){a, b, c}, 3, 0);
     assert_int_equal(frames.welded.joined, 1);
     assert_int_equal(frames.welded.apart, 1);
-    assert_memory_equal(frames.mesh.triangles[1], ((uint32_t[]){1, 6, 4}), 12);
+    assert_memory_equal(frames.mesh.triangles.vertices + 3, ((uint32_t[]){1, 6, 4}), 12);
     ctl_frames_close(&frames);
     open_frames(&frames, (char *[]){c, a}, 2, 0);
     assert_int_equal(frames.welded.joined, 1);
@@ -75,7 +75,7 @@ static void weld__joins_what_is_at_one_place_in_each_frame(void **state)
     ctl_frames_close(&frames);
     open_frames(&frames, (char *[]){a, b}, 2, -1);
     assert_int_equal(frames.welded.joined, 0);
-    assert_memory_equal(frames.mesh.triangles[1], ((uint32_t[]){3, 6, 4}), 12);
+    assert_memory_equal(frames.mesh.triangles.vertices + 3, ((uint32_t[]){3, 6, 4}), 12);
     ctl_frames_close(&frames);
     ctl_mesh_deinit(&frame);
 }
@@ -207,7 +207,7 @@ static void weld__gives_stl_the_same_vertices_in_each_frame(void **state)
         open_frames(&frames, turned ? (char *[]){b, a} : (char *[]){a, b}, 2, 0);
         assert_int_equal(frames.mesh.vertex_count, 5);
         assert_int_equal(frames.welded.apart, turned);
-        assert_memory_equal(frames.mesh.triangles,
+        assert_memory_equal(frames.mesh.triangles.vertices,
                             ((uint32_t[2][3]){{0, 1, 2}, {1, 3, 4}}), 24);
         for (uint32_t i = 0; i < 2; i++) {
             assert_int_equal(ctl_frames_read(&frames, i, &x[i], &error), PCCD_OK);

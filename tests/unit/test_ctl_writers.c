@@ -46,10 +46,10 @@ static void check_form(const struct form *form, const char *data, size_t bytes)
     if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
         fail_msg("%s; the file is:\n%s", error.text, data);
     }
-    if (mesh.vertex_count != 4 || mesh.triangle_count != 2 ||
-        memcmp(mesh.triangles, faces, sizeof faces) != 0) {
+    if (mesh.vertex_count != 4 || mesh.triangles.count != 2 ||
+        memcmp(mesh.triangles.vertices, faces, sizeof faces) != 0) {
         fail_msg("%u vertices, %u triangles: another mesh than this one:\n%s",
-                 mesh.vertex_count, mesh.triangle_count, data);
+                 mesh.vertex_count, mesh.triangles.count, data);
     }
     for (int i = 0; i < 12; i++) {
         assert_true(place(&mesh, i) == (double)places[i / 3][i % 3]);
@@ -153,8 +153,8 @@ static void writers__of_strips_begin_anew_and_turn(void **state)
     (void)state;
     kit_write_file("strips.ply", text, strlen(text), path);
     assert_int_equal(ctl_mesh_read(path, &mesh, &error), PCCD_OK);
-    assert_int_equal(mesh.triangle_count, 4);
-    assert_memory_equal(mesh.triangles, expected, sizeof expected);
+    assert_int_equal(mesh.triangles.count, 4);
+    assert_memory_equal(mesh.triangles.vertices, expected, sizeof expected);
     ctl_mesh_deinit(&mesh);
 }
 
@@ -238,7 +238,7 @@ static void writers__of_obj_name_objects(void **state)
         assert_int_equal(mesh.object_count, 2);
         for (uint32_t k = 0; k < 2; k++) {
             assert_string_equal(mesh.objects[k].name, cases[i].names[k]);
-            assert_int_equal(mesh.objects[k].triangle_first, k);
+            assert_int_equal(mesh.objects[k].first[CTL_TRIANGLES], k);
         }
         ctl_mesh_deinit(&mesh);
     }
@@ -333,10 +333,10 @@ static void writers__damage_is_survived(void **state)
             if (ctl_mesh_read(path, &mesh, &error) != PCCD_OK) {
                 assert_true(strncmp(error.text, path, strlen(path)) == 0);
             }
-            for (uint32_t i = 0; i < mesh.triangle_count; i++) {
-                assert_true(mesh.triangles[i][0] < mesh.vertex_count);
-                assert_true(mesh.triangles[i][1] < mesh.vertex_count);
-                assert_true(mesh.triangles[i][2] < mesh.vertex_count);
+            for (uint32_t i = 0; i < mesh.triangles.count; i++) {
+                assert_true(mesh.triangles.vertices[3 * i] < mesh.vertex_count);
+                assert_true(mesh.triangles.vertices[3 * i + 1] < mesh.vertex_count);
+                assert_true(mesh.triangles.vertices[3 * i + 2] < mesh.vertex_count);
             }
             ctl_mesh_deinit(&mesh);
         }

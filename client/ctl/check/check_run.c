@@ -63,12 +63,12 @@ int check_run_put_mesh(struct pccd_client *client, const struct ctl_mesh *mesh,
                                         .x = mesh->x,
                                         .format = mesh->format,
                                         .vertex_count = mesh->vertex_count,
-                                        .triangle_count = mesh->triangle_count,
-                                        .triangles = (const uint32_t *)mesh->triangles,
-                                        .edges = (const uint32_t *)mesh->edges,
-                                        .points = mesh->points,
-                                        .edge_count = mesh->edge_count,
-                                        .point_count = mesh->point_count};
+                                        .triangle_count = mesh->triangles.count,
+                                        .triangles = mesh->triangles.vertices,
+                                        .edges = mesh->edges.vertices,
+                                        .points = mesh->points.vertices,
+                                        .edge_count = mesh->edges.count,
+                                        .point_count = mesh->points.count};
     *handle = 0;
     return pccd_mesh_put(client, &data, handle, info);
 }

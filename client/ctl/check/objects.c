@@ -21,7 +21,7 @@ uint32_t objects_of(const struct objects *objects, uint32_t points, uint32_t fea
 {
     return points == 1   ? objects->of_vertex[feature]
            : points == 2 ? objects->of_edge[feature]
-                         : ctl_mesh_object_at(objects->mesh, 3, feature);
+                         : ctl_mesh_object_at(objects->mesh, CTL_TRIANGLES, feature);
 }
 
 /* Edges are in this order, as pccd_mesh_edges has them. */
@@ -49,17 +49,18 @@ static void number_edges(const struct objects *objects, const struct pccd_edge *
                          uint32_t edge_count)
 {
     const struct ctl_mesh *mesh = objects->mesh;
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        const uint32_t *corners = mesh->triangles[i];
-        uint32_t object = ctl_mesh_object_at(mesh, 3, i);
+    for (uint32_t i = 0; i < mesh->triangles.count; i++) {
+        const uint32_t *corners = mesh->triangles.vertices + 3 * (size_t)i;
+        uint32_t object = ctl_mesh_object_at(mesh, CTL_TRIANGLES, i);
         for (uint32_t k = 0; k < 3; k++) {
             take_side(objects, edges, edge_count, corners[k], corners[(k + 1) % 3],
                       object);
         }
     }
-    for (uint32_t i = 0; i < mesh->edge_count; i++) {
-        take_side(objects, edges, edge_count, mesh->edges[i][0], mesh->edges[i][1],
-                  ctl_mesh_object_at(mesh, 2, i));
+    for (uint32_t i = 0; i < mesh->edges.count; i++) {
+        const uint32_t *ends = mesh->edges.vertices + 2 * (size_t)i;
+        take_side(objects, edges, edge_count, ends[0], ends[1],
+                  ctl_mesh_object_at(mesh, CTL_EDGES, i));
     }
 }
 

@@ -96,7 +96,7 @@ static int place(struct player *player, const struct ctl_mesh *mesh, uint32_t *o
     if (status == PCCD_OK) {
         status = pccd_scene_add(player->client, player->scene, handle, object);
     }
-    player->triangles += mesh->triangle_count;
+    player->triangles += mesh->triangles.count;
     return status == PCCD_OK ? PCCD_OK
                              : fail(player, status, "a mesh was not accepted", error);
 }

@@ -239,7 +239,7 @@ static int begin(struct check *check, struct ctl_error *error)
                               run->mesh.info.edge_count, error);
     }
     if (status == PCCD_OK && options->ask.csv != NULL) {
-        check->csv.triangles = (const uint32_t(*)[3])check->files.mesh.triangles;
+        check->csv.triangles = (const uint32_t(*)[3])check->files.mesh.triangles.vertices;
         check->csv.edges = run->edges;
         check->csv.has_step = check->files.count > 2;
         check->csv.path = options->ask.csv;

@@ -260,23 +260,15 @@ static size_t feature_count(int64_t mode, size_t count)
                                   : count - modes[mode].least + 1;
 }
 
-static int add_feature(struct gltf *gltf, int64_t mode, const uint32_t corners[3],
-                       struct ctl_mesh *to)
+static int add_feature(int64_t mode, const uint32_t corners[3], struct ctl_mesh *to)
 {
-    const char *path = gltf->file->path;
     bool is_degenerate =
         corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
-    switch (modes[mode].corners) {
-    case 1:
-        return ctl_mesh_add_point(to, corners[0], path, gltf->error);
-    case 2:
-        return ctl_mesh_add_edge(to, corners, path, gltf->error);
-    default:
-        /* Strips use these to go on elsewhere: they show nothing. */
-        return mode != TRIANGLES && is_degenerate
-                   ? PCCD_OK
-                   : ctl_mesh_add_triangle(to, corners, path, gltf->error);
-    }
+    enum ctl_kind kind = modes[mode].corners - 1;
+    /* Strips use these to go on elsewhere: they show nothing. */
+    return kind == CTL_TRIANGLES && mode != TRIANGLES && is_degenerate
+               ? PCCD_OK
+               : ctl_mesh_add(to, kind, corners);
 }
 
 static int add_primitive(struct gltf *gltf, const json_t *primitive,
@@ -326,7 +318,7 @@ static int add_primitive(struct gltf *gltf, const json_t *primitive,
             }
             corners[k] = first + run->first + vertex;
         }
-        int status = add_feature(gltf, mode, corners, to);
+        int status = add_feature(mode, corners, to);
         if (status != PCCD_OK) {
             return status;
         }

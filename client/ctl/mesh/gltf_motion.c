@@ -43,19 +43,21 @@ static void narrow(struct ctl_mesh *mesh)
 /* The shape, and the positions of the first frame. */
 static int make_mesh(struct gltf_scene *scene, struct ctl_mesh *mesh)
 {
-    struct gltf *gltf = &scene->gltf;
     int status = gltf_scene_add(scene, mesh);
     if (status == PCCD_OK) {
-        status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, scene->vertex_count,
-                                         gltf->file->path, gltf->error);
+        status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, scene->vertex_count);
     }
     return status == PCCD_OK ? gltf_scene_place(scene, 0, mesh->x) : status;
 }
 
-int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct gltf_scene scene;
-    int status = gltf_scene_open(file, NULL, error, &scene);
+    int status = ctl_file_load(file, mesh->error);
+    if (status != PCCD_OK) {
+        return status;
+    }
+    status = gltf_scene_open(file, NULL, mesh->error, &scene);
     bool is_pipe = file->is_open && file->size == 0;
     if (status == PCCD_OK && is_pipe && scene.animation.frame_count > 1) {
         status = gltf_fail(&scene.gltf, PCCD_E_FORMAT,
@@ -86,26 +88,23 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
 {
     struct gltf_state *state = motion->state;
     struct ctl_error why;
-    bool is_float = motion->format == PCCD_FORMAT_F32;
-    size_t count = (size_t)motion->vertex_count * 3;
-    double *wide = is_float ? malloc(count * sizeof *wide) : x;
-    if (wide == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM,
-                             "%s: no memory for %" PRIu32 " vertices", state->path,
-                             motion->vertex_count);
-    }
     state->scene.gltf.error = &why;
-    int status = gltf_scene_place(&state->scene, frame, (double(*)[3])wide);
+    int status = gltf_scene_place(&state->scene, frame, x);
     if (status != PCCD_OK) {
         char name[64];
         name_frame(motion, frame, name, sizeof name);
         ctl_error_set(error, status, "%s (%s)", why.text, name);
     }
-    for (size_t i = 0; i < count && is_float && status == PCCD_OK; i++) {
-        ((float *)x)[i] = (float)wide[i];
-    }
-    if (is_float) {
-        free(wide);
+    return status;
+}
+
+static int read_shape(const struct ctl_motion *motion, struct ctl_mesh *mesh)
+{
+    struct gltf_state *state = motion->state;
+    state->scene.gltf.error = mesh->error;
+    int status = make_mesh(&state->scene, mesh);
+    if (status == PCCD_OK && motion->frame_count == 1) {
+        narrow(mesh);
     }
     return status;
 }
@@ -151,13 +150,13 @@ static void close_motion(struct ctl_motion *motion)
 }
 
 int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
-                  struct ctl_mesh *mesh, struct ctl_motion *motion,
-                  struct ctl_error *error)
+                  struct ctl_motion *motion, struct ctl_error *error)
 {
     struct gltf_state *state = calloc(1, sizeof *state);
-    struct ctl_mesh made = {.vertex_count = 0};
-    struct ctl_motion opened = {.state = state,
+    struct ctl_motion opened = {.format = PCCD_FORMAT_F64,
+                                .state = state,
                                 .read = read_frame,
+                                .shape = read_shape,
                                 .name = name_frame,
                                 .note = note,
                                 .close = close_motion};
@@ -175,29 +174,13 @@ int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
     if (status == PCCD_OK) {
         status = gltf_scene_open(&state->file, wish, error, &state->scene);
     }
-    if (status == PCCD_OK && mesh != NULL) {
-        status = make_mesh(&state->scene, &made);
-    }
-    if (status == PCCD_OK && mesh != NULL &&
-        made.triangle_count + made.edge_count + made.point_count == 0) {
-        status =
-            ctl_error_set(error, PCCD_E_FORMAT, "%s: no faces, edges or points", path);
-    }
     if (status != PCCD_OK) {
-        ctl_mesh_deinit(&made);
         close_motion(&opened);
         return status;
     }
     uint32_t frames = state->scene.animation.frame_count;
-    if (frames <= 1 && mesh != NULL) {
-        narrow(&made);
-    }
     opened.frame_count = frames > 0 ? frames : 1;
     opened.vertex_count = state->scene.vertex_count;
-    opened.format = mesh != NULL ? made.format : PCCD_FORMAT_F64;
     *motion = opened;
-    if (mesh != NULL) {
-        *mesh = made;
-    }
     return PCCD_OK;
 }

@@ -277,8 +277,7 @@ int gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to)
             length += snprintf(name + length, bytes - (size_t)length, " [%" PRId64 "]",
                                object->instance);
         }
-        status =
-            ctl_mesh_add_object(to, name, (size_t)length, gltf->file->path, gltf->error);
+        status = ctl_mesh_add_object(to, name, (size_t)length);
         free(name);
         if (status == PCCD_OK) {
             status = gltf_mesh_add(gltf, &scene->meshes[object->mesh],
@@ -381,7 +380,7 @@ static int place_run(struct gltf_scene *scene, const struct gltf_object *object,
         read_vertex(scene, node, run, i, x[i]);
         gltf_place_apply(place, x[i]);
         for (int axis = 0; axis < 3; axis++) {
-            if (!ctl_mesh_coordinate_ok(x[i][axis])) {
+            if (!common_is_coordinate(x[i][axis])) {
                 return gltf_fail(&scene->gltf, PCCD_E_NOTFINITE,
                                  "vertex %zu: coordinate %c is %g; |x| <= 1e18 is needed",
                                  object->vertex_first + run->first + i, "xyz"[axis],

@@ -1,17 +1,22 @@
 /* client/ctl/mesh/meshfile.c - the arrays of a mesh.
  *
  * Room:     client/ctl.
- * Does:     holds the arrays or a part of them.
- * Does not: read files (meshread.c); compare frames (meshmatch.c).
- * Threads:  [any]; nothing is shared.
- * Source:   meshfile.h.
+ * Does:     hold them, or a part of them.
+ * Does not: read files (meshread.c); cut polygons (meshcut.c).
  */
 #include "meshfile.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "coordinates.h"
+static const char *const names[CTL_KINDS] = {"points", "edges", "triangles"};
+
+static int no_memory(const struct ctl_mesh *mesh, uint64_t count, const char *what)
+{
+    return ctl_error_set(mesh->error, PCCD_E_NOMEM, "%s: no memory for %" PRIu64 " %s",
+                         mesh->path, count, what);
+}
 
 /* ---- parts ------------------------------------------------------------------------- */
 
@@ -24,25 +29,24 @@ static uint64_t piece_first(const struct ctl_part *part, uint64_t count, uint32_
 
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count)
 {
-    struct ctl_part *part = &mesh->part;
-    if (part->count == 0 || part->wanted != NULL) {
-        part->leaves_out = part->wanted != NULL;
-        return;
+    const struct ctl_part *part = &mesh->part;
+    mesh->leaves_out = mesh->others != NULL;
+    if (part->count > 0 && !mesh->leaves_out) {
+        /* What an OBJ file has beyond what was counted is the last one's. */
+        bool is_last = part->number + 1 == part->count;
+        mesh->leaves_out =
+            row < piece_first(part, count, part->number) ||
+            (!is_last && row >= piece_first(part, count, part->number + 1));
     }
-    /* What an OBJ file has beyond what was counted is the last one's. */
-    bool is_last = part->number + 1 == part->count;
-    part->leaves_out = row < piece_first(part, count, part->number) ||
-                       (!is_last && row >= piece_first(part, count, part->number + 1));
 }
 
-/* Of array[*count] the piece; *total is its number of items. The memory is given back by
- * a smaller copy, as an array that shrinks in its place may leave a hole behind it. */
+/* Of array[*count] the piece. The memory is given back by a smaller copy, as an array
+ * that shrinks in its place may leave a hole behind it. */
 static void *keep(const struct ctl_part *part, void *array, uint32_t *count,
-                  uint32_t *total, size_t item_bytes)
+                  size_t item_bytes)
 {
     uint64_t first = piece_first(part, *count, part->number);
     uint64_t kept = piece_first(part, *count, part->number + 1) - first;
-    *total = *count;
     *count = (uint32_t)kept;
     if (array == NULL) {
         return NULL;
@@ -61,51 +65,44 @@ static void *keep(const struct ctl_part *part, void *array, uint32_t *count,
 void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count)
 {
     struct ctl_part *part = &mesh->part;
-    *part = (struct ctl_part){.number = number, .count = count};
+    *part = (struct ctl_part){
+        .number = number, .count = count, .vertex_total = mesh->vertex_count};
     part->vertex_first = (uint32_t)piece_first(part, mesh->vertex_count, number);
-    mesh->x = keep(part, mesh->x, &mesh->vertex_count, &part->vertex_total,
-                   common_vertex_bytes(mesh->format));
-    mesh->triangles = keep(part, mesh->triangles, &mesh->triangle_count,
-                           &part->triangle_total, sizeof *mesh->triangles);
-    mesh->edges = keep(part, mesh->edges, &mesh->edge_count, &part->edge_total,
-                       sizeof *mesh->edges);
-    mesh->points = keep(part, mesh->points, &mesh->point_count, &part->point_total,
-                        sizeof *mesh->points);
-    mesh->triangle_capacity = mesh->triangle_count;
-    mesh->edge_capacity = mesh->edge_count;
-    mesh->point_capacity = mesh->point_count;
+    mesh->x = keep(part, mesh->x, &mesh->vertex_count, common_vertex_bytes(mesh->format));
+    for (size_t kind = 0; kind < CTL_KINDS; kind++) {
+        struct ctl_list *list = &mesh->lists[kind];
+        list->vertices =
+            keep(part, list->vertices, &list->count, (kind + 1) * sizeof *list->vertices);
+        list->capacity = list->count;
+    }
 }
+
 /* ---- arrays ------------------------------------------------------------------------ */
 
 void ctl_mesh_drop_shape(struct ctl_mesh *mesh)
 {
-    free(mesh->triangles);
-    free(mesh->edges);
-    free(mesh->points);
-    free(mesh->polygons);
-    free(mesh->corners);
-    mesh->polygons = NULL;
-    mesh->corners = NULL;
-    mesh->polygon_count = mesh->polygon_capacity = 0;
-    mesh->corner_count = mesh->corner_capacity = 0;
-    mesh->triangles = NULL;
-    mesh->edges = NULL;
-    mesh->points = NULL;
-    mesh->triangle_count = mesh->triangle_capacity = 0;
-    mesh->edge_count = mesh->edge_capacity = 0;
-    mesh->point_count = mesh->point_capacity = 0;
-    for (uint32_t i = 0; i < mesh->object_count; i++) {
-        free(mesh->objects[i].name);
-    }
-    free(mesh->objects);
-    mesh->objects = NULL;
-    mesh->object_count = mesh->object_capacity = 0;
+    struct ctl_mesh vertices = {.path = mesh->path,
+                                .format = mesh->format,
+                                .vertex_count = mesh->vertex_count,
+                                .x = mesh->x,
+                                .part = mesh->part};
+    mesh->x = NULL;
+    ctl_mesh_deinit(mesh);
+    *mesh = vertices;
 }
 
 void ctl_mesh_deinit(struct ctl_mesh *mesh)
 {
     free(mesh->x);
-    ctl_mesh_drop_shape(mesh);
+    for (int kind = 0; kind < CTL_KINDS; kind++) {
+        free(mesh->lists[kind].vertices);
+    }
+    for (uint32_t i = 0; i < mesh->object_count; i++) {
+        free(mesh->objects[i].name);
+    }
+    free(mesh->objects);
+    free(mesh->polygons);
+    free(mesh->corners);
     *mesh = (struct ctl_mesh){0};
 }
 
@@ -131,30 +128,25 @@ int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error)
 }
 
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
-                            uint64_t count, const char *path, struct ctl_error *error)
+                            uint64_t count)
 {
-    size_t bytes = format == PCCD_FORMAT_F32 ? sizeof(float[3]) : sizeof(double[3]);
+    struct ctl_part *part = &mesh->part;
+    uint64_t first = 0, kept = mesh->others != NULL ? 0 : count;
     if (count == 0) {
-        return ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path);
+        return ctl_error_set(mesh->error, PCCD_E_FORMAT, "%s: no vertices", mesh->path);
     }
     if (count > CTL_MESH_COUNT_MAX) {
-        return ctl_error_set(error, PCCD_E_LIMIT, "%s: %llu vertices, at most %llu", path,
-                             (unsigned long long)count,
-                             (unsigned long long)CTL_MESH_COUNT_MAX);
+        return ctl_error_set(mesh->error, PCCD_E_LIMIT,
+                             "%s: %" PRIu64 " vertices, at most %" PRIu64, mesh->path,
+                             count, CTL_MESH_COUNT_MAX);
     }
-    struct ctl_part *part = &mesh->part;
-    uint64_t first = 0, kept = count;
-    if (part->count > 0) {
+    if (part->count > 0 && mesh->others == NULL) {
         first = piece_first(part, count, part->number);
         kept = piece_first(part, count, part->number + 1) - first;
     }
-    if (part->wanted != NULL) {
-        first = kept = 0;
-    }
-    mesh->x = malloc((size_t)kept * bytes + 1);
+    mesh->x = malloc(kept * common_vertex_bytes(format) + 1);
     if (mesh->x == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu vertices", path,
-                             (unsigned long long)kept);
+        return no_memory(mesh, kept, "vertices");
     }
     mesh->format = format;
     mesh->vertex_count = (uint32_t)kept;
@@ -163,136 +155,144 @@ int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
     return PCCD_OK;
 }
 
-bool ctl_mesh_coordinate_ok(double value)
-{
-    /* False for NaN as well. */
-    return value >= -CTL_MESH_COORDINATE_MAX && value <= CTL_MESH_COORDINATE_MAX;
-}
-
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value)
 {
+    struct ctl_others *others = mesh->others;
     index -= (size_t)mesh->part.vertex_first * 3; /* beyond all if it is before them */
-    if (index >= (size_t)mesh->vertex_count * 3) {
-        if (mesh->part.wanted != NULL) {
-            ctl_wanted_set(mesh->part.wanted, index, value);
+    if (index < (size_t)mesh->vertex_count * 3) {
+        if (mesh->format == PCCD_FORMAT_F32) {
+            ((float *)mesh->x)[index] = (float)value;
+        } else {
+            ((double *)mesh->x)[index] = value;
         }
-        return;
-    }
-    if (mesh->format == PCCD_FORMAT_F32) {
-        ((float *)mesh->x)[index] = (float)value;
-    } else {
-        ((double *)mesh->x)[index] = value;
+    } else if (others != NULL) { /* they come in order */
+        while (others->next < others->count &&
+               others->vertices[others->next] < index / 3) {
+            others->next++;
+        }
+        if (others->next < others->count && others->vertices[others->next] == index / 3) {
+            others->x[others->next][index % 3] = value;
+        }
     }
 }
 
-int ctl_mesh_grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
-                  uint32_t *total, bool is_kept, const char *names, const char *path,
-                  struct ctl_error *error)
+void ctl_mesh_place(const struct ctl_mesh *mesh, uint32_t vertex, double x[3])
+{
+    for (size_t axis = 0; axis < 3; axis++) {
+        size_t index = (size_t)vertex * 3 + axis;
+        x[axis] = mesh->format == PCCD_FORMAT_F32
+                      ? (double)((const float *)mesh->x)[index]
+                      : ((const double *)mesh->x)[index];
+    }
+}
+
+/* Room for one more item of `bytes` behind `count` of them in *items, a pointer. */
+static int grow(struct ctl_mesh *mesh, void *items, size_t bytes, size_t count,
+                size_t *capacity, const char *what)
 {
     void *before;
-    if (*total == CTL_MESH_COUNT_MAX) {
-        return ctl_error_set(error, PCCD_E_LIMIT, "%s: more than %llu %s", path,
-                             (unsigned long long)CTL_MESH_COUNT_MAX, names);
-    }
-    ++*total;
-    if (!is_kept || count < *capacity) {
+    if (count < *capacity) {
         return PCCD_OK;
     }
-    uint64_t wanted = (uint64_t)*capacity * 2 + 1024;
-    wanted = wanted > CTL_MESH_COUNT_MAX ? CTL_MESH_COUNT_MAX : wanted;
+    size_t wanted = *capacity * 2 + 1024;
     memcpy(&before, items, sizeof before);
-    void *grown = realloc(before, (size_t)wanted * bytes);
+    void *grown = wanted < SIZE_MAX / bytes ? realloc(before, wanted * bytes) : NULL;
     if (grown == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for %llu %s", path,
-                             (unsigned long long)wanted, names);
+        return no_memory(mesh, wanted, what);
     }
     memcpy(items, &grown, sizeof grown);
-    *capacity = (uint32_t)wanted;
+    *capacity = wanted;
     return PCCD_OK;
 }
 
-int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
-                          const char *path, struct ctl_error *error)
+int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vertices)
 {
-    int status =
-        ctl_mesh_grow(&mesh->triangles, sizeof *mesh->triangles, mesh->triangle_count,
-                      &mesh->triangle_capacity, &mesh->part.triangle_total,
-                      !mesh->part.leaves_out, "triangles", path, error);
-    if (status == PCCD_OK && !mesh->part.leaves_out) {
-        memcpy(mesh->triangles[mesh->triangle_count++], corners, sizeof *mesh->triangles);
+    struct ctl_list *list = &mesh->lists[kind];
+    const size_t each = (size_t)kind + 1;
+    if (list->total == CTL_MESH_COUNT_MAX) {
+        return ctl_error_set(mesh->error, PCCD_E_LIMIT, "%s: more than %" PRIu64 " %s",
+                             mesh->path, CTL_MESH_COUNT_MAX, names[kind]);
     }
-    return status;
-}
-
-int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
-                      struct ctl_error *error)
-{
-    int status = ctl_mesh_grow(&mesh->edges, sizeof *mesh->edges, mesh->edge_count,
-                               &mesh->edge_capacity, &mesh->part.edge_total,
-                               !mesh->part.leaves_out, "edges", path, error);
-    if (status == PCCD_OK && !mesh->part.leaves_out) {
-        memcpy(mesh->edges[mesh->edge_count++], ends, sizeof *mesh->edges);
-    }
-    return status;
-}
-
-int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
-                       struct ctl_error *error)
-{
-    int status = ctl_mesh_grow(&mesh->points, sizeof *mesh->points, mesh->point_count,
-                               &mesh->point_capacity, &mesh->part.point_total,
-                               !mesh->part.leaves_out, "points", path, error);
-    if (status == PCCD_OK && !mesh->part.leaves_out) {
-        mesh->points[mesh->point_count++] = vertex;
-    }
-    return status;
-}
-
-int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes,
-                        const char *path, struct ctl_error *error)
-{
-    const struct ctl_part *part = &mesh->part;
-    struct ctl_mesh_object object = {
-        .name = strndup(name, name_bytes),
-        .triangle_first = part->triangle_total,
-        .edge_first = part->edge_total,
-        .point_first = part->point_total,
-    };
-    struct ctl_mesh_object *last =
-        mesh->object_count > 0 ? &mesh->objects[mesh->object_count - 1] : NULL;
-    if (object.name == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for a name of %zu bytes",
-                             path, name_bytes);
-    }
-    if (last != NULL && last->triangle_first == object.triangle_first &&
-        last->edge_first == object.edge_first &&
-        last->point_first == object.point_first) {
-        free(last->name);
-        *last = object;
+    list->total++;
+    if (mesh->leaves_out) {
         return PCCD_OK;
     }
-    uint32_t total = mesh->object_count;
-    int status =
-        ctl_mesh_grow(&mesh->objects, sizeof *mesh->objects, mesh->object_count,
-                      &mesh->object_capacity, &total, true, "objects", path, error);
-    if (status != PCCD_OK) {
-        free(object.name);
-        return status;
+    int status = grow(mesh, &list->vertices, each * sizeof *vertices, list->count,
+                      &list->capacity, names[kind]);
+    if (status == PCCD_OK) {
+        memcpy(list->vertices + each * list->count++, vertices, each * sizeof *vertices);
     }
-    mesh->objects[mesh->object_count++] = object;
-    return PCCD_OK;
+    return status;
 }
 
-uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, uint32_t points, uint32_t number)
+int ctl_mesh_add_corner(struct ctl_mesh *mesh, uint32_t vertex)
+{
+    int status = grow(mesh, &mesh->corners, sizeof *mesh->corners, mesh->corner_count,
+                      &mesh->corner_capacity, "corners of polygons");
+    if (status == PCCD_OK) {
+        mesh->corners[mesh->corner_count++] = vertex;
+    }
+    return status;
+}
+
+int ctl_mesh_end_face(struct ctl_mesh *mesh, uint64_t place)
+{
+    const uint32_t *corners = mesh->corners + mesh->face_corner;
+    size_t count = mesh->corner_count - mesh->face_corner;
+    const struct ctl_polygon polygon = {.triangle_first = mesh->triangles.count,
+                                        .corner_count = (uint32_t)count,
+                                        .place = place};
+    int status = PCCD_OK;
+    for (size_t i = 2; i < count && status == PCCD_OK; i++) {
+        const uint32_t triangle[3] = {corners[0], corners[i - 1], corners[i]};
+        status = ctl_mesh_add(mesh, CTL_TRIANGLES, triangle);
+    }
+    if (count == 3 || mesh->leaves_out) {
+        mesh->corner_count = mesh->face_corner;
+    } else if (status == PCCD_OK) {
+        status = grow(mesh, &mesh->polygons, sizeof polygon, mesh->polygon_count,
+                      &mesh->polygon_capacity, "polygons");
+        if (status == PCCD_OK) {
+            mesh->polygons[mesh->polygon_count++] = polygon;
+        }
+    }
+    mesh->face_corner = mesh->corner_count;
+    return status;
+}
+
+/* ---- objects ----------------------------------------------------------------------- */
+
+int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes)
+{
+    struct ctl_mesh_object object = {.name = strndup(name, name_bytes)};
+    uint32_t count = mesh->object_count;
+    if (object.name == NULL) {
+        return no_memory(mesh, name_bytes, "characters of a name");
+    }
+    for (int kind = 0; kind < CTL_KINDS; kind++) {
+        object.first[kind] = mesh->lists[kind].total;
+    }
+    if (count > 0 &&
+        memcmp(mesh->objects[count - 1].first, object.first, sizeof object.first) == 0) {
+        free(mesh->objects[--mesh->object_count].name);
+    }
+    int status = grow(mesh, &mesh->objects, sizeof object, mesh->object_count,
+                      &mesh->object_capacity, "objects");
+    if (status == PCCD_OK) {
+        mesh->objects[mesh->object_count++] = object;
+    } else {
+        free(object.name);
+    }
+    return status;
+}
+
+uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
+                            uint32_t number)
 {
     uint32_t low = 0, high = mesh->object_count;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        const struct ctl_mesh_object *object = &mesh->objects[middle];
-        uint32_t first = points == 3   ? object->triangle_first
-                         : points == 2 ? object->edge_first
-                                       : object->point_first;
-        if (first <= number) {
+        if (mesh->objects[middle].first[kind] <= number) {
             low = middle + 1;
         } else {
             high = middle;
@@ -303,23 +303,18 @@ uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, uint32_t points, uint32
 
 uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh)
 {
-    const uint32_t *named[4] = {NULL, mesh->points, (const uint32_t *)mesh->edges,
-                                (const uint32_t *)mesh->triangles};
-    const uint32_t counts[4] = {0, mesh->point_count, mesh->edge_count,
-                                mesh->triangle_count};
     const size_t bytes = ((size_t)mesh->vertex_count + 1) * sizeof(uint32_t);
     uint32_t *objects = malloc(bytes);
     if (objects == NULL) {
         return NULL;
     }
     memset(objects, 0xff, bytes);
-    for (uint32_t points = 3; points > 0; points--) {
-        for (uint32_t i = 0; i < counts[points]; i++) {
-            uint32_t object = ctl_mesh_object_at(mesh, points, i);
-            for (uint32_t k = 0; k < points; k++) {
-                uint32_t vertex = named[points][(size_t)i * points + k];
-                objects[vertex] =
-                    objects[vertex] == CTL_NO_OBJECT ? object : objects[vertex];
+    for (uint32_t each = CTL_KINDS; each > 0; each--) {
+        const struct ctl_list *list = &mesh->lists[each - 1];
+        for (size_t i = 0; i < (size_t)list->count * each; i++) {
+            uint32_t *object = &objects[list->vertices[i]];
+            if (*object == CTL_NO_OBJECT) {
+                *object = ctl_mesh_object_at(mesh, each - 1, (uint32_t)(i / each));
             }
         }
     }

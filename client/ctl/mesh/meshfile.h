@@ -1,16 +1,10 @@
-/* client/ctl/mesh/meshfile.h - reads a mesh from a PLY, OBJ, STL or glTF file.
+/* client/ctl/mesh/meshfile.h - a mesh, and how it is read from a file.
  *
- * Room:     client/ctl. May include: error.h, motion.h, text.h, pccd_types.h.
- * Does:     read PLY (ascii, binary of both byte orders), OBJ, STL (ascii, binary) and
- *           glTF; polygons are cut into triangles (polygon.h). Edges and points by
- *           themselves are PLY's element edge, l and p of OBJ, lines and points of glTF;
- *           of a PLY without faces and edges all vertices are points.
+ * Room:     client/ctl.
+ * Does:     read PLY, OBJ, STL and glTF, and cut polygons into triangles (polygon.h).
  * Does not: merge, reorder or drop vertices or faces: vertex i of one frame stays vertex
  *           i of the next (meshframes.h joins them). STL alone has no vertices, and gets
  *           them where corners are at the same place.
- * Threads:  [any]; nothing is shared.
- * Source:   "The PLY Polygon File Format" (Turk 1994); Wavefront OBJ, appendix B1;
- *           StereoLithography Interface Specification; glTF 2.0.
  */
 #ifndef CTL_MESHFILE_H
 #define CTL_MESHFILE_H
@@ -18,14 +12,38 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "coordinates.h"
 #include "error.h"
 #include "motion.h"
 #include "pccd_types.h"
 #include "text.h"
 
-/* What the daemon accepts: counts up to 2^31 - 1, coordinates up to this size. */
-#define CTL_MESH_COUNT_MAX      ((uint64_t)INT32_MAX)
-#define CTL_MESH_COORDINATE_MAX 1e18
+/* What the daemon accepts: counts up to 2^31 - 1. */
+#define CTL_MESH_COUNT_MAX ((uint64_t)INT32_MAX)
+
+/* What names vertices: one of kind k has k + 1 of them. */
+enum ctl_kind { CTL_POINTS, CTL_EDGES, CTL_TRIANGLES, CTL_KINDS };
+
+struct ctl_list {
+    uint32_t *vertices; /* [count][kind + 1] */
+    uint32_t count;
+    uint32_t total; /* of the file, of which a part may be kept */
+    size_t capacity;
+};
+
+/* A part of a file that has a name there. It goes to the first ones of the next object,
+ * the last one to the end; counted in the file, also where a part of that is kept. */
+struct ctl_mesh_object {
+    char *name; /* never NULL; bytes as the file has them */
+    uint32_t first[CTL_KINDS];
+};
+
+/* A face of four corners and more, which became corner_count - 2 triangles. */
+struct ctl_polygon {
+    uint32_t triangle_first, corner_count;
+    uint64_t
+        place; /* for messages: mesh->has_lines, a line; otherwise the face's number */
+};
 
 /* What is kept of a file of which several processes keep a part each: piece `number` of
  * `count` of its vertices, of its rows of faces, of edges and of points, each cut into
@@ -33,72 +51,67 @@
 struct ctl_part {
     uint32_t number, count; /* count 0: all is kept */
     uint32_t vertex_first;  /* of those that are kept */
-    uint32_t vertex_total, triangle_total, edge_total, point_total; /* of the file */
-    bool leaves_out;           /* the row that is read now */
-    struct ctl_wanted *wanted; /* not NULL: of these vertices the positions alone */
+    uint32_t vertex_total;  /* of the file */
 };
 
-/* A face of four corners and more, which became triangles (meshcut.h). */
-struct ctl_polygon {
-    uint32_t triangle_first;
-    uint32_t corner_count : 31, is_recut : 1; /* is_recut: its corners are kept */
-    uint64_t place;
-};
-
-/* A part of a file that has a name there. It goes to the first ones of the next object,
- * the last one to the end; counted in the file, also where a part of that is kept. */
-struct ctl_mesh_object {
-    char *name; /* never NULL; bytes as the file has them */
-    uint32_t triangle_first, edge_first, point_first;
+/* Vertices of other parts, which polygons of this one have. */
+struct ctl_others {
+    uint32_t *vertices; /* [count], ascending */
+    size_t count, next;
+    double (*x)[3]; /* [count] */
 };
 
 /* Fill with {0}. The arrays belong to the mesh, and have what is kept. */
 struct ctl_mesh {
-    enum pccd_format
-        format; /* of x: float if the file's coordinates are exact in float */
+    const char *path;        /* the caller's; for messages */
+    struct ctl_error *error; /* while it is read; the caller's */
+    enum pccd_format format; /* float if the file's coordinates are exact in float */
     uint32_t vertex_count;
-    uint32_t triangle_count;
-    uint32_t triangle_capacity;
     void *x; /* float or double [vertex_count][3] */
-    uint32_t (*triangles)[3];
-    uint32_t edge_count, edge_capacity;
-    uint32_t point_count, point_capacity;
-    uint32_t (*edges)[2];
-    uint32_t *points;
-    uint32_t object_count, object_capacity; /* 0: all is one, without a name */
+    union {
+        struct ctl_list lists[CTL_KINDS];
+        struct {
+            struct ctl_list points, edges, triangles;
+        };
+    };
+    uint32_t object_count; /* 0: all is one, without a name */
+    size_t object_capacity;
     struct ctl_mesh_object *objects;
-    uint32_t polygon_count, polygon_capacity;
+    size_t polygon_count, polygon_capacity;
     struct ctl_polygon *polygons; /* ascending */
-    uint32_t corner_count, corner_capacity;
-    uint32_t *corners; /* of those that are no fan, one polygon after the other */
-    bool is_corners;   /* of STL: join no corners */
-    bool has_lines;    /* place of a polygon: its line; otherwise the face's number */
+    size_t corner_count, corner_capacity;
+    uint32_t *corners;  /* of all polygons, then of the face at hand */
+    size_t face_corner; /* the first of that */
+    bool is_corners;    /* of STL: join no corners */
+    bool has_lines;
+    bool leaves_out; /* the row that is read now */
     struct ctl_part part;
+    struct ctl_others *others; /* while they are read, alone, or used; or NULL */
+};
+
+/* How a file is read; {0}: all of it, as a first frame. */
+struct ctl_reading {
+    /* Keep piece `number` of `count` of it; 0: all. Of PLY and OBJ no more than that is
+     * ever in memory, beside a window of the file; of the others all, for a while. All of
+     * the file is judged. */
+    uint32_t number, count;
+    /* Another frame of this one, or of the part that it is: polygons are cut as there,
+     * wherever their corners are now. Errors also: E_INVAL where it is no frame of the
+     * same mesh, as ctl_mesh_match says. */
+    const struct ctl_mesh *like;
+    bool is_uncut;   /* polygons are fans, until ctl_mesh_cut */
+    bool is_corners; /* of STL: three vertices a triangle, though others are there, too */
 };
 
 /* Read `path`; the kind is told by the first bytes "ply" or "glTF", else by the ending
  * .ply, .obj, .stl, .glb or .gltf.
  * A mesh has at least one vertex and one triangle, edge or point, finite coordinates and
- * valid indices.
+ * valid indices. It keeps `path`.
  * Errors: E_SYSTEM, E_NOMEM, E_FORMAT, E_NOTFINITE, E_INDEX, E_LIMIT; the text names the
  * file, the line or byte, and what was wrong there. */
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
-/* The same, but polygons are fans still, until ctl_mesh_cut (meshcut.h). */
-int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error);
-/* Of STL: three vertices of each triangle, though others are at the same place. */
-int ctl_mesh_read_corners(const char *path, struct ctl_mesh *mesh,
-                          struct ctl_error *error);
-/* Another frame of `first`, which is of first_path, or the part of one that `first` is
- * of its file: polygons are cut as there, wherever their corners are now. Errors also:
- * E_INVAL where it is no frame of the same mesh, as ctl_mesh_match says. */
-int ctl_mesh_read_like(const char *path, const struct ctl_mesh *first,
-                       const char *first_path, struct ctl_mesh *mesh,
-                       struct ctl_error *error);
-/* As ctl_mesh_read, and keep piece `number` of `count` of it. Of PLY and OBJ no more
- * than that is ever in memory, beside a window of the file; of the others all, for a
- * while. All of the file is judged. */
-int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
-                       struct ctl_mesh *mesh, struct ctl_error *error);
+int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
+                     struct ctl_mesh *mesh, struct ctl_error *error);
 void ctl_mesh_deinit(struct ctl_mesh *mesh);
 /* Keep the vertices alone. */
 void ctl_mesh_drop_shape(struct ctl_mesh *mesh);
@@ -114,86 +127,70 @@ enum ctl_mesh_holds {
 };
 enum ctl_mesh_holds ctl_mesh_holds(const char *path);
 /* Open a file that does not hold a mesh alone: its frames, those that are wished for
- * (NULL: nothing is), and its shape to `mesh`, which is empty (NULL: not wanted), if it
- * has one. Errors: those of its reader. */
+ * (NULL: nothing is). Errors: those of its reader. */
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
-                         struct ctl_mesh *mesh, struct ctl_motion *motion,
-                         struct ctl_error *error);
-/* How many frames a file has that holds a mesh: those of its animation, or one. Errors:
- * likewise. */
-int ctl_mesh_count_frames(const char *path, uint32_t *count, struct ctl_error *error);
+                         struct ctl_motion *motion, struct ctl_error *error);
+/* The mesh of a motion that has a shape. It keeps `path`. */
+int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
+                        struct ctl_mesh *mesh, struct ctl_error *error);
 
 /* Make the coordinates double; exact. Nothing to do when they are. */
 int ctl_mesh_promote(struct ctl_mesh *mesh, struct ctl_error *error);
+/* Where a vertex is. */
+void ctl_mesh_place(const struct ctl_mesh *mesh, uint32_t vertex, double x[3]);
+/* Cut all polygons where their corners are. Errors: E_NOMEM; E_FORMAT and where the file
+ * has a polygon that is not simple. */
+int ctl_mesh_cut(struct ctl_mesh *mesh, struct ctl_error *error);
+/* Find vertices of polygons that are not in this part; free their arrays then. */
+int ctl_mesh_find_others(const struct ctl_mesh *mesh, struct ctl_others *others);
 /* Same number of vertices and the same triangles, edges and points in the same order;
  * otherwise E_INVAL and a text with both file names and the first difference. */
-int ctl_mesh_match(const struct ctl_mesh *a, const char *path_a, const struct ctl_mesh *b,
-                   const char *path_b, struct ctl_error *error);
+int ctl_mesh_match(const struct ctl_mesh *a, const struct ctl_mesh *b,
+                   struct ctl_error *error);
+/* E_INVAL: `b` has another count of what is named so. */
+int ctl_mesh_other_count(const char *path_a, uint32_t a, const char *names,
+                         const char *path_b, uint32_t b, struct ctl_error *error);
+/* Cut the polygons of `mesh` as those of `first` are cut, and compare the two. */
+int ctl_mesh_cut_like(const struct ctl_mesh *first, struct ctl_mesh *mesh,
+                      struct ctl_error *error);
 
 /* For the readers, whose numbers are those of the file: what is not kept of a mesh is
- * judged and counted only. `count` is of all vertices. */
+ * judged and counted only. What goes wrong is told to mesh->error. `count` is of all
+ * vertices. */
 int ctl_mesh_alloc_vertices(struct ctl_mesh *mesh, enum pccd_format format,
-                            uint64_t count, const char *path, struct ctl_error *error);
-bool ctl_mesh_coordinate_ok(double value);
+                            uint64_t count);
 /* Store one coordinate; the index is vertex * 3 + axis. */
 void ctl_mesh_set(struct ctl_mesh *mesh, size_t index, double value);
-/* Count one more item of `bytes`, of *total in the file, and make room for it in *items,
- * a pointer to an array of `count` of them, if it is kept. */
-int ctl_mesh_grow(void *items, size_t bytes, uint32_t count, uint32_t *capacity,
-                  uint32_t *total, bool is_kept, const char *names, const char *path,
-                  struct ctl_error *error);
-/* Of a mesh that was read whole, keep piece `number` of `count`. */
-void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
-/* Of what a part wants of others (meshcut.h), the coordinate of one, if it is that. */
-void ctl_wanted_set(struct ctl_wanted *wanted, size_t index, double value);
 /* What is added next is of this row, of so many. */
 void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count);
-int ctl_mesh_add_triangle(struct ctl_mesh *mesh, const uint32_t corners[3],
-                          const char *path, struct ctl_error *error);
-int ctl_mesh_add_edge(struct ctl_mesh *mesh, const uint32_t ends[2], const char *path,
-                      struct ctl_error *error);
-int ctl_mesh_add_point(struct ctl_mesh *mesh, uint32_t vertex, const char *path,
-                       struct ctl_error *error);
+int ctl_mesh_add(struct ctl_mesh *mesh, enum ctl_kind kind, const uint32_t *vertices);
+/* The corners of a face, three or more, one after the other; then its place. */
+int ctl_mesh_add_corner(struct ctl_mesh *mesh, uint32_t vertex);
+int ctl_mesh_end_face(struct ctl_mesh *mesh, uint64_t place);
 /* What is added next belongs to an object of this name, of name_bytes bytes, which is
  * copied; one to which nothing was added is forgotten then. */
-int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes,
-                        const char *path, struct ctl_error *error);
+int ctl_mesh_add_object(struct ctl_mesh *mesh, const char *name, size_t name_bytes);
+/* Of a mesh that was read whole, keep a piece. */
+void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count);
 
 #define CTL_NO_OBJECT UINT32_MAX
 
-/* Where in `objects` that of a triangle, edge or point (3, 2 or 1 points) is, by its
- * number in the file. CTL_NO_OBJECT: it stands before all. */
-uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, uint32_t points,
+/* Where in `objects` that of a triangle, edge or point is, by its number in the file.
+ * CTL_NO_OBJECT: it stands before all. */
+uint32_t ctl_mesh_object_at(const struct ctl_mesh *mesh, enum ctl_kind kind,
                             uint32_t number);
 /* The first object that has each vertex; the caller's to free. NULL: no memory. */
 uint32_t *ctl_mesh_object_of_vertices(const struct ctl_mesh *mesh);
 
-/* The formats. `mesh` is empty before and the caller's to deinit after, also on
- * error. */
-int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
-/* Of the beginning of a file: whether its header can be true; and whether it is ascii. */
+/* The formats. `mesh` is empty before but for path and error, and the caller's to deinit
+ * after, also on error. */
+int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh);
+/* Of the beginning of a file: whether it can be one; and whether it is text. */
 int ctl_ply_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
-int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_stl_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-int ctl_gltf_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
 int ctl_gltf_judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *error);
-/* All frames of a glTF file: `mesh` gets the shape, the names of the nodes as objects,
- * and the positions of the first one, in the format of `motion`. What does not move is
- * one frame, float if that is exact; else they are double. Without a wish for one all
- * animations that move a mesh are played at once, if no two of them move the same
- * thing; else the first of them. E_INVAL: there is no animation that is wished for. */
-int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
-                  struct ctl_mesh *mesh, struct ctl_motion *motion,
-                  struct ctl_error *error);
-/* Point caches have positions alone, and leave `mesh` as it is; nothing is wished for
- * of them. Of a file a piece of 64 KiB is in memory, of a pipe all. Where the size is
- * not that of the header, the text names both. */
-int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_mesh *mesh, struct ctl_motion *motion,
-                 struct ctl_error *error);
-int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_mesh *mesh, struct ctl_motion *motion,
-                 struct ctl_error *error);
 
 #endif

@@ -15,7 +15,6 @@
 #include <sys/stat.h>
 
 #include "coordinates.h"
-#include "meshcut.h"
 #include "progress.h"
 #include "weld.h"
 
@@ -53,7 +52,7 @@ static int add_cache(struct ctl_frames *frames, const char *path, const char *me
                              "before it",
                              path);
     }
-    int status = ctl_mesh_open_motion(path, &options->wish, NULL, &motion, error);
+    int status = ctl_mesh_open_motion(path, &options->wish, &motion, error);
     if (status == PCCD_OK) {
         (void)add_source(frames, path, &motion);
     }
@@ -69,7 +68,7 @@ static int add_mesh_file(struct ctl_frames *frames, const char *path,
     struct ctl_motion motion = {.read = NULL};
     int status = PCCD_OK;
     if (holds == CTL_HOLDS_BOTH) {
-        status = ctl_mesh_open_motion(path, &options->wish, NULL, &motion, error);
+        status = ctl_mesh_open_motion(path, &options->wish, &motion, error);
     }
     if (status == PCCD_OK && motion.read != NULL && motion.frame_count == 1) {
         motion.close(&motion);
@@ -201,17 +200,17 @@ static bool is_pipe(const char *path)
 }
 
 /* Three vertices of each triangle, as STL has them. */
-static int read_corners(const struct ctl_frames *frames,
-                        struct ctl_frames_source *source, struct ctl_mesh *corners,
-                        struct ctl_error *error)
+static int read_corners(const struct ctl_frames *frames, struct ctl_frames_source *source,
+                        struct ctl_mesh *corners, struct ctl_error *error)
 {
     const char *path = source->path;
     if (source->corners.x != NULL) {
         take(&source->corners, corners);
         return PCCD_OK;
     }
-    int status = ctl_mesh_read_corners(path, corners, error);
-    uint32_t ours = frames->shape.triangle_count, its = corners->triangle_count;
+    const struct ctl_reading reading = {.is_corners = true};
+    int status = ctl_mesh_read_as(path, &reading, corners, error);
+    uint32_t ours = frames->shape.triangles.count, its = corners->triangles.count;
     return status == PCCD_OK && its != ours
                ? other_count(frames, path, "triangles", ours, its, error)
                : status;
@@ -231,7 +230,7 @@ static int read_stl(const struct ctl_frames *frames, struct ctl_frames_source *s
         ctl_mesh_deinit(&corners);
         return status != PCCD_OK ? status : PCCD_E_NOMEM;
     }
-    const uint32_t *vertices = (const uint32_t *)frames->shape.triangles;
+    const uint32_t *vertices = frames->shape.triangles.vertices;
     for (size_t i = 0; i < corners.vertex_count; i++) {
         memcpy(x[vertices[i]], ((const float(*)[3])corners.x)[i], sizeof *x);
     }
@@ -247,13 +246,14 @@ static int read_frame(const struct ctl_frames *frames, uint32_t index,
                       struct ctl_mesh *frame, struct ctl_error *error)
 {
     struct ctl_frames_source *source = source_of(frames, index);
+    const struct ctl_reading reading = {.like = &frames->shape};
     if (source->motion.read != NULL) {
         bool has_own_shape = index == source->frame_first &&
                              source->path != frames->shape_path &&
-                             ctl_mesh_holds(source->path) == CTL_HOLDS_BOTH;
-        int status = has_own_shape ? ctl_mesh_read_like(source->path, &frames->shape,
-                                                        frames->shape_path, frame, error)
-                                   : PCCD_OK;
+                             source->motion.shape != NULL;
+        int status = has_own_shape
+                         ? ctl_mesh_read_as(source->path, &reading, frame, error)
+                         : PCCD_OK;
         ctl_mesh_drop_shape(frame);
         return status == PCCD_OK ? read_motion(frames, source, index, frame, error)
                                  : status;
@@ -261,8 +261,7 @@ static int read_frame(const struct ctl_frames *frames, uint32_t index,
     if (source->is_stl && frames->sources[0].is_stl) {
         return read_stl(frames, source, frame, error);
     }
-    int status = ctl_mesh_read_like(source->path, &frames->shape, frames->shape_path,
-                                    frame, error);
+    int status = ctl_mesh_read_as(source->path, &reading, frame, error);
     ctl_mesh_drop_shape(frame);
     return status;
 }
@@ -290,17 +289,17 @@ static int read_shape(struct ctl_frames *frames, struct ctl_error *error)
     if (first->motion.read == NULL) {
         return ctl_mesh_read(frames->shape_path, &frames->shape, error);
     }
-    int status = ctl_mesh_read_uncut(frames->shape_path, &frames->shape, error);
+    const struct ctl_reading reading = {.is_uncut = true};
+    int status = ctl_mesh_read_as(frames->shape_path, &reading, &frames->shape, error);
     if (status == PCCD_OK) {
         status = read_motion(frames, first, 0, &frames->shape, error);
     }
     if (status == PCCD_OK) {
-        status = ctl_mesh_cut(&frames->shape, NULL, frames->shape_path, error);
+        status = ctl_mesh_cut(&frames->shape, error);
     }
     if (status == PCCD_E_FORMAT && first->path != frames->shape_path) {
         const struct ctl_error why = *error;
-        return ctl_error_set(error, status, "%s, as %s places it", why.text,
-                             first->path);
+        return ctl_error_set(error, status, "%s, as %s places it", why.text, first->path);
     }
     return status;
 }
@@ -325,7 +324,7 @@ static int renumber(struct ctl_frames *frames, const uint32_t *to, uint32_t coun
                     struct ctl_error *error)
 {
     struct ctl_mesh *shape = &frames->shape;
-    uint32_t *vertices = (uint32_t *)shape->triangles, made = 0;
+    uint32_t *vertices = shape->triangles.vertices, made = 0;
     uint32_t *names = malloc((size_t)count * 3 * sizeof *names + 1);
     float(*x)[3] = room_for(frames->shape_path, count * 3, PCCD_FORMAT_F32, error);
     if (names == NULL || x == NULL) {
@@ -350,8 +349,8 @@ static int renumber(struct ctl_frames *frames, const uint32_t *to, uint32_t coun
 static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
 {
     const struct ctl_mesh *shape = &frames->shape;
-    size_t corner_count = (size_t)shape->triangle_count * 3;
-    const uint32_t *vertices = (const uint32_t *)shape->triangles;
+    size_t corner_count = (size_t)shape->triangles.count * 3;
+    const uint32_t *vertices = shape->triangles.vertices;
     uint32_t *to = malloc(corner_count * sizeof *to + 1), vertex_seen = 0;
     uint32_t *first = malloc((size_t)shape->vertex_count * sizeof *first + 1);
     struct ctl_weld weld = {.to = to};
@@ -382,7 +381,7 @@ static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
         ctl_mesh_deinit(&corners);
     }
     if (status == PCCD_OK && weld.joined < weld.first_joined) {
-        status = renumber(frames, weld.to, shape->triangle_count, error);
+        status = renumber(frames, weld.to, shape->triangles.count, error);
     }
     free(first);
     ctl_weld_deinit(&weld);
@@ -472,10 +471,8 @@ static void finish(struct ctl_frames *frames)
     struct ctl_mesh joined = frames->mesh;
     frames->mesh = frames->shape;
     frames->shape.x = NULL;
-    if (joined.triangles != NULL) {
-        frames->mesh.triangles = joined.triangles;
-        frames->mesh.edges = joined.edges;
-        frames->mesh.points = joined.points;
+    if (joined.triangles.vertices != NULL) {
+        memcpy(frames->mesh.lists, joined.lists, sizeof joined.lists);
     }
 }
 
@@ -526,10 +523,10 @@ int ctl_frames_read_one(const char *path, const struct ctl_frames_options *optio
         *mesh = frames.mesh;
         *welded = frames.welded;
         *frame_count = frames.count;
-        if (mesh->triangles != shape->triangles) {
-            free(shape->triangles);
-            free(shape->edges);
-            free(shape->points);
+        for (int kind = 0; kind < CTL_KINDS; kind++) {
+            if (mesh->lists[kind].vertices != shape->lists[kind].vertices) {
+                free(shape->lists[kind].vertices);
+            }
         }
         *shape = (struct ctl_mesh){.x = NULL};
         frames.mesh = (struct ctl_mesh){.x = NULL};
@@ -553,10 +550,10 @@ void ctl_frames_close(struct ctl_frames *frames)
     free(frames->names);
     free(frames->sources);
     free(frames->mesh.x);
-    if (frames->mesh.triangles != frames->shape.triangles) {
-        free(frames->mesh.triangles);
-        free(frames->mesh.edges);
-        free(frames->mesh.points);
+    for (int kind = 0; kind < CTL_KINDS; kind++) {
+        if (frames->mesh.lists[kind].vertices != frames->shape.lists[kind].vertices) {
+            free(frames->mesh.lists[kind].vertices);
+        }
     }
     ctl_mesh_deinit(&frames->shape);
     ctl_sequence_deinit(&frames->sequence);

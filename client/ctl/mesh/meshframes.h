@@ -29,11 +29,11 @@ struct ctl_frames_options {
 
 /* What was made of vertices at one place. */
 struct ctl_welded {
-    uint32_t joined; /* to the least vertex at their place in every frame */
-    uint32_t apart;  /* as much in the first frame, and apart in a later one */
-    uint32_t more;   /* of weld 0: would be joined at 2^-40 of the size */
-    double distance; /* that is */
-    uint32_t flat;   /* triangles that have one vertex twice because of that */
+    uint32_t joined;  /* to the least vertex at their place in every frame */
+    uint32_t apart;   /* as much in the first frame, and apart in a later one */
+    uint32_t more;    /* of weld 0: would be joined at 2^-40 of the size */
+    double distance;  /* that is */
+    uint32_t flat;    /* triangles that have one vertex twice because of that */
     uint32_t between; /* of those joined: to a vertex of another object of the file */
 };
 

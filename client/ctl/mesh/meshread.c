@@ -2,9 +2,7 @@
  *
  * Room:     client/ctl.
  * Does:     tells the format, has it parsed, and polygons cut.
- * Does not: parse (ply.c, obj.c, stl.c, gltf_motion.c); compare frames (meshmatch.c).
- * Threads:  [any]; nothing is shared.
- * Source:   meshfile.h.
+ * Does not: parse (ply.c, obj.c, stl.c, gltf_motion.c); compare frames (meshcut.c).
  */
 #include <fcntl.h>
 #include <stdlib.h>
@@ -13,7 +11,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "meshcut.h"
 #include "meshfile.h"
 
 static bool has_ending(const char *path, const char *ending)
@@ -54,21 +51,20 @@ static const struct format {
     const char *ending;
     bool (*has_magic)(const struct ctl_file *file); /* NULL: its name alone tells */
     ctl_file_judge judge;
-    bool is_read_whole; /* parse wants all of the file in memory, and makes all */
-    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error);
+    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
+    bool makes_all; /* parse does, also of a part */
     /* Of a kind that may have several frames; NULL: it has one. Without a parse, it has
-     * positions alone, and leaves `mesh` as it is. */
+     * positions alone. */
     int (*open_motion)(const char *path, const struct ctl_motion_wish *wish,
-                       struct ctl_mesh *mesh, struct ctl_motion *motion,
-                       struct ctl_error *error);
+                       struct ctl_motion *motion, struct ctl_error *error);
 } formats[] = {
-    {".ply", has_ply_magic, ctl_ply_judge, false, ctl_ply_parse, NULL},
-    {".glb", has_glb_magic, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
-    {".gltf", NULL, ctl_gltf_judge, true, ctl_gltf_parse, ctl_gltf_open},
-    {".obj", NULL, judge_obj, false, ctl_obj_parse, NULL},
-    {".stl", NULL, ctl_stl_judge, false, ctl_stl_parse, NULL},
-    {".pc2", has_pc2_magic, NULL, false, NULL, ctl_pc2_open},
-    {".mdd", NULL, NULL, false, NULL, ctl_mdd_open},
+    {".ply", has_ply_magic, ctl_ply_judge, ctl_ply_parse, false, NULL},
+    {".glb", has_glb_magic, ctl_gltf_judge, ctl_gltf_parse, true, ctl_gltf_open},
+    {".gltf", NULL, ctl_gltf_judge, ctl_gltf_parse, true, ctl_gltf_open},
+    {".obj", NULL, judge_obj, ctl_obj_parse, false, NULL},
+    {".stl", NULL, ctl_stl_judge, ctl_stl_parse, true, NULL},
+    {".pc2", has_pc2_magic, NULL, NULL, false, ctl_pc2_open},
+    {".mdd", NULL, NULL, NULL, false, ctl_mdd_open},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
@@ -128,24 +124,9 @@ enum ctl_mesh_holds ctl_mesh_holds(const char *path)
 }
 
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
-                         struct ctl_mesh *mesh, struct ctl_motion *motion,
-                         struct ctl_error *error)
+                         struct ctl_motion *motion, struct ctl_error *error)
 {
-    return format_of_path(path)->open_motion(path, wish, mesh, motion, error);
-}
-
-int ctl_mesh_count_frames(const char *path, uint32_t *count, struct ctl_error *error)
-{
-    struct ctl_motion motion = {.frame_count = 1};
-    bool moves = ctl_mesh_holds(path) == CTL_HOLDS_BOTH;
-    int status = moves ? ctl_mesh_open_motion(path, NULL, NULL, &motion, error) : PCCD_OK;
-    if (status == PCCD_OK) {
-        *count = motion.frame_count;
-    }
-    if (motion.close != NULL) {
-        motion.close(&motion);
-    }
-    return status;
+    return format_of_path(path)->open_motion(path, wish, motion, error);
 }
 
 /* From the dot on; "" of a name without one. */
@@ -194,98 +175,89 @@ static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *
 
 /* ---- reading ----------------------------------------------------------------------- */
 
-static int parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     if (file->bytes == 0) {
-        return ctl_error_set(error, PCCD_E_FORMAT, "%s: the file is empty", file->path);
+        return ctl_error_set(mesh->error, PCCD_E_FORMAT, "%s: the file is empty",
+                             file->path);
     }
-    const struct format *format = format_of(file, error);
+    const struct format *format = format_of(file, mesh->error);
+    const struct ctl_part part = mesh->part;
     if (format == NULL) {
         return PCCD_E_FORMAT;
     }
-    if (!format->is_read_whole &&
-        (mesh->part.count == 0 || format->parse != ctl_stl_parse)) {
-        int status = format->parse(file, mesh, error);
-        int reading = ctl_file_status(file, error);
-        return reading != PCCD_OK ? reading : status;
+    if (format->makes_all) {
+        mesh->part = (struct ctl_part){.count = 0};
     }
-    const struct ctl_part part = mesh->part;
-    mesh->part = (struct ctl_part){.count = 0};
-    int status = format->is_read_whole ? ctl_file_load(file, error) : PCCD_OK;
-    if (status == PCCD_OK) {
-        status = format->parse(file, mesh, error);
-        int reading = ctl_file_status(file, error);
-        status = reading != PCCD_OK ? reading : status;
-    }
-    if (status == PCCD_OK && part.count > 0) {
+    int status = format->parse(file, mesh);
+    int reading = ctl_file_status(file, mesh->error);
+    status = reading != PCCD_OK ? reading : status;
+    if (status == PCCD_OK && format->makes_all && part.count > 0) {
         ctl_mesh_keep_part(mesh, part.number, part.count);
     }
     return status;
 }
 
 /* Of a mesh that was read without an error. */
-static int judge_counts(const char *path, const struct ctl_mesh *mesh,
-                        struct ctl_error *error)
+static int judge_counts(const struct ctl_mesh *mesh)
 {
-    const struct ctl_part *part = &mesh->part;
-    bool is_part = part->count > 0;
-    uint32_t vertices = is_part ? part->vertex_total : mesh->vertex_count;
-    bool has_any = mesh->triangle_count + mesh->edge_count + mesh->point_count > 0 ||
-                   part->triangle_total + part->edge_total + part->point_total > 0;
-    return vertices == 0 ? ctl_error_set(error, PCCD_E_FORMAT, "%s: no vertices", path)
-           : !has_any    ? ctl_error_set(error, PCCD_E_FORMAT,
-                                         "%s: no faces, edges or points", path)
-                         : PCCD_OK;
+    bool has_any = (mesh->points.total | mesh->edges.total | mesh->triangles.total) > 0;
+    bool has_vertices = (mesh->vertex_count | mesh->part.vertex_total) > 0;
+    return has_any && has_vertices
+               ? PCCD_OK
+               : ctl_error_set(mesh->error, PCCD_E_FORMAT, "%s: no %s", mesh->path,
+                               has_vertices ? "faces, edges or points" : "vertices");
 }
 
 /* Cut the polygons of a part: vertices that others keep are read once more. */
-static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh)
 {
-    struct ctl_wanted wanted = {0};
-    struct ctl_mesh others = {.part = {.number = mesh->part.number,
-                                       .count = mesh->part.count,
-                                       .wanted = &wanted}};
-    int status = ctl_mesh_want(mesh, &wanted, file->path, error);
-    if (status == PCCD_OK && wanted.count > 0) {
-        status = parse(file, &others, error);
+    struct ctl_others others = {0};
+    struct ctl_mesh again = {.path = mesh->path, .error = mesh->error, .others = &others};
+    int status = ctl_mesh_find_others(mesh, &others);
+    if (status == PCCD_OK && others.count > 0) {
+        status = parse(file, &again);
     }
     if (status == PCCD_OK) {
-        status = ctl_mesh_cut(mesh, &wanted, file->path, error);
+        mesh->others = &others;
+        status = ctl_mesh_cut(mesh, mesh->error);
+        mesh->others = NULL;
     }
-    ctl_wanted_deinit(&wanted);
-    ctl_mesh_deinit(&others);
+    free(others.vertices);
+    free(others.x);
+    ctl_mesh_deinit(&again);
     return status;
 }
 
-/* How a mesh is read. */
-struct reading {
-    uint32_t number, count; /* keep this piece; count 0: all */
-    bool is_uncut, is_corners;
-    const struct ctl_mesh *like; /* NULL: it is a first frame */
-    const char *like_path;
-};
-
-static int read_mesh(const char *path, const struct reading *reading,
+int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
                      struct ctl_mesh *mesh, struct ctl_error *error)
 {
+    const struct ctl_mesh *like = reading->like;
+    struct ctl_mesh made = {.path = path,
+                            .error = error,
+                            .is_corners = reading->is_corners,
+                            .part = {.number = reading->number, .count = reading->count}};
     struct ctl_file file;
-    struct ctl_mesh made = {.part = {.number = reading->number, .count = reading->count},
-                            .is_corners = reading->is_corners};
     int status = ctl_file_open(path, judge, &file, error);
     if (status != PCCD_OK) {
         return status;
     }
-    status = parse(&file, &made, error);
-    if (status == PCCD_OK) {
-        status = judge_counts(path, &made, error);
+    if (like != NULL) {
+        made.part.number = like->part.number;
+        made.part.count = like->part.count;
     }
-    if (status == PCCD_OK && reading->like != NULL) {
-        status = ctl_mesh_cut_like(reading->like, reading->like_path, &made, path, error);
-    } else if (status == PCCD_OK && !reading->is_uncut && made.polygon_count > 0) {
-        status = reading->count > 0 ? cut_part(&file, &made, error)
-                                    : ctl_mesh_cut(&made, NULL, path, error);
+    status = parse(&file, &made);
+    if (status == PCCD_OK) {
+        status = judge_counts(&made);
+    }
+    if (status == PCCD_OK && like != NULL) {
+        status = ctl_mesh_cut_like(like, &made, error);
+    } else if (status == PCCD_OK && !reading->is_uncut) {
+        status =
+            made.part.count > 0 ? cut_part(&file, &made) : ctl_mesh_cut(&made, error);
     }
     ctl_file_deinit(&file);
+    made.error = NULL;
     if (status == PCCD_OK) {
         *mesh = made;
     } else {
@@ -294,38 +266,24 @@ static int read_mesh(const char *path, const struct reading *reading,
     return status;
 }
 
-int ctl_mesh_read_part(const char *path, uint32_t number, uint32_t count,
-                       struct ctl_mesh *mesh, struct ctl_error *error)
-{
-    const struct reading reading = {.number = number, .count = count};
-    return read_mesh(path, &reading, mesh, error);
-}
-
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
 {
-    return ctl_mesh_read_part(path, 0, 0, mesh, error);
+    return ctl_mesh_read_as(path, &(const struct ctl_reading){.count = 0}, mesh, error);
 }
 
-int ctl_mesh_read_uncut(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
+int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
+                        struct ctl_mesh *mesh, struct ctl_error *error)
 {
-    const struct reading reading = {.is_uncut = true};
-    return read_mesh(path, &reading, mesh, error);
-}
-
-int ctl_mesh_read_corners(const char *path, struct ctl_mesh *mesh,
-                          struct ctl_error *error)
-{
-    const struct reading reading = {.is_corners = true};
-    return read_mesh(path, &reading, mesh, error);
-}
-
-int ctl_mesh_read_like(const char *path, const struct ctl_mesh *first,
-                       const char *first_path, struct ctl_mesh *mesh,
-                       struct ctl_error *error)
-{
-    const struct reading reading = {.number = first->part.number,
-                                    .count = first->part.count,
-                                    .like = first,
-                                    .like_path = first_path};
-    return read_mesh(path, &reading, mesh, error);
+    struct ctl_mesh made = {.path = path, .error = error};
+    int status = motion->shape(motion, &made);
+    if (status == PCCD_OK) {
+        status = judge_counts(&made);
+    }
+    made.error = NULL;
+    if (status == PCCD_OK) {
+        *mesh = made;
+    } else {
+        ctl_mesh_deinit(&made);
+    }
+    return status;
 }

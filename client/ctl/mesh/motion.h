@@ -22,6 +22,8 @@ struct ctl_motion_wish {
     const char *animation; /* its name, or number from 0; NULL: what the reader chooses */
 };
 
+struct ctl_mesh;
+
 /* Filled by whoever opens the file; then close() ends it. */
 struct ctl_motion {
     uint32_t frame_count; /* at least 1 */
@@ -33,6 +35,10 @@ struct ctl_motion {
      * and byte. */
     int (*read)(const struct ctl_motion *motion, uint32_t frame, void *x,
                 struct ctl_error *error);
+    /* Fill `mesh`, which is empty but for path and error, with the shape and the first
+     * frame's positions: of an only one floats, if that is exact. NULL: it has positions
+     * alone. */
+    int (*shape)(const struct ctl_motion *motion, struct ctl_mesh *mesh);
     /* Which frame that is in the file's own words, such as "frame 3" or "0.25 s". */
     void (*name)(const struct ctl_motion *motion, uint32_t frame, char *text,
                  size_t bytes);
@@ -41,5 +47,16 @@ struct ctl_motion {
     bool (*note)(const struct ctl_motion *motion, char *text, size_t bytes);
     void (*close)(struct ctl_motion *motion);
 };
+
+/* All frames of a file. Of glTF without a wish for one all animations that
+ * move a mesh are played at once, if no two of them move the same thing; else the first
+ * of them. E_INVAL: there is no animation that is wished for. Of point caches, of which
+ * nothing is wished for, a piece of 64 KiB is in memory, of a pipe all. */
+int ctl_gltf_open(const char *path, const struct ctl_motion_wish *wish,
+                  struct ctl_motion *motion, struct ctl_error *error);
+int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_motion *motion, struct ctl_error *error);
+int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
+                 struct ctl_motion *motion, struct ctl_error *error);
 
 #endif

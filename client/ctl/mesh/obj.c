@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "meshcut.h"
 #include "meshfile.h"
 #include "plural.h"
 
@@ -163,7 +162,7 @@ static int read_vertex(struct obj_reader *reader, struct ctl_word *line)
         return fail(reader, PCCD_E_FORMAT, "a vertex of %" PRIu32 " numbers", count);
     }
     for (uint32_t axis = 0; axis < 3; axis++) {
-        if (!ctl_mesh_coordinate_ok(values[axis])) {
+        if (!common_is_coordinate(values[axis])) {
             return fail(reader, PCCD_E_NOTFINITE,
                         "vertex %" PRIu64 ": coordinate %c is %g; |x| <= 1e18 is needed",
                         reader->vertex_seen + 1, "xyz"[axis], values[axis]);
@@ -207,31 +206,24 @@ static int read_corner(struct obj_reader *reader, const struct ctl_word *word,
 
 static int read_face(struct obj_reader *reader, struct ctl_word *line)
 {
-    uint32_t corners[3] = {0, 0, 0};
     uint64_t count = 0;
     struct ctl_word word;
     while (ctl_word_next(line, &word)) {
-        int status = read_corner(reader, &word, &corners[count < 2 ? count : 2]);
+        uint32_t corner;
+        int status = read_corner(reader, &word, &corner);
+        if (status == PCCD_OK) {
+            status = ctl_mesh_add_corner(reader->mesh, corner);
+        }
         if (status != PCCD_OK) {
             return status;
         }
         count++;
-        if (count < 3) {
-            continue;
-        }
-        status = ctl_mesh_add_triangle(reader->mesh, corners, reader->file->path,
-                                       reader->error);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        corners[1] = corners[2];
     }
     if (count < 3) {
         return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
                     count, proto_plural(count, "vertex", "vertices"));
     }
-    return ctl_mesh_end_polygon(reader->mesh, count, reader->line_begin,
-                                reader->file->path, reader->error);
+    return ctl_mesh_end_face(reader->mesh, reader->line_begin);
 }
 
 /* l 1 2 3: the edges 1 2 and 2 3. */
@@ -243,8 +235,7 @@ static int read_line(struct obj_reader *reader, struct ctl_word *line)
     while (ctl_word_next(line, &word)) {
         int status = read_corner(reader, &word, &ends[1]);
         if (status == PCCD_OK && count > 0) {
-            status =
-                ctl_mesh_add_edge(reader->mesh, ends, reader->file->path, reader->error);
+            status = ctl_mesh_add(reader->mesh, CTL_EDGES, ends);
         }
         if (status != PCCD_OK) {
             return status;
@@ -267,8 +258,7 @@ static int read_points(struct obj_reader *reader, struct ctl_word *line)
         uint32_t vertex;
         int status = read_corner(reader, &word, &vertex);
         if (status == PCCD_OK) {
-            status = ctl_mesh_add_point(reader->mesh, vertex, reader->file->path,
-                                        reader->error);
+            status = ctl_mesh_add(reader->mesh, CTL_POINTS, &vertex);
         }
         if (status != PCCD_OK) {
             return status;
@@ -286,8 +276,7 @@ static int read_name(struct obj_reader *reader, const struct ctl_word *line)
         name.at = name.at == line->end ? word.at : name.at;
         name.end = word.end;
     }
-    return ctl_mesh_add_object(reader->mesh, name.at, (size_t)(name.end - name.at),
-                               reader->file->path, reader->error);
+    return ctl_mesh_add_object(reader->mesh, name.at, (size_t)(name.end - name.at));
 }
 
 static int read_statement(struct obj_reader *reader, struct ctl_word *line)
@@ -324,25 +313,24 @@ static int read_statement(struct obj_reader *reader, struct ctl_word *line)
                 ctl_word_length(&word), word.at);
 }
 
-int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+int ctl_obj_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct obj_reader reader = {
         .file = file,
         .mesh = mesh,
-        .error = error,
+        .error = mesh->error,
         .counts = count_statements(file),
     };
     struct ctl_word statement;
     reader.text = ctl_text_begin(file);
     mesh->has_lines = true;
-    int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, reader.counts.vertices,
-                                         file->path, error);
+    int status = ctl_mesh_alloc_vertices(mesh, PCCD_FORMAT_F64, reader.counts.vertices);
     while (status == PCCD_OK && next_statement(&reader, &statement)) {
         status = read_statement(&reader, &statement);
     }
     if (status == PCCD_OK && reader.vertex_seen < reader.counts.vertices) {
-        status = ctl_error_set(error, PCCD_E_FORMAT, "%s: it changed while it was read",
-                               file->path);
+        status = ctl_error_set(mesh->error, PCCD_E_FORMAT,
+                               "%s: it changed while it was read", file->path);
     }
     return status;
 }

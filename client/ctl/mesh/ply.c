@@ -15,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "meshcut.h"
 #include "meshfile.h"
 #include "plural.h"
 #include "ply_header.h"
@@ -186,7 +185,7 @@ static int read_coordinate(struct body_reader *reader,
     if (status != PCCD_OK) {
         return status;
     }
-    if (!ctl_mesh_coordinate_ok(value)) {
+    if (!common_is_coordinate(value)) {
         return fail(reader, PCCD_E_NOTFINITE,
                     "coordinate %c is %g; |x| <= 1e18 is needed", "xyz"[property->role],
                     value);
@@ -246,9 +245,8 @@ static int read_strip(struct body_reader *reader, const struct ply_property *pro
             const uint32_t triangle[3] = {corners[is_odd], corners[!is_odd], corners[2]};
             bool joins = corners[0] == corners[1] || corners[1] == corners[2] ||
                          corners[2] == corners[0];
-            status = joins ? PCCD_OK
-                           : ctl_mesh_add_triangle(reader->mesh, triangle,
-                                                   reader->file->path, reader->error);
+            status =
+                joins ? PCCD_OK : ctl_mesh_add(reader->mesh, CTL_TRIANGLES, triangle);
             corners[0] = corners[1];
             corners[1] = corners[2];
         }
@@ -259,33 +257,24 @@ static int read_strip(struct body_reader *reader, const struct ply_property *pro
     return PCCD_OK;
 }
 
-/* A polygon v0 v1 v2 v3 ... becomes (v0 v1 v2) (v0 v2 v3) ... until it is cut. */
 static int read_polygon(struct body_reader *reader, const struct ply_property *property,
                         uint64_t count)
 {
-    uint32_t corners[3] = {0, 0, 0};
     if (count < 3) {
         return fail(reader, PCCD_E_FORMAT, "%" PRIu64 " %s where a face needs at least 3",
                     count, proto_plural(count, "vertex", "vertices"));
     }
     for (uint64_t i = 0; i < count; i++) {
-        int status = read_index(reader, property, &corners[i < 2 ? i : 2]);
+        uint32_t corner;
+        int status = read_index(reader, property, &corner);
+        if (status == PCCD_OK) {
+            status = ctl_mesh_add_corner(reader->mesh, corner);
+        }
         if (status != PCCD_OK) {
             return status;
         }
-        if (i < 2) {
-            continue;
-        }
-        status = ctl_mesh_add_triangle(reader->mesh, corners, reader->file->path,
-                                       reader->error);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        corners[1] = corners[2];
     }
-    return ctl_mesh_end_polygon(reader->mesh, count,
-                                reader->element->row_first + reader->row,
-                                reader->file->path, reader->error);
+    return ctl_mesh_end_face(reader->mesh, reader->element->row_first + reader->row);
 }
 
 static int read_list(struct body_reader *reader, const struct ply_property *property)
@@ -358,8 +347,7 @@ static int read_row(struct body_reader *reader)
                     ctl_word_length(&surplus), surplus.at);
     }
     return status == PCCD_OK && is_edge
-               ? ctl_mesh_add_edge(reader->mesh, reader->ends, reader->file->path,
-                                   reader->error)
+               ? ctl_mesh_add(reader->mesh, CTL_EDGES, reader->ends)
                : status;
 }
 
@@ -398,25 +386,25 @@ static int check_end(struct body_reader *reader)
     return PCCD_OK;
 }
 
-int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct ply_header *header = malloc(sizeof *header);
     struct body_reader reader = {
         .file = file,
         .header = header,
         .mesh = mesh,
-        .error = error,
+        .error = mesh->error,
         .text = ctl_text_begin(file),
     };
     if (header == NULL) {
-        return ctl_error_set(error, PCCD_E_NOMEM, "%s: no memory for the header",
+        return ctl_error_set(mesh->error, PCCD_E_NOMEM, "%s: no memory for the header",
                              file->path);
     }
-    int status = ctl_ply_header(file, &reader.text, header, error);
+    int status = ctl_ply_header(file, &reader.text, header, mesh->error);
     if (status == PCCD_OK) {
         status = ctl_mesh_alloc_vertices(
             mesh, header->is_narrow ? PCCD_FORMAT_F32 : PCCD_FORMAT_F64,
-            header->vertex_count, file->path, error);
+            header->vertex_count);
     }
     for (uint32_t i = 0; i < header->element_count && status == PCCD_OK; i++) {
         reader.element = &header->elements[i];
@@ -432,7 +420,7 @@ int ctl_ply_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
     uint32_t vertices = status == PCCD_OK && is_cloud ? mesh->part.vertex_total : 0;
     for (uint32_t v = 0; status == PCCD_OK && v < vertices; v++) {
         ctl_mesh_begin_row(mesh, v, vertices);
-        status = ctl_mesh_add_point(mesh, v, file->path, error);
+        status = ctl_mesh_add(mesh, CTL_POINTS, &v);
     }
     free(header);
     return status;

@@ -192,7 +192,7 @@ static int read_frame(const struct ctl_motion *motion, uint32_t frame, void *x,
         }
         for (size_t i = 0; i < now; i += 4, to++) {
             *to = float_at(cache, piece + i);
-            if (!ctl_mesh_coordinate_ok((double)*to)) {
+            if (!common_is_coordinate((double)*to)) {
                 uint64_t index = (at + i) / 4;
                 return ctl_error_set(error, PCCD_E_NOTFINITE,
                                      "%s: byte %" PRIu64 ", frame %" PRIu32
@@ -261,19 +261,15 @@ static int open_cache(const char *path, bool is_mdd, struct ctl_motion *motion,
 }
 
 int ctl_pc2_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_mesh *mesh, struct ctl_motion *motion,
-                 struct ctl_error *error)
+                 struct ctl_motion *motion, struct ctl_error *error)
 {
     (void)wish;
-    (void)mesh;
     return open_cache(path, false, motion, error);
 }
 
 int ctl_mdd_open(const char *path, const struct ctl_motion_wish *wish,
-                 struct ctl_mesh *mesh, struct ctl_motion *motion,
-                 struct ctl_error *error)
+                 struct ctl_motion *motion, struct ctl_error *error)
 {
     (void)wish;
-    (void)mesh;
     return open_cache(path, true, motion, error);
 }

@@ -184,7 +184,7 @@ static int read_binary(struct stl_reader *reader)
             for (uint32_t axis = 0; axis < 3; axis++) {
                 uint32_t bits = ctl_file_word(facet + 12 * (k + 1) + 4 * axis);
                 memcpy(&x[axis], &bits, sizeof bits);
-                if (!ctl_mesh_coordinate_ok((double)x[axis])) {
+                if (!common_is_coordinate((double)x[axis])) {
                     return ctl_error_set(reader->error, PCCD_E_NOTFINITE,
                                          "%s: facet %" PRIu32 ", corner %" PRIu32
                                          ": coordinate %c is %g; |x| <= 1e18 is needed",
@@ -194,8 +194,7 @@ static int read_binary(struct stl_reader *reader)
             status = add_corner(reader, x, &reader->corners[k]);
         }
         if (status == PCCD_OK) {
-            status = ctl_mesh_add_triangle(reader->mesh, reader->corners, file->path,
-                                           reader->error);
+            status = ctl_mesh_add(reader->mesh, CTL_TRIANGLES, reader->corners);
         }
         reader->text.at += FACET_BYTES;
     }
@@ -265,7 +264,7 @@ static int read_corner(struct stl_reader *reader, uint32_t *vertex)
         if (!ctl_word_next(&line, &word) || !ctl_word_float(&word, &value)) {
             return unexpected(reader, "three numbers", &word);
         }
-        if (!ctl_mesh_coordinate_ok(value)) {
+        if (!common_is_coordinate(value)) {
             return ctl_error_set(
                 reader->error, PCCD_E_NOTFINITE,
                 "%s:%" PRIu64 ": coordinate %c is %g; |x| <= 1e18 is needed",
@@ -289,8 +288,7 @@ static int read_facet(struct stl_reader *reader)
     if (status == PCCD_OK) {
         status = expect(reader, "endfacet", &line);
     }
-    return status == PCCD_OK ? ctl_mesh_add_triangle(reader->mesh, reader->corners,
-                                                     reader->file->path, reader->error)
+    return status == PCCD_OK ? ctl_mesh_add(reader->mesh, CTL_TRIANGLES, reader->corners)
                              : status;
 }
 
@@ -314,12 +312,12 @@ static int read_ascii(struct stl_reader *reader)
     return status == PCCD_OK && !has_begun ? no_stl(reader->file, reader->error) : status;
 }
 
-int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error *error)
+int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh)
 {
     struct stl_reader reader = {
         .file = file,
         .mesh = mesh,
-        .error = error,
+        .error = mesh->error,
         .text = ctl_text_begin(file),
     };
     uint64_t all_bytes = file->bytes + file->rest_bytes;
@@ -328,7 +326,7 @@ int ctl_stl_parse(struct ctl_file *file, struct ctl_mesh *mesh, struct ctl_error
     if (is_binary(file->data, file->bytes, all_bytes)) {
         status = read_binary(&reader);
     } else if (!is_ascii(file) && memchr(file->data, 0, file->bytes) != NULL) {
-        status = no_stl(file, error);
+        status = no_stl(file, mesh->error);
     } else {
         status = read_ascii(&reader);
     }

@@ -241,13 +241,9 @@ void ctl_weld_deinit(struct ctl_weld *weld)
 bool *ctl_weld_used(const struct ctl_mesh *mesh)
 {
     bool *is_used = calloc((size_t)mesh->vertex_count + 1, sizeof *is_used);
-    const uint32_t *all[3] = {(const uint32_t *)mesh->triangles,
-                              (const uint32_t *)mesh->edges, mesh->points};
-    const size_t counts[3] = {(size_t)mesh->triangle_count * 3,
-                              (size_t)mesh->edge_count * 2, mesh->point_count};
-    for (int kind = 0; kind < 3 && is_used != NULL; kind++) {
-        for (size_t i = 0; i < counts[kind]; i++) {
-            is_used[all[kind][i]] = true;
+    for (size_t kind = 0; kind < CTL_KINDS && is_used != NULL; kind++) {
+        for (size_t i = 0; i < mesh->lists[kind].count * (kind + 1); i++) {
+            is_used[mesh->lists[kind].vertices[i]] = true;
         }
     }
     return is_used;
@@ -270,22 +266,6 @@ double ctl_weld_closeness(const struct ctl_places *places, const bool *is_used)
     return size * 0x1p-40;
 }
 
-static void *copy(const void *from, size_t bytes)
-{
-    void *to = malloc(bytes + 1);
-    if (to != NULL && bytes > 0) {
-        memcpy(to, from, bytes);
-    }
-    return to;
-}
-
-static void rename_all(const struct ctl_weld *weld, uint32_t *vertices, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        vertices[i] = weld->to[vertices[i]];
-    }
-}
-
 static bool is_flat(const uint32_t corners[3])
 {
     return corners[0] == corners[1] || corners[1] == corners[2] ||
@@ -295,22 +275,23 @@ static bool is_flat(const uint32_t corners[3])
 int ctl_weld_apply(const struct ctl_weld *weld, const struct ctl_mesh *from,
                    struct ctl_mesh *mesh, uint32_t *flat, struct ctl_error *error)
 {
-    mesh->triangles =
-        copy(from->triangles, (size_t)from->triangle_count * sizeof *from->triangles);
-    mesh->edges = copy(from->edges, (size_t)from->edge_count * sizeof *from->edges);
-    mesh->points = copy(from->points, (size_t)from->point_count * sizeof *from->points);
-    if (mesh->triangles == NULL || mesh->edges == NULL || mesh->points == NULL) {
-        return no_memory(from->vertex_count, error);
+    for (size_t kind = 0; kind < CTL_KINDS; kind++) {
+        const struct ctl_list *list = &from->lists[kind];
+        const size_t count = list->count * (kind + 1);
+        uint32_t *vertices = malloc(count * sizeof *vertices + 1);
+        if (vertices == NULL) {
+            return no_memory(from->vertex_count, error);
+        }
+        for (size_t i = 0; i < count; i++) {
+            vertices[i] = weld->to[list->vertices[i]];
+        }
+        mesh->lists[kind] = *list;
+        mesh->lists[kind].vertices = vertices;
     }
-    mesh->triangle_count = mesh->triangle_capacity = from->triangle_count;
-    mesh->edge_count = mesh->edge_capacity = from->edge_count;
-    mesh->point_count = mesh->point_capacity = from->point_count;
-    rename_all(weld, (uint32_t *)mesh->triangles, (size_t)mesh->triangle_count * 3);
-    rename_all(weld, (uint32_t *)mesh->edges, (size_t)mesh->edge_count * 2);
-    rename_all(weld, mesh->points, mesh->point_count);
     *flat = 0;
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        *flat += is_flat(mesh->triangles[i]) && !is_flat(from->triangles[i]);
+    for (size_t i = 0; i < (size_t)mesh->triangles.count * 3; i += 3) {
+        *flat += is_flat(mesh->triangles.vertices + i) &&
+                 !is_flat(from->triangles.vertices + i);
     }
     return PCCD_OK;
 }

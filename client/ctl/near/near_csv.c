@@ -61,7 +61,7 @@ static uint32_t print_vertices(FILE *to, const struct near_object *object,
         const struct pccd_edge *edge = &object->edges[feature];
         fprintf(to, ",%" PRIu32 ",%" PRIu32, edge->a, edge->b);
     } else {
-        const uint32_t *face = object->mesh.triangles[feature];
+        const uint32_t *face = object->mesh.triangles.vertices + 3 * (size_t)feature;
         fprintf(to, ",%" PRIu32 ",%" PRIu32 ",%" PRIu32, face[0], face[1], face[2]);
     }
     return points;

@@ -27,13 +27,14 @@ int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count
                              path_count);
     }
     near->object_count = path_count;
+    const struct ctl_reading part = {.number = number, .count = pieces};
     for (uint32_t i = 0; i < path_count && status == PCCD_OK; i++) {
         near->objects[i].path = paths[i];
         struct near_object *object = &near->objects[i];
         const struct ctl_frames_options how = {
             .weld = near->run.ask != NULL ? near->run.ask->weld : 0};
         status = pieces > 0
-                     ? ctl_mesh_read_part(paths[i], number, pieces, &object->mesh, error)
+                     ? ctl_mesh_read_as(paths[i], &part, &object->mesh, error)
                      : ctl_frames_read_one(paths[i], &how, &object->mesh, &object->welded,
                                            &object->frame_count, error);
     }

@@ -37,7 +37,7 @@ struct near_run {
     struct report_step step; /* the answer; no names of files */
 };
 
-/* Read the files, and keep piece `number` of `pieces` of each, as ctl_mesh_read_part
+/* Read the files, and keep piece `number` of `pieces` of each, as ctl_mesh_read_as
  * does; 0 pieces: all, and join vertices (run.ask). Errors: those of ctl_frames_open. */
 int near_run_read(struct near_run *near, char *const *paths, uint32_t path_count,
                   uint32_t number, uint32_t pieces, struct ctl_error *error);

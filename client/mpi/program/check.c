@@ -122,8 +122,7 @@ static int fail(const struct check *check, int status, struct ctl_error *error)
 static int read_after(struct check *check, uint32_t index, struct ctl_error *error)
 {
     char **paths = check->options->check.ask.paths;
-    int status =
-        part_read(paths[index], &check->before, paths[index - 1], &check->after, error);
+    int status = part_read(paths[index], &check->before, &check->after, error);
     if (status == PCCD_OK && check->before.format != check->after.format) {
         status = ctl_mesh_promote(&check->before, error);
         if (status == PCCD_OK) {
@@ -139,6 +138,7 @@ static void keep_frame(struct check *check)
     free(check->before.x);
     check->before.x = check->after.x;
     check->before.format = check->after.format;
+    check->before.path = check->after.path;
     check->after = (struct ctl_mesh){.x = NULL};
 }
 
@@ -149,8 +149,8 @@ static int open_csv(struct check *check, struct ctl_error *error)
     int status = part_read_whole(check->options->check.ask.paths[0], &whole,
                                  &check->run.edges, error);
     if (status == PCCD_OK) {
-        check->csv.triangles = (const uint32_t(*)[3])whole.triangles;
-        whole.triangles = NULL; /* it is the CSV's now */
+        check->csv.triangles = (const uint32_t(*)[3])whole.triangles.vertices;
+        whole.triangles.vertices = NULL; /* it is the CSV's now */
         check->csv.edges = check->run.edges;
         check->csv.has_step = check->options->check.ask.path_count > 2;
         check->csv.path = check->options->check.ask.csv;
@@ -267,8 +267,8 @@ static int walk(struct check *check, struct ctl_error *error)
 static int check_all(struct check *check, struct ctl_error *error)
 {
     const struct ask_options *ask = &check->options->check.ask;
-    int status = together_agree(
-        part_read(ask->paths[0], NULL, NULL, &check->before, error), error);
+    int status =
+        together_agree(part_read(ask->paths[0], NULL, &check->before, error), error);
     if (status == PCCD_OK) {
         status = read_after(check, 1, error);
     }
@@ -397,9 +397,14 @@ static int run_check(const struct mpi_options *options)
 static int judge_file(const char *path, struct ctl_error *error)
 {
     enum ctl_mesh_holds holds = ctl_mesh_holds(path);
-    uint32_t count = 1;
-    int status = ctl_mesh_count_frames(path, &count, error);
-    bool has_more = holds == CTL_HOLDS_POSITIONS || count > 1;
+    struct ctl_motion motion = {.frame_count = 1};
+    int status = holds == CTL_HOLDS_BOTH
+                     ? ctl_mesh_open_motion(path, NULL, &motion, error)
+                     : PCCD_OK;
+    bool has_more = holds == CTL_HOLDS_POSITIONS || motion.frame_count > 1;
+    if (motion.close != NULL) {
+        motion.close(&motion);
+    }
     return status != PCCD_OK || !has_more
                ? status
                : ctl_error_set(error, PCCD_E_FORMAT,

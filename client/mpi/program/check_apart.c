@@ -39,9 +39,8 @@ static int read_frame(struct apart *apart, uint64_t index, struct ctl_mesh *fram
 {
     char **paths = apart->options->ask.paths;
     ctl_mesh_deinit(frame);
-    int status = index == 0 ? ctl_mesh_read(paths[0], frame, error)
-                            : ctl_mesh_read_like(paths[index], &apart->first, paths[0],
-                                                 frame, error);
+    const struct ctl_reading reading = {.like = index > 0 ? &apart->first : NULL};
+    int status = ctl_mesh_read_as(paths[index], &reading, frame, error);
     if (status == PCCD_OK && frame->format == PCCD_FORMAT_F32) {
         status = ctl_mesh_promote(frame, error);
     }

@@ -20,7 +20,8 @@ static int explain(const char *path, const char *before_path, struct ctl_error *
     struct ctl_mesh one = {0}, other = {0};
     int status = ctl_mesh_read(before_path, &one, error);
     if (status == PCCD_OK) {
-        status = ctl_mesh_read_like(path, &one, before_path, &other, error);
+        const struct ctl_reading like = {.like = &one};
+        status = ctl_mesh_read_as(path, &like, &other, error);
     }
     ctl_mesh_deinit(&one);
     ctl_mesh_deinit(&other);
@@ -30,31 +31,31 @@ static int explain(const char *path, const char *before_path, struct ctl_error *
                : status;
 }
 
-int part_read(const char *path, const struct ctl_mesh *before, const char *before_path,
-              struct ctl_mesh *part, struct ctl_error *error)
+int part_read(const char *path, const struct ctl_mesh *before, struct ctl_mesh *part,
+              struct ctl_error *error)
 {
-    if (before == NULL) {
-        return ctl_mesh_read_part(path, (uint32_t)together_rank(),
-                                  (uint32_t)together_size(), part, error);
-    }
-    int status = ctl_mesh_read_like(path, before, before_path, part, error);
-    return status == PCCD_E_INVAL ? explain(path, before_path, error) : status;
+    const struct ctl_reading reading = {.number = (uint32_t)together_rank(),
+                                        .count = (uint32_t)together_size(),
+                                        .like = before};
+    int status = ctl_mesh_read_as(path, &reading, part, error);
+    return before != NULL && status == PCCD_E_INVAL ? explain(path, before->path, error)
+                                                    : status;
 }
 
 struct pccd_mpi_part part_to_put(const struct ctl_mesh *part)
 {
     return (struct pccd_mpi_part){.struct_bytes = sizeof(struct pccd_mpi_part),
                                   .vertex_total = part->part.vertex_total,
-                                  .triangle_total = part->part.triangle_total,
+                                  .triangle_total = part->triangles.total,
                                   .vertex_count = part->vertex_count,
                                   .format = part->format,
                                   .x = part->x,
-                                  .triangle_count = part->triangle_count,
-                                  .edge_count = part->edge_count,
-                                  .point_count = part->point_count,
-                                  .triangles = (const uint32_t *)part->triangles,
-                                  .edges = (const uint32_t *)part->edges,
-                                  .points = part->points};
+                                  .triangle_count = part->triangles.count,
+                                  .edge_count = part->edges.count,
+                                  .point_count = part->points.count,
+                                  .triangles = part->triangles.vertices,
+                                  .edges = part->edges.vertices,
+                                  .points = part->points.vertices};
 }
 
 static int find_edges(const struct ctl_mesh *mesh, struct pccd_edge **edges,

@@ -11,11 +11,11 @@
 #include "meshfile.h"
 #include "pccd_mpi.h"
 
-/* The part of `path`; `before`, if it is not NULL, is the part of before_path that this
+/* The part of `path`; `before`, if it is not NULL, is the part of another file that this
  * rank has, and the files have to be two frames of one mesh (ctl_mesh_match). Errors:
- * those of ctl_mesh_read_part and ctl_mesh_match. Not collective. */
-int part_read(const char *path, const struct ctl_mesh *before, const char *before_path,
-              struct ctl_mesh *part, struct ctl_error *error);
+ * those of ctl_mesh_read_as. Not collective. */
+int part_read(const char *path, const struct ctl_mesh *before, struct ctl_mesh *part,
+              struct ctl_error *error);
 
 /* As pccd_mpi_mesh_put asks for it. */
 struct pccd_mpi_part part_to_put(const struct ctl_mesh *part);
