@@ -6,7 +6,6 @@
  *           polygon of four corners is cut between its first and its third corner; any
  *           other cut depends on where the corners are, not on which is the first.
  * Does not: cut polygons with holes, or such as touch or cross themselves.
- * Threads:  [any]; nothing is shared.
  * Source:   Meisters, "Polygons have ears" (1975).
  */
 #ifndef CTL_POLYGON_H
@@ -20,8 +19,9 @@ struct ctl_cutter {
     uint32_t capacity;  /* corners */
     double (*x)[3];     /* where they are: to be filled; |x| <= 1e18 */
     uint32_t (*cut)[3]; /* count - 2 triangles, by the numbers of corners */
+    uint32_t made;      /* of them */
     struct cutter_corner *corners;
-    uint32_t *order;
+    struct cutter_side *sides;
 };
 
 /* Make room for so many corners; false: there is no memory. */
