@@ -40,26 +40,18 @@ void ctl_mesh_begin_row(struct ctl_mesh *mesh, uint64_t row, uint64_t count)
     }
 }
 
-/* Of array[*count] the piece. The memory is given back by a smaller copy, as an array
- * that shrinks in its place may leave a hole behind it. */
+/* Of array[*count] the piece, in less memory. */
 static void *keep(const struct ctl_part *part, void *array, uint32_t *count,
                   size_t item_bytes)
 {
     uint64_t first = piece_first(part, *count, part->number);
     uint64_t kept = piece_first(part, *count, part->number + 1) - first;
+    if (array != NULL) {
+        memmove(array, (const char *)array + first * item_bytes, kept * item_bytes);
+    }
     *count = (uint32_t)kept;
-    if (array == NULL) {
-        return NULL;
-    }
-    const char *from = (const char *)array + first * item_bytes;
-    void *copy = malloc(kept * item_bytes + 1);
-    if (copy == NULL) {
-        memmove(array, from, kept * item_bytes);
-        return array;
-    }
-    memcpy(copy, from, kept * item_bytes);
-    free(array);
-    return copy;
+    void *less = realloc(array, kept * item_bytes + 1);
+    return less != NULL ? less : array;
 }
 
 void ctl_mesh_keep_part(struct ctl_mesh *mesh, uint32_t number, uint32_t count)

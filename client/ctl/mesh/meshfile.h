@@ -126,6 +126,7 @@ enum ctl_mesh_holds {
     CTL_HOLDS_POSITIONS, /* of frames, and no faces */
 };
 enum ctl_mesh_holds ctl_mesh_holds(const char *path);
+bool ctl_mesh_is_pipe(const char *path);
 /* Open a file that does not hold a mesh alone: its frames, those that are wished for
  * (NULL: nothing is). Errors: those of its reader. */
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,

@@ -4,6 +4,7 @@
  * Does:     tells the format, has it parsed, and polygons cut.
  * Does not: parse (ply.c, obj.c, stl.c, gltf_motion.c); compare frames (meshcut.c).
  */
+#include <ctype.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,84 +14,71 @@
 
 #include "meshfile.h"
 
-static bool has_ending(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t ending_length = strlen(ending);
-    return length >= ending_length &&
-           strcasecmp(path + length - ending_length, ending) == 0;
-}
-
-static bool has_ply_magic(const struct ctl_file *file)
-{
-    const char *at = ctl_file_start(file);
-    return file->data + file->bytes - at >= 4 && memcmp(at, "ply", 3) == 0 &&
-           (at[3] == '\n' || at[3] == '\r' || at[3] == ' ' || at[3] == '\t');
-}
-
-static bool has_glb_magic(const struct ctl_file *file)
-{
-    return file->bytes >= 4 && memcmp(file->data, "glTF", 4) == 0;
-}
-
-static bool has_pc2_magic(const struct ctl_file *file)
-{
-    return file->bytes >= 12 && memcmp(file->data, "POINTCACHE2", 12) == 0;
-}
-
-static int judge_obj(const struct ctl_file *begin, bool *is_text, struct ctl_error *error)
-{
-    (void)begin;
-    (void)error;
-    *is_text = true;
-    return PCCD_OK;
-}
-
-/* What a file is, by its first bytes or its name. */
+/* What a file is, by its first word or its name. */
 static const struct format {
+    const char *word; /* NULL: its name alone tells */
     const char *ending;
-    bool (*has_magic)(const struct ctl_file *file); /* NULL: its name alone tells */
-    ctl_file_judge judge;
-    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
+    enum ctl_mesh_holds holds;
     bool makes_all; /* parse does, also of a part */
-    /* Of a kind that may have several frames; NULL: it has one. Without a parse, it has
-     * positions alone. */
+    int (*parse)(struct ctl_file *file, struct ctl_mesh *mesh);
+    ctl_file_judge judge; /* NULL: it is text */
+    /* NULL: it has one frame. */
     int (*open_motion)(const char *path, const struct ctl_motion_wish *wish,
                        struct ctl_motion *motion, struct ctl_error *error);
 } formats[] = {
-    {".ply", has_ply_magic, ctl_ply_judge, ctl_ply_parse, false, NULL},
-    {".glb", has_glb_magic, ctl_gltf_judge, ctl_gltf_parse, true, ctl_gltf_open},
-    {".gltf", NULL, ctl_gltf_judge, ctl_gltf_parse, true, ctl_gltf_open},
-    {".obj", NULL, judge_obj, ctl_obj_parse, false, NULL},
-    {".stl", NULL, ctl_stl_judge, ctl_stl_parse, true, NULL},
-    {".pc2", has_pc2_magic, NULL, NULL, false, ctl_pc2_open},
-    {".mdd", NULL, NULL, NULL, false, ctl_mdd_open},
+    {"ply", ".ply", CTL_HOLDS_MESH, false, ctl_ply_parse, ctl_ply_judge, NULL},
+    {"glTF", ".glb", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_judge, ctl_gltf_open},
+    {NULL, ".gltf", CTL_HOLDS_BOTH, true, ctl_gltf_parse, ctl_gltf_judge, ctl_gltf_open},
+    {NULL, ".obj", CTL_HOLDS_MESH, false, ctl_obj_parse, NULL, NULL},
+    {NULL, ".stl", CTL_HOLDS_CORNERS, true, ctl_stl_parse, ctl_stl_judge, NULL},
+    {"POINTCACHE2", ".pc2", CTL_HOLDS_POSITIONS, false, NULL, NULL, ctl_pc2_open},
+    {NULL, ".mdd", CTL_HOLDS_POSITIONS, false, NULL, NULL, ctl_mdd_open},
 };
 enum { FORMATS = sizeof formats / sizeof formats[0] };
 
-bool ctl_mesh_is_named(const char *path)
+/* From the dot on; "" of a name without one. */
+static const char *ending_of(const char *path)
 {
-    bool is_named = false;
-    for (int i = 0; i < FORMATS; i++) {
-        is_named = is_named || has_ending(path, formats[i].ending);
-    }
-    return is_named;
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash != NULL ? slash : path, '.');
+    return dot != NULL ? dot : "";
 }
 
-/* By the first bytes of a file, whose path ends as it does; NULL: none that is known. */
+static const struct format *format_of_name(const char *path)
+{
+    const struct format *found = NULL;
+    for (int i = 0; i < FORMATS && found == NULL; i++) {
+        bool is_it = strcasecmp(ending_of(path), formats[i].ending) == 0;
+        found = is_it ? &formats[i] : NULL;
+    }
+    return found;
+}
+
+bool ctl_mesh_is_named(const char *path)
+{
+    return format_of_name(path) != NULL;
+}
+
+/* By the first bytes of a file, or its name; NULL: none that is known. */
 static const struct format *find_format(const struct ctl_file *file)
 {
+    const char *at = ctl_file_start(file);
+    size_t bytes = (size_t)(file->data + file->bytes - at);
     for (int i = 0; i < FORMATS; i++) {
-        if (formats[i].has_magic != NULL && formats[i].has_magic(file)) {
+        const char *word = formats[i].word;
+        size_t length = word != NULL ? strlen(word) : bytes;
+        if (bytes > length && memcmp(at, word, length) == 0 &&
+            !isalnum((unsigned char)at[length])) {
             return &formats[i];
         }
     }
-    for (int i = 0; i < FORMATS; i++) {
-        if (has_ending(file->path, formats[i].ending)) {
-            return &formats[i];
-        }
-    }
-    return NULL;
+    return format_of_name(file->path);
+}
+
+bool ctl_mesh_is_pipe(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISREG(info.st_mode);
 }
 
 /* Its first bytes, if it is no pipe, which has them once. */
@@ -98,10 +86,7 @@ static const struct format *format_of_path(const char *path)
 {
     char begin[16];
     struct ctl_file file = {.path = path, .data = begin};
-    struct stat info;
-    int fd = stat(path, &info) == 0 && S_ISREG(info.st_mode)
-                 ? open(path, O_RDONLY | O_CLOEXEC)
-                 : -1;
+    int fd = ctl_mesh_is_pipe(path) ? -1 : open(path, O_RDONLY | O_CLOEXEC);
     if (fd >= 0) {
         ssize_t got = read(fd, begin, sizeof begin);
         file.bytes = got > 0 ? (size_t)got : 0;
@@ -113,14 +98,9 @@ static const struct format *format_of_path(const char *path)
 enum ctl_mesh_holds ctl_mesh_holds(const char *path)
 {
     const struct format *format = format_of_path(path);
-    struct stat info;
+    enum ctl_mesh_holds holds = format != NULL ? format->holds : CTL_HOLDS_MESH;
     /* A pipe is read once, and so has no frames to go back to. */
-    bool is_pipe = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
-    return format != NULL && format->parse == ctl_stl_parse ? CTL_HOLDS_CORNERS
-           : format == NULL || format->open_motion == NULL  ? CTL_HOLDS_MESH
-           : format->parse == NULL                          ? CTL_HOLDS_POSITIONS
-           : is_pipe                                        ? CTL_HOLDS_MESH
-                                                            : CTL_HOLDS_BOTH;
+    return holds == CTL_HOLDS_BOTH && ctl_mesh_is_pipe(path) ? CTL_HOLDS_MESH : holds;
 }
 
 int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
@@ -129,37 +109,31 @@ int ctl_mesh_open_motion(const char *path, const struct ctl_motion_wish *wish,
     return format_of_path(path)->open_motion(path, wish, motion, error);
 }
 
-/* From the dot on; "" of a name without one. */
-static const char *ending_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    const char *dot = strrchr(slash != NULL ? slash : path, '.');
-    return dot != NULL ? dot : "";
-}
-
 /* NULL, with an error: none that is known. */
 static const struct format *format_of(const struct ctl_file *file,
                                       struct ctl_error *error)
 {
     const struct format *format = find_format(file);
-    if (format == NULL) {
-        const char *ending = ending_of(file->path);
+    const char *ending = ending_of(file->path);
+    if (format != NULL && format->parse != NULL) {
+        return format;
+    }
+    if (format != NULL) {
+        (void)ctl_error_set(error, PCCD_E_FORMAT,
+                            "%s has positions alone: name the mesh file with its faces "
+                            "before it",
+                            file->path);
+    } else {
         (void)ctl_error_set(
             error, PCCD_E_FORMAT,
             "%s: neither PLY (first line \"ply\") nor glTF (first word "
             "\"glTF\") nor a name ending in .ply, .obj, .stl, .glb or .gltf%s%s; %s",
             file->path, ending[0] != '\0' ? ", but in " : "", ending,
-            has_ending(file->path, ".fbx")
+            strcasecmp(ending, ".fbx") == 0
                 ? "of FBX Blender makes glTF, animations included"
                 : "python3 -m pccd check reads what meshio does, such as VTU and PVD");
-    } else if (format->parse == NULL) {
-        (void)ctl_error_set(error, PCCD_E_FORMAT,
-                            "%s has positions alone: name the mesh file with its faces "
-                            "before it",
-                            file->path);
-        format = NULL;
     }
-    return format;
+    return NULL;
 }
 
 /* Of a large file: whether it can be what its first bytes say. Of a pipe nobody knows how
@@ -170,7 +144,9 @@ static int judge(const struct ctl_file *begin, bool *is_text, struct ctl_error *
     if (format == NULL) {
         return PCCD_E_FORMAT;
     }
-    return begin->size > 0 ? format->judge(begin, is_text, error) : PCCD_OK;
+    *is_text = format->judge == NULL && begin->size > 0;
+    return begin->size > 0 && format->judge != NULL ? format->judge(begin, is_text, error)
+                                                    : PCCD_OK;
 }
 
 /* ---- reading ----------------------------------------------------------------------- */
@@ -198,17 +174,6 @@ static int parse(struct ctl_file *file, struct ctl_mesh *mesh)
     return status;
 }
 
-/* Of a mesh that was read without an error. */
-static int judge_counts(const struct ctl_mesh *mesh)
-{
-    bool has_any = (mesh->points.total | mesh->edges.total | mesh->triangles.total) > 0;
-    bool has_vertices = (mesh->vertex_count | mesh->part.vertex_total) > 0;
-    return has_any && has_vertices
-               ? PCCD_OK
-               : ctl_error_set(mesh->error, PCCD_E_FORMAT, "%s: no %s", mesh->path,
-                               has_vertices ? "faces, edges or points" : "vertices");
-}
-
 /* Cut the polygons of a part: vertices that others keep are read once more. */
 static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh)
 {
@@ -226,6 +191,24 @@ static int cut_part(struct ctl_file *file, struct ctl_mesh *mesh)
     free(others.vertices);
     free(others.x);
     ctl_mesh_deinit(&again);
+    return status;
+}
+
+/* Give away what was made, or free it. */
+static int finish(struct ctl_mesh *made, int status, struct ctl_mesh *mesh)
+{
+    bool has_any = (made->points.total | made->edges.total | made->triangles.total) > 0;
+    bool has_vertices = (made->vertex_count | made->part.vertex_total) > 0;
+    if (status == PCCD_OK && !(has_any && has_vertices)) {
+        status = ctl_error_set(made->error, PCCD_E_FORMAT, "%s: no %s", made->path,
+                               has_vertices ? "faces, edges or points" : "vertices");
+    }
+    made->error = NULL;
+    if (status == PCCD_OK) {
+        *mesh = *made;
+    } else {
+        ctl_mesh_deinit(made);
+    }
     return status;
 }
 
@@ -247,9 +230,6 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
         made.part.count = like->part.count;
     }
     status = parse(&file, &made);
-    if (status == PCCD_OK) {
-        status = judge_counts(&made);
-    }
     if (status == PCCD_OK && like != NULL) {
         status = ctl_mesh_cut_like(like, &made, error);
     } else if (status == PCCD_OK && !reading->is_uncut) {
@@ -257,13 +237,7 @@ int ctl_mesh_read_as(const char *path, const struct ctl_reading *reading,
             made.part.count > 0 ? cut_part(&file, &made) : ctl_mesh_cut(&made, error);
     }
     ctl_file_deinit(&file);
-    made.error = NULL;
-    if (status == PCCD_OK) {
-        *mesh = made;
-    } else {
-        ctl_mesh_deinit(&made);
-    }
-    return status;
+    return finish(&made, status, mesh);
 }
 
 int ctl_mesh_read(const char *path, struct ctl_mesh *mesh, struct ctl_error *error)
@@ -276,14 +250,5 @@ int ctl_mesh_read_shape(const struct ctl_motion *motion, const char *path,
 {
     struct ctl_mesh made = {.path = path, .error = error};
     int status = motion->shape(motion, &made);
-    if (status == PCCD_OK) {
-        status = judge_counts(&made);
-    }
-    made.error = NULL;
-    if (status == PCCD_OK) {
-        *mesh = made;
-    } else {
-        ctl_mesh_deinit(&made);
-    }
-    return status;
+    return finish(&made, status, mesh);
 }
