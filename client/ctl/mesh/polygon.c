@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUM_WORDS   37 /* of 64 bits: products of doubles up to 2^60, in units of 2^-2148 */
+#define SUM_WORDS   37 /* of 64 bits: products up to 2^120, in units of 2^-2148 */
 #define ERROR_BOUND 4e-16
 #define TINY        1e-290 /* above what is lost below the least double */
 
