@@ -60,12 +60,11 @@ libctl_la_SOURCES = \
     client/ctl/inspect/page_file.c client/ctl/inspect/page_file.h \
     client/ctl/inspect/page_template.h \
     client/ctl/mesh/meshframes.c client/ctl/mesh/meshframes.h \
-    client/ctl/mesh/gltf_accessor.c client/ctl/mesh/gltf_accessor.h \
-    client/ctl/mesh/gltf_animation.c client/ctl/mesh/gltf_animation.h \
+    client/ctl/mesh/gltf_accessor.c \
+    client/ctl/mesh/gltf_animation.c \
     client/ctl/mesh/gltf_file.c client/ctl/mesh/gltf_file.h \
-    client/ctl/mesh/gltf_mesh.c client/ctl/mesh/gltf_mesh.h \
+    client/ctl/mesh/gltf_mesh.c \
     client/ctl/mesh/gltf_motion.c \
-    client/ctl/mesh/gltf_node.c client/ctl/mesh/gltf_node.h \
     client/ctl/mesh/gltf_scene.c client/ctl/mesh/gltf_scene.h \
     client/ctl/mesh/meshcut.c \
     client/ctl/mesh/meshfile.c client/ctl/mesh/meshfile.h \

@@ -1,215 +1,177 @@
-/* client/ctl/mesh/gltf_accessor.c - the elements of a glTF accessor, as doubles.
- *
- * Room:     client/ctl.
- * Does:     judge where elements lie; read them.
- * Threads:  find: one at a time; the rest: any.
- * Source:   gltf_accessor.h.
- */
-#include "gltf_accessor.h"
-
+/* client/ctl/mesh/gltf_accessor.c - the elements of a glTF accessor, as doubles. */
 #include <inttypes.h>
 #include <string.h>
 
-#include "pccd_types.h"
+#include "gltf_file.h"
 
 #define STRIDE_MAX 252 /* of the specification */
-#define MESHOPT    "_meshopt_compression"
+
+#define BIT(type)  (1u << (GLTF_##type - GLTF_I8))
+#define NORMALIZED (1u << 31) /* integers only if they stand for fractions */
+#define INTEGERS   (BIT(U8) | BIT(U16) | BIT(U32))
+#define POSITIONS  (BIT(FLOAT) | BIT(I8) | BIT(U8) | BIT(I16) | BIT(U16))
+#define FRACTIONS  (POSITIONS | NORMALIZED)
 
 static const struct {
-    int64_t code;
-    enum gltf_type type;
     size_t bytes;
     double greatest; /* what stands for 1 */
-} types_known[] = {
-    {5120, GLTF_I8, 1, 127},    {5121, GLTF_U8, 1, 255}, {5122, GLTF_I16, 2, 32767},
-    {5123, GLTF_U16, 2, 65535}, {5125, GLTF_U32, 4, 1},  {5126, GLTF_FLOAT, 4, 1},
-};
+} types[] = {{1, 127}, {1, 255}, {2, 32767}, {2, 65535}, {0, 0}, {4, 0}, {4, 0}};
+
 static const struct {
     const char *kind;
     size_t components;
-} kinds_known[] = {{"SCALAR", 1}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
+    unsigned types; /* that it may have, as bits */
+} roles[] = {
+    [GLTF_POSITIONS] = {"VEC3", 3, POSITIONS},
+    [GLTF_JOINTS] = {"VEC4", 4, BIT(U8) | BIT(U16)},
+    [GLTF_JOINT_WEIGHTS] = {"VEC4", 4, BIT(FLOAT) | BIT(U8) | BIT(U16) | NORMALIZED},
+    [GLTF_INDICES] = {"SCALAR", 1, INTEGERS},
+    [GLTF_MATRICES] = {"MAT4", 16, BIT(FLOAT)},
+    [GLTF_TIMES] = {"SCALAR", 1, BIT(FLOAT)},
+    [GLTF_VECTORS] = {"VEC3", 3, BIT(FLOAT)},
+    [GLTF_ROTATIONS] = {"VEC4", 4, FRACTIONS},
+    [GLTF_FRACTIONS] = {"SCALAR", 1, FRACTIONS},
+};
 
-/* Where the type stands in the list; -1: it is none. */
-static int row_of_code(int64_t code)
+/* The type that a code stands for, if it is one of these bits; 0: it is not. */
+static enum gltf_type type_of(long long code, unsigned bits)
 {
-    int row = (int)(sizeof types_known / sizeof types_known[0]) - 1;
-    while (row >= 0 && types_known[row].code != code) {
-        row--;
-    }
-    return row;
+    bool is_type = code >= GLTF_I8 && code <= GLTF_FLOAT;
+    return is_type && (bits >> (code - GLTF_I8) & 1) != 0 ? (enum gltf_type)code : 0;
 }
 
-/* A run of `count` elements of `bytes` each in bufferView `index` from `offset` on. */
-static int find_run(struct gltf *gltf, size_t accessor, int64_t index, int64_t offset,
-                    size_t count, size_t bytes, const char **at, size_t *stride)
+static size_t bytes_of(enum gltf_type type)
 {
-    const json_t *view = gltf_entry(gltf, "bufferViews", index);
-    const json_t *extensions = json_object_get(view, "extensions");
-    const struct gltf_buffer *buffer;
-    const char *name;
-    json_t *value;
-    if (view == NULL) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: there is no bufferView %" PRId64, accessor,
-                         index);
-    }
-    json_object_foreach((json_t *)extensions, name, value)
-    {
-        if (strstr(name, MESHOPT) != NULL) {
-            return gltf_fail(gltf, PCCD_E_FORMAT,
-                             "bufferView %" PRId64
-                             ": is compressed by \"%.80s\", which is not read",
-                             index, name);
-        }
-    }
-    int status = gltf_buffer(gltf, gltf_number(view, "buffer", -1), &buffer);
-    if (status != PCCD_OK) {
-        return status;
-    }
-    int64_t begin = gltf_number(view, "byteOffset", 0);
-    int64_t length = gltf_number(view, "byteLength", -1);
-    int64_t step = gltf_number(view, "byteStride", (int64_t)bytes);
-    if (begin < 0 || length < 0 || (uint64_t)length > buffer->bytes ||
-        (uint64_t)begin > buffer->bytes - (uint64_t)length) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "bufferView %" PRId64
-                         ": goes beyond its buffer, which has %zu bytes",
-                         index, buffer->bytes);
-    }
-    if (step < (int64_t)bytes || step > STRIDE_MAX) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "bufferView %" PRId64 ": a stride of %" PRId64
-                         " bytes for elements of %zu",
-                         index, step, bytes);
-    }
-    if (offset < 0 || offset > length ||
-        (count > 0 &&
-         ((int64_t)bytes > length - offset ||
-          count - 1 > (uint64_t)(length - offset - (int64_t)bytes) / (uint64_t)step))) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: goes beyond bufferView %" PRId64
-                         ", which has %" PRId64 " bytes",
-                         accessor, index, length);
-    }
-    *at = buffer->at + begin + offset;
-    *stride = (size_t)step;
-    return PCCD_OK;
+    return type != 0 ? types[type - GLTF_I8].bytes : 0;
+}
+
+static uint32_t integer_at(const char *at, enum gltf_type type)
+{
+    const unsigned char *bytes = (const unsigned char *)at;
+    return type == GLTF_U8    ? bytes[0]
+           : type == GLTF_U16 ? (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8
+                              : ctl_file_word(at);
 }
 
 static size_t sparse_index(const struct gltf_accessor *accessor, size_t k)
 {
-    return gltf_integer_at(accessor->sparse_at + k * accessor->sparse_bytes,
-                           accessor->sparse_type);
+    return integer_at(accessor->sparse_at + k * accessor->sparse_bytes,
+                      accessor->sparse_type);
 }
 
-static int find_sparse(struct gltf *gltf, const json_t *sparse, size_t bytes,
-                       struct gltf_accessor *accessor)
+/* ---- finding ----------------------------------------------------------------------- */
+
+/* Where `count` elements of `bytes` each lie, by the bufferView and byteOffset of an
+ * object of the accessor. NULL: nowhere. */
+static const char *find_bytes(struct gltf *gltf, size_t accessor, const json_t *object,
+                              size_t count, size_t bytes, size_t *stride)
+{
+    long long index = gltf_number(object, "bufferView", -1);
+    long long offset = gltf_number(object, "byteOffset", 0);
+    const json_t *view = gltf_entry(gltf, "bufferViews", index);
+    long long begin = gltf_number(view, "byteOffset", 0);
+    long long length = gltf_number(view, "byteLength", -1);
+    long long step = gltf_number(view, "byteStride", (long long)bytes);
+    long long rest = length - offset - (long long)bytes; /* behind the first one */
+    const char *compression = gltf_compression(view);
+    gltf_check(gltf, view != NULL, PCCD_E_FORMAT,
+               "accessor %zu: there is no bufferView %lld", accessor, index);
+    gltf_check(gltf, compression == NULL, PCCD_E_FORMAT,
+               "bufferView %lld: is compressed by \"%.80s\", which is not read", index,
+               compression);
+    const struct gltf_buffer *buffer = gltf_buffer(gltf, gltf_number(view, "buffer", -1));
+    if (buffer == NULL) {
+        return NULL;
+    }
+    long long has = (long long)buffer->bytes;
+    gltf_check(gltf, begin >= 0 && length >= 0 && begin <= has - length, PCCD_E_FORMAT,
+               "bufferView %lld: goes beyond its buffer, which has %lld bytes", index,
+               has);
+    gltf_check(gltf, step >= (long long)bytes && step <= STRIDE_MAX, PCCD_E_FORMAT,
+               "bufferView %lld: a stride of %lld bytes for elements of %zu", index, step,
+               bytes);
+    gltf_check(
+        gltf,
+        offset >= 0 && offset <= length &&
+            (count == 0 || (rest >= 0 && step > 0 && count - 1 <= (size_t)(rest / step))),
+        PCCD_E_FORMAT, "accessor %zu: goes beyond bufferView %lld, which has %lld bytes",
+        accessor, index, length);
+    *stride = (size_t)step;
+    return gltf->status == PCCD_OK ? buffer->at + begin + offset : NULL;
+}
+
+static void find_sparse(struct gltf *gltf, const json_t *sparse,
+                        struct gltf_accessor *accessor)
 {
     const json_t *indices = json_object_get(sparse, "indices");
     const json_t *values = json_object_get(sparse, "values");
-    int64_t count = gltf_number(sparse, "count", -1);
-    int row = row_of_code(gltf_number(indices, "componentType", -1));
-    size_t stride;
-    if (count < 0 || (uint64_t)count > accessor->count || row < 0 ||
-        (types_known[row].type & GLTF_INDICES) == 0) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: its sparse elements have no valid count or type",
-                         accessor->index);
-    }
-    accessor->sparse_count = (size_t)count;
-    accessor->sparse_type = types_known[row].type;
-    accessor->sparse_bytes = types_known[row].bytes;
-    int status = find_run(gltf, accessor->index, gltf_number(indices, "bufferView", -1),
-                          gltf_number(indices, "byteOffset", 0), (size_t)count,
-                          accessor->sparse_bytes, &accessor->sparse_at, &stride);
-    if (status == PCCD_OK) {
-        status = find_run(gltf, accessor->index, gltf_number(values, "bufferView", -1),
-                          gltf_number(values, "byteOffset", 0), (size_t)count, bytes,
-                          &accessor->sparse_values, &stride);
-    }
-    for (size_t k = 0; k < (size_t)count && status == PCCD_OK; k++) {
+    long long number = gltf_number(sparse, "count", -1);
+    size_t count = (size_t)number, stride;
+    accessor->sparse_type = type_of(gltf_number(indices, "componentType", -1), INTEGERS);
+    accessor->sparse_bytes = bytes_of(accessor->sparse_type);
+    gltf_check(
+        gltf, number >= 0 && count <= accessor->count && accessor->sparse_type != 0,
+        PCCD_E_FORMAT, "accessor %zu: its sparse elements have no valid count or type",
+        accessor->index);
+    accessor->sparse_at = find_bytes(gltf, accessor->index, indices, count,
+                                     accessor->sparse_bytes, &stride);
+    accessor->sparse_values = find_bytes(gltf, accessor->index, values, count,
+                                         accessor->bytes * accessor->components, &stride);
+    for (size_t k = 0; k < count && gltf->status == PCCD_OK; k++) {
         size_t here = sparse_index(accessor, k);
-        if (here >= accessor->count || (k > 0 && here <= sparse_index(accessor, k - 1))) {
-            return gltf_fail(gltf, PCCD_E_INDEX,
-                             "accessor %zu: sparse index %zu is %zu of %zu, and they "
-                             "ascend",
-                             accessor->index, k, here, accessor->count);
-        }
+        gltf_check(
+            gltf,
+            here < accessor->count && (k == 0 || here > sparse_index(accessor, k - 1)),
+            PCCD_E_INDEX, "accessor %zu: sparse index %zu is %zu of %zu, and they ascend",
+            accessor->index, k, here, accessor->count);
     }
-    return status;
+    accessor->sparse_count = count;
 }
 
-/* Judge what the elements are, and how many. */
-static int judge(struct gltf *gltf, const json_t *entry, const char *kind, unsigned types,
-                 struct gltf_accessor *accessor)
+struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
+                               enum gltf_role role)
 {
-    const char *has = json_string_value(json_object_get(entry, "type"));
-    int64_t code = gltf_number(entry, "componentType", -1);
-    int64_t count = gltf_number(entry, "count", -1);
-    int row = row_of_code(code);
-    if (count < 0) {
-        return gltf_fail(gltf, PCCD_E_FORMAT, "accessor %zu: has no count",
-                         accessor->index);
-    }
-    if (has == NULL || strcmp(has, kind) != 0 || row < 0 ||
-        (types_known[row].type & types) == 0) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: has %.16s of component type %" PRId64
-                         " where %s is needed",
-                         accessor->index, has != NULL ? has : "elements", code, kind);
-    }
-    accessor->type = types_known[row].type;
-    accessor->bytes = types_known[row].bytes;
-    accessor->greatest = types_known[row].greatest;
-    accessor->is_normalized = json_is_true(json_object_get(entry, "normalized")) &&
-                              accessor->type != GLTF_FLOAT;
-    if ((types & GLTF_NORMALIZED) != 0 && !accessor->is_normalized &&
-        accessor->type != GLTF_FLOAT) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: has integers that are not normalized, where "
-                         "fractions are needed",
-                         accessor->index);
-    }
-    for (size_t i = 0; i < sizeof kinds_known / sizeof kinds_known[0]; i++) {
-        if (strcmp(kinds_known[i].kind, kind) == 0) {
-            accessor->components = kinds_known[i].components;
-        }
-    }
-    accessor->count = (size_t)count;
-    return PCCD_OK;
-}
-
-int gltf_accessor_find(struct gltf *gltf, int64_t index, const char *kind, unsigned types,
-                       struct gltf_accessor *accessor)
-{
+    long long index = gltf_value(number, -1);
     const json_t *entry = gltf_entry(gltf, "accessors", index);
-    struct gltf_accessor made = {.index = (size_t)index};
-    if (entry == NULL) {
-        return gltf_fail(gltf, PCCD_E_FORMAT, "accessor %" PRId64 ": there is none",
-                         index);
-    }
-    int status = judge(gltf, entry, kind, types, &made);
-    size_t bytes = made.bytes * made.components;
-    if (status == PCCD_OK && json_object_get(entry, "bufferView") != NULL) {
-        status = find_run(gltf, made.index, gltf_number(entry, "bufferView", -1),
-                          gltf_number(entry, "byteOffset", 0), made.count, bytes,
-                          &made.at, &made.stride);
-    }
     const json_t *sparse = json_object_get(entry, "sparse");
-    if (status == PCCD_OK && sparse != NULL) {
-        status = find_sparse(gltf, sparse, bytes, &made);
+    const char *kind = json_string_value(json_object_get(entry, "type"));
+    long long code = gltf_number(entry, "componentType", -1);
+    long long count = gltf_number(entry, "count", -1);
+    bool is_normalized = json_is_true(json_object_get(entry, "normalized"));
+    struct gltf_accessor found = {.index = (size_t)index,
+                                  .type = type_of(code, roles[role].types),
+                                  .count = (size_t)count,
+                                  .components = roles[role].components};
+    found.bytes = bytes_of(found.type);
+    found.greatest =
+        is_normalized && found.type != 0 ? types[found.type - GLTF_I8].greatest : 0;
+    gltf_check(gltf, entry != NULL, PCCD_E_FORMAT, "accessor %lld: there is none", index);
+    gltf_check(gltf, count >= 0, PCCD_E_FORMAT, "accessor %lld: has no count", index);
+    gltf_check(gltf,
+               found.type != 0 && kind != NULL && strcmp(kind, roles[role].kind) == 0,
+               PCCD_E_FORMAT,
+               "accessor %lld: has %.16s of component type %lld where %s is needed",
+               index, kind != NULL ? kind : "elements", code, roles[role].kind);
+    gltf_check(gltf,
+               (roles[role].types & NORMALIZED) == 0 || found.type == GLTF_FLOAT ||
+                   is_normalized,
+               PCCD_E_FORMAT,
+               "accessor %lld: has integers that are not normalized, where fractions are "
+               "needed",
+               index);
+    if (json_object_get(entry, "bufferView") != NULL) {
+        found.at = find_bytes(gltf, found.index, entry, found.count,
+                              found.bytes * found.components, &found.stride);
+    }
+    if (sparse != NULL) {
+        find_sparse(gltf, sparse, &found);
     }
     /* Zeros that nobody has written take no bytes: there are no more of them than
      * bytes. */
-    if (status == PCCD_OK && made.at == NULL && made.count > gltf->bytes) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: has %zu zeros in a file of %" PRIu64 " bytes",
-                         made.index, made.count, gltf->bytes);
-    }
-    if (status == PCCD_OK) {
-        *accessor = made;
-    }
-    return status;
+    gltf_check(gltf, found.at != NULL || found.count <= gltf->bytes, PCCD_E_FORMAT,
+               "accessor %lld: has %zu zeros in a file of %" PRIu64 " bytes", index,
+               found.count, gltf->bytes);
+    return gltf->status == PCCD_OK ? found : (struct gltf_accessor){.count = 0};
 }
 
 /* ---- elements ---------------------------------------------------------------------- */
@@ -231,41 +193,36 @@ static const char *place_of(const struct gltf_accessor *accessor, size_t i)
     return accessor->at == NULL ? NULL : accessor->at + i * accessor->stride;
 }
 
-static inline double value_at(const char *at, enum gltf_type type)
+static double value_at(const char *at, enum gltf_type type)
 {
-    uint32_t bits;
     float value;
     switch (type) {
     case GLTF_I8:
         return (double)(signed char)at[0];
     case GLTF_I16:
-        return (double)(int16_t)gltf_integer_at(at, GLTF_U16);
+        return (double)(int16_t)integer_at(at, GLTF_U16);
     case GLTF_FLOAT:
-        bits = ctl_file_word(at);
-        memcpy(&value, &bits, sizeof value);
+        memcpy(&value, &(uint32_t){ctl_file_word(at)}, sizeof value);
         return (double)value;
     default:
-        return (double)gltf_integer_at(at, type);
+        return (double)integer_at(at, type);
     }
 }
 
-void gltf_accessor_read(const struct gltf_accessor *accessor, size_t i, double *values)
+void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values)
 {
     const char *at = place_of(accessor, i);
-    for (size_t k = 0; accessor->type == GLTF_FLOAT && k < accessor->components; k++) {
-        values[k] = at == NULL ? 0 : value_at(at + 4 * k, GLTF_FLOAT);
-    }
-    for (size_t k = 0; accessor->type != GLTF_FLOAT && k < accessor->components; k++) {
+    for (size_t k = 0; k < accessor->components; k++) {
         values[k] = at == NULL ? 0 : value_at(at + k * accessor->bytes, accessor->type);
-        if (accessor->is_normalized) {
+        if (accessor->greatest > 0) {
             values[k] /= accessor->greatest;
             values[k] = values[k] < -1 ? -1 : values[k];
         }
     }
 }
 
-uint32_t gltf_accessor_integer(const struct gltf_accessor *accessor, size_t i, size_t k)
+uint32_t gltf_integer(const struct gltf_accessor *accessor, size_t i, size_t k)
 {
     const char *at = place_of(accessor, i);
-    return at == NULL ? 0 : gltf_integer_at(at + k * accessor->bytes, accessor->type);
+    return at == NULL ? 0 : integer_at(at + k * accessor->bytes, accessor->type);
 }

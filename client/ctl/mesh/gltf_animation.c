@@ -1,47 +1,22 @@
-/* client/ctl/mesh/gltf_animation.c - what moves the nodes of a glTF file, and when.
- *
- * Room:     client/ctl.
- * Does:     judge channels, collect their keys, interpolate.
- * Threads:  one at a time.
- * Source:   gltf_animation.h.
- */
-#include "gltf_animation.h"
-
-#include <errno.h>
+/* client/ctl/mesh/gltf_animation.c - what moves the nodes of a glTF file, and when. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "array.h"
-#include "meshfile.h"
-#include "pccd_types.h"
+#include "gltf_scene.h"
 
 #define POINTER       "KHR_animation_pointer"
 #define HALVINGS_MAX  27   /* a quarter turn is below 2^-26 then */
 #define RATE_ROUNDING 1e-4 /* of a frame, by which times that are floats may be off */
 #define DEGREES       (180 / 3.14159265358979323846)
 
-static const char *const path_names[GLTF_PATHS] = {"translation", "rotation", "scale",
-                                                   "weights"};
-static const char *const between_names[] = {"STEP", "LINEAR", "CUBICSPLINE"};
-
-/* Where a name stands in a list; -1: nowhere. */
-static int place_in(const char *const *names, int count, const char *name)
-{
-    int place = count - 1;
-    while (place >= 0 && (name == NULL || strcmp(names[place], name) != 0)) {
-        place--;
-    }
-    return place;
-}
-
 /* ---- keys -------------------------------------------------------------------------- */
 
 static double key_time(const struct gltf_channel *channel, size_t key)
 {
     double time;
-    gltf_accessor_read(&channel->times, key, &time);
+    gltf_read(&channel->times, key, &time);
     return time;
 }
 
@@ -57,9 +32,14 @@ static size_t key_before(const struct gltf_channel *channel, double time)
     return low;
 }
 
+static double product(const double a[4], const double b[4])
+{
+    return (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
+}
+
 static void normalize(double q[4])
 {
-    double length = sqrt((q[0] * q[0] + q[1] * q[1]) + (q[2] * q[2] + q[3] * q[3]));
+    double length = sqrt(product(q, q));
     for (int i = 0; i < 4; i++) {
         q[i] /= length;
     }
@@ -71,8 +51,8 @@ static void turn_between(double a[4], double b[4], double u)
 {
     normalize(a);
     normalize(b);
-    double dot = (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
-    for (int i = 0; i < 4 && dot < 0; i++) {
+    bool is_longer = product(a, b) < 0;
+    for (int i = 0; i < 4 && is_longer; i++) {
         b[i] = -b[i];
     }
     for (int n = 0; n < HALVINGS_MAX && u > 0 && u < 1; n++) {
@@ -89,36 +69,33 @@ static void turn_between(double a[4], double b[4], double u)
     }
 }
 
-/* What one node has of a channel at a time: into row `row` of `rows`, which are morph
- * targets, or one. */
+/* What a channel has at a time, in row `row` of `rows`, which are morph targets, or one:
+ * before the first key and after the last what it has there. */
 static void read_row(const struct gltf_channel *channel, double time, size_t rows,
-                     size_t row, double *value)
+                     size_t row, double value[4])
 {
     const struct gltf_accessor *values = &channel->values;
     bool is_cubic = channel->between == GLTF_CUBICSPLINE;
     size_t parts = is_cubic ? 3 : 1; /* of a cubic key: tangent, value, tangent */
     size_t key = key_before(channel, time);
     size_t at = (parts * key + is_cubic) * rows + row;
-    size_t components = values->components;
     double begin = key_time(channel, key), next[4], out[4], in[4];
-    gltf_accessor_read(values, at, value);
+    gltf_read(values, at, value);
     if (time <= begin || key + 1 == channel->times.count ||
         channel->between == GLTF_STEP) {
         return;
     }
     double span = key_time(channel, key + 1) - begin;
-    double u = (time - begin) / span;
-    gltf_accessor_read(values, at + parts * rows, next);
-    if (!is_cubic && channel->path == GLTF_ROTATION) {
+    double u = (time - begin) / span, v = 1 - u;
+    gltf_read(values, at + parts * rows, next);
+    if (is_cubic) {
+        gltf_read(values, at + rows, out);
+        gltf_read(values, at + 2 * rows, in);
+    } else if (channel->path == GLTF_ROTATION) {
         turn_between(value, next, u);
         return;
     }
-    if (is_cubic) {
-        gltf_accessor_read(values, at + rows, out);
-        gltf_accessor_read(values, at + 2 * rows, in);
-    }
-    double v = 1 - u;
-    for (size_t i = 0; i < components; i++) {
+    for (size_t i = 0; i < values->components; i++) {
         value[i] =
             is_cubic ? ((1 + 2 * u) * v * v * value[i] + u * u * (1 + 2 * v) * next[i]) +
                            span * u * v * (v * out[i] - u * in[i])
@@ -126,222 +103,189 @@ static void read_row(const struct gltf_channel *channel, double time, size_t row
     }
 }
 
-void gltf_animation_pose(const struct gltf_animation *animation, struct gltf_tree *tree,
-                         double time)
+/* How many values a key has: one for each morph target, or one. */
+static size_t rows_of(const struct gltf_scene *scene, const struct gltf_channel *channel)
 {
-    for (size_t i = 0; i < animation->channel_count; i++) {
-        const struct gltf_channel *channel = &animation->channels[i];
-        struct gltf_node *node = &tree->nodes[channel->node];
-        double *const values[GLTF_PATHS] = {node->translation, node->rotation,
-                                            node->scale, node->weights};
-        bool has_rows = channel->path == GLTF_WEIGHTS;
-        size_t rows = has_rows ? node->weight_count : 1;
+    return channel->path == GLTF_WEIGHTS ? scene->nodes[channel->node].weight_count : 1;
+}
+
+void gltf_animation_pose(struct gltf_scene *scene, uint32_t frame)
+{
+    double time = gltf_animation_time(&scene->animation, frame);
+    for (size_t i = 0; i < scene->animation.channel_count; i++) {
+        const struct gltf_channel *channel = &scene->animation.channels[i];
+        struct gltf_node *node = &scene->nodes[channel->node];
+        double *to =
+            channel->path == GLTF_WEIGHTS ? node->weights : node->pose[channel->path];
+        size_t rows = rows_of(scene, channel);
         for (size_t row = 0; row < rows; row++) {
             double value[4];
             read_row(channel, time, rows, row, value);
-            memcpy(values[channel->path] + row, value,
-                   channel->values.components * sizeof *value);
+            memcpy(to + row, value, channel->values.components * sizeof *value);
         }
     }
 }
 
 /* ---- channels ---------------------------------------------------------------------- */
 
-static int judge_times(struct gltf *gltf, const struct gltf_channel *channel)
+/* The keys of a channel. */
+static void read_sampler(struct gltf_scene *scene, struct gltf_channel *channel)
 {
-    double before = -INFINITY;
+    static const char *const names[] = {"STEP", "LINEAR", "CUBICSPLINE", ""};
+    struct gltf *gltf = &scene->gltf;
+    const json_t *entry = gltf_entry(gltf, "animations", (long long)channel->animation);
+    long long index = gltf_number(channel->json, "sampler", -1);
+    const json_t *sampler =
+        json_array_get(json_object_get(entry, "samplers"), (size_t)index);
+    const json_t *named = json_object_get(sampler, "interpolation");
+    const char *name = named == NULL           ? "LINEAR"
+                       : json_is_string(named) ? json_string_value(named)
+                                               : "";
+    while (channel->between < GLTF_BETWEEN &&
+           strcmp(name, names[channel->between]) != 0) {
+        channel->between++;
+    }
+    gltf_check(gltf, sampler != NULL, PCCD_E_FORMAT, "sampler %lld: there is none",
+               index);
+    gltf_check(
+        gltf, channel->between < GLTF_BETWEEN, PCCD_E_FORMAT,
+        "sampler %lld: interpolation \"%.40s\" is none of STEP, LINEAR, CUBICSPLINE",
+        index, name);
+    channel->times = gltf_find(gltf, json_object_get(sampler, "input"), GLTF_TIMES);
     for (size_t k = 0; k < channel->times.count; k++) {
         double time = key_time(channel, k);
-        if (!isfinite(time) || time <= before) {
-            return gltf_fail(gltf, PCCD_E_FORMAT,
-                             "accessor %zu: key %zu is at %g s, not after the one before "
-                             "it",
-                             channel->times.index, k, time);
-        }
-        before = time;
+        gltf_check(gltf, isfinite(time) && (k == 0 || time > key_time(channel, k - 1)),
+                   PCCD_E_FORMAT,
+                   "accessor %zu: key %zu is at %g s, not after the one before it",
+                   channel->times.index, k, time);
     }
-    return PCCD_OK;
+    channel->values = gltf_find(gltf, json_object_get(sampler, "output"),
+                                gltf_path_kinds[channel->path].role);
+    size_t rows = rows_of(scene, channel), values = channel->values.count;
+    size_t keys = channel->times.count * (channel->between == GLTF_CUBICSPLINE ? 3 : 1);
+    gltf_check(gltf, keys > 0 && values % keys == 0 && values / keys == rows,
+               PCCD_E_FORMAT, "accessor %zu: has %zu values for %zu keys of %zu each",
+               channel->values.index, values, channel->times.count, rows);
 }
 
-static int read_sampler(struct gltf *gltf, const json_t *animation, int64_t index,
-                        size_t rows, struct gltf_channel *channel)
+/* What a channel moves; false: that is no mesh. */
+static bool read_target(struct gltf_scene *scene, struct gltf_channel *channel)
 {
-    const json_t *samplers = json_object_get(animation, "samplers");
-    const json_t *sampler = index < 0 ? NULL : json_array_get(samplers, (size_t)index);
-    static const char *const kinds[GLTF_PATHS] = {"VEC3", "VEC4", "VEC3", "SCALAR"};
-    const json_t *named = json_object_get(sampler, "interpolation");
-    bool is_fraction = channel->path == GLTF_ROTATION || channel->path == GLTF_WEIGHTS;
-    int between = named == NULL ? GLTF_LINEAR
-                                : place_in(between_names, 3, json_string_value(named));
-    if (between < 0) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "sampler %" PRId64
-                         ": interpolation \"%.40s\" is none of STEP, LINEAR, CUBICSPLINE",
-                         index, json_is_string(named) ? json_string_value(named) : "");
+    struct gltf *gltf = &scene->gltf;
+    const json_t *target = json_object_get(channel->json, "target");
+    const json_t *extensions = json_object_get(target, "extensions");
+    const char *path = json_string_value(json_object_get(target, "path"));
+    const char *pointer = json_string_value(
+        json_object_get(json_object_get(extensions, POINTER), "pointer"));
+    gltf_check(gltf,
+               pointer == NULL || (strncmp(pointer, "/nodes/", 7) != 0 &&
+                                   strncmp(pointer, "/meshes/", 8) != 0 &&
+                                   strncmp(pointer, "/skins/", 7) != 0),
+               PCCD_E_FORMAT, "\"%.80s\" is moved by \"" POINTER "\", which is not read",
+               pointer != NULL ? pointer : "");
+    while (channel->path < GLTF_PATHS &&
+           (path == NULL || strcmp(gltf_path_kinds[channel->path].name, path) != 0)) {
+        channel->path++;
     }
-    if (sampler == NULL) {
-        return gltf_fail(gltf, PCCD_E_FORMAT, "sampler %" PRId64 ": there is none",
-                         index);
+    long long index = gltf_number(target, "node", -1);
+    bool is_there = index >= 0 && (size_t)index < scene->node_count;
+    if (json_object_get(target, "node") == NULL || channel->path == GLTF_PATHS ||
+        !gltf_check(gltf, is_there, PCCD_E_INDEX, "there is no node %lld to move",
+                    index)) {
+        return false; /* by the specification it moves nothing */
     }
-    channel->between = (enum gltf_between)between;
-    int status = gltf_accessor_find(gltf, gltf_number(sampler, "input", -1), "SCALAR",
-                                    GLTF_FLOAT, &channel->times);
-    if (status == PCCD_OK) {
-        status = judge_times(gltf, channel);
+    const struct gltf_node *node = &scene->nodes[index];
+    channel->node = (size_t)index;
+    if (channel->path == GLTF_WEIGHTS) {
+        return node->weight_count > 0;
     }
-    if (status == PCCD_OK) {
-        status = gltf_accessor_find(
-            gltf, gltf_number(sampler, "output", -1), kinds[channel->path],
-            is_fraction ? GLTF_FRACTIONS : GLTF_FLOAT, &channel->values);
-    }
-    size_t wanted = channel->times.count * (between == GLTF_CUBICSPLINE ? 3 : 1);
-    if (status == PCCD_OK && (wanted == 0 || channel->values.count % wanted != 0 ||
-                              channel->values.count / wanted != rows)) {
-        return gltf_fail(
-            gltf, PCCD_E_FORMAT, "accessor %zu: has %zu values for %zu keys of %zu each",
-            channel->values.index, channel->values.count, channel->times.count, rows);
-    }
-    return status;
+    gltf_check(gltf, !node->moves_mesh || !node->has_matrix, PCCD_E_FORMAT,
+               "node %lld: moves and has a matrix", index);
+    return node->moves_mesh;
 }
 
-/* What a channel moves, if that is a mesh; otherwise *moves is false. */
-static int read_target(struct gltf *gltf, const struct gltf_tree *tree,
-                       const json_t *channel, struct gltf_channel *made, bool *moves)
+/* All channels that move a mesh, of all animations. Returns whether two of these move the
+ * same. */
+static bool find_channels(struct gltf_scene *scene)
 {
-    const json_t *target = json_object_get(channel, "target");
-    int64_t index = gltf_number(target, "node", -1);
-    const char *name = json_string_value(json_object_get(target, "path"));
-    int path = place_in(path_names, GLTF_PATHS, name);
-    const char *pointer = json_string_value(json_object_get(
-        json_object_get(json_object_get(target, "extensions"), POINTER), "pointer"));
-    *moves = false;
-    if (pointer != NULL &&
-        (strncmp(pointer, "/nodes/", 7) == 0 || strncmp(pointer, "/meshes/", 8) == 0 ||
-         strncmp(pointer, "/skins/", 7) == 0)) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "\"%.80s\" is moved by \"" POINTER "\", which is not read",
-                         pointer);
+    struct gltf *gltf = &scene->gltf;
+    struct gltf_animation *animation = &scene->animation;
+    const json_t *all = json_object_get(gltf->root, "animations"), *entry, *json;
+    size_t count = 0, i, k;
+    bool has_two = false;
+    json_array_foreach(all, i, entry)
+    {
+        count += json_array_size(json_object_get(entry, "channels"));
     }
-    if (json_object_get(target, "node") == NULL || path < 0) {
-        return PCCD_OK; /* by the specification it moves nothing */
-    }
-    if (index < 0 || (uint64_t)index >= tree->count) {
-        return gltf_fail(gltf, PCCD_E_INDEX, "there is no node %" PRId64 " to move",
-                         index);
-    }
-    const struct gltf_node *node = &tree->nodes[index];
-    made->node = (size_t)index;
-    made->path = (enum gltf_path)path;
-    *moves = path == GLTF_WEIGHTS ? node->weight_count > 0 : node->moves_mesh;
-    if (*moves && path != GLTF_WEIGHTS && node->has_matrix) {
-        return gltf_fail(gltf, PCCD_E_FORMAT, "node %" PRId64 ": moves and has a matrix",
-                         index);
-    }
-    return PCCD_OK;
-}
-
-/* What moves is claimed by an animation: 0 nothing yet, else its number from 1. */
-struct claims {
-    size_t *by; /* [nodes * GLTF_PATHS] */
-    bool has_two;
-    bool reads; /* the channels, too */
-};
-
-static int read_channels(struct gltf *gltf, const struct gltf_tree *tree, size_t index,
-                         struct claims *claims, size_t *moving,
-                         struct gltf_animation *animation)
-{
-    const json_t *json = gltf_entry(gltf, "animations", (int64_t)index);
-    const json_t *channels = json_object_get(json, "channels");
-    *moving = 0;
-    for (size_t i = 0; i < json_array_size(channels); i++) {
-        const json_t *channel = json_array_get(channels, i);
-        struct gltf_channel made = {.node = 0};
-        bool moves;
-        int status = read_target(gltf, tree, channel, &made, &moves);
-        if (status != PCCD_OK || !moves) {
-            if (status != PCCD_OK) {
-                return status;
+    animation->channels =
+        gltf_alloc(gltf, count, sizeof(struct gltf_channel), "channels");
+    json_array_foreach(all, i, entry)
+    {
+        size_t before = animation->channel_count;
+        json_array_foreach(json_object_get(entry, "channels"), k, json)
+        {
+            struct gltf_channel made = {.json = json, .animation = i};
+            if (!read_target(scene, &made) || gltf->status != PCCD_OK) {
+                continue;
             }
-            continue;
+            size_t *moved_by = &scene->nodes[made.node].moved_by[made.path];
+            gltf_check(gltf, *moved_by != i + 1, PCCD_E_FORMAT,
+                       "animation %zu: moves the %s of node %zu twice", i,
+                       gltf_path_kinds[made.path].name, made.node);
+            has_two |= *moved_by != 0;
+            *moved_by = i + 1;
+            animation->channels[animation->channel_count++] = made;
         }
-        ++*moving;
-        if (!claims->reads) {
-            size_t *claim = &claims->by[made.node * GLTF_PATHS + made.path];
-            if (*claim == index + 1) {
-                return gltf_fail(gltf, PCCD_E_FORMAT,
-                                 "animation %zu: moves the %s of node %zu twice", index,
-                                 path_names[made.path], made.node);
-            }
-            claims->has_two |= *claim != 0;
-            *claim = index + 1;
-            continue;
-        }
-        size_t rows = made.path == GLTF_WEIGHTS ? tree->nodes[made.node].weight_count : 1;
-        status =
-            read_sampler(gltf, json, gltf_number(channel, "sampler", -1), rows, &made);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        void *all = animation->channels;
-        if (!array_reserve(&all, animation->channel_count, &animation->channel_room,
-                           sizeof made)) {
-            return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu channels",
-                             animation->channel_count);
-        }
-        animation->channels = all;
-        animation->channels[animation->channel_count++] = made;
-        animation->is_curved |= made.between == GLTF_CUBICSPLINE;
+        animation->moving_count += animation->channel_count > before;
     }
-    return PCCD_OK;
+    return has_two;
 }
 
 /* The number of the animation that is wished for; -1: there is none. */
-static int64_t find_wish(const struct gltf *gltf, const char *wish)
+static long long find_wish(struct gltf *gltf, const char *wish)
 {
-    size_t count = gltf_entry_count(gltf, "animations");
-    for (size_t i = 0; i < count; i++) {
-        const char *name = json_string_value(
-            json_object_get(gltf_entry(gltf, "animations", (int64_t)i), "name"));
+    const json_t *all = json_object_get(gltf->root, "animations"), *entry;
+    size_t i;
+    json_array_foreach(all, i, entry)
+    {
+        const char *name = json_string_value(json_object_get(entry, "name"));
         if (name != NULL && strcmp(name, wish) == 0) {
-            return (int64_t)i;
+            return (long long)i;
         }
     }
     char *end;
     unsigned long number = strtoul(wish, &end, 10);
     bool is_number = *wish >= '0' && *wish <= '9' && *end == '\0';
-    return is_number && number < count ? (int64_t)number : -1;
+    bool is_there = is_number && number < json_array_size(all);
+    gltf_check(gltf, is_there, PCCD_E_INVAL,
+               "no animation has the name or number \"%.80s\", of %zu", wish,
+               json_array_size(all));
+    return is_there ? (long long)number : -1;
 }
 
-static int choose(struct gltf *gltf, const struct gltf_tree *tree, const char *wish,
-                  struct claims *claims, struct gltf_animation *animation)
+/* Keep the channels that are played, and read their keys. */
+static void choose(struct gltf_scene *scene, const char *wish)
 {
-    size_t count = gltf_entry_count(gltf, "animations"), moving;
-    int64_t wished = wish != NULL ? find_wish(gltf, wish) : -1;
-    int status = PCCD_OK;
-    if (wish != NULL && wished < 0) {
-        return gltf_fail(gltf, PCCD_E_INVAL,
-                         "no animation has the name or number \"%.80s\", of %zu", wish,
-                         count);
+    struct gltf_animation *animation = &scene->animation;
+    long long wished = wish != NULL ? find_wish(&scene->gltf, wish) : -1;
+    bool is_alone = find_channels(scene) || wish != NULL;
+    size_t found = animation->channel_count, last = SIZE_MAX;
+    if (scene->gltf.status != PCCD_OK) {
+        return;
     }
-    animation->first = -1;
-    for (size_t i = 0; i < count && status == PCCD_OK; i++) {
-        status = read_channels(gltf, tree, i, claims, &moving, animation);
-        animation->moving_count += moving > 0;
-        animation->first =
-            animation->first < 0 && moving > 0 ? (int64_t)i : animation->first;
-    }
-    animation->first = wished >= 0 ? wished : animation->first;
-    claims->reads = true;
-    for (size_t i = 0; i < count && status == PCCD_OK; i++) {
-        bool is_alone = wish != NULL || claims->has_two;
-        if (is_alone && (int64_t)i != animation->first) {
+    animation->first = wish != NULL ? (size_t)wished : animation->channels[0].animation;
+    animation->channel_count = 0;
+    for (size_t i = 0; i < found; i++) {
+        struct gltf_channel channel = animation->channels[i];
+        if (is_alone && channel.animation != animation->first) {
             continue;
         }
-        status = read_channels(gltf, tree, i, claims, &moving, animation);
-        animation->read_count += moving > 0;
+        read_sampler(scene, &channel);
+        animation->channels[animation->channel_count++] = channel;
+        animation->is_curved |= channel.between == GLTF_CUBICSPLINE;
+        animation->read_count += channel.animation != last;
+        last = channel.animation;
     }
-    return status;
 }
 
 /* ---- frames ------------------------------------------------------------------------ */
@@ -353,42 +297,33 @@ static int order_of_times(const void *a, const void *b)
 }
 
 /* The keys of all channels, each time once. */
-static int collect_times(struct gltf *gltf, struct gltf_animation *animation)
+static void collect_times(struct gltf *gltf, struct gltf_animation *animation)
 {
-    bool *seen = calloc(gltf_entry_count(gltf, "accessors") + 1, sizeof *seen);
-    bool has_memory = seen != NULL;
-    for (size_t i = 0; i < animation->channel_count && has_memory; i++) {
-        const struct gltf_channel *channel = &animation->channels[i];
-        size_t count = seen[channel->times.index] ? 0 : channel->times.count;
-        seen[channel->times.index] = true;
-        for (size_t k = 0; k < count && has_memory; k++) {
-            void *times = animation->times;
-            has_memory = array_reserve(&times, animation->time_count,
-                                       &animation->time_room, sizeof *animation->times);
-            animation->times = times;
-            if (has_memory) {
-                animation->times[animation->time_count++] = key_time(channel, k);
-            }
+    size_t accessors = gltf_entry_count(gltf, "accessors"), all = 0, count = 0;
+    const struct gltf_accessor **found =
+        gltf_alloc(gltf, accessors, sizeof *found, "accessors");
+    for (size_t i = 0; found != NULL && i < animation->channel_count; i++) {
+        const struct gltf_accessor *keys = &animation->channels[i].times;
+        all += found[keys->index] == NULL ? keys->count : 0;
+        found[keys->index] = keys;
+    }
+    double *times = gltf_alloc(gltf, all, sizeof *times, "keys");
+    if (found == NULL || times == NULL || all == 0) {
+        return;
+    }
+    for (size_t i = 0; i < accessors; i++) {
+        for (size_t key = 0; found[i] != NULL && key < found[i]->count; key++) {
+            gltf_read(found[i], key, &times[count++]);
         }
     }
-    free(seen);
-    if (!has_memory) {
-        return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu keys",
-                         animation->time_count);
-    }
-    if (animation->time_count == 0) {
-        return PCCD_OK;
-    }
-    qsort(animation->times, animation->time_count, sizeof *animation->times,
-          order_of_times);
-    size_t count = 1;
-    for (size_t i = 1; i < animation->time_count; i++) {
-        if (animation->times[i] != animation->times[count - 1]) {
-            animation->times[count++] = animation->times[i];
+    qsort(times, count, sizeof *times, order_of_times);
+    animation->times = times;
+    animation->time_count = 1;
+    for (size_t i = 1; i < count; i++) {
+        if (times[i] != times[animation->time_count - 1]) {
+            times[animation->time_count++] = times[i];
         }
     }
-    animation->time_count = count;
-    return PCCD_OK;
 }
 
 double gltf_animation_time(const struct gltf_animation *animation, uint32_t frame)
@@ -410,8 +345,8 @@ static double find_turn(const struct gltf_animation *animation)
              channel->path == GLTF_ROTATION && frame < animation->frame_count; frame++) {
             read_row(channel, gltf_animation_time(animation, frame), 1, 0, b);
             normalize(b);
-            double dot = fabs((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]));
-            double turn = frame > 0 && dot < 1 ? 2 * acos(dot) * DEGREES : 0;
+            double cosine = fabs(product(a, b));
+            double turn = frame > 0 && cosine < 1 ? 2 * acos(cosine) * DEGREES : 0;
             greatest = turn > greatest ? turn : greatest;
             memcpy(a, b, sizeof a);
         }
@@ -419,41 +354,26 @@ static double find_turn(const struct gltf_animation *animation)
     return greatest;
 }
 
-int gltf_animation_read(struct gltf *gltf, struct gltf_tree *tree,
-                        const struct ctl_motion_wish *wish,
-                        struct gltf_animation *animation)
+void gltf_animation_read(struct gltf_scene *scene, const struct ctl_motion_wish *wish)
 {
-    double rate = wish != NULL ? wish->rate : 0;
-    const char *name = wish != NULL ? wish->animation : NULL;
-    struct claims claims = {.by = calloc(tree->count * GLTF_PATHS + 1, sizeof(size_t))};
-    *animation = (struct gltf_animation){.rate = rate};
-    int status = claims.by != NULL ? choose(gltf, tree, name, &claims, animation)
-                                   : gltf_fail(gltf, PCCD_E_NOMEM,
-                                               "no memory for %zu nodes", tree->count);
-    free(claims.by);
-    if (status == PCCD_OK) {
-        status = collect_times(gltf, animation);
+    struct gltf *gltf = &scene->gltf;
+    struct gltf_animation *animation = &scene->animation;
+    double rate = animation->rate = wish != NULL ? wish->rate : 0;
+    choose(scene, wish != NULL ? wish->animation : NULL);
+    if (gltf->status == PCCD_OK) {
+        collect_times(gltf, animation);
     }
-    if (status != PCCD_OK || animation->time_count == 0) {
-        return status;
+    if (gltf->status != PCCD_OK || animation->time_count == 0) {
+        return;
     }
-    double last = animation->times[animation->time_count - 1];
-    double frames = rate == 0
-                        ? (double)animation->time_count
-                        : ceil((last - animation->times[0]) * rate - RATE_ROUNDING) + 1;
-    if (!(frames <= (double)CTL_MESH_COUNT_MAX)) {
-        return gltf_fail(gltf, PCCD_E_LIMIT,
-                         "%g frames from %g s to %g s, at most %" PRIu64, frames,
-                         animation->times[0], last, CTL_MESH_COUNT_MAX);
+    double first = animation->times[0],
+           last = animation->times[animation->time_count - 1];
+    double frames = rate == 0 ? (double)animation->time_count
+                              : ceil((last - first) * rate - RATE_ROUNDING) + 1;
+    if (gltf_check(gltf, frames <= (double)CTL_MESH_COUNT_MAX, PCCD_E_LIMIT,
+                   "%g frames from %g s to %g s, at most %" PRIu64, frames, first, last,
+                   CTL_MESH_COUNT_MAX)) {
+        animation->frame_count = (uint32_t)frames;
+        animation->turn_degrees = rate == 0 ? find_turn(animation) : 0;
     }
-    animation->frame_count = (uint32_t)frames;
-    animation->turn_degrees = rate == 0 ? find_turn(animation) : 0;
-    return PCCD_OK;
-}
-
-void gltf_animation_deinit(struct gltf_animation *animation)
-{
-    free(animation->channels);
-    free(animation->times);
-    *animation = (struct gltf_animation){.channels = NULL};
 }

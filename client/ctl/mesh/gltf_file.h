@@ -1,12 +1,10 @@
-/* client/ctl/mesh/gltf_file.h - the JSON and the buffers of a glTF 2.0 file.
+/* client/ctl/mesh/gltf_file.h - the JSON, buffers and accessors of a glTF 2.0 file.
  *
- * Room:     client/ctl. May include: text.h, jansson.h.
- * Does:     find the JSON in .glb and .gltf, read its members, and a buffer when it is
- *           asked for: the file's own, of a data: URI, or of a file in the folder of this
- *           one or below it.
- * Does not: know what the JSON is about, beyond which extensions change positions.
- * Threads:  one at a time.
- * Source:   Khronos Group, "glTF 2.0 Specification", 3.6.1, 3.12, 4.4; RFC 3986.
+ * What goes wrong is told once: the first text is in `error`, and its status in `status`
+ * from then on. Who goes on to use what was read looks there. All that is allocated is
+ * the file's, until gltf_close.
+ *
+ * Source: Khronos Group, "glTF 2.0 Specification", 3.6, 3.12, 4.4; KHR_mesh_quantization.
  */
 #ifndef CTL_GLTF_FILE_H
 #define CTL_GLTF_FILE_H
@@ -16,49 +14,100 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "pccd_types.h"
 #include "text.h"
 
 struct gltf_buffer {
     const char *at; /* NULL: not asked for yet */
     size_t bytes;
-    char *decoded; /* NULL, or of a data: URI */
-    char *path;    /* NULL, or of another file, */
-    struct ctl_file file;
+    struct ctl_file file; /* another file that has it, or nothing */
 };
 
-/* Errors go to `error`, which belongs to the caller that is at work. */
 struct gltf {
-    struct ctl_file *file; /* loaded */
+    struct ctl_file *file; /* of which the rest is read when it is asked for */
     struct ctl_error *error;
+    int status;
     json_t *root;
-    const char *binary; /* the chunk of data; NULL: none */
-    size_t binary_bytes;
     struct gltf_buffer *buffers;
     size_t buffer_count;
     uint64_t bytes; /* of all files that were read */
     bool is_export; /* of pccdctl export */
+    void **blocks;  /* [block_count]: what was allocated */
+    size_t block_count, block_room;
 };
 
-/* Parse the JSON of a file that is in memory, and judge its version and the extensions
- * that it requires. Errors: E_FORMAT, E_NOMEM. gltf_close also after an error. */
-int gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf);
+/* Parse the JSON of a file that was opened, and judge its version and the extensions that
+ * it requires. gltf_close also after an error. */
+bool gltf_open(struct ctl_file *file, struct ctl_error *error, struct gltf *gltf);
 void gltf_close(struct gltf *gltf);
+/* If it is not right, tell the file's name and the text; returns is_right. */
+bool gltf_check(struct gltf *gltf, bool is_right, int status, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+/* Zeros for `count` things of `bytes`, which `what` names in the error, and one more. */
+void *gltf_alloc(struct gltf *gltf, size_t count, size_t bytes, const char *what);
 
-/* Write the file's name and the text; returns `status`. */
-int gltf_fail(struct gltf *gltf, int status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-/* An index or a count; `otherwise` where there is none, -1 where it is none. */
-int64_t gltf_number(const json_t *object, const char *name, int64_t otherwise);
+/* An index or a count; `otherwise` where there is none (NULL), -1 where it is none. */
+long long gltf_value(const json_t *value, long long otherwise);
+long long gltf_number(const json_t *object, const char *name, long long otherwise);
 /* Entry `index` of an array of the root; NULL: there is none. */
-const json_t *gltf_entry(const struct gltf *gltf, const char *array, int64_t index);
+const json_t *gltf_entry(const struct gltf *gltf, const char *array, long long index);
 size_t gltf_entry_count(const struct gltf *gltf, const char *array);
 /* Fill values[count] from an array of `count` finite numbers, which stay as they are
- * where there is none. `what` and `index` name the object in the error, E_FORMAT. */
-int gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, size_t count,
-                 double *values, const char *what, size_t index);
+ * where there is none. `what` and `index` name the object in the error. */
+void gltf_numbers(struct gltf *gltf, const json_t *object, const char *name, size_t count,
+                  double *values, const char *what, size_t index);
+/* The extension by which an object is compressed; NULL: by none. */
+const char *gltf_compression(const json_t *object);
 
-/* The bytes of a buffer. Errors: E_FORMAT, E_NOMEM, E_SYSTEM. */
-int gltf_buffer(struct gltf *gltf, int64_t index, const struct gltf_buffer **buffer);
+/* A buffer: the file's own, of a data: URI, or of a file in the folder of this one or
+ * below it. NULL: it is not there. */
+const struct gltf_buffer *gltf_buffer(struct gltf *gltf, long long index);
+
+/* ---- accessors: elements of a buffer, as doubles; nothing is copied ---------------- */
+
+/* Types of components, by their numbers in the file; 5124 is none. */
+enum gltf_type {
+    GLTF_I8 = 5120,
+    GLTF_U8,
+    GLTF_I16,
+    GLTF_U16,
+    GLTF_U32 = 5125,
+    GLTF_FLOAT
+};
+
+/* What an accessor is for, which says what elements it may have. */
+enum gltf_role {
+    GLTF_POSITIONS, /* or how far morph targets are from them */
+    GLTF_JOINTS,
+    GLTF_JOINT_WEIGHTS,
+    GLTF_INDICES,
+    GLTF_MATRICES,
+    GLTF_TIMES,
+    GLTF_VECTORS,
+    GLTF_ROTATIONS,
+    GLTF_FRACTIONS,
+};
+
+struct gltf_accessor {
+    const char *at;      /* NULL: all zeros */
+    enum gltf_type type; /* 0: there is none */
+    size_t count, stride;
+    size_t components, bytes; /* of an element; of a component */
+    double greatest; /* of integers that are fractions, what stands for 1; else 0 */
+    size_t index;    /* in the file */
+    /* Elements that others stand for, in ascending order. */
+    size_t sparse_count, sparse_bytes;
+    const char *sparse_at, *sparse_values;
+    enum gltf_type sparse_type;
+};
+
+/* Find the accessor of this number (NULL: there is none), and judge what it has, where
+ * that lies, and what is sparse. After an error it has no elements. */
+struct gltf_accessor gltf_find(struct gltf *gltf, const json_t *number,
+                               enum gltf_role role);
+/* Fill values[components] from element i. */
+void gltf_read(const struct gltf_accessor *accessor, size_t i, double *values);
+/* Component k of element i of one that has GLTF_INDICES or GLTF_JOINTS. */
+uint32_t gltf_integer(const struct gltf_accessor *accessor, size_t i, size_t k);
 
 #endif

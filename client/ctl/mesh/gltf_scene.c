@@ -1,462 +1,324 @@
-/* client/ctl/mesh/gltf_scene.c - what a glTF file shows, as vertices at any time.
- *
- * Room:     client/ctl.
- * Does:     objects, instances, skins; vertices by morph targets, joints and nodes.
- * Threads:  one at a time.
- * Source:   gltf_scene.h.
- */
+/* client/ctl/mesh/gltf_scene.c - what a glTF file shows: nodes, and objects at them. */
 #include "gltf_scene.h"
 
 #include <inttypes.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-#include "array.h"
-#include "pccd_types.h"
 
 #define INSTANCING "EXT_mesh_gpu_instancing"
 
+const struct gltf_path_kind gltf_path_kinds[GLTF_PATHS] = {
+    {"translation", "TRANSLATION", 3, GLTF_VECTORS, {0, 0, 0}},
+    {"rotation", "ROTATION", 4, GLTF_ROTATIONS, {0, 0, 0, 1}},
+    {"scale", "SCALE", 3, GLTF_VECTORS, {1, 1, 1}},
+    {"weights", NULL, 1, GLTF_FRACTIONS, {0}},
+};
+
+/* ---- nodes ------------------------------------------------------------------------- */
+
+static void read_node(struct gltf_scene *scene, size_t index)
+{
+    struct gltf *gltf = &scene->gltf;
+    struct gltf_node *node = &scene->nodes[index];
+    const json_t *json = node->json = gltf_entry(gltf, "nodes", (long long)index);
+    node->parent = -1;
+    node->has_matrix = json_object_get(json, "matrix") != NULL;
+    gltf_numbers(gltf, json, "matrix", 16, node->matrix, "node", index);
+    for (int i = 0; i < GLTF_POSE_PATHS; i++) {
+        const struct gltf_path_kind *kind = &gltf_path_kinds[i];
+        gltf_check(gltf, !node->has_matrix || json_object_get(json, kind->name) == NULL,
+                   PCCD_E_FORMAT, "node %zu: has a matrix, and a %s, too", index,
+                   kind->name);
+        memcpy(node->pose[i], kind->still, sizeof kind->still);
+        gltf_numbers(gltf, json, kind->name, kind->numbers, node->pose[i], "node", index);
+    }
+}
+
+static void read_children(struct gltf_scene *scene, size_t index)
+{
+    struct gltf *gltf = &scene->gltf;
+    const json_t *children = json_object_get(scene->nodes[index].json, "children");
+    for (size_t k = 0; k < json_array_size(children) && gltf->status == PCCD_OK; k++) {
+        long long child = gltf_value(json_array_get(children, k), -1);
+        if (gltf_check(gltf, child >= 0 && (size_t)child < scene->node_count,
+                       PCCD_E_INDEX, "node %zu: there is no node %lld for its children",
+                       index, child)) {
+            struct gltf_node *below = &scene->nodes[child];
+            gltf_check(gltf, below->parent < 0, PCCD_E_FORMAT,
+                       "node %lld: is a child of node %zu and of node %lld", child, index,
+                       below->parent);
+            below->parent = (long long)index;
+        }
+    }
+}
+
+/* Add a node without parents and all below it to the order, parents first. `waiting` has
+ * room for all nodes. */
+static void list_from(struct gltf_scene *scene, size_t root, size_t *waiting)
+{
+    size_t count = 0;
+    waiting[count++] = root;
+    while (count > 0) {
+        size_t at = waiting[--count];
+        const json_t *children = json_object_get(scene->nodes[at].json, "children");
+        scene->nodes[at].is_listed = true;
+        scene->order[scene->listed_count++] = at;
+        for (size_t k = json_array_size(children); k-- > 0;) {
+            waiting[count++] = (size_t)gltf_value(json_array_get(children, k), -1);
+        }
+    }
+}
+
+/* What the scene shows, then what else there is; without any scene all is shown. */
+static void read_order(struct gltf_scene *scene, size_t *waiting)
+{
+    struct gltf *gltf = &scene->gltf;
+    struct gltf_node *nodes = scene->nodes;
+    long long index = gltf_number(gltf->root, "scene", 0), below = -1;
+    const json_t *entry = gltf_entry(gltf, "scenes", index);
+    const json_t *roots = json_object_get(entry, "nodes");
+    bool has_scenes = gltf_entry_count(gltf, "scenes") > 0;
+    gltf_check(gltf, !has_scenes || entry != NULL, PCCD_E_INDEX,
+               "scene %lld: there is none", index);
+    for (size_t k = 0; k < json_array_size(roots) && gltf->status == PCCD_OK; k++) {
+        long long root = gltf_value(json_array_get(roots, k), -1);
+        if (gltf_check(gltf, root >= 0 && (size_t)root < scene->node_count, PCCD_E_INDEX,
+                       "scene %lld: there is no node %lld", index, root) &&
+            gltf_check(gltf, !nodes[root].is_listed, PCCD_E_FORMAT,
+                       "scene %lld: node %lld is there twice", index, root)) {
+            if (nodes[root].parent >= 0) {
+                below = root;
+            } else {
+                list_from(scene, (size_t)root, waiting);
+            }
+        }
+    }
+    scene->shown_count = scene->listed_count;
+    for (size_t i = 0; i < scene->node_count; i++) {
+        if (nodes[i].parent < 0 && !nodes[i].is_listed) {
+            list_from(scene, i, waiting);
+        }
+    }
+    for (size_t i = 0; i < scene->node_count; i++) {
+        gltf_check(gltf, nodes[i].is_listed, PCCD_E_FORMAT, "node %zu: is below itself",
+                   i);
+    }
+    gltf_check(gltf, below < 0, PCCD_E_FORMAT,
+               "scene %lld: node %lld is a child of another node", index, below);
+    scene->shown_count = has_scenes ? scene->shown_count : scene->listed_count;
+}
+
+static void read_nodes(struct gltf_scene *scene)
+{
+    struct gltf *gltf = &scene->gltf;
+    size_t count = scene->node_count = gltf_entry_count(gltf, "nodes");
+    scene->nodes = gltf_alloc(gltf, count, sizeof *scene->nodes, "nodes");
+    scene->order = gltf_alloc(gltf, count, sizeof *scene->order, "nodes");
+    size_t *waiting = gltf_alloc(gltf, count, sizeof *waiting, "nodes");
+    for (size_t i = 0; i < count && gltf->status == PCCD_OK; i++) {
+        read_node(scene, i);
+    }
+    for (size_t i = 0; i < count && gltf->status == PCCD_OK; i++) {
+        read_children(scene, i);
+    }
+    if (gltf->status == PCCD_OK) {
+        read_order(scene, waiting);
+    }
+}
+
+/* It and its parents move a mesh. */
+static void mark(struct gltf_scene *scene, long long node)
+{
+    for (; node >= 0 && !scene->nodes[node].moves_mesh;
+         node = scene->nodes[node].parent) {
+        scene->nodes[node].moves_mesh = true;
+    }
+}
+
 /* ---- objects ----------------------------------------------------------------------- */
 
-static int read_skin(struct gltf_scene *scene, int64_t index)
+/* Its joints move what has a skin, wherever they stand. NULL: there is none. */
+static struct gltf_skin *read_skin(struct gltf_scene *scene, long long index)
 {
     struct gltf *gltf = &scene->gltf;
     const json_t *entry = gltf_entry(gltf, "skins", index);
-    if (entry == NULL) {
-        return gltf_fail(gltf, PCCD_E_INDEX, "skin %" PRId64 ": there is none", index);
+    if (!gltf_check(gltf, entry != NULL, PCCD_E_INDEX, "skin %lld: there is none",
+                    index)) {
+        return NULL;
     }
     struct gltf_skin *skin = &scene->skins[index];
-    if (skin->is_read) {
-        return PCCD_OK;
-    }
+    skin->json = entry;
     skin->joints = json_object_get(entry, "joints");
     skin->joint_count = json_array_size(skin->joints);
-    skin->places = calloc(skin->joint_count + 1, sizeof *skin->places);
-    if (skin->places == NULL) {
-        return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu joints",
-                         skin->joint_count);
-    }
     for (size_t i = 0; i < skin->joint_count; i++) {
-        const json_t *number = json_array_get(skin->joints, i);
-        json_int_t node = json_is_integer(number) ? json_integer_value(number) : -1;
-        if (node < 0 || (uint64_t)node >= scene->tree.count) {
-            return gltf_fail(gltf, PCCD_E_INDEX,
-                             "skin %" PRId64 ": joint %zu is node %" JSON_INTEGER_FORMAT
-                             " of %zu",
-                             index, i, node, scene->tree.count);
+        long long node = gltf_value(json_array_get(skin->joints, i), -1);
+        if (gltf_check(gltf, node >= 0 && (size_t)node < scene->node_count, PCCD_E_INDEX,
+                       "skin %lld: joint %zu is node %lld of %zu", index, i, node,
+                       scene->node_count)) {
+            mark(scene, node);
         }
-        gltf_tree_mark(&scene->tree, (size_t)node);
     }
-    int status = PCCD_OK;
-    if (json_object_get(entry, "inverseBindMatrices") != NULL) {
-        status = gltf_accessor_find(gltf, gltf_number(entry, "inverseBindMatrices", -1),
-                                    "MAT4", GLTF_FLOAT, &skin->inverses);
-    }
-    if (status == PCCD_OK && skin->inverses.components > 0 &&
-        skin->inverses.count < skin->joint_count) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "accessor %zu: %zu inverse bind matrices for %zu joints",
-                         skin->inverses.index, skin->inverses.count, skin->joint_count);
-    }
-    skin->is_read = status == PCCD_OK;
-    return status;
+    return skin;
 }
 
-/* All of a skinned mesh has joints, of its skin. */
-static int judge_influences(struct gltf *gltf, const struct gltf_mesh *mesh,
-                            const struct gltf_object *object, size_t joint_count)
-{
-    for (size_t r = 0; r < mesh->run_count; r++) {
-        const struct gltf_run *run = &mesh->runs[r];
-        if (run->influence_count == 0) {
-            return gltf_fail(gltf, PCCD_E_FORMAT,
-                             "mesh %zu: has no joints for the skin of node %zu",
-                             object->mesh, object->node);
-        }
-        for (size_t i = 0; i < run->influence_count * run->positions.count * 4; i++) {
-            const struct gltf_accessor *joints =
-                &run->influences[i / 4 / run->positions.count].joints;
-            size_t vertex = i / 4 % run->positions.count;
-            uint32_t joint = gltf_accessor_integer(joints, vertex, i % 4);
-            if (joint >= joint_count) {
-                return gltf_fail(gltf, PCCD_E_INDEX,
-                                 "accessor %zu: vertex %zu has joint %" PRIu32 " of %zu",
-                                 joints->index, vertex, joint, joint_count);
-            }
-        }
-    }
-    return PCCD_OK;
-}
-
-static int read_instances(struct gltf *gltf, const struct gltf_node *node, size_t index,
-                          struct gltf_instances *instances)
-{
-    const json_t *extension = json_object_get(
-        json_object_get(json_object_get(node->json, "extensions"), INSTANCING),
-        "attributes");
-    static const char *const names[3] = {"TRANSLATION", "ROTATION", "SCALE"};
-    struct gltf_accessor *const found[3] = {&instances->translations,
-                                            &instances->rotations, &instances->scales};
-    for (int i = 0; i < 3; i++) {
-        if (json_object_get(extension, names[i]) == NULL) {
-            continue;
-        }
-        int status = gltf_accessor_find(gltf, gltf_number(extension, names[i], -1),
-                                        i == 1 ? "VEC4" : "VEC3",
-                                        i == 1 ? GLTF_FRACTIONS : GLTF_FLOAT, found[i]);
-        if (status != PCCD_OK) {
-            return status;
-        }
-        if (instances->count > 0 && found[i]->count != instances->count) {
-            return gltf_fail(gltf, PCCD_E_FORMAT,
-                             "node %zu: %s of %zu instances, others of %zu", index,
-                             names[i], found[i]->count, instances->count);
-        }
-        instances->count = found[i]->count;
-    }
-    return PCCD_OK;
-}
-
-/* The weights of the morph targets: of the node, else of the mesh, else 0. */
-static int read_weights(struct gltf_scene *scene, size_t index, size_t mesh)
-{
-    struct gltf_node *node = &scene->tree.nodes[index];
-    const json_t *entry = gltf_entry(&scene->gltf, "meshes", (int64_t)mesh);
-    bool has_own = json_object_get(node->json, "weights") != NULL;
-    node->weight_count = scene->meshes[mesh].target_count;
-    node->weights = calloc(node->weight_count + 1, sizeof *node->weights);
-    if (node->weights == NULL) {
-        return gltf_fail(&scene->gltf, PCCD_E_NOMEM, "no memory for %zu weights",
-                         node->weight_count);
-    }
-    return gltf_numbers(&scene->gltf, has_own ? node->json : entry, "weights",
-                        node->weight_count, node->weights, has_own ? "node" : "mesh",
-                        has_own ? index : mesh);
-}
-
-static int add_object(struct gltf_scene *scene, struct gltf_object *object)
+/* What a node shows, without its vertices. The weights of the morph targets are those of
+ * the node, else of the mesh, else 0. */
+static void read_object(struct gltf_scene *scene, size_t index)
 {
     struct gltf *gltf = &scene->gltf;
-    uint64_t vertices = scene->meshes[object->mesh].vertex_count;
-    void *objects = scene->objects;
-    if (scene->vertex_count + vertices > CTL_MESH_COUNT_MAX) {
-        return gltf_fail(gltf, PCCD_E_LIMIT, "more than %" PRIu64 " vertices",
-                         CTL_MESH_COUNT_MAX);
-    }
-    if (!array_reserve(&objects, scene->object_count, &scene->object_room,
-                       sizeof *object)) {
-        return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu objects",
-                         scene->object_count);
-    }
-    object->vertex_first = scene->vertex_count;
-    scene->vertex_count += (uint32_t)vertices;
-    scene->objects = objects;
-    scene->objects[scene->object_count++] = *object;
-    return PCCD_OK;
-}
-
-/* The objects of one node. */
-static int read_node(struct gltf_scene *scene, size_t index)
-{
-    struct gltf *gltf = &scene->gltf;
-    const json_t *json = scene->tree.nodes[index].json;
-    const char *name = json_string_value(json_object_get(json, "name"));
-    int64_t mesh = gltf_number(json, "mesh", -1);
-    if (json_object_get(json, "mesh") == NULL ||
-        (gltf->is_export && (name == NULL || strncmp(name, "object ", 7) != 0))) {
-        return PCCD_OK;
-    }
-    if (mesh < 0 || (uint64_t)mesh >= scene->mesh_count) {
-        return gltf_fail(gltf, PCCD_E_INDEX, "node %zu: there is no mesh %" PRId64, index,
-                         mesh);
-    }
-    struct gltf_object object = {.node = index, .mesh = (size_t)mesh, .instance = -1};
-    bool has_skin = json_object_get(json, "skin") != NULL;
-    object.skin = has_skin ? gltf_number(json, "skin", -1) : -1;
-    int status = scene->meshes[mesh].is_read
-                     ? PCCD_OK
-                     : gltf_mesh_read(gltf, mesh, &scene->meshes[mesh]);
-    if (status == PCCD_OK) {
-        status = read_weights(scene, index, object.mesh);
-    }
-    if (status == PCCD_OK && has_skin) {
-        status = read_skin(scene, object.skin);
-        if (status == PCCD_OK) {
-            status = judge_influences(gltf, &scene->meshes[mesh], &object,
-                                      scene->skins[object.skin].joint_count);
-        }
-    } else if (status == PCCD_OK) {
-        gltf_tree_mark(&scene->tree, index);
-    }
-    if (status == PCCD_OK) {
-        status =
-            read_instances(gltf, &scene->tree.nodes[index], index, &object.instances);
-    }
-    bool has_instances = object.instances.translations.components > 0 ||
-                         object.instances.rotations.components > 0 ||
-                         object.instances.scales.components > 0;
-    if (status == PCCD_OK && has_instances && has_skin) {
-        return gltf_fail(gltf, PCCD_E_FORMAT,
-                         "node %zu: has a skin and \"" INSTANCING "\"", index);
-    }
-    size_t count = has_instances ? object.instances.count : 1;
-    for (size_t i = 0; i < count && status == PCCD_OK; i++) {
-        object.instance = has_instances ? (int64_t)i : -1;
-        status = add_object(scene, &object);
-    }
-    return status;
-}
-
-int gltf_scene_open(struct ctl_file *file, const struct ctl_motion_wish *wish,
-                    struct ctl_error *error, struct gltf_scene *scene)
-{
-    *scene = (struct gltf_scene){.object_count = 0};
-    struct gltf *gltf = &scene->gltf;
-    int status = gltf_open(file, error, gltf);
-    if (status == PCCD_OK) {
-        status = gltf_tree_read(gltf, &scene->tree);
-    }
-    if (status != PCCD_OK) {
-        return status;
-    }
-    scene->mesh_count = gltf_entry_count(gltf, "meshes");
-    scene->skin_count = gltf_entry_count(gltf, "skins");
-    scene->meshes = calloc(scene->mesh_count + 1, sizeof *scene->meshes);
-    scene->skins = calloc(scene->skin_count + 1, sizeof *scene->skins);
-    if (scene->meshes == NULL || scene->skins == NULL) {
-        return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for %zu meshes and %zu skins",
-                         scene->mesh_count, scene->skin_count);
-    }
-    for (size_t i = 0; i < scene->tree.shown_count && status == PCCD_OK; i++) {
-        status = read_node(scene, scene->tree.shown[i]);
-    }
-    /* The animation of an export is the step itself, of which it shows one moment. */
-    if (status == PCCD_OK && !gltf->is_export) {
-        status = gltf_animation_read(gltf, &scene->tree, wish, &scene->animation);
-    }
-    return status;
-}
-
-void gltf_scene_close(struct gltf_scene *scene)
-{
-    for (size_t i = 0; scene->meshes != NULL && i < scene->mesh_count; i++) {
-        gltf_mesh_deinit(&scene->meshes[i]);
-    }
-    for (size_t i = 0; scene->skins != NULL && i < scene->skin_count; i++) {
-        free(scene->skins[i].places);
-    }
-    free(scene->meshes);
-    free(scene->skins);
-    free(scene->objects);
-    gltf_animation_deinit(&scene->animation);
-    gltf_tree_deinit(&scene->tree);
-    gltf_close(&scene->gltf);
-}
-
-int gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to)
-{
-    struct gltf *gltf = &scene->gltf;
-    int status = PCCD_OK;
-    for (size_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-        const struct gltf_object *object = &scene->objects[i];
-        const json_t *mesh = gltf_entry(gltf, "meshes", (int64_t)object->mesh);
-        const json_t *named =
-            json_object_get(scene->tree.nodes[object->node].json, "name");
-        named = json_is_string(named) ? named : json_object_get(mesh, "name");
-        const char *given = json_string_value(named);
-        size_t bytes = (given != NULL ? strlen(given) : 0) + 64;
-        char *name = malloc(bytes);
-        if (name == NULL) {
-            return gltf_fail(gltf, PCCD_E_NOMEM, "no memory for a name of %zu bytes",
-                             bytes);
-        }
-        int length = given != NULL ? snprintf(name, bytes, "%s", given)
-                                   : snprintf(name, bytes, "node %zu", object->node);
-        if (object->instance >= 0) {
-            length += snprintf(name + length, bytes - (size_t)length, " [%" PRId64 "]",
-                               object->instance);
-        }
-        status = ctl_mesh_add_object(to, name, (size_t)length);
-        free(name);
-        if (status == PCCD_OK) {
-            status = gltf_mesh_add(gltf, &scene->meshes[object->mesh],
-                                   object->vertex_first, to);
-        }
-    }
-    return status;
-}
-
-/* ---- vertices ---------------------------------------------------------------------- */
-
-static int place_joints(struct gltf_scene *scene, struct gltf_skin *skin)
-{
-    for (size_t i = 0; i < skin->joint_count; i++) {
-        json_int_t node = json_integer_value(json_array_get(skin->joints, i));
-        double columns[16];
-        struct gltf_place inverse;
-        skin->places[i] = scene->tree.nodes[node].world;
-        if (skin->inverses.components == 0) {
-            continue;
-        }
-        gltf_accessor_read(&skin->inverses, i, columns);
-        if (!gltf_place_of_matrix(columns, &inverse)) {
-            return gltf_fail(&scene->gltf, PCCD_E_FORMAT,
-                             "accessor %zu: the last row of matrix %zu is not 0 0 0 1",
-                             skin->inverses.index, i);
-        }
-        skin->places[i] = gltf_place_product(&skin->places[i], &inverse);
-    }
-    return PCCD_OK;
-}
-
-/* Where a vertex goes by its joints: their places, each by its part of the weights. */
-static int find_blend(struct gltf_scene *scene, const struct gltf_run *run,
-                      const struct gltf_skin *skin, size_t vertex,
-                      struct gltf_place *blend)
-{
-    double sum = 0;
-    *blend = (struct gltf_place){{{0}}};
-    for (size_t set = 0; set < run->influence_count; set++) {
-        const struct gltf_influence *influence = &run->influences[set];
-        double weights[4];
-        gltf_accessor_read(&influence->weights, vertex, weights);
-        for (size_t k = 0; k < 4; k++) {
-            uint32_t joint = gltf_accessor_integer(&influence->joints, vertex, k);
-            const double *from = &skin->places[joint].m[0][0];
-            sum += weights[k];
-            for (int i = 0; i < 12 && weights[k] != 0; i++) {
-                (&blend->m[0][0])[i] += weights[k] * from[i];
-            }
-        }
-    }
-    if (!(sum > 0)) {
-        return gltf_fail(&scene->gltf, PCCD_E_FORMAT,
-                         "accessor %zu: the weights of vertex %zu have the sum %g",
-                         run->influences[0].weights.index, vertex, sum);
-    }
-    /* Rounded weights have not quite the sum 1, and would draw it towards the origin. */
-    for (int i = 0; i < 12 && sum != 1; i++) {
-        (&blend->m[0][0])[i] /= sum;
-    }
-    return PCCD_OK;
-}
-
-/* A vertex of a run, moved by the morph targets. */
-static void read_vertex(const struct gltf_scene *scene, const struct gltf_node *node,
-                        const struct gltf_run *run, size_t vertex, double x[3])
-{
-    gltf_accessor_read(&run->positions, vertex, x);
-    for (size_t k = 0; k < node->weight_count; k++) {
-        double by[3];
-        if (node->weights[k] == 0 || run->targets[k].count == 0) {
-            continue;
-        }
-        gltf_accessor_read(&run->targets[k], vertex, by);
-        for (int axis = 0; axis < 3; axis++) {
-            x[axis] += node->weights[k] * by[axis];
-        }
-    }
-    /* An export has the difference of two floats, rounded: so is their sum. */
-    for (int axis = 0; axis < 3 && scene->gltf.is_export; axis++) {
-        x[axis] = (double)(float)x[axis];
-    }
-}
-
-static int place_run(struct gltf_scene *scene, const struct gltf_object *object,
-                     const struct gltf_run *run, const struct gltf_place *place,
-                     double (*x)[3])
-{
-    const struct gltf_node *node = &scene->tree.nodes[object->node];
-    for (size_t i = 0; i < run->positions.count; i++) {
-        struct gltf_place blend;
-        if (object->skin >= 0) {
-            int status = find_blend(scene, run, &scene->skins[object->skin], i, &blend);
-            if (status != PCCD_OK) {
-                return status;
-            }
-            place = &blend;
-        }
-        read_vertex(scene, node, run, i, x[i]);
-        gltf_place_apply(place, x[i]);
-        for (int axis = 0; axis < 3; axis++) {
-            if (!common_is_coordinate(x[i][axis])) {
-                return gltf_fail(&scene->gltf, PCCD_E_NOTFINITE,
-                                 "vertex %zu: coordinate %c is %g; |x| <= 1e18 is needed",
-                                 object->vertex_first + run->first + i, "xyz"[axis],
-                                 x[i][axis]);
-            }
-        }
-    }
-    return PCCD_OK;
-}
-
-/* Where an object is that has no skin. */
-static int place_object(struct gltf_scene *scene, const struct gltf_object *object,
-                        struct gltf_place *place)
-{
-    const struct gltf_instances *instances = &object->instances;
-    double translation[3] = {0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
-    const struct gltf_accessor *const given[3] = {
-        &instances->translations, &instances->rotations, &instances->scales};
-    double *const values[3] = {translation, rotation, scale};
-    *place = scene->tree.nodes[object->node].world;
-    if (object->instance < 0) {
-        return PCCD_OK;
-    }
-    for (int i = 0; i < 3; i++) {
-        if (given[i]->components > 0) {
-            gltf_accessor_read(given[i], (size_t)object->instance, values[i]);
-        }
-    }
-    struct gltf_place inner;
-    if (!gltf_place_of(translation, rotation, scale, &inner)) {
-        return gltf_fail(&scene->gltf, PCCD_E_FORMAT,
-                         "node %zu: the rotation of instance %" PRId64 " has no length",
-                         object->node, object->instance);
-    }
-    *place = gltf_place_product(place, &inner);
-    return PCCD_OK;
-}
-
-int gltf_scene_place(struct gltf_scene *scene, uint32_t frame, double (*x)[3])
-{
-    if (scene->animation.frame_count > 0) {
-        gltf_animation_pose(&scene->animation, &scene->tree,
-                            gltf_animation_time(&scene->animation, frame));
-    }
-    int status = gltf_tree_place(&scene->gltf, &scene->tree);
-    for (size_t i = 0; i < scene->skin_count && status == PCCD_OK; i++) {
-        status =
-            scene->skins[i].is_read ? place_joints(scene, &scene->skins[i]) : PCCD_OK;
-    }
-    for (size_t i = 0; i < scene->object_count && status == PCCD_OK; i++) {
-        const struct gltf_object *object = &scene->objects[i];
-        const struct gltf_mesh *mesh = &scene->meshes[object->mesh];
-        struct gltf_place place;
-        status = object->skin >= 0 ? PCCD_OK : place_object(scene, object, &place);
-        for (size_t r = 0; r < mesh->run_count && status == PCCD_OK; r++) {
-            const struct gltf_run *run = &mesh->runs[r];
-            status = place_run(scene, object, run, &place,
-                               x + object->vertex_first + run->first);
-        }
-    }
-    return status;
-}
-
-void gltf_scene_name(const struct gltf_scene *scene, uint32_t frame, char *text,
-                     size_t bytes)
-{
-    if (scene->animation.frame_count == 0) {
-        snprintf(text, bytes, "at rest");
+    struct gltf_node *node = &scene->nodes[index];
+    const char *name = json_string_value(json_object_get(node->json, "name"));
+    const json_t *skin = json_object_get(node->json, "skin");
+    long long number = gltf_number(node->json, "mesh", -1);
+    const json_t *entry = gltf_entry(gltf, "meshes", number);
+    if (json_object_get(node->json, "mesh") == NULL ||
+        (gltf->is_export && (name == NULL || strncmp(name, "object ", 7) != 0)) ||
+        !gltf_check(gltf, entry != NULL, PCCD_E_INDEX, "node %zu: there is no mesh %lld",
+                    index, number)) {
         return;
     }
-    /* As few digits as tell keys apart, which are floats in the file. */
-    double time = gltf_animation_time(&scene->animation, frame);
-    for (int digits = 6; digits <= 9; digits++) {
-        snprintf(text, bytes, "%.*g s", digits, time);
-        if ((float)strtod(text, NULL) == (float)time) {
-            break;
+    struct gltf_mesh *mesh = &scene->meshes[number];
+    struct gltf_object *object = &scene->objects[scene->object_count++];
+    object->node = index;
+    object->mesh = mesh;
+    mesh->json = entry;
+    mesh->primitives = json_object_get(entry, "primitives");
+    mesh->target_count =
+        json_array_size(json_object_get(json_array_get(mesh->primitives, 0), "targets"));
+    bool has_own = json_object_get(node->json, "weights") != NULL;
+    node->weight_count = mesh->target_count;
+    node->weights = gltf_alloc(gltf, node->weight_count, sizeof(double), "weights");
+    if (node->weights == NULL) {
+        return;
+    }
+    gltf_numbers(gltf, has_own ? node->json : entry, "weights", node->weight_count,
+                 node->weights, has_own ? "node" : "mesh",
+                 has_own ? index : (size_t)number);
+    if (skin != NULL) {
+        object->skin = read_skin(scene, gltf_value(skin, -1));
+    } else {
+        mark(scene, (long long)index);
+    }
+}
+
+void gltf_scene_open(struct ctl_file *file, const struct ctl_motion_wish *wish,
+                     struct ctl_error *error, struct gltf_scene *scene)
+{
+    struct gltf *gltf = &scene->gltf;
+    *scene = (struct gltf_scene){.object_count = 0};
+    gltf_open(file, error, gltf);
+    size_t meshes = gltf_entry_count(gltf, "meshes");
+    size_t skins = gltf_entry_count(gltf, "skins");
+    read_nodes(scene);
+    scene->meshes = gltf_alloc(gltf, meshes, sizeof *scene->meshes, "meshes");
+    scene->skins = gltf_alloc(gltf, skins, sizeof *scene->skins, "skins");
+    scene->objects =
+        gltf_alloc(gltf, scene->shown_count, sizeof *scene->objects, "objects");
+    for (size_t i = 0; i < scene->shown_count && gltf->status == PCCD_OK; i++) {
+        read_object(scene, scene->order[i]);
+    }
+    /* The animation of an export is the step itself, of which it shows one moment. */
+    if (gltf->status == PCCD_OK && !gltf->is_export) {
+        gltf_animation_read(scene, wish);
+    }
+}
+
+static void load_skin(struct gltf *gltf, const struct gltf_object *object, size_t mesh)
+{
+    struct gltf_skin *skin = object->skin;
+    const json_t *inverses = json_object_get(skin->json, "inverseBindMatrices");
+    for (size_t r = 0; r < object->mesh->run_count; r++) {
+        gltf_check(gltf, object->mesh->runs[r].set_count > 0, PCCD_E_FORMAT,
+                   "mesh %zu: has no joints for the skin of node %zu", mesh,
+                   object->node);
+    }
+    skin->places = gltf_alloc(gltf, skin->joint_count, sizeof *skin->places, "joints");
+    if (inverses != NULL) {
+        skin->inverses = gltf_find(gltf, inverses, GLTF_MATRICES);
+        gltf_check(gltf, skin->inverses.count >= skin->joint_count, PCCD_E_FORMAT,
+                   "accessor %zu: %zu inverse bind matrices for %zu joints",
+                   skin->inverses.index, skin->inverses.count, skin->joint_count);
+    }
+}
+
+static void load_instances(struct gltf_scene *scene, struct gltf_object *object)
+{
+    struct gltf *gltf = &scene->gltf;
+    const json_t *extensions =
+        json_object_get(scene->nodes[object->node].json, "extensions");
+    const json_t *attributes =
+        json_object_get(json_object_get(extensions, INSTANCING), "attributes");
+    object->instance_count = 1;
+    for (int i = 0; i < GLTF_POSE_PATHS; i++) {
+        const char *name = gltf_path_kinds[i].instance_name;
+        const json_t *number = json_object_get(attributes, name);
+        if (number == NULL) {
+            continue;
+        }
+        struct gltf_accessor given = gltf_find(gltf, number, gltf_path_kinds[i].role);
+        gltf_check(gltf, !object->has_instances || given.count == object->instance_count,
+                   PCCD_E_FORMAT, "node %zu: %s of %zu instances, others of %zu",
+                   object->node, name, given.count, object->instance_count);
+        object->instances[i] = given;
+        object->instance_count = given.count;
+        object->has_instances = true;
+    }
+    gltf_check(gltf, !object->has_instances || object->skin == NULL, PCCD_E_FORMAT,
+               "node %zu: has a skin and \"" INSTANCING "\"", object->node);
+}
+
+void gltf_scene_load(struct gltf_scene *scene)
+{
+    struct gltf *gltf = &scene->gltf;
+    if (scene->is_loaded) {
+        return;
+    }
+    for (size_t i = 0; i < scene->object_count && gltf->status == PCCD_OK; i++) {
+        struct gltf_object *object = &scene->objects[i];
+        struct gltf_mesh *mesh = object->mesh;
+        size_t number = (size_t)(mesh - scene->meshes);
+        if (mesh->runs == NULL) {
+            gltf_mesh_read(gltf, number, mesh);
+        }
+        if (object->skin != NULL) {
+            load_skin(gltf, object, number);
+        }
+        load_instances(scene, object);
+        object->first = scene->vertex_count;
+        gltf_check(gltf,
+                   mesh->vertex_count == 0 ||
+                       object->instance_count <=
+                           (CTL_MESH_COUNT_MAX - object->first) / mesh->vertex_count,
+                   PCCD_E_LIMIT, "more than %" PRIu64 " vertices", CTL_MESH_COUNT_MAX);
+        scene->vertex_count = gltf_object_first(object, object->instance_count);
+    }
+    scene->is_loaded = gltf->status == PCCD_OK;
+}
+
+uint32_t gltf_object_first(const struct gltf_object *object, size_t instance)
+{
+    return object->first + (uint32_t)(instance * object->mesh->vertex_count);
+}
+
+void gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to)
+{
+    struct gltf *gltf = &scene->gltf;
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct gltf_object *object = &scene->objects[i];
+        const json_t *named = json_object_get(scene->nodes[object->node].json, "name");
+        named =
+            json_is_string(named) ? named : json_object_get(object->mesh->json, "name");
+        const char *given = json_string_value(named);
+        size_t bytes = (given != NULL ? strlen(given) : 0) + 64;
+        char *name = gltf_alloc(gltf, bytes, 1, "bytes of a name");
+        for (size_t k = 0; k < object->instance_count && gltf->status == PCCD_OK; k++) {
+            int length = given != NULL ? snprintf(name, bytes, "%s", given)
+                                       : snprintf(name, bytes, "node %zu", object->node);
+            if (object->has_instances) {
+                length += snprintf(name + length, bytes - (size_t)length, " [%zu]", k);
+            }
+            gltf->status = ctl_mesh_add_object(to, name, (size_t)length);
+            gltf_mesh_add(gltf, object->mesh, gltf_object_first(object, k), to);
         }
     }
 }

@@ -1,67 +1,147 @@
-/* client/ctl/mesh/gltf_scene.h - what a glTF file shows, as vertices at any time.
+/* client/ctl/mesh/gltf_scene.h - what a glTF file shows.
  *
- * Room:     client/ctl. May include: the headers of gltf_*.c, meshfile.h.
- * Does:     the objects of a scene, one for each node that has a mesh, or each of its
- *           instances (EXT_mesh_gpu_instancing); morph targets, skins, nodes in doubles.
- *           Of an export of pccdctl the objects, not what marks contacts.
- * Does not: choose a time.
- * Threads:  one at a time.
- * Source:   "glTF 2.0 Specification", 3.7.
+ * What goes wrong is told as gltf_file.h says, in `gltf`.
+ *
+ * Source: "glTF 2.0 Specification", 3.5, 3.7, 3.11 and appendix C.
  */
 #ifndef CTL_GLTF_SCENE_H
 #define CTL_GLTF_SCENE_H
 
-#include "gltf_animation.h"
-#include "gltf_mesh.h"
-#include "gltf_node.h"
+#include "gltf_file.h"
+#include "meshfile.h"
 
-/* Where the instances of a node are, besides the node's own place. */
-struct gltf_instances {
-    struct gltf_accessor translations, rotations, scales; /* count 0: not given */
-    size_t count;
+/* What moves of a node: the first three are its pose. */
+enum gltf_path { GLTF_TRANSLATION, GLTF_ROTATION, GLTF_SCALE, GLTF_WEIGHTS, GLTF_PATHS };
+#define GLTF_POSE_PATHS GLTF_WEIGHTS
+
+struct gltf_path_kind {
+    const char *name, *instance_name; /* of a node; of instances */
+    size_t numbers;                   /* of one value */
+    enum gltf_role role;
+    double still[4]; /* what it is unless the file says so */
+};
+extern const struct gltf_path_kind gltf_path_kinds[GLTF_PATHS];
+
+/* Where something is: three rows of its axes and its origin. */
+struct gltf_place {
+    double m[12];
 };
 
-struct gltf_object {
-    size_t node, mesh;
-    int64_t skin;     /* -1: none */
-    int64_t instance; /* of those of its node; -1: the node itself */
-    struct gltf_instances instances;
-    uint32_t vertex_first;
+struct gltf_node {
+    const json_t *json;
+    long long parent; /* -1: none */
+    bool is_listed;
+    bool moves_mesh; /* it or what is below it has vertices, or is a joint */
+    bool has_matrix; /* of these columns, instead of a pose */
+    double matrix[16];
+    double pose[GLTF_POSE_PATHS][4]; /* now; the rotation of any length but 0 */
+    struct gltf_place world;         /* now */
+    double *weights; /* [weight_count]: of the morph targets, now; NULL: none */
+    size_t weight_count;
+    size_t moved_by[GLTF_PATHS]; /* the last animation that does, from 1; 0: none */
+};
+
+/* Vertices that primitives share when they have the same attributes. */
+struct gltf_run {
+    const json_t *primitive; /* the first one */
+    uint32_t first;          /* vertex of the mesh */
+    struct gltf_accessor positions;
+    struct gltf_accessor
+        *targets; /* [target_count of the mesh]; count 0: moves nothing */
+    struct gltf_accessor *joints, *weights; /* [set_count], four each */
+    size_t set_count;
+};
+
+struct gltf_mesh {
+    const json_t *json, *primitives;
+    size_t target_count;
+    struct gltf_run *runs; /* [run_count]; NULL: not read yet */
+    size_t run_count;
+    size_t *run_of; /* [primitives] */
+    uint64_t vertex_count;
 };
 
 struct gltf_skin {
-    bool is_read;
-    const json_t *joints; /* the numbers of their nodes */
+    const json_t *json, *joints; /* joints: the numbers of their nodes */
     size_t joint_count;
-    struct gltf_accessor inverses; /* count 0: none are given */
+    struct gltf_accessor inverses; /* of type 0: none are given */
     struct gltf_place *places;     /* [joint_count]: now */
+};
+
+/* What one node shows: a mesh, or as many as it has instances (EXT_mesh_gpu_instancing).
+ * Of an export of pccdctl only its objects are that, not what marks contacts. */
+struct gltf_object {
+    size_t node;
+    struct gltf_mesh *mesh;
+    struct gltf_skin *skin; /* NULL: none */
+    bool has_instances;
+    size_t instance_count;
+    struct gltf_accessor instances[GLTF_POSE_PATHS]; /* of type 0: not given */
+    uint32_t first;                                  /* vertex */
+};
+
+/* One thing of one node that an animation moves. */
+struct gltf_channel {
+    const json_t *json;
+    size_t animation, node;
+    enum gltf_path path;
+    enum { GLTF_STEP, GLTF_LINEAR, GLTF_CUBICSPLINE, GLTF_BETWEEN } between;
+    struct gltf_accessor times, values;
+};
+
+struct gltf_animation {
+    struct gltf_channel *channels; /* [channel_count]: that are played */
+    size_t channel_count;
+    double *times; /* [time_count]: of all keys, ascending */
+    size_t time_count;
+    double rate;          /* frames a second; 0: a frame at each of the times */
+    uint32_t frame_count; /* 0: nothing moves */
+    /* For the report. */
+    size_t moving_count; /* animations of the file that move a mesh, */
+    size_t read_count;   /* and that are played, */
+    size_t first;        /* of which this is the first one */
+    double turn_degrees; /* the greatest of a node between two keyframes */
+    bool is_curved;      /* a node moves along a curve between two keys */
 };
 
 struct gltf_scene {
     struct gltf gltf;
-    struct gltf_tree tree;
-    struct gltf_mesh *meshes; /* [mesh_count] */
-    struct gltf_skin *skins;  /* [skin_count] */
-    size_t mesh_count, skin_count;
-    struct gltf_object *objects;
-    size_t object_count, object_room;
+    struct gltf_node *nodes; /* [node_count] */
+    size_t *order;           /* [node_count]: parents first; the first ones are shown */
+    size_t node_count, listed_count, shown_count;
+    struct gltf_mesh *meshes;
+    struct gltf_skin *skins;
+    struct gltf_object *objects; /* [object_count] */
+    size_t object_count;
+    bool is_loaded;
     uint32_t vertex_count;
     struct gltf_animation animation;
 };
 
-/* Read what a loaded file shows, and of its animations what is wished for
- * (gltf_animation.h). Errors as of the headers above. gltf_scene_close also after an
- * error. */
-int gltf_scene_open(struct ctl_file *file, const struct ctl_motion_wish *wish,
-                    struct ctl_error *error, struct gltf_scene *scene);
-void gltf_scene_close(struct gltf_scene *scene);
+/* Read what a file has that was opened, but no mesh, and of its animations those that are
+ * wished for. gltf_close also after an error. */
+void gltf_scene_open(struct ctl_file *file, const struct ctl_motion_wish *wish,
+                     struct ctl_error *error, struct gltf_scene *scene);
+/* Read the meshes, once. */
+void gltf_scene_load(struct gltf_scene *scene);
 /* Add the objects and their features. */
-int gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to);
-/* Put everything where it is at a frame, and fill x[vertex_count][3]. Errors: E_FORMAT,
- * E_INDEX, E_NOTFINITE. */
-int gltf_scene_place(struct gltf_scene *scene, uint32_t frame, double (*x)[3]);
-/* The time of a frame as text, such as "0.25 s". */
-void gltf_scene_name(const struct gltf_scene *scene, uint32_t frame, char *text,
-                     size_t bytes);
+void gltf_scene_add(struct gltf_scene *scene, struct ctl_mesh *to);
+
+/* Find positions, morph targets, joints and weights of a mesh. */
+void gltf_mesh_read(struct gltf *gltf, size_t index, struct gltf_mesh *mesh);
+/* Add its points, edges and triangles; its vertices begin with `first` in `to`. */
+void gltf_mesh_add(struct gltf *gltf, const struct gltf_mesh *mesh, uint32_t first,
+                   struct ctl_mesh *to);
+/* The first vertex of an instance of an object. */
+uint32_t gltf_object_first(const struct gltf_object *object, size_t instance);
+
+/* Choose the animation that has the name, or the number, of the wish; without one all
+ * that move a mesh, if no two of them move the same, else the first of these. Make frames
+ * of their keyframes or at a rate; what moves no mesh, such as a camera, makes none. */
+void gltf_animation_read(struct gltf_scene *scene, const struct ctl_motion_wish *wish);
+/* When a frame is, in seconds. */
+double gltf_animation_time(const struct gltf_animation *animation, uint32_t frame);
+/* Write to the nodes what they have at a frame. */
+void gltf_animation_pose(struct gltf_scene *scene, uint32_t frame);
 
 #endif
