@@ -6,7 +6,8 @@
 
 lib_LTLIBRARIES += libpccd.la
 noinst_LTLIBRARIES += libclient.la
-include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_near.h
+include_HEADERS += client/lib/pccd.h client/lib/pccd_batch.h client/lib/pccd_near.h \
+    client/lib/pccd_weld.h
 pkgconfig_DATA += client/lib/pccd.pc
 
 libclient_la_SOURCES = \
@@ -83,7 +84,8 @@ libclient_la_SOURCES = \
     client/lib/submit.h \
     client/lib/trace.c \
     client/lib/watch.c \
-    client/lib/watch.h
+    client/lib/watch.h \
+    client/lib/weld.c
 libclient_la_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/proto \
     -iquote $(top_srcdir)/client/lib -iquote $(top_srcdir)/client/record \
     -iquote $(top_srcdir)/client/registry \

@@ -51,6 +51,7 @@
 #include "pccd_near.h"
 #include "pccd_trace.h"
 #include "pccd_types.h"
+#include "pccd_weld.h"
 
 #ifdef __cplusplus
 extern "C" {

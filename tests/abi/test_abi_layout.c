@@ -103,6 +103,11 @@ static void records__keep_their_layout(void **state)
 
 static void check_meshes(void)
 {
+    SIZE(pccd_weld_counts, 24);
+    AT(pccd_weld_counts, joined, 0);
+    AT(pccd_weld_counts, apart, 4);
+    AT(pccd_weld_counts, more, 8);
+    AT(pccd_weld_counts, more_distance, 16);
     SIZE(pccd_mesh_info, 48);
     AT(pccd_mesh_info, vertex_count, 0);
     AT(pccd_mesh_info, triangle_count, 4);

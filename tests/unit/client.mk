@@ -21,6 +21,13 @@ tests_unit_test_reg_positions_LDADD = $(reg_test_ldadd)
 tests_unit_test_reg_registry_CPPFLAGS = $(reg_test_cppflags)
 tests_unit_test_reg_registry_LDADD = $(reg_test_ldadd)
 
+# What libpccd does by itself.
+check_PROGRAMS += tests/unit/test_cli_weld
+TESTS += tests/unit/test_cli_weld
+tests_unit_test_cli_weld_CPPFLAGS = $(AM_CPPFLAGS) -iquote $(top_srcdir)/client/lib \
+    -iquote $(top_srcdir)/proto/common -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
+tests_unit_test_cli_weld_LDADD = libpccd.la $(CMOCKA_LIBS) $(LIBM)
+
 # What libpccd-mpi does without MPI.
 check_PROGRAMS += tests/unit/test_rank_moving
 TESTS += tests/unit/test_rank_moving
