@@ -77,7 +77,6 @@ libctl_la_SOURCES = \
     client/ctl/mesh/polygon.c client/ctl/mesh/polygon.h \
     client/ctl/mesh/stl.c \
     client/ctl/mesh/text.c client/ctl/mesh/text.h \
-    client/ctl/mesh/weld.c client/ctl/mesh/weld.h \
     client/ctl/near/near_csv.c client/ctl/near/near_csv.h \
     client/ctl/near/near_options.c client/ctl/near/near_options.h \
     client/ctl/near/near_report.c client/ctl/near/near_report.h \

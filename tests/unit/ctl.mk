@@ -2,7 +2,7 @@
 
 CTL_TEST_CPPFLAGS = $(AM_CPPFLAGS) $(ctl_cppflags) -I$(top_srcdir)/tests/unit \
     -I$(top_srcdir)/tests/support $(CMOCKA_CFLAGS)
-CTL_TEST_LDADD = libctl.la $(CMOCKA_LIBS) $(LIBM)
+CTL_TEST_LDADD = libctl.la libclient.la $(CMOCKA_LIBS) $(LIBM)
 
 check_LTLIBRARIES += libctlkit.la
 libctlkit_la_SOURCES = tests/unit/ctl_kit.c tests/unit/ctl_kit.h

@@ -1,10 +1,10 @@
 /* tests/unit/test_ctl_weld.c - vertices at one place, in the frames of files.
  *
- * Room:     client/ctl (meshframes.h, weld.h).
+ * Room:     client/ctl (meshframes.h).
  * Does:     write frames whose vertices meet, part, or are nearly at one place.
  * Does not: need a daemon.
  * Threads:  one, and one that writes into a pipe.
- * Source:   client/ctl/mesh/weld.h.
+ * Source:   client/ctl/mesh/meshframes.h.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,6 @@
 
 #include "ctl_kit.h"
 #include "meshframes.h"
-#include "weld.h"
 
 static struct ctl_error error;
 
@@ -103,78 +102,6 @@ static void weld__joins_what_is_as_near_as_was_asked_for(void **state)
     assert_int_equal(frames.welded.joined, 4); /* to 0 and 3 */
     assert_int_equal(frames.welded.flat, 2);
     ctl_frames_close(&frames);
-}
-
-/* If it failed: two vertices that stay together would be parted because a third one that
- * was there, too, has gone; or many at one place would take for ever. */
-static void weld__keeps_together_what_stays_together(void **state)
-{
-    enum { COUNT = 200000 };
-    double(*x)[3] = calloc(COUNT, sizeof *x);
-    struct ctl_weld weld;
-    const struct ctl_places places = {PCCD_FORMAT_F64, x, COUNT};
-    (void)state;
-    assert_non_null(x);
-    assert_int_equal(ctl_weld_begin(&weld, 0, &places, NULL, &error), PCCD_OK);
-    assert_int_equal(weld.joined, COUNT - 1);
-    for (uint32_t i = 0; i < COUNT; i++) {
-        x[i][1] = i % 1000;
-    }
-    assert_int_equal(ctl_weld_frame(&weld, &places, &error), PCCD_OK);
-    assert_int_equal(weld.joined, COUNT - 1000);
-    assert_int_equal(weld.to[123456], 456);
-    memset(x, 0, COUNT * sizeof *x);
-    assert_int_equal(ctl_weld_frame(&weld, &places, &error), PCCD_OK);
-    assert_int_equal(weld.joined, COUNT - 1000); /* what was apart stays so */
-    x[456][0] = 1;
-    assert_int_equal(ctl_weld_frame(&weld, &places, &error), PCCD_OK);
-    assert_int_equal(weld.to[123456], 1456);
-    assert_int_equal(weld.joined, COUNT - 1001);
-    ctl_weld_deinit(&weld);
-    free(x);
-}
-
-/* If it failed: the search in cells would miss pairs across their borders, or join what
- * is farther apart. */
-static void weld__finds_what_comparing_all_finds(void **state)
-{
-    enum { COUNT = 600 };
-    static double x[COUNT][3];
-    unsigned seed = 7;
-    (void)state;
-    for (int round = 0; round < 40; round++) {
-        double distance = round % 4 == 0   ? 0
-                          : round % 4 == 1 ? 1
-                          : round % 4 == 2 ? .3
-                                           : 7;
-        uint32_t joined = 0, expected[COUNT];
-        struct ctl_weld weld;
-        for (int i = 0; i < COUNT * 3; i++) {
-            seed = seed * 1664525u + 1013904223u;
-            double value = (double)(seed >> 28) - 7;
-            x[i / 3][i % 3] = round < 20 ? value : value + (double)(seed >> 20 & 15) / 16;
-        }
-        for (uint32_t i = 0; i < COUNT; i++) {
-            expected[i] = i;
-            for (uint32_t j = 0; j < i && expected[i] == i; j++) {
-                double sum = 0;
-                for (int k = 0; k < 3; k++) {
-                    sum += (x[i][k] - x[j][k]) * (x[i][k] - x[j][k]);
-                }
-                if (expected[j] == j && sum <= distance * distance) {
-                    expected[i] = j;
-                    joined++;
-                }
-            }
-        }
-        const struct ctl_places places = {PCCD_FORMAT_F64, x, COUNT};
-        assert_int_equal(ctl_weld_begin(&weld, distance, &places, NULL, &error), PCCD_OK);
-        if (distance != .3) { /* whose square is not exact */
-            assert_int_equal(weld.joined, joined);
-            assert_memory_equal(weld.to, expected, sizeof expected);
-        }
-        ctl_weld_deinit(&weld);
-    }
 }
 
 /* ---- STL --------------------------------------------------------------------------- */
@@ -260,8 +187,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weld__joins_what_is_at_one_place_in_each_frame),
         cmocka_unit_test(weld__joins_what_is_as_near_as_was_asked_for),
-        cmocka_unit_test(weld__keeps_together_what_stays_together),
-        cmocka_unit_test(weld__finds_what_comparing_all_finds),
         cmocka_unit_test(weld__gives_stl_the_same_vertices_in_each_frame),
         cmocka_unit_test(weld__reads_pipes_once),
     };

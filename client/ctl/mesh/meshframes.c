@@ -15,8 +15,8 @@
 #include <sys/stat.h>
 
 #include "coordinates.h"
+#include "pccd.h"
 #include "progress.h"
-#include "weld.h"
 
 #define NAME_BYTES 64 /* of a frame within its file */
 
@@ -346,68 +346,82 @@ static int renumber(struct ctl_frames *frames, const uint32_t *to, uint32_t coun
     return PCCD_OK;
 }
 
+/* What the library has said of vertices at one place. */
+static int welded(const struct ctl_frames *frames, int status, struct ctl_error *error)
+{
+    const char *path = frames->shape_path, *why = pccd_error_text(NULL);
+    return status == PCCD_OK ? status : ctl_error_set(error, status, "%s: %s", path, why);
+}
+
+/* Where the corners of the shape's triangles are, as STL has them; NULL: no memory. */
+static float (*corners_of(const struct ctl_mesh *shape))[3]
+{
+    size_t count = (size_t)shape->triangles.count * 3;
+    const uint32_t *vertices = shape->triangles.vertices;
+    float(*x)[3] = malloc(count * sizeof *x + 1);
+    for (size_t i = 0; x != NULL && i < count; i++) {
+        memcpy(x[i], ((const float(*)[3])shape->x)[vertices[i]], sizeof *x);
+    }
+    return x;
+}
+
 static int split_corners(struct ctl_frames *frames, struct ctl_error *error)
 {
     const struct ctl_mesh *shape = &frames->shape;
     size_t corner_count = (size_t)shape->triangles.count * 3;
-    const uint32_t *vertices = shape->triangles.vertices;
-    uint32_t *to = malloc(corner_count * sizeof *to + 1), vertex_seen = 0;
-    uint32_t *first = malloc((size_t)shape->vertex_count * sizeof *first + 1);
-    struct ctl_weld weld = {.to = to};
-    int status = to == NULL || first == NULL || corner_count > CTL_MESH_COUNT_MAX
-                     ? no_memory(error)
-                     : PCCD_OK;
-    for (uint32_t i = 0; status == PCCD_OK && i < corner_count; i++) {
-        if (vertices[i] == vertex_seen) { /* they are numbered as they come */
-            first[vertex_seen++] = i;
-        }
-        to[i] = first[vertices[i]];
+    const struct pccd_mesh_data all = {.vertex_count = (uint32_t)corner_count};
+    struct pccd_weld_counts counts = {.joined = 0};
+    struct pccd_weld *weld = NULL;
+    float(*x)[3] = corner_count <= CTL_MESH_COUNT_MAX ? corners_of(shape) : NULL;
+    if (x == NULL) {
+        return no_memory(error);
     }
-    if (status == PCCD_OK) {
-        status = ctl_weld_begin_joined(&weld, to, (uint32_t)corner_count, error);
-    }
+    int status = pccd_weld_begin(&all, 0, false, &weld);
+    status = status == PCCD_OK ? pccd_weld_frame(weld, x, PCCD_FORMAT_F32) : status;
+    status = welded(frames, status, error);
+    free(x);
     for (uint32_t s = 1; s < frames->source_count && status == PCCD_OK; s++) {
         struct ctl_frames_source *source = &frames->sources[s];
         struct ctl_mesh corners = {0};
-        if (source->is_stl) {
-            status = read_corners(frames, source, &corners, error);
-            const struct ctl_places places = {corners.format, corners.x,
-                                              corners.vertex_count};
-            status = status == PCCD_OK ? ctl_weld_frame(&weld, &places, error) : status;
+        if (!source->is_stl) {
+            continue;
         }
-        if (status == PCCD_OK && source->is_stl && is_pipe(source->path)) {
+        status = read_corners(frames, source, &corners, error);
+        if (status == PCCD_OK) {
+            status = pccd_weld_frame(weld, corners.x, corners.format);
+            status = welded(frames, status, error);
+        }
+        if (status == PCCD_OK && is_pipe(source->path)) {
             take(&corners, &source->corners);
         }
         ctl_mesh_deinit(&corners);
     }
-    if (status == PCCD_OK && weld.joined < weld.first_joined) {
-        status = renumber(frames, weld.to, shape->triangles.count, error);
+    const uint32_t *to = pccd_weld_read(weld, &counts);
+    if (status == PCCD_OK && counts.apart > 0) {
+        status = renumber(frames, to, shape->triangles.count, error);
     }
-    free(first);
-    ctl_weld_deinit(&weld);
+    pccd_weld_end(weld);
     return status;
 }
 
 /* Part what moves apart in a later frame. */
-static int weld_frames(struct ctl_frames *frames, struct ctl_weld *weld,
-                       struct ctl_weld *near, struct ctl_error *error)
+static int weld_frames(struct ctl_frames *frames, struct pccd_weld *weld,
+                       struct pccd_weld_counts *counts, struct ctl_error *error)
 {
     int status = PCCD_OK;
     struct progress progress;
     progress_begin(&progress, "frames", frames->count);
-    for (uint32_t i = 1; i < frames->count && status == PCCD_OK && near->joined > 0;
+    for (uint32_t i = 1;
+         i < frames->count && status == PCCD_OK && counts->joined + counts->more > 0;
          i++) {
         struct ctl_mesh frame = {0};
         const struct ctl_mesh *held = &source_of(frames, i)->held;
         status = held->x == NULL ? read_frame(frames, i, &frame, error) : PCCD_OK;
         held = held->x == NULL ? &frame : held;
-        const struct ctl_places places = {held->format, held->x, held->vertex_count};
         if (status == PCCD_OK) {
-            status = ctl_weld_frame(near, &places, error);
+            status = welded(frames, pccd_weld_frame(weld, held->x, held->format), error);
         }
-        if (status == PCCD_OK && weld->to != NULL) {
-            status = ctl_weld_frame(weld, &places, error);
-        }
+        (void)pccd_weld_read(weld, counts);
         ctl_mesh_deinit(&frame);
         progress_update(&progress, i + 1);
     }
@@ -416,7 +430,7 @@ static int weld_frames(struct ctl_frames *frames, struct ctl_weld *weld,
 }
 
 /* Objects that touch there cannot meet there any more, so that is told. */
-static int count_between(const struct ctl_weld *weld, const struct ctl_mesh *shape,
+static int count_between(const uint32_t *to, const struct ctl_mesh *shape,
                          uint32_t *between, struct ctl_error *error)
 {
     uint32_t *objects = ctl_mesh_object_of_vertices(shape);
@@ -424,44 +438,73 @@ static int count_between(const struct ctl_weld *weld, const struct ctl_mesh *sha
         return no_memory(error);
     }
     for (uint32_t i = 0; i < shape->vertex_count; i++) {
-        *between += objects[i] != objects[weld->to[i]];
+        *between += objects[i] != objects[to[i]];
     }
     free(objects);
     return PCCD_OK;
 }
 
-/* Most files have no two vertices that are nearly at one place: one search tells. */
+static bool is_flat(const uint32_t corners[3])
+{
+    return corners[0] == corners[1] || corners[1] == corners[2] ||
+           corners[2] == corners[0];
+}
+
+/* The shape once more, with the vertices that stand for others. */
+static int rename_shape(struct ctl_frames *frames, const uint32_t *to,
+                        struct ctl_error *error)
+{
+    const struct ctl_mesh *shape = &frames->shape;
+    for (uint32_t kind = 0; kind < CTL_KINDS; kind++) {
+        const struct ctl_list *list = &shape->lists[kind];
+        size_t count = (size_t)list->count * (kind + 1);
+        uint32_t *vertices = malloc(count * sizeof *vertices + 1);
+        if (vertices == NULL) {
+            return no_memory(error);
+        }
+        for (size_t i = 0; i < count; i++) {
+            vertices[i] = to[list->vertices[i]];
+        }
+        frames->mesh.lists[kind] = *list;
+        frames->mesh.lists[kind].vertices = vertices;
+    }
+    for (size_t i = 0; i < (size_t)shape->triangles.count * 3; i += 3) {
+        frames->welded.flat += is_flat(frames->mesh.triangles.vertices + i) &&
+                               !is_flat(shape->triangles.vertices + i);
+    }
+    return PCCD_OK;
+}
+
 static int weld_shape(struct ctl_frames *frames, double distance, struct ctl_error *error)
 {
-    struct ctl_welded *welded = &frames->welded;
     const struct ctl_mesh *shape = &frames->shape;
-    const struct ctl_places places = {shape->format, shape->x, shape->vertex_count};
-    bool *is_used = ctl_weld_used(shape);
-    struct ctl_weld weld = {.to = NULL}, near = {.to = NULL};
-    int status = is_used != NULL ? PCCD_OK : no_memory(error);
-    if (status == PCCD_OK) {
-        welded->distance = distance > 0 ? distance : ctl_weld_closeness(&places, is_used);
-        status = ctl_weld_begin(&near, welded->distance, &places, is_used, error);
+    const struct pccd_mesh_data named = {
+        .vertex_count = shape->vertex_count,
+        .triangles = shape->triangles.vertices,
+        .triangle_count = shape->triangles.count,
+        .edges = shape->edges.vertices,
+        .edge_count = shape->edges.count,
+        .points = shape->points.vertices,
+        .point_count = shape->points.count,
+    };
+    struct pccd_weld_counts counts = {.joined = 0};
+    struct pccd_weld *weld = NULL;
+    int status = pccd_weld_begin(&named, distance, true, &weld);
+    status = status == PCCD_OK ? pccd_weld_frame(weld, shape->x, shape->format) : status;
+    const uint32_t *to = pccd_weld_read(weld, &counts);
+    status = status == PCCD_OK ? weld_frames(frames, weld, &counts, error)
+                               : welded(frames, status, error);
+    if (status == PCCD_OK && counts.joined > 0 && shape->object_count > 1) {
+        status = count_between(to, shape, &frames->welded.between, error);
     }
-    if (status == PCCD_OK && distance == 0 && near.joined > 0) {
-        status = ctl_weld_begin(&weld, 0, &places, is_used, error);
+    if (status == PCCD_OK && counts.joined > 0) {
+        status = rename_shape(frames, to, error);
     }
-    if (status == PCCD_OK) {
-        status = weld_frames(frames, &weld, &near, error);
-    }
-    const struct ctl_weld *chosen = distance > 0 ? &near : &weld;
-    welded->joined = chosen->joined;
-    welded->apart = chosen->first_joined - chosen->joined;
-    welded->more = near.joined - chosen->joined;
-    if (status == PCCD_OK && chosen->joined > 0 && shape->object_count > 1) {
-        status = count_between(chosen, shape, &welded->between, error);
-    }
-    if (status == PCCD_OK && chosen->joined > 0) {
-        status = ctl_weld_apply(chosen, shape, &frames->mesh, &welded->flat, error);
-    }
-    free(is_used);
-    ctl_weld_deinit(&weld);
-    ctl_weld_deinit(&near);
+    frames->welded.joined = counts.joined;
+    frames->welded.apart = counts.apart;
+    frames->welded.more = counts.more;
+    frames->welded.distance = distance > 0 ? distance : counts.more_distance;
+    pccd_weld_end(weld);
     return status;
 }
 
@@ -471,8 +514,10 @@ static void finish(struct ctl_frames *frames)
     struct ctl_mesh joined = frames->mesh;
     frames->mesh = frames->shape;
     frames->shape.x = NULL;
-    if (joined.triangles.vertices != NULL) {
-        memcpy(frames->mesh.lists, joined.lists, sizeof joined.lists);
+    for (int kind = 0; kind < CTL_KINDS; kind++) {
+        if (joined.lists[kind].vertices != NULL) {
+            frames->mesh.lists[kind] = joined.lists[kind];
+        }
     }
 }
 
