@@ -317,7 +317,77 @@ private:
     std::uint32_t id_;
 };
 
+// A shape as pccd.h has it.
+inline result<pccd_mesh_data> data_of(const shape &shape)
+{
+    const bool has_radii = !shape.radii.empty();
+    if (!shape.x.is_whole() || !shape.triangles.is_whole() || !shape.edges.is_whole() ||
+        !shape.points.is_whole() ||
+        (has_radii && shape.radii.size() != shape.x.count())) {
+        return error(PCCD_E_INVAL, "positions and triangles are groups of three, "
+                                   "edges of two, and each vertex has a radius");
+    }
+    pccd_mesh_data data{};
+    data.struct_bytes = sizeof data;
+    data.x = shape.x.data();
+    data.format = shape.x.format();
+    data.vertex_count = shape.x.count();
+    data.triangle_count = shape.triangles.count();
+    data.triangles = shape.triangles.data();
+    data.radii = has_radii ? shape.radii.data() : nullptr;
+    data.edges = shape.edges.data();
+    data.points = shape.points.data();
+    data.edge_count = shape.edges.count();
+    data.point_count = shape.points.count();
+    return data;
+}
+
 } // namespace detail
+
+// ---- vertices that are one ------------------------------------------------------------
+
+// Which vertices of a shape are one (pccd_weld.h): to[v] stands for v. The counts say
+// what became of the others.
+struct welded : pccd_weld_counts {
+    std::vector<std::uint32_t> to;
+};
+
+// Vertices of a shape that are at most `distance` apart, 0: at one place, in its own
+// positions and in `frames`. It needs no client.
+inline result<welded> try_weld(const shape &shape, view<const positions> frames = {},
+                               double distance = 0)
+{
+    result<pccd_mesh_data> data = detail::data_of(shape);
+    if (!data) {
+        return data.why();
+    }
+    pccd_weld *made = nullptr;
+    int status = pccd_weld_begin(&*data, distance, true, &made);
+    const std::unique_ptr<pccd_weld, decltype(&pccd_weld_end)> weld(made, pccd_weld_end);
+    if (status == PCCD_OK) {
+        status = pccd_weld_frame(made, data->x, data->format);
+    }
+    for (const positions &x : frames) {
+        if (!x.is_whole() || x.count() != shape.x.count()) {
+            return error(PCCD_E_INVAL, "frames have as many vertices as the shape");
+        }
+        if (status == PCCD_OK) {
+            status = pccd_weld_frame(made, x.data(), x.format());
+        }
+    }
+    if (status != PCCD_OK) {
+        return error(status, pccd_error_text(nullptr));
+    }
+    welded welded{};
+    const std::uint32_t *to = pccd_weld_read(made, &welded);
+    welded.to.assign(to, to + shape.x.count());
+    return welded;
+}
+inline welded weld(const shape &shape, view<const positions> frames = {},
+                   double distance = 0)
+{
+    return try_weld(shape, frames, distance).value();
+}
 
 // A registered mesh. Objects that were made of it stay when it goes.
 class mesh : public detail::handle<pccd_mesh_destroy> {
@@ -357,26 +427,11 @@ private:
     static result<done> put(const detail::shared_client &link, const shape &shape,
                             std::uint32_t *id, pccd_mesh_info *info)
     {
-        const bool has_radii = !shape.radii.empty();
-        if (!shape.x.is_whole() || !shape.triangles.is_whole() ||
-            !shape.edges.is_whole() || !shape.points.is_whole() ||
-            (has_radii && shape.radii.size() != shape.x.count())) {
-            return error(PCCD_E_INVAL, "positions and triangles are groups of three, "
-                                       "edges of two, and each vertex has a radius");
+        result<pccd_mesh_data> data = detail::data_of(shape);
+        if (!data) {
+            return data.why();
         }
-        pccd_mesh_data data{};
-        data.struct_bytes = sizeof data;
-        data.x = shape.x.data();
-        data.format = shape.x.format();
-        data.vertex_count = shape.x.count();
-        data.triangle_count = shape.triangles.count();
-        data.triangles = shape.triangles.data();
-        data.radii = has_radii ? shape.radii.data() : nullptr;
-        data.edges = shape.edges.data();
-        data.points = shape.points.data();
-        data.edge_count = shape.edges.count();
-        data.point_count = shape.points.count();
-        const int status = pccd_mesh_put(link.get(), &data, id, info);
+        const int status = pccd_mesh_put(link.get(), &*data, id, info);
         if (status != PCCD_OK) {
             return detail::last(link, status);
         }

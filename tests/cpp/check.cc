@@ -335,6 +335,29 @@ void check_motions(pccd::client &client)
     scene = std::move(gone);
 }
 
+// If it failed, what an exporter has split would stay apart in C++ alone, or be joined
+// where it comes apart.
+void check_weld()
+{
+    const std::vector<vec3> split = {{0, 0, 0},    {1, 0, 0}, {0, 1, 0},
+                                     {1, -0.0, 0}, {0, 1, 0}, {1, 1, 0}};
+    std::vector<vec3> later = split;
+    later[4].z = 1;
+    const pccd::positions frame = later;
+    const pccd::welded still = pccd::weld({split, faces});
+    const pccd::welded moved = pccd::weld({split, faces}, {&frame, 1});
+    tell(still.joined == 2 && still.to == std::vector<std::uint32_t>{0, 1, 2, 1, 2, 5} &&
+             moved.joined == 1 && moved.apart == 1 && moved.to[4] == 4 &&
+             moved.more_distance > 0 && moved.more == 0,
+         "weld__joins_what_stays_at_one_place");
+    const std::vector<vec3> few(split.begin(), split.begin() + 3);
+    const pccd::positions short_frame = few;
+    tell(pccd::try_weld({few, faces}).status() == PCCD_E_INDEX &&
+             pccd::try_weld({split, faces}, {&short_frame, 1}).status() == PCCD_E_INVAL &&
+             pccd::try_weld({split, faces}, {}, -1).status() == PCCD_E_INVAL,
+         "weld__says_what_is_wrong");
+}
+
 void check_all(pccd::client client)
 {
     check_step(client);
@@ -360,6 +383,7 @@ int main()
     check_all(*client);
     check_all(pccd::client("direct:"));
     check_order();
+    check_weld();
     std::printf("1..%d\n", count);
     return failed != 0;
 }
